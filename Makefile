@@ -1,0 +1,59 @@
+# Everything a newcomer needs: `make demo` runs the main job, `make test` the tests.
+# Both make .venv first, from requirements/*.lock (every download is checked against its hash).
+SHELL  := /bin/bash
+PYTHON ?= python3
+VENV   := .venv
+BIN    := $(VENV)/bin
+DEMO   ?= demo-output
+UV     := $(BIN)/uv --no-progress -q
+PYTEST := $(BIN)/python -m pytest
+
+.PHONY: help setup setup-dev demo test test-slow lint bench lock clean check-host
+
+help: ## what can be made
+	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 14
+
+check-host:
+	@PYTHON="$(PYTHON)" bash requirements/check_host.sh
+
+$(VENV)/.boot: requirements/bootstrap.lock | check-host
+	@echo "setup: making $(VENV)"
+	@$(PYTHON) -m venv --clear $(VENV)
+	@$(BIN)/python -m pip install -q --disable-pip-version-check --require-hashes -r requirements/bootstrap.lock
+	@touch $@
+
+$(VENV)/.run: $(VENV)/.boot requirements/run.lock pyproject.toml
+	@echo "setup: installing what knitbench runs on"
+	@VIRTUAL_ENV=$(VENV) $(UV) pip install --require-hashes --no-build-isolation-package noise -r requirements/run.lock
+	@VIRTUAL_ENV=$(VENV) $(UV) pip install --no-deps --no-build-isolation -e .
+	@touch $@
+
+$(VENV)/.dev: $(VENV)/.run requirements/dev.lock
+	@echo "setup: installing the tests' tools"
+	@VIRTUAL_ENV=$(VENV) $(UV) pip install --require-hashes --no-build-isolation-package noise -r requirements/dev.lock
+	@touch $@
+
+setup: $(VENV)/.run ## the environment alone (.venv)
+
+setup-dev: $(VENV)/.dev
+
+demo: $(VENV)/.run ## the main job, end to end: plan, run, compensate, diagnose, report
+	@$(BIN)/python -m testbench.demo -o $(DEMO)
+
+test: $(VENV)/.dev ## the default tests
+	@$(PYTEST) -n 2 $(ARGS)
+
+test-slow: $(VENV)/.dev ## the long tests
+	@$(PYTEST) -n 2 -m slow $(ARGS)
+
+lint: $(VENV)/.dev ## ruff, mypy, import-linter
+	@$(BIN)/ruff check . && $(BIN)/ruff format --check . && $(BIN)/mypy && $(BIN)/lint-imports
+
+bench: $(VENV)/.dev ## the benchmarks; each prints its own table
+	@for b in benchmarks/bench_*.py; do echo "== $$b"; $(BIN)/python $$b || exit 1; done
+
+lock: $(VENV)/.boot ## pin the dependencies again (hashes, no host names)
+	@bash requirements/lock.sh "$(BIN)/uv"
+
+clean: ## remove the environment and the demo's output
+	rm -rf $(VENV) $(DEMO)

@@ -1,0 +1,114 @@
+"""The frame of the three console commands: one file a sub-command, imported only when it is called.
+
+A sub-command is a module with ``SUMMARY`` (one line), ``EXAMPLE`` (shown under ``--help``),
+``add_arguments(parser)`` and ``run(args) -> int | None``. Heavy imports belong inside ``run``,
+so that ``--help`` answers at once.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import os
+import sys
+import time
+from collections.abc import Callable, Sequence
+from importlib.metadata import PackageNotFoundError, version
+from typing import NoReturn
+
+from gcode.support.errors import UserError, first_problem
+
+EXIT_BAD_INPUT = 2
+EXIT_INTERRUPTED = 130
+
+
+def knitbench_version() -> str:
+    """Version of the installed distribution; ``0+unknown`` when run from a bare source tree."""
+    try:
+        return version("knitbench")
+    except PackageNotFoundError:
+        return "0+unknown"
+
+
+class _Parser(argparse.ArgumentParser):
+    """argparse with one-line errors that say where help is."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(EXIT_BAD_INPUT, f"{self.prog}: error: {message} (see {self.prog} --help)\n")
+
+
+def build_parser(prog: str, description: str, package: str, commands: Sequence[str]) -> argparse.ArgumentParser:
+    """Build the parser of one console command from its sub-command modules."""
+    raw = argparse.RawDescriptionHelpFormatter
+    parser = _Parser(prog=prog, description=description, formatter_class=raw)
+    parser.add_argument("--version", action="version", version=f"knitbench {knitbench_version()}")
+    subparsers = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    for name in commands:
+        module = importlib.import_module(f"{package}.{name.replace('-', '_')}")
+        epilog = f"example:\n  {module.EXAMPLE}"
+        sub = subparsers.add_parser(
+            name, help=module.SUMMARY, description=module.SUMMARY, epilog=epilog, formatter_class=raw
+        )
+        module.add_arguments(sub)
+        sub.set_defaults(run=module.run, command=f"{prog} {name}")
+    return parser
+
+
+def main(prog: str, description: str, package: str, commands: Sequence[str], argv: Sequence[str] | None) -> int:
+    """Run one sub-command; bad input becomes one sentence on stderr and exit code 2."""
+    words = list(sys.argv[1:] if argv is None else argv)
+    # Only the called sub-command is imported; --help needs them all.
+    chosen = [words[0]] if words and words[0] in commands else list(commands)
+    args = build_parser(prog, description, package, chosen).parse_args(words)
+    try:
+        return int(args.run(args) or 0)
+    except UserError as error:
+        return _fail(args.command, str(error))
+    except KeyboardInterrupt:
+        print(f"{args.command}: interrupted", file=sys.stderr)
+        return EXIT_INTERRUPTED
+    except BrokenPipeError:
+        # The reader of our output (head, less) has gone; that is its right.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except OSError as error:
+        return _fail(args.command, f"{error.filename or 'system'}: {error.strerror or error}")
+    except ValueError as error:
+        if type(error).__name__ != "ValidationError":
+            raise
+        return _fail(args.command, first_problem(error))
+
+
+def _fail(command: str, message: str) -> int:
+    print(f"{command}: error: {message}", file=sys.stderr)
+    return EXIT_BAD_INPUT
+
+
+class Progress:
+    """A progress line on stderr with the time left; silent where nobody watches.
+
+    Parameters
+    ----------
+    label : str
+        What is being done.
+    total : int
+        Number of steps.
+    clock : callable
+        Monotonic seconds; injected by tests.
+    """
+
+    def __init__(self, label: str, total: int, clock: Callable[[], float] = time.monotonic) -> None:
+        self.label, self.total, self.done = label, max(total, 1), 0
+        self._clock, self._start = clock, clock()
+        self._live = sys.stderr.isatty()
+
+    def step(self, note: str = "") -> None:
+        """Count one step as done and redraw."""
+        self.done += 1
+        if not self._live:
+            return
+        elapsed = self._clock() - self._start
+        left = elapsed / self.done * (self.total - self.done)
+        end = "\n" if self.done >= self.total else ""
+        text = f"{self.label}: {self.done}/{self.total}, {left:.0f} s left {note}"
+        print(f"\r\x1b[K{text[:110]}", end=end, file=sys.stderr, flush=True)

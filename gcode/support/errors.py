@@ -1,0 +1,23 @@
+"""The one error that a user is meant to read."""
+
+from __future__ import annotations
+
+
+class UserError(ValueError):
+    """Bad input. The message says who, what is allowed, what came and what to do.
+
+    The command line prints it as one line and exits with 2; it never shows a traceback for it.
+    """
+
+
+def first_problem(error: Exception) -> str:
+    """Turn a pydantic ``ValidationError`` into one sentence: where, what is allowed, what came."""
+    details = getattr(error, "errors", None)
+    if details is None:
+        return str(error)
+    problem = details(include_url=False)[0]
+    where = ".".join(str(part) for part in problem["loc"]) or "value"
+    message = problem["msg"].removeprefix("Value error, ")
+    came = problem.get("input")
+    shown = f", got {came!r}" if isinstance(came, int | float | str | bool | type(None)) else ""
+    return f"{where}: {message}{shown}"

@@ -1,0 +1,47 @@
+"""From contact force to conductance."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
+
+
+def positive_part(x: FloatArray, softness: float) -> FloatArray:
+    """Smooth max(x, 0): contacts never press with less than nothing. Equal to x within softness^2 / x for large x."""
+    return 0.5 * (x + np.sqrt(x * x + 4 * softness * softness))
+
+
+class Contact(Effect):
+    """Holm's contact resistance of many yarn contacts, with a path beside and a path in series.
+
+    R_c = rho/2 sqrt(pi H / (n P)) = contact_resistance / sqrt(P / 1 N),   G = parallel + 1 / (series + R_c)
+
+    P = preload + contact force. `contact_resistance` gathers resistivity rho, hardness H and number n of contacts.
+
+    Source: Holm, Electric Contacts (1967), Eq. 4.10; Zhang et al., Measurement 44 (2011), knitted sensors.
+    Valid: plastic contacts (square root); conductance rises with stretch.
+    """
+
+    name = "contact"
+    stage = Stage.CONTACT
+    reads, writes = ("contact_force_N",), ("conductance_S",)
+    look = "conductance rises with force, fast at first"
+
+    contact_resistance_ohm: float = parameter(
+        4e5, unit="ohm", low=1e-3, high=1e10, scale="log", doc="contact resistance at 1 N"
+    )
+    parallel_S: float = parameter(
+        1e-7, unit="S", low=1e-12, high=1e2, scale="log", doc="conductance of the path that needs no contact"
+    )
+    series_ohm: float = parameter(
+        1e4, unit="ohm", low=1e-4, high=1e9, scale="log", doc="resistance of yarn and leads in series"
+    )
+    preload_N: float = parameter(
+        0.2, unit="N", low=1e-3, high=100, scale="log", doc="contact force of the resting knit"
+    )
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        pressing_N = positive_part(self.preload_N + signals["contact_force_N"], 0.1 * self.preload_N)
+        contact_ohm = self.contact_resistance_ohm / np.sqrt(pressing_N)
+        return {"conductance_S": self.parallel_S + 1.0 / (self.series_ohm + contact_ohm)}

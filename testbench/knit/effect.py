@@ -1,0 +1,156 @@
+"""An effect: one physical idea, one class, all data in and all data out.
+
+A signal is a whole array on a uniform time grid. An effect reads some signals and returns new arrays for the
+ones it writes; it keeps no state between calls and changes nothing in place. Adding an effect to knitbench
+takes one class, one line in `catalogue.py`, and no test: the laws in ``tests/testbench/knit/test_laws.py``
+hold for every registered effect.
+
+Signals by stage
+----------------
+=========== ============================================================== =========================
+stage       what happens                                                   may write
+=========== ============================================================== =========================
+KINEMATICS  what strain the knit really sees: backlash, slip, set          ``strain``
+MECHANICS   force the knit answers with                                    ``force_N``
+PRESSURE    force that presses the contacts (starts as ``force_N``)        ``contact_force_N``
+CONTACT     contact force (and strain) to conductance                      ``conductance_S``
+ELECTRICAL  what happens to the conductance afterwards                     ``conductance_S``
+READOUT     what the instruments make of it                                ``force_N``, ``conductance_S``
+=========== ============================================================== =========================
+
+Always there to be read: ``time_s``, ``strain_nominal`` (displacement / gauge length) and, where it was
+measured, ``temperature_C``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from enum import IntEnum
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, Field
+from pydantic.fields import FieldInfo
+
+FloatArray = NDArray[np.float64]
+Signals = Mapping[str, FloatArray]
+
+
+class Stage(IntEnum):
+    """Where in the signal chain an effect acts; the order of the stages is the order of the physics."""
+
+    KINEMATICS = 0
+    MECHANICS = 1
+    PRESSURE = 2
+    CONTACT = 3
+    ELECTRICAL = 4
+    READOUT = 5
+
+
+def parameter(
+    default: float | tuple[float, ...],
+    *,
+    unit: str,
+    low: float,
+    high: float,
+    doc: str,
+    scale: str = "linear",
+    source: str = "",
+) -> Any:
+    """Declare one parameter of an effect: value, unit, bounds, scale, meaning, source, in one place.
+
+    Validation, fit bounds, JSON schema, command-line help and the web form all read this declaration.
+
+    Parameters
+    ----------
+    default : float or tuple of float
+        Value when nothing is said; a tuple declares a vector whose entries share unit and bounds.
+    unit : str
+        SI symbol; ``"1"`` for dimensionless.
+    low, high : float
+        Inclusive bounds. A fit stays within; a value outside is refused.
+    scale : {"linear", "log"}
+        How a fit should step; ``"log"`` needs ``low > 0``.
+    doc, source : str
+        What it means, and where its usual value comes from.
+    """
+    extra = {"unit": unit, "low": low, "high": high, "scale": scale, "source": source}
+    if isinstance(default, tuple):
+        return Field(default=default, description=doc, json_schema_extra=extra)  # type: ignore[arg-type]
+    return Field(default=default, ge=low, le=high, description=doc, json_schema_extra=extra)  # type: ignore[arg-type]
+
+
+class Effect(BaseModel):
+    """Base of all effects. See the module's docstring for what a subclass declares.
+
+    Class attributes
+    ----------------
+    name : str
+        The catalogue's name; snake_case.
+    stage : Stage
+    reads, writes : tuple of str
+        Signals by name. ``apply`` may use only what it reads and must return exactly what it writes.
+    strength : str
+        The parameter whose value 0 makes the effect the identity; ``""`` for laws that have no such parameter
+        (an elastic law cannot be absent).
+    idea : str
+        Name of the physical idea; several forms of one idea (classes) share it. Empty: the same as `name`.
+    look : str
+        What a person sees in the data when this effect is there, in one plain sentence.
+    optional_reads : tuple of str
+        Signals used where present (``temperature_C``).
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    name: ClassVar[str] = ""
+    stage: ClassVar[Stage]
+    reads: ClassVar[tuple[str, ...]]
+    writes: ClassVar[tuple[str, ...]]
+    strength: ClassVar[str] = ""
+    idea: ClassVar[str] = ""
+    look: ClassVar[str] = ""
+    optional_reads: ClassVar[tuple[str, ...]] = ()
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        """Return new arrays for the signals in `writes`.
+
+        Parameters
+        ----------
+        signals : mapping of str to ndarray, each shape (n,)
+            Read-only; on a uniform grid.
+        dt_s : float
+            Grid step in seconds.
+        """
+        raise NotImplementedError
+
+    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
+        """A start for a fit, made from measured signals (``force_N``, ``conductance_S``, ``strain``); default: self."""
+        return self
+
+    def model_post_init(self, _context: Any) -> None:
+        for key, field in type(self).model_fields.items():
+            check_bounds(type(self), key, field, getattr(self, key))
+
+    def replaced(self, **changes: Any) -> Effect:
+        """A copy with some parameters changed, validated."""
+        return type(self).model_validate({**self.model_dump(), **changes})
+
+
+def check_bounds(owner: type[Effect], key: str, field: FieldInfo, value: Any) -> None:
+    """Check vector entries too (pydantic's own bounds cover scalars)."""
+    if not isinstance(value, tuple):
+        return
+    extra = bounds_of(field)
+    for index, entry in enumerate(value):
+        if not extra["low"] <= entry <= extra["high"]:
+            allowed = f"[{extra['low']:g}, {extra['high']:g}]"
+            raise ValueError(f"{owner.name}.{key}[{index}] must be in {allowed}, got {entry:g}")
+
+
+def bounds_of(field: FieldInfo) -> dict[str, Any]:
+    """Unit, bounds, scale and source as declared by `parameter`."""
+    extra = field.json_schema_extra
+    assert isinstance(extra, dict), "declare effect parameters with parameter(...)"
+    return extra

@@ -1,0 +1,41 @@
+"""Rate-independent memory of the yarn-to-yarn friction."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
+
+# Relative break-away strains of the slip elements: a wide, fixed distribution whose scale is a parameter.
+SPREAD = np.geomspace(0.15, 2.5, 6)
+
+
+class Hysteresis(Effect):
+    """Friction between the yarns: a Prandtl-Ishlinskii (Maxwell-slip) sum of stop operators.
+
+    F += friction * (1 + growth e) * mean_k( stop_k(e) / r_k ),   stop_r(e) = e - play_r(e),   r_k = threshold * spread_k
+
+    Source: Kuhnen, Eur. J. Control 9 (2003) 407, Eqs. 4-9; Iwan, J. Appl. Mech. 33 (1966) 893.
+    Valid: slow, rate-independent friction. `growth` lets the loops widen with strain as normal forces rise.
+    """
+
+    name = "hysteresis"
+    stage = Stage.MECHANICS
+    reads, writes = ("strain", "force_N"), ("force_N",)
+    strength = "friction_N"
+    look = "force is higher while stretching than while releasing, at any speed"
+
+    friction_N: float = parameter(0.3, unit="N", low=0, high=100, doc="friction force when every element slips")
+    threshold: float = parameter(
+        0.02, unit="1", low=5e-4, high=0.5, scale="log", doc="strain after a reversal at which slip is under way"
+    )
+    growth: float = parameter(0.0, unit="1", low=-1, high=30, doc="relative growth of friction per unit strain")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        from testbench.knit.kernels import play
+
+        e = signals["strain"]
+        r = self.threshold * SPREAD
+        slip = ((e - play(e, r)) / r[:, None]).mean(axis=0)
+        width = np.maximum(1 + self.growth * e, 0.0)
+        return {"force_N": signals["force_N"] + self.friction_N * width * slip}

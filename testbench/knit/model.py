@@ -1,0 +1,183 @@
+"""KnitModel: an ordered set of named effects that turns a motion into force and conductance."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from gcode.support.errors import UserError
+from testbench.knit.effect import Effect, FloatArray, Signals, Stage
+
+FORMAT = "knitbench-model"
+FORMAT_VERSION = 1
+
+
+@dataclass(frozen=True)
+class KnitModel:
+    """Ordered, named effects.
+
+    Attributes
+    ----------
+    effects : mapping of str to Effect
+        In the order of application. The key is the effect's name in this model: the catalogue's name, or
+        ``name_2`` for a second instance of the same effect.
+    """
+
+    effects: Mapping[str, Effect] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, *effects: Effect) -> KnitModel:
+        """Build a model from effects, each put at the end of its stage."""
+        model = cls()
+        for effect in effects:
+            model = model.plus(effect)
+        return model
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.effects)
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.effects
+
+    def __getitem__(self, name: str) -> Effect:
+        try:
+            return self.effects[name]
+        except KeyError:
+            raise UserError(f"the model has no effect {name}; it has {', '.join(self.effects)}") from None
+
+    def plus(self, effect: Effect, name: str | None = None) -> KnitModel:
+        """A model with `effect` at the end of its stage."""
+        name = name or self._free_name(effect.name)
+        if name in self.effects:
+            raise UserError(f"the model already has an effect {name}")
+        items = [*self.effects.items(), (name, effect)]
+        return KnitModel(dict(sorted(items, key=lambda item: item[1].stage)))  # sorted() is stable
+
+    __add__ = plus
+
+    def _free_name(self, base: str) -> str:
+        name, number = base, 1
+        while name in self.effects:
+            number += 1
+            name = f"{base}_{number}"
+        return name
+
+    def without(self, name: str) -> KnitModel:
+        """A model without the effect called `name`."""
+        self[name]
+        return KnitModel({key: value for key, value in self.effects.items() if key != name})
+
+    def replacing(self, name: str, effect: Effect) -> KnitModel:
+        """A model in which the effect called `name` is exchanged for `effect`, in its place."""
+        self[name]
+        return KnitModel({key: effect if key == name else value for key, value in self.effects.items()})
+
+    def with_parameters(self, values: Mapping[str, Any]) -> KnitModel:
+        """A model with parameters changed, addressed as ``effect.parameter`` or, in a vector, ``effect.parameter[2]``."""
+        changes: dict[str, dict[str, Any]] = {}
+        for address, value in values.items():
+            effect_name, _, key = address.partition(".")
+            change = changes.setdefault(effect_name, {})
+            base, bracket, index = key.partition("[")
+            if bracket:
+                vector = list(change.get(base, getattr(self[effect_name], base)))
+                vector[int(index.rstrip("]"))] = value
+                change[base] = tuple(vector)
+            else:
+                change[base] = value
+        effects = dict(self.effects)
+        for effect_name, change in changes.items():
+            effects[effect_name] = self[effect_name].replaced(**change)
+        return KnitModel(effects)
+
+    def simulate(self, signals: Signals, dt_s: float, cache: SimulationCache | None = None) -> dict[str, FloatArray]:
+        """Run every effect in order.
+
+        Parameters
+        ----------
+        signals : mapping of str to ndarray, each shape (n,)
+            At least ``strain_nominal``; see `inputs`.
+        dt_s : float
+            Grid step in seconds.
+        cache : SimulationCache, optional
+            Keeps the signals after each effect, so that a run with a changed parameter starts at that effect.
+
+        Returns
+        -------
+        dict of str to ndarray
+            All signals, among them ``strain``, ``force_N``, ``conductance_S`` as far as the model makes them.
+        """
+        state, todo = (cache or SimulationCache()).resume(self, signals)
+        for name, effect in todo:
+            if effect.stage >= Stage.PRESSURE and "contact_force_N" not in state and "force_N" in state:
+                state["contact_force_N"] = state["force_N"]
+            check_wiring(name, effect, state)
+            state.update(effect.apply(state, dt_s))
+            if cache is not None:
+                cache.keep(effect, state)
+        return state
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready form: format, version and the effects in order with their parameters."""
+        effects = [
+            {"name": name, "effect": effect.name, "parameters": effect.model_dump(mode="json")}
+            for name, effect in self.effects.items()
+        ]
+        return {"format": FORMAT, "version": FORMAT_VERSION, "effects": effects}
+
+
+class SimulationCache:
+    """Signals after each effect of the last run over the same inputs."""
+
+    def __init__(self) -> None:
+        self._effects: list[Effect] = []
+        self._states: list[dict[str, FloatArray]] = []
+        self._inputs: Signals | None = None
+
+    def resume(self, model: KnitModel, inputs: Signals) -> tuple[dict[str, FloatArray], list[tuple[str, Effect]]]:
+        """State to start from, and the effects that are still to be applied."""
+        items = list(model.effects.items())
+        if inputs is not self._inputs:
+            self._inputs, self._effects, self._states = inputs, [], []
+        same = 0
+        while same < min(len(items), len(self._effects)) and (
+            items[same][1] is self._effects[same] or items[same][1] == self._effects[same]
+        ):
+            same += 1
+        del self._effects[same:], self._states[same:]
+        state = dict(self._states[-1]) if same else dict(inputs)
+        return state, items[same:]
+
+    def keep(self, effect: Effect, state: dict[str, FloatArray]) -> None:
+        """Remember the signals after `effect`."""
+        self._effects.append(effect)
+        self._states.append(dict(state))
+
+
+def check_wiring(name: str, effect: Effect, state: Mapping[str, FloatArray]) -> None:
+    """Refuse an effect whose inputs no earlier effect makes."""
+    missing = [signal for signal in effect.reads if signal not in state]
+    if missing:
+        raise UserError(
+            f"effect {name} reads {', '.join(missing)}, which nothing before it makes; put a law for it in the model"
+        )
+
+
+def inputs(
+    time_s: FloatArray, strain_nominal: FloatArray, temperature_C: FloatArray | None = None
+) -> dict[str, FloatArray]:
+    """The signals a simulation starts from, on a uniform grid that starts at zero.
+
+    ``strain`` starts as the nominal strain; kinematic effects change it.
+    """
+    signals = {
+        "time_s": np.asarray(time_s - time_s[0], dtype=np.float64),
+        "strain_nominal": np.asarray(strain_nominal, dtype=np.float64),
+        "strain": np.asarray(strain_nominal, dtype=np.float64),
+    }
+    if temperature_C is not None:
+        signals["temperature_C"] = np.asarray(temperature_C, dtype=np.float64)
+    return signals

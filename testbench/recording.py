@@ -1,0 +1,124 @@
+"""A recording: time and named channels, exactly as sampled.
+
+File format ``recording.csv``: header ``time_s,displacement_mm,force_N,resistance_ohm`` plus optional channels
+(``temperature_C``). Rows are as sampled: jittered, never resampled. ``force_N`` or ``resistance_ohm`` may be absent.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcode.support.errors import UserError
+
+FloatArray = NDArray[np.float64]
+
+TIME, DISPLACEMENT, FORCE, RESISTANCE = "time_s", "displacement_mm", "force_N", "resistance_ohm"
+TEMPERATURE = "temperature_C"
+UNITS = {TIME: "s", DISPLACEMENT: "mm", FORCE: "N", RESISTANCE: "ohm", TEMPERATURE: "degC"}
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Time and named channels of one run.
+
+    Attributes
+    ----------
+    time_s : ndarray, shape (n,)
+        Sample times, strictly increasing.
+    channels : mapping of str to ndarray, each shape (n,)
+        ``displacement_mm`` always; ``force_N`` and ``resistance_ohm`` where measured; others by name and unit.
+    gauge_length_mm : float
+        Length of the unstretched sensor between the clamps.
+    source : str
+        File or campaign it came from; used in error messages.
+    metadata : mapping
+        Anything else that is known (sensor, seed, trajectory).
+    """
+
+    time_s: FloatArray
+    channels: Mapping[str, FloatArray]
+    gauge_length_mm: float
+    source: str = "recording"
+    metadata: Mapping[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        from testbench.recording_checks import check_recording
+
+        check_recording(self)
+
+    def __len__(self) -> int:
+        return len(self.time_s)
+
+    def __getitem__(self, name: str) -> FloatArray:
+        try:
+            return self.channels[name]
+        except KeyError:
+            have = ", ".join(self.channels)
+            raise UserError(f"{self.source}: no channel {name}; it has {have}") from None
+
+    def has(self, name: str) -> bool:
+        """Whether the channel `name` was recorded."""
+        return name in self.channels
+
+    @cached_property
+    def strain(self) -> FloatArray:
+        """Nominal strain: displacement over gauge length (dimensionless)."""
+        return self[DISPLACEMENT] / self.gauge_length_mm
+
+    @cached_property
+    def conductance_S(self) -> FloatArray:
+        """Conductance G = 1/R in siemens."""
+        return 1.0 / self[RESISTANCE]
+
+    @property
+    def duration_s(self) -> float:
+        """From the first to the last sample."""
+        return float(self.time_s[-1] - self.time_s[0])
+
+    @property
+    def mean_rate_hz(self) -> float:
+        """Mean sampling rate."""
+        return (len(self) - 1) / self.duration_s
+
+    def between(self, start_s: float, end_s: float) -> Recording:
+        """The samples with ``start_s <= time_s < end_s``; time is kept as it was."""
+        rows = (self.time_s >= start_s) & (self.time_s < end_s)
+        return replace(
+            self,
+            time_s=self.time_s[rows],
+            channels={name: values[rows] for name, values in self.channels.items()},
+        )
+
+    def resampled(self, rate_hz: float) -> Recording:
+        """Linear interpolation on a uniform grid at `rate_hz`, starting at the first sample."""
+        count = int(np.floor(self.duration_s * rate_hz * (1 + 1e-12))) + 1
+        grid = self.time_s[0] + np.arange(count) / rate_hz
+        channels = {name: np.interp(grid, self.time_s, values) for name, values in self.channels.items()}
+        return replace(self, time_s=grid, channels=channels)
+
+
+def read_recording(path: str | Path, gauge_length_mm: float | None = None) -> Recording:
+    """Read a recording from a CSV or a campaign folder.
+
+    Parameters
+    ----------
+    path : path
+        A ``recording.csv`` or a folder with a ``datapackage.json``.
+    gauge_length_mm : float, optional
+        Needed for a bare CSV; a campaign knows its own.
+
+    Raises
+    ------
+    UserError
+        If the file is missing or malformed; the message names the file, the row and the remedy.
+    """
+    from testbench.recording_files import load
+
+    return load(Path(path), gauge_length_mm)

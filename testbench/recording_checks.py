@@ -1,0 +1,66 @@
+"""What makes a recording usable, checked once, in words that name the row and the remedy."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gcode.support.errors import UserError
+
+if TYPE_CHECKING:
+    from testbench.recording import Recording
+
+HEADER_ROWS = 2  # row numbers in messages count from 1 and the header is row 1
+
+
+def check_recording(recording: Recording) -> None:
+    """Raise `UserError` unless time increases, every value is finite and lengths agree."""
+    source = recording.source
+    gauge_mm = recording.gauge_length_mm
+    if not (np.isfinite(gauge_mm) and gauge_mm > 0):
+        raise UserError(f"{source}: the gauge length must be a positive number of mm, got {gauge_mm}")
+    if len(recording.time_s) < 2:
+        raise UserError(f"{source}: a recording needs at least 2 samples, got {len(recording.time_s)}")
+    if "displacement_mm" not in recording.channels:
+        have = ", ".join(recording.channels) or "none"
+        raise UserError(f"{source}: no column displacement_mm (found: {have}); name yours with `testbench import`")
+    _check_time(source, recording.time_s)
+    for name, values in recording.channels.items():
+        if len(values) != len(recording.time_s):
+            raise UserError(f"{source}: {name} has {len(values)} samples, time_s has {len(recording.time_s)}")
+        _check_finite(source, name, values)
+    if "resistance_ohm" in recording.channels:
+        _check_positive(source, "resistance_ohm", recording.channels["resistance_ohm"])
+
+
+def _check_time(source: str, time_s: np.ndarray) -> None:
+    _check_finite(source, "time_s", time_s)
+    backwards = np.flatnonzero(np.diff(time_s) <= 0)
+    if backwards.size:
+        row = int(backwards[0]) + 1
+        came = f"{time_s[row]:g} s after {time_s[row - 1]:g} s"
+        raise UserError(
+            f"{source}: row {row + HEADER_ROWS}: time must increase, got {came}; "
+            "`testbench import --sort` puts rows in order and drops repeated times"
+        )
+
+
+def _check_finite(source: str, name: str, values: np.ndarray) -> None:
+    bad = np.flatnonzero(~np.isfinite(values))
+    if bad.size:
+        row = int(bad[0]) + HEADER_ROWS
+        raise UserError(
+            f"{source}: row {row}: {name} is {values[bad[0]]}, {bad.size} such rows; "
+            "`testbench import --drop-bad` leaves them out"
+        )
+
+
+def _check_positive(source: str, name: str, values: np.ndarray) -> None:
+    bad = np.flatnonzero(values <= 0)
+    if bad.size:
+        row = int(bad[0]) + HEADER_ROWS
+        raise UserError(
+            f"{source}: row {row}: {name} must be positive, got {values[bad[0]]:g}, {bad.size} such rows; "
+            "`testbench import --drop-bad` leaves them out"
+        )
