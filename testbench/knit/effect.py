@@ -126,7 +126,7 @@ class Effect(BaseModel):
         raise NotImplementedError
 
     def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
-        """A start for a fit, made from measured signals (``force_N``, ``conductance_S``, ``strain``); default: self."""
+        """A start for a fit, made from measured ``force_N``, ``conductance_S`` and ``strain``."""
         return self
 
     def model_post_init(self, _context: Any) -> None:

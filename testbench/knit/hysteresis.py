@@ -13,7 +13,8 @@ SPREAD = np.geomspace(0.15, 2.5, 6)
 class Hysteresis(Effect):
     """Friction between the yarns: a Prandtl-Ishlinskii (Maxwell-slip) sum of stop operators.
 
-    F += friction * (1 + growth e) * mean_k( stop_k(e) / r_k ),   stop_r(e) = e - play_r(e),   r_k = threshold * spread_k
+    F += friction * (1 + growth e) * mean_k( stop_k(e) / r_k )
+    stop_r(e) = e - play_r(e),   r_k = threshold * spread_k
 
     Source: Kuhnen, Eur. J. Control 9 (2003) 407, Eqs. 4-9; Iwan, J. Appl. Mech. 33 (1966) 893.
     Valid: slow, rate-independent friction. `growth` lets the loops widen with strain as normal forces rise.

@@ -10,10 +10,8 @@ from numba import njit
 
 from testbench.knit.effect import FloatArray
 
-_OPTIONS = {"cache": True, "nogil": True}
 
-
-@njit("float64[:,:](float64[:], float64[:])", **_OPTIONS)
+@njit("float64[:,:](float64[:], float64[:])", cache=True, nogil=True)
 def play(x: FloatArray, thresholds: FloatArray) -> FloatArray:
     """Play (backlash) operators, started at rest at ``x[0]``.
 
@@ -40,7 +38,7 @@ def play(x: FloatArray, thresholds: FloatArray) -> FloatArray:
     return out
 
 
-@njit("float64[:](float64[:])", **_OPTIONS)
+@njit("float64[:](float64[:])", cache=True, nogil=True)
 def running_max(x: FloatArray) -> FloatArray:
     """Largest value so far, shape (n,)."""
     out = np.empty_like(x)

@@ -76,7 +76,7 @@ class KnitModel:
         return KnitModel({key: effect if key == name else value for key, value in self.effects.items()})
 
     def with_parameters(self, values: Mapping[str, Any]) -> KnitModel:
-        """A model with parameters changed, addressed as ``effect.parameter`` or, in a vector, ``effect.parameter[2]``."""
+        """A model with parameters changed: ``effect.parameter``, in a vector ``effect.parameter[2]``."""
         changes: dict[str, dict[str, Any]] = {}
         for address, value in values.items():
             effect_name, _, key = address.partition(".")
