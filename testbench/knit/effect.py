@@ -100,6 +100,9 @@ class Effect(BaseModel):
         What a person sees in the data when this effect is there, in one plain sentence.
     optional_reads : tuple of str
         Signals used where present (``temperature_C``).
+    nonlinear : bool
+        The response has a threshold (a gap, a clipping level), so a small strength says little about a large one:
+        try a grid of magnitudes instead of a finite difference at zero.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
@@ -112,6 +115,7 @@ class Effect(BaseModel):
     idea: ClassVar[str] = ""
     look: ClassVar[str] = ""
     optional_reads: ClassVar[tuple[str, ...]] = ()
+    nonlinear: ClassVar[bool] = False
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         """Return new arrays for the signals in `writes`.

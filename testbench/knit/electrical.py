@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from testbench.knit.damage import cycled_strain
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
+from testbench.knit.filters import shifted
+from testbench.knit.hysteresis import mean_slip
 
 
 class Drift(Effect):
@@ -28,3 +31,126 @@ class Drift(Effect):
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         decades = np.log1p(signals["time_s"] / self.tau_s) / np.log(10)
         return {"conductance_S": signals["conductance_S"] * 10 ** (self.per_decade * decades)}
+
+
+class DriftExponential(Effect):
+    """Drift of the conductance that comes to an end.
+
+    ln G += amount * (1 - exp(-t / tau))
+
+    Source: first-order approach to a new equilibrium (moisture, relaxation of a mounting).
+    Valid: one dominating process.
+    """
+
+    name = "drift_exponential"
+    idea = "drift"
+    stage = Stage.ELECTRICAL
+    reads, writes = ("time_s", "conductance_S"), ("conductance_S",)
+    strength = "amount"
+    look = "conductance creeps in one direction and stops"
+
+    amount: float = parameter(0.1, unit="1", low=-3, high=3, doc="change of ln G in the end")
+    tau_s: float = parameter(300.0, unit="s", low=1, high=1e5, scale="log", doc="time in which 63 % of it is done")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        done = -np.expm1(-signals["time_s"] / self.tau_s)
+        return {"conductance_S": shifted(signals["conductance_S"], self.amount * done)}
+
+
+class DriftPower(Effect):
+    """Drift of the conductance with a power of time: straight for 1, diffusive for 1/2.
+
+    ln G += per_hour * (t / 1 h)^exponent
+
+    Source: Crank, The Mathematics of Diffusion (1975), section 4.3 (exponent 1/2: uptake of moisture at short times).
+    Valid: far from the end of the process.
+    """
+
+    name = "drift_power"
+    idea = "drift"
+    stage = Stage.ELECTRICAL
+    reads, writes = ("time_s", "conductance_S"), ("conductance_S",)
+    strength = "per_hour"
+    look = "conductance creeps on and on in one direction"
+
+    per_hour: float = parameter(0.1, unit="1", low=-5, high=5, doc="change of ln G in the first hour")
+    exponent: float = parameter(1.0, unit="1", low=0.2, high=1.5, doc="1: linear; 0.5: diffusion")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        hours = (signals["time_s"] / 3600) ** self.exponent
+        return {"conductance_S": shifted(signals["conductance_S"], self.per_hour * hours)}
+
+
+class CoatingWear(Effect):
+    """Rubbing yarns wear their conductive coating off: conductance falls with the path they rub.
+
+    ln G -= loss * path / 100,   path = integral of |de|
+
+    Source: Archard, J. Appl. Phys. 24 (1953) 981 (wear volume in proportion to the sliding path).
+    Valid: thick coating, constant load.
+    """
+
+    name = "coating_wear"
+    idea = "coating_damage"
+    stage = Stage.ELECTRICAL
+    reads, writes = ("strain", "conductance_S"), ("conductance_S",)
+    strength = "loss"
+    look = "conductance falls with every cycle, not in a rest"
+
+    loss: float = parameter(0.05, unit="1", low=0, high=20, doc="fall of ln G in 100 units of strain path")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        worn = cycled_strain(signals) / 100
+        return {"conductance_S": shifted(signals["conductance_S"], -self.loss * worn)}
+
+
+class CoatingCracks(Effect):
+    """Each new largest stretch cracks the coating further; the cracks stay.
+
+    ln G -= loss * (m - m(0)),   m = largest strain so far
+
+    Source: irreversible channel cracks of brittle films on stretched substrates (Leterrier, Prog. Mater. Sci. 48
+    (2003) 1); proportionality is the simplest law.
+    Valid: first stretches.
+    """
+
+    name = "coating_cracks"
+    idea = "coating_damage"
+    stage = Stage.ELECTRICAL
+    reads, writes = ("strain", "conductance_S"), ("conductance_S",)
+    strength = "loss"
+    look = "conductance falls for good at each new largest stretch, force does not"
+
+    loss: float = parameter(0.5, unit="1", low=0, high=20, doc="fall of ln G per unit of largest strain")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        from testbench.knit.kernels import running_max
+
+        top = running_max(signals["strain"])
+        return {"conductance_S": shifted(signals["conductance_S"], -self.loss * (top - top[0]))}
+
+
+class ElectricalHysteresis(Effect):
+    """The conductance remembers the direction: friction of the contacts that the force does not show.
+
+    ln G += gain * mean_k( stop_k(e) / r_k ),   r_k = threshold * spread_k
+
+    Source: Kuhnen, Eur. J. Control 9 (2003) 407, Eqs. 4-9.
+    Valid: rate-independent; driven by strain, where `contact_hysteresis` is driven by force.
+    """
+
+    name = "electrical_hysteresis"
+    idea = "contact_hysteresis"
+    stage = Stage.ELECTRICAL
+    reads, writes = ("strain", "conductance_S"), ("conductance_S",)
+    strength = "gain"
+    look = "conductance over strain is a loop, at any speed, wider (or narrower) than the force's"
+
+    gain: float = parameter(0.05, unit="1", low=-3, high=3, doc="shift of ln G when every element slips")
+    threshold: float = parameter(
+        0.02, unit="1", low=5e-4, high=0.5, scale="log", doc="strain after a reversal at which slip is under way"
+    )
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        slip = mean_slip(signals["strain"], self.threshold)
+        return {"conductance_S": shifted(signals["conductance_S"], self.gain * slip)}

@@ -10,6 +10,14 @@ from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 SPREAD = np.geomspace(0.15, 2.5, 6)
 
 
+def mean_slip(x: FloatArray, threshold: float) -> FloatArray:
+    """Mean of the slip elements' relative deflections, in [-1, 1]: -1 or 1 when all slip, 0 at the start."""
+    from testbench.knit.kernels import play
+
+    r = threshold * SPREAD
+    return np.asarray(((x - play(x, r)) / r[:, None]).mean(axis=0))
+
+
 class Hysteresis(Effect):
     """Friction between the yarns: a Prandtl-Ishlinskii (Maxwell-slip) sum of stop operators.
 
@@ -33,10 +41,41 @@ class Hysteresis(Effect):
     growth: float = parameter(0.0, unit="1", low=-1, high=30, doc="relative growth of friction per unit strain")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        from testbench.knit.kernels import play
+        e = signals["strain"]
+        width = np.maximum(1 + self.growth * e, 0.0)
+        return {"force_N": signals["force_N"] + self.friction_N * width * mean_slip(e, self.threshold)}
+
+
+class HysteresisBoucWen(Effect):
+    """Friction between the yarns as one smooth hysteretic variable (Bouc-Wen, exponent 1).
+
+    F += friction * (1 + growth e) * z
+    dz/de = (1 - (1 - skew) sgn(de) z - skew |z|) / threshold
+
+    `skew` 0 is Dahl's friction; 1 makes unloading elastic.
+
+    Source: Wen, J. Eng. Mech. Div. ASCE 102 (1976) 249.
+    Valid: slow, rate-independent friction.
+    """
+
+    name = "hysteresis_bouc_wen"
+    idea = "hysteresis"
+    stage = Stage.MECHANICS
+    reads, writes = ("strain", "force_N"), ("force_N",)
+    strength = "friction_N"
+    look = "force is higher while stretching than while releasing, with smooth corners"
+
+    friction_N: float = parameter(0.3, unit="N", low=0, high=100, doc="friction force when fully slipping")
+    threshold: float = parameter(
+        0.02, unit="1", low=5e-4, high=0.5, scale="log", doc="strain in which the friction turns over"
+    )
+    skew: float = parameter(0.3, unit="1", low=0, high=0.9, doc="how much stiffer unloading is than loading")
+    growth: float = parameter(0.0, unit="1", low=-1, high=30, doc="relative growth of friction per unit strain")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        from testbench.knit.kernels import bouc_wen
 
         e = signals["strain"]
-        r = self.threshold * SPREAD
-        slip = ((e - play(e, r)) / r[:, None]).mean(axis=0)
         width = np.maximum(1 + self.growth * e, 0.0)
-        return {"force_N": signals["force_N"] + self.friction_N * width * slip}
+        z = bouc_wen(e, self.threshold, self.skew)
+        return {"force_N": signals["force_N"] + self.friction_N * width * z}

@@ -47,3 +47,87 @@ def running_max(x: FloatArray) -> FloatArray:
         top = max(top, x[i])
         out[i] = top
     return out
+
+
+@njit("float64[:](float64[:], float64[:], float64[:], float64[:], float64[:])", cache=True, nogil=True)
+def exponential_bank(x: FloatArray, a: FloatArray, b0: FloatArray, b1: FloatArray, weights: FloatArray) -> FloatArray:
+    """Weighted sum of first-order low-passes, all at rest at ``x[0]`` before the start.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n,)
+    a, b0, b1, weights : ndarray, shape (k,)
+        ``y_k[i] = a_k y_k[i-1] + b0_k x[i] + b1_k x[i-1]``; see `testbench.knit.filters.hold_coefficients`.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        ``sum_k weights_k (y_k - x[0])``: zero at the start.
+    """
+    y = np.zeros(len(a))
+    out = np.empty_like(x)
+    out[0] = 0.0
+    before = 0.0
+    for i in range(1, len(x)):
+        now = x[i] - x[0]
+        total = 0.0
+        for k in range(len(a)):
+            y[k] = a[k] * y[k] + b0[k] * now + b1[k] * before
+            total += weights[k] * y[k]
+        out[i] = total
+        before = now
+    return out
+
+
+@njit("float64[:](float64[:], float64, float64)", cache=True, nogil=True)
+def bouc_wen(x: FloatArray, threshold: float, skew: float) -> FloatArray:
+    """Bouc-Wen hysteretic variable with exponent 1, in [-1, 1], at zero in the beginning.
+
+    dz = (1 - (1 - skew) sgn(dx) z - skew |z|) dx / threshold, integrated exactly over each monotonic step
+    (up to a change of sign of z within the step).
+    """
+    out = np.empty_like(x)
+    z = 0.0
+    out[0] = z
+    for i in range(1, len(x)):
+        step = (x[i] - x[i - 1]) / threshold
+        if step != 0.0:
+            rate = (1.0 - skew) * np.sign(step) + skew * np.sign(z if z != 0.0 else step)
+            if abs(rate * step) < 1e-12:
+                z += step
+            else:
+                z += (1.0 / rate - z) * -np.expm1(-rate * step)
+            z = min(max(z, -1.0), 1.0)
+        out[i] = z
+    return out
+
+
+@njit("float64[:](float64[:], float64)", cache=True, nogil=True)
+def travelled(x: FloatArray, dead_band: float) -> FloatArray:
+    """Path length of `x` so far, not counting wiggles within +-`dead_band` (noise would add up for ever)."""
+    out = np.empty_like(x)
+    y = x[0]
+    path = 0.0
+    out[0] = path
+    for i in range(1, len(x)):
+        new = min(max(y, x[i] - dead_band), x[i] + dead_band)
+        path += abs(new - y)
+        y = new
+        out[i] = path
+    return out
+
+
+@njit("float64[:](float64[:], float64, float64)", cache=True, nogil=True)
+def crossings(x: FloatArray, level: float, rearm: float) -> FloatArray:
+    """How many times `x` has risen through `level` so far, having been below `rearm` in between."""
+    out = np.empty_like(x)
+    count = 0.0
+    armed = x[0] < level
+    for i in range(len(x)):
+        if armed and x[i] >= level:
+            count += 1.0
+            armed = False
+        elif x[i] < rearm:
+            armed = True
+        out[i] = count
+    return out

@@ -1,0 +1,176 @@
+"""Softening that stays: Mullins effect, fatigue; and the stiffening of jammed loops."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
+from testbench.knit.filters import DEAD_BAND_STRAIN
+
+
+class MullinsSoftening(Effect):
+    """Below the largest stretch so far the knit is softer than a virgin one (pseudo-elastic).
+
+    F *= 1 - softening * erf((w_max - w) / (width + w_max / 2)),   w = e^2 / 2
+
+    w stands for the strain energy, w_max for its largest value so far; on the virgin curve w = w_max and nothing
+    happens.
+
+    Source: Ogden & Roxburgh, Proc. R. Soc. A 455 (1999) 2861, Eq. 41, doi:10.1098/rspa.1999.0431, with the energy
+    of a linear spring.
+    Valid: the first few stretches; no healing.
+    """
+
+    name = "mullins_softening"
+    stage = Stage.MECHANICS
+    reads, writes = ("strain", "force_N"), ("force_N",)
+    strength = "softening"
+    look = "the first stretch to a new length needs more force than all later ones"
+
+    softening: float = parameter(0.2, unit="1", low=0, high=0.9, doc="largest share of the force that is lost")
+    width: float = parameter(
+        0.01, unit="1", low=1e-5, high=1, scale="log", doc="drop of e^2/2 over which the softening sets in"
+    )
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        from scipy.special import erf
+
+        from testbench.knit.kernels import running_max
+
+        energy = 0.5 * signals["strain"] ** 2
+        top = running_max(energy)
+        lost = erf((top - energy) / (self.width + 0.5 * top))
+        return {"force_N": signals["force_N"] * (1 - self.softening * lost)}
+
+
+class MullinsSofteningDamage(Effect):
+    """Each new largest stretch breaks bonds for good: one damage variable for all strains.
+
+    F *= 1 - softening * (d(e_max) - d(e_0)),   d(e) = 1 - exp(-e / scale)
+
+    Source: Simo, Comput. Methods Appl. Mech. Eng. 60 (1987) 153, doi:10.1016/0045-7825(87)90107-1.
+    Valid: no healing; counted from the first sample.
+    """
+
+    name = "mullins_softening_damage"
+    idea = "mullins_softening"
+    stage = Stage.MECHANICS
+    reads, writes = ("strain", "force_N"), ("force_N",)
+    strength = "softening"
+    look = "after each new largest stretch the knit stays softer at every strain"
+
+    softening: float = parameter(0.2, unit="1", low=0, high=0.9, doc="share of the force lost in the end")
+    scale: float = parameter(0.2, unit="1", low=0.005, high=3, scale="log", doc="strain at which 63 % is lost")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        from testbench.knit.kernels import running_max
+
+        top = np.maximum(running_max(signals["strain"]), 0.0)
+        damage = -np.expm1(-(top - top[0]) / self.scale) * np.exp(-top[0] / self.scale)
+        return {"force_N": signals["force_N"] * (1 - self.softening * damage)}
+
+
+def cycled_strain(signals: Signals) -> FloatArray:
+    """Strain path travelled so far, noise left out."""
+    from testbench.knit.kernels import travelled
+
+    return travelled(signals["strain"], DEAD_BAND_STRAIN)
+
+
+class CyclicFatigue(Effect):
+    """The knit loses force with every cycle and levels off.
+
+    F *= 1 - loss * (1 - exp(-path / scale)),   path = integral of |de|
+
+    Source: Chaboche, Int. J. Plasticity 5 (1989) 247 (cyclic softening over the accumulated strain).
+    Valid: conditioning and fatigue before rupture. Path counts from the first sample.
+    """
+
+    name = "cyclic_fatigue"
+    stage = Stage.MECHANICS
+    reads, writes = ("strain", "force_N"), ("force_N",)
+    strength = "loss"
+    look = "the peaks of the force sink from cycle to cycle, not in a hold"
+
+    loss: float = parameter(0.1, unit="1", low=0, high=0.9, doc="share of the force lost in the end")
+    scale: float = parameter(
+        20.0, unit="1", low=0.1, high=1e5, scale="log", doc="strain path after which 63 % of it is lost"
+    )
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        tired = -np.expm1(-cycled_strain(signals) / self.scale)
+        return {"force_N": signals["force_N"] * (1 - self.loss * tired)}
+
+
+class CyclicFatigueLog(Effect):
+    """The knit loses the same share of force in every tenfold number of cycles.
+
+    F *= max(1 - per_decade * log10(1 + path / scale), 0),   path = integral of |de|
+
+    Source: engineering use, after the straight lines that cyclic softening shows over the logarithm of cycles.
+    Valid: before rupture.
+    """
+
+    name = "cyclic_fatigue_log"
+    idea = "cyclic_fatigue"
+    stage = Stage.MECHANICS
+    reads, writes = ("strain", "force_N"), ("force_N",)
+    strength = "per_decade"
+    look = "the peaks of the force sink with the logarithm of the cycle number"
+
+    per_decade: float = parameter(0.05, unit="1", low=0, high=0.3, doc="share of force lost per decade of path")
+    scale: float = parameter(1.0, unit="1", low=0.01, high=1e3, scale="log", doc="strain path where it sets in")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        decades = np.log1p(cycled_strain(signals) / self.scale) / np.log(10)
+        return {"force_N": signals["force_N"] * np.maximum(1 - self.per_decade * decades, 0.0)}
+
+
+class JammingStiffening(Effect):
+    """Beyond an onset the loops are drawn straight and jam: an extra stiffness sets in.
+
+    F += stiffness * ((e - onset)+)^2 / (2 width)        until e - onset = width, then with constant slope
+
+    Source: Postle, Carnaby & de Jong, The Mechanics of Wool Structures (1988) (jammed state of knitted loops);
+    the smooth ramp of stiffness is ours.
+    Valid: loading beyond the loop-straightening range.
+    """
+
+    name = "jamming_stiffening"
+    stage = Stage.MECHANICS
+    reads, writes = ("strain", "force_N"), ("force_N",)
+    strength = "stiffness_N"
+    look = "above a certain strain the force suddenly rises much faster"
+
+    stiffness_N: float = parameter(20.0, unit="N", low=0, high=1e4, doc="extra force per unit strain when jammed")
+    onset: float = parameter(0.25, unit="1", low=0.02, high=2, scale="log", doc="strain where the loops jam")
+    width: float = parameter(0.02, unit="1", low=1e-3, high=0.3, scale="log", doc="strain over which they do")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        beyond = np.maximum(signals["strain"] - self.onset, 0.0)
+        within = np.minimum(beyond, self.width)
+        return {"force_N": signals["force_N"] + self.stiffness_N * (beyond - within + within**2 / (2 * self.width))}
+
+
+class JammingStiffeningPower(Effect):
+    """Loops jam little by little: an extra force with a high power of strain.
+
+    F += force * (e+ / 0.3)^exponent
+
+    Source: engineering use (power-law fit of the locking branch).
+    Valid: below the strain of rupture.
+    """
+
+    name = "jamming_stiffening_power"
+    idea = "jamming_stiffening"
+    stage = Stage.MECHANICS
+    reads, writes = ("strain", "force_N"), ("force_N",)
+    strength = "force_at_30_percent_N"
+    look = "the last third of the stretch is much stiffer than the first two"
+
+    force_at_30_percent_N: float = parameter(0.5, unit="N", low=0, high=1e3, doc="extra force at 30 % strain")
+    exponent: float = parameter(6.0, unit="1", low=3, high=20, scale="log", doc="how suddenly it comes")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        relative = np.maximum(signals["strain"], 0.0) / 0.3
+        return {"force_N": signals["force_N"] + self.force_at_30_percent_N * relative**self.exponent}

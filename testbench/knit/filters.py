@@ -1,0 +1,74 @@
+"""Linear memory, solved exactly for signals that run straight between their samples.
+
+Because the solution between two samples is exact, the result does not depend on the sampling rate beyond how well
+straight lines follow the signal. All filters have rested at the first sample for ever, unless told otherwise.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from testbench.knit.effect import FloatArray
+
+# A strain rate is seen by nothing physical in no time; this lag also keeps encoder steps out of it.
+RATE_LAG_S = 0.1
+# Wiggles of strain below this are encoder noise: they neither wear nor tire a knit.
+DEAD_BAND_STRAIN = 0.002
+
+
+def hold_coefficients(tau_s: FloatArray, dt_s: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Coefficients of ``tau y' = x - y`` for x linear between samples: ``y1 = a y0 + b0 x1 + b1 x0``.
+
+    Parameters
+    ----------
+    tau_s : ndarray, shape (k,)
+        Time constants; 0 gives ``y = x``.
+    dt_s : float
+
+    Returns
+    -------
+    a, b0, b1 : ndarray, each shape (k,)
+    """
+    tau_s = np.atleast_1d(np.asarray(tau_s, dtype=np.float64))
+    ratio = dt_s / np.maximum(tau_s, 1e-12 * dt_s)
+    a = np.exp(-ratio)
+    # (1 - a) / ratio, and 1 minus it, without cancellation for slow filters
+    mean = -np.expm1(-ratio) / ratio
+    b0 = np.where(ratio < 1e-3, ratio / 2 - ratio**2 / 6, 1 - mean)
+    return a, b0, 1 - a - b0
+
+
+def lowpass(x: FloatArray, tau_s: float, dt_s: float, start: float | None = None) -> FloatArray:
+    """First-order low-pass ``tau y' = x - y``.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n,)
+    tau_s, dt_s : float
+    start : float, optional
+        ``y`` at the first sample; the rest value ``x[0]`` when not given.
+    """
+    from scipy.signal import lfilter
+
+    a, b0, b1 = (float(c[0]) for c in hold_coefficients(np.array([tau_s]), dt_s))
+    start = float(x[0]) if start is None else start
+    y, _ = lfilter([b0, b1], [1.0, -a], x, zi=[start - b0 * x[0]])
+    return np.asarray(y, dtype=np.float64)
+
+
+def rate(x: FloatArray, dt_s: float) -> FloatArray:
+    """Rate of change of `x` per second, through a lag of `RATE_LAG_S`; zero at the start."""
+    return (x - lowpass(x, RATE_LAG_S, dt_s)) / RATE_LAG_S
+
+
+def memory(x: FloatArray, tau_s: FloatArray, weights: FloatArray, dt_s: float) -> FloatArray:
+    """``sum_k weights_k (lowpass_k(x) - x[0])``: what a spectrum of relaxation times has forgotten so far."""
+    from testbench.knit.kernels import exponential_bank
+
+    a, b0, b1 = hold_coefficients(tau_s, dt_s)
+    return exponential_bank(np.ascontiguousarray(x), a, b0, b1, np.asarray(weights, dtype=np.float64))
+
+
+def shifted(conductance_S: FloatArray, log_change: FloatArray) -> FloatArray:
+    """Conductance with `log_change` added to its natural logarithm; the cap (e^30) keeps a wild fit finite."""
+    return conductance_S * np.exp(np.clip(log_change, -30.0, 30.0))

@@ -1,0 +1,144 @@
+"""Temperature: the sensor's own heat and the room's."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
+from testbench.knit.filters import lowpass, shifted
+
+
+class SelfHeating(Effect):
+    """The measuring current warms the sensor; at constant voltage the more, the better it conducts.
+
+    ln G += coefficient * y,   tau y' = G / G(0) - y,   y(0) = 0: cold when switched on
+
+    Source: Joule's law with one thermal mass; Holm, Electric Contacts (1967) (temperature of heated contacts).
+    Valid: small temperature rise (the feedback of the heat on the power is left out).
+    """
+
+    name = "self_heating"
+    stage = Stage.ELECTRICAL
+    reads, writes = ("conductance_S",), ("conductance_S",)
+    strength = "coefficient"
+    look = "conductance drifts after switching on and after each change of the mean stretch"
+
+    coefficient: float = parameter(
+        -0.02, unit="1", low=-0.5, high=0.5, doc="change of ln G in the end at the starting power; < 0 for metals"
+    )
+    tau_s: float = parameter(60.0, unit="s", low=1, high=3000, scale="log", doc="thermal time constant")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        conductance = signals["conductance_S"]
+        warmth = lowpass(conductance / conductance[0], self.tau_s, dt_s, start=0.0)
+        return {"conductance_S": shifted(conductance, self.coefficient * warmth)}
+
+
+class SelfHeatingCurrent(Effect):
+    """The measuring current warms the sensor; at constant current the more, the worse it conducts.
+
+    ln G += coefficient * y,   tau y' = G(0) / G - y,   y(0) = 0: cold when switched on
+
+    Source: as `self_heating`.
+    Valid: a current source, as in four-wire measurement.
+    """
+
+    name = "self_heating_current"
+    idea = "self_heating"
+    stage = Stage.ELECTRICAL
+    reads, writes = ("conductance_S",), ("conductance_S",)
+    strength = "coefficient"
+    look = "conductance drifts after switching on and after each change of the mean stretch"
+
+    coefficient: float = parameter(
+        -0.02, unit="1", low=-0.5, high=0.5, doc="change of ln G in the end at the starting power; < 0 for metals"
+    )
+    tau_s: float = parameter(60.0, unit="s", low=1, high=3000, scale="log", doc="thermal time constant")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        conductance = signals["conductance_S"]
+        warmth = lowpass(conductance[0] / conductance, self.tau_s, dt_s, start=0.0)
+        return {"conductance_S": shifted(conductance, self.coefficient * warmth)}
+
+
+class TemperatureDrift(Effect):
+    """The conductance follows the temperature of the room.
+
+    ln G += coefficient * (T - T(0))        T: measured `temperature_C`, followed with the lag `lag_s`
+    ln G += coefficient * swing(t)          without: swing = 1 K * sin(2 pi t / period + phase)
+
+    Source: definition of the temperature coefficient (IEC 60115-1); the sine stands for a room's thermostat or day.
+    Valid: a few kelvin. Without a channel it can imitate any slow drift: measure the temperature.
+    """
+
+    name = "temperature_drift"
+    stage = Stage.ELECTRICAL
+    reads, writes = ("time_s", "conductance_S"), ("conductance_S",)
+    optional_reads = ("temperature_C",)
+    strength = "coefficient_per_K"
+    look = "conductance wanders slowly, with the room and not with the motion"
+
+    coefficient_per_K: float = parameter(0.01, unit="1/K", low=-0.3, high=0.3, doc="change of ln G per kelvin")
+    lag_s: float = parameter(1.0, unit="s", low=0.1, high=3000, scale="log", doc="lag behind the thermometer")
+    period_s: float = parameter(
+        1500.0, unit="s", low=300, high=2e5, scale="log", doc="period of the swing where nothing was measured"
+    )
+    phase_rad: float = parameter(0.0, unit="rad", low=-3.2, high=3.2, doc="phase of the swing at the start")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        measured = signals.get("temperature_C")
+        if measured is not None:
+            kelvin = lowpass(measured, self.lag_s, dt_s) - measured[0]
+        else:
+            angle = 2 * np.pi * signals["time_s"] / self.period_s + self.phase_rad
+            kelvin = np.sin(angle) - np.sin(self.phase_rad)
+        return {"conductance_S": shifted(signals["conductance_S"], self.coefficient_per_K * kelvin)}
+
+
+class TemperatureDriftTrend(Effect):
+    """An unmeasured room that warms (or cools) steadily.
+
+    ln G += coefficient * t / 1 h        (1 K per hour)
+
+    Source: as `temperature_drift`.
+    Valid: recordings shorter than the room's own rhythm.
+    """
+
+    name = "temperature_drift_trend"
+    idea = "temperature_drift"
+    stage = Stage.ELECTRICAL
+    reads, writes = ("time_s", "conductance_S"), ("conductance_S",)
+    strength = "coefficient_per_h"
+    look = "conductance drifts at a steady pace from the first to the last minute"
+
+    coefficient_per_h: float = parameter(0.02, unit="1/h", low=-2, high=2, doc="change of ln G per hour")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        hours = signals["time_s"] / 3600
+        return {"conductance_S": shifted(signals["conductance_S"], self.coefficient_per_h * hours)}
+
+
+class ThermalSoftening(Effect):
+    """Warm yarn is softer: the force follows the measured temperature.
+
+    F *= max(1 - softening * (T - T(0)), 0)
+
+    Source: Ferry, Viscoelastic Properties of Polymers (1980), ch. 11; linearised.
+    Valid: a few kelvin, with a measured temperature (without one this effect does nothing).
+    """
+
+    name = "thermal_softening"
+    stage = Stage.MECHANICS
+    reads, writes = ("force_N",), ("force_N",)
+    optional_reads = ("temperature_C",)
+    strength = "softening_per_K"
+    look = "force sinks when the room warms"
+
+    softening_per_K: float = parameter(0.005, unit="1/K", low=-0.1, high=0.1, doc="relative loss of force per kelvin")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        measured = signals.get("temperature_C")
+        if measured is None:
+            return {"force_N": signals["force_N"].copy()}
+        factor = np.maximum(1 - self.softening_per_K * (measured - measured[0]), 0.0)
+        return {"force_N": signals["force_N"] * factor}

@@ -1,0 +1,108 @@
+"""Laws for sensors whose resistance rises with stretch: carbon-filled and silver-coated composites.
+
+They take the place of `contact` in a model: they need no force, and make the conductance from the strain.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
+
+CAP = 60.0  # e^60 is beyond all resistances; it keeps a wild fit finite
+
+
+def guess_rest_ohm(effect: Effect, signals: Signals) -> Effect:
+    """Resistance at rest, from the measured conductance at the smallest strains."""
+    strain, conductance = signals.get("strain"), signals.get("conductance_S")
+    if strain is None or conductance is None:
+        return effect
+    low = strain <= np.quantile(strain, 0.05)
+    rest_ohm = float(1 / np.median(conductance[low]))
+    return effect.replaced(rest_ohm=min(max(rest_ohm, 1e-3), 1e12))
+
+
+class Piezoresistance(Effect):
+    """Resistance rises exponentially with strain, with a bend.
+
+    ln R = ln rest + gauge * e + bend * e^2
+
+    For small strains gauge is the gauge factor dR / (R de).
+
+    Source: Taylor expansion of ln R; linear term as in Knite et al., Sens. Actuators A 110 (2004) 142
+    (polyisoprene - carbon black).
+    Valid: conductance falls with stretch (gauge > 0); negative gauge: rises.
+    """
+
+    name = "piezoresistance"
+    stage = Stage.CONTACT
+    reads, writes = ("strain",), ("conductance_S",)
+    look = "conductance falls with stretch, the same percentage for each further percent"
+
+    rest_ohm: float = parameter(1e5, unit="ohm", low=1e-3, high=1e12, scale="log", doc="resistance at zero strain")
+    gauge: float = parameter(3.0, unit="1", low=-50, high=200, doc="gauge factor at zero strain")
+    bend: float = parameter(0.0, unit="1", low=-200, high=500, doc="curvature of ln R over strain")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        e = signals["strain"]
+        log_ratio = np.clip(self.gauge * e + self.bend * e * e, -CAP, CAP)
+        return {"conductance_S": np.exp(-log_ratio) / self.rest_ohm}
+
+    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
+        return guess_rest_ohm(self, signals)
+
+
+class PiezoresistanceTunnelling(Effect):
+    """Electrons tunnel between filler particles whose gaps widen in proportion to the strain.
+
+    R = rest * (1 + e) * exp(barrier * e)
+
+    Source: Simmons, J. Appl. Phys. 34 (1963) 1793 (tunnelling); Zhang et al., J. Appl. Polym. Sci. 59 (1996) 1689
+    (gap in proportion to strain).
+    Valid: filled well above the percolation threshold; barrier = gap at rest times 2 sqrt(2 m phi) / hbar.
+    """
+
+    name = "piezoresistance_tunnelling"
+    idea = "piezoresistance"
+    stage = Stage.CONTACT
+    reads, writes = ("strain",), ("conductance_S",)
+    look = "conductance falls exponentially with stretch"
+
+    rest_ohm: float = parameter(1e5, unit="ohm", low=1e-3, high=1e12, scale="log", doc="resistance at zero strain")
+    barrier: float = parameter(3.0, unit="1", low=0, high=200, doc="gap at rest over the tunnelling length")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        e = np.maximum(signals["strain"], -0.9)
+        log_ratio = np.clip(np.log1p(e) + self.barrier * e, -CAP, CAP)
+        return {"conductance_S": np.exp(-log_ratio) / self.rest_ohm}
+
+    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
+        return guess_rest_ohm(self, signals)
+
+
+class PiezoresistancePercolation(Effect):
+    """Stretching dilutes the filler towards the percolation threshold.
+
+    G = (1 / rest) * ((1 - e / limit)+)^exponent + leak
+
+    Source: Kirkpatrick, Rev. Mod. Phys. 45 (1973) 574 (conductivity goes as (p - p_c)^t), p falling linearly with e.
+    Valid: e below the limit where the network breaks; t about 2 in three dimensions, 1.3 in two.
+    """
+
+    name = "piezoresistance_percolation"
+    idea = "piezoresistance"
+    stage = Stage.CONTACT
+    reads, writes = ("strain",), ("conductance_S",)
+    look = "conductance falls faster and faster and is nearly gone at a certain stretch"
+
+    rest_ohm: float = parameter(1e5, unit="ohm", low=1e-3, high=1e12, scale="log", doc="resistance at zero strain")
+    limit: float = parameter(0.8, unit="1", low=0.05, high=20, scale="log", doc="strain where the network breaks")
+    exponent: float = parameter(2.0, unit="1", low=0.5, high=5, doc="critical exponent of the conductivity")
+    leak_S: float = parameter(1e-9, unit="S", low=1e-15, high=1, scale="log", doc="conductance that remains")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        left = np.maximum(1 - signals["strain"] / self.limit, 0.0)
+        return {"conductance_S": left**self.exponent / self.rest_ohm + self.leak_S}
+
+    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
+        return guess_rest_ohm(self, signals)

@@ -1,0 +1,182 @@
+"""Force that presses the contacts: it may relax, saturate and stick apart from the force that is measured."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from testbench.knit import spectra
+from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
+from testbench.knit.filters import lowpass, memory
+from testbench.knit.hysteresis import mean_slip
+
+
+class ContactRelaxation(Effect):
+    """The yarns yield where they touch: the pressing force fades although the knit's force holds.
+
+    P(t) = P_0(t) - fraction * integral of (1 - exp(-(t - s) / tau)) dP_0(s)
+
+    Source: Holm, Electric Contacts (1967) (stress relaxation of contacts); Prony form as `stress_relaxation`.
+    Valid: small changes of the contact geometry.
+    """
+
+    name = "contact_relaxation"
+    stage = Stage.PRESSURE
+    reads, writes = ("contact_force_N",), ("contact_force_N",)
+    strength = "fraction"
+    look = "in a hold the conductance sinks while the force does not"
+
+    fraction: float = parameter(0.3, unit="1", low=0, high=0.95, doc="share of the contact force that is lost")
+    tau_s: float = parameter(20.0, unit="s", low=0.1, high=3000, scale="log", doc="time in which 63 % of it is lost")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        pressing_N = signals["contact_force_N"]
+        lost = lowpass(pressing_N, self.tau_s, dt_s) - pressing_N[0]
+        return {"contact_force_N": pressing_N - self.fraction * lost}
+
+
+class ContactRelaxationSpectrum(Effect):
+    """The pressing force fades over decades of time.
+
+    P(t) = P_0(t) - fraction * integral of phi(t - s) dP_0(s)
+    phi(t) = mean of 1 - exp(-t / tau) over ln(tau) from `shortest_s` to `longest_s`
+
+    Source: Fung, Biomechanics (1993), section 7.6 (box spectrum).
+    Valid: as `contact_relaxation`.
+    """
+
+    name = "contact_relaxation_spectrum"
+    idea = "contact_relaxation"
+    stage = Stage.PRESSURE
+    reads, writes = ("contact_force_N",), ("contact_force_N",)
+    strength = "fraction"
+    look = "in a hold the conductance sinks ever more slowly while the force does not"
+
+    fraction: float = parameter(0.3, unit="1", low=0, high=0.95, doc="share of the contact force that is lost")
+    shortest_s: float = parameter(1.0, unit="s", low=0.05, high=100, scale="log", doc="shortest relaxation time")
+    longest_s: float = parameter(100.0, unit="s", low=1, high=1e5, scale="log", doc="longest relaxation time")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        times, weights = spectra.box(self.shortest_s, self.longest_s)
+        lost = memory(signals["contact_force_N"], times, self.fraction * weights, dt_s)
+        return {"contact_force_N": signals["contact_force_N"] - lost}
+
+
+class ContactCreep(Effect):
+    """Contact spots creep and grow under constant load: the pressing force seems to rise with time.
+
+    P(t) = P_0(t) + per_decade * integral of log10(1 + (t - s) / tau) dP_0(s)
+
+    Source: Holm, Electric Contacts (1967) (creep of the softened asperities).
+    Valid: the opposite of `contact_relaxation`; both may be there at different times.
+    """
+
+    name = "contact_creep"
+    stage = Stage.PRESSURE
+    reads, writes = ("contact_force_N",), ("contact_force_N",)
+    strength = "per_decade"
+    look = "in a hold the conductance rises while the force does not"
+
+    per_decade: float = parameter(0.05, unit="1", low=0, high=0.5, doc="relative gain per decade of time")
+    tau_s: float = parameter(1.0, unit="s", low=0.05, high=300, scale="log", doc="when the creep sets in")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        times, weights = spectra.logarithm(self.tau_s)
+        gained = memory(signals["contact_force_N"], times, self.per_decade / np.log(10) * weights, dt_s)
+        return {"contact_force_N": signals["contact_force_N"] + gained}
+
+
+def guess_limit(effect: Effect, signals: Signals) -> Effect:
+    """Start with a limit that the highest tenth of the measured force exceeds."""
+    force_N = signals.get("force_N")
+    if force_N is None:
+        return effect
+    top_N = max(float(np.quantile(np.abs(force_N), 0.9)), 1e-3)
+    return effect.replaced(inverse_limit_per_N=1 / top_N)
+
+
+class ContactSaturation(Effect):
+    """All loops touch: more force makes no more contact, softly.
+
+    P = P_0 / (1 + (inverse_limit |P_0|)^hardness)^(1 / hardness)
+
+    Source: Zhang et al., Measurement 44 (2011) (knitted sensors stop responding when all contacts are made); the
+    bend is the usual smooth minimum.
+    Valid: 1 / inverse_limit is the pressing force that the contacts can use at most.
+    """
+
+    name = "contact_saturation"
+    stage = Stage.PRESSURE
+    reads, writes = ("contact_force_N",), ("contact_force_N",)
+    strength = "inverse_limit_per_N"
+    nonlinear = True
+    look = "conductance bends to a plateau at high force, force does not"
+
+    inverse_limit_per_N: float = parameter(
+        0.3, unit="1/N", low=0, high=1e3, doc="inverse of the largest useful force"
+    )
+    hardness: float = parameter(3.0, unit="1", low=1, high=20, scale="log", doc="1: soft bend; 20: a corner")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        pressing_N = signals["contact_force_N"]
+        load = self.inverse_limit_per_N * np.abs(pressing_N)
+        # logaddexp(0, h ln load) is ln(1 + load^h) without overflow
+        with np.errstate(divide="ignore"):
+            bend = np.logaddexp(0.0, self.hardness * np.log(load)) / self.hardness
+        return {"contact_force_N": pressing_N * np.exp(-bend)}
+
+    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
+        return guess_limit(self, signals)
+
+
+class ContactSaturationHard(Effect):
+    """All loops touch: above a limit more force makes no more contact at all.
+
+    P = min(P_0, 1 / inverse_limit)
+
+    Source: as `contact_saturation`.
+    Valid: a corner, as a bottomed-out spacer fabric shows.
+    """
+
+    name = "contact_saturation_hard"
+    idea = "contact_saturation"
+    stage = Stage.PRESSURE
+    reads, writes = ("contact_force_N",), ("contact_force_N",)
+    strength = "inverse_limit_per_N"
+    nonlinear = True
+    look = "conductance stops rising at a certain force, force does not"
+
+    inverse_limit_per_N: float = parameter(
+        0.3, unit="1/N", low=0, high=1e3, doc="inverse of the largest useful force"
+    )
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        limit_N = 1 / self.inverse_limit_per_N if self.inverse_limit_per_N > 0 else np.inf
+        return {"contact_force_N": np.minimum(signals["contact_force_N"], limit_N)}
+
+    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
+        return guess_limit(self, signals)
+
+
+class ContactHysteresis(Effect):
+    """The contacts stick: the pressing force lags behind the force by friction of its own.
+
+    P += friction * mean_k( stop_k(P_0) / r_k ),   r_k = threshold * spread_k
+
+    Source: Kuhnen, Eur. J. Control 9 (2003) 407, Eqs. 4-9.
+    Valid: rate-independent. A negative friction means that contacts are better on the way back.
+    """
+
+    name = "contact_hysteresis"
+    stage = Stage.PRESSURE
+    reads, writes = ("contact_force_N",), ("contact_force_N",)
+    strength = "friction_N"
+    look = "conductance over force is a loop, at any speed"
+
+    friction_N: float = parameter(0.2, unit="N", low=-100, high=100, doc="shift of the pressing force when slipping")
+    threshold_N: float = parameter(
+        0.2, unit="N", low=1e-3, high=100, scale="log", doc="force after a reversal at which slip is under way"
+    )
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        pressing_N = signals["contact_force_N"]
+        return {"contact_force_N": pressing_N + self.friction_N * mean_slip(pressing_N, self.threshold_N)}

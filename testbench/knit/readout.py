@@ -1,0 +1,293 @@
+"""What the instruments make of force and conductance."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from testbench.knit import spectra
+from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
+from testbench.knit.filters import lowpass, memory
+
+
+class ChannelLag(Effect):
+    """The resistance channel is slower than the force channel: a filter in its way.
+
+    tau y' = G - y,   the reading is y
+
+    Source: first-order filter (RC input, averaging converter).
+    Valid: the conductance channel lags; see `channel_lag_force` for the other one.
+    """
+
+    name = "channel_lag"
+    stage = Stage.READOUT
+    reads, writes = ("conductance_S",), ("conductance_S",)
+    strength = "tau_s"
+    look = "conductance comes later than force, so their loop widens with speed"
+
+    tau_s: float = parameter(0.2, unit="s", low=0, high=10, doc="time constant of the filter")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        return {"conductance_S": lowpass(signals["conductance_S"], self.tau_s, dt_s)}
+
+
+class ChannelLagForce(Effect):
+    """The force channel is slower than the resistance channel.
+
+    tau y' = F - y,   the reading is y
+
+    Source: as `channel_lag`.
+    Valid: load-cell amplifiers average for 12.5 to 100 ms and more.
+    """
+
+    name = "channel_lag_force"
+    idea = "channel_lag"
+    stage = Stage.READOUT
+    reads, writes = ("force_N",), ("force_N",)
+    strength = "tau_s"
+    look = "force comes later than displacement and conductance"
+
+    tau_s: float = parameter(0.2, unit="s", low=0, high=10, doc="time constant of the filter")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        return {"force_N": lowpass(signals["force_N"], self.tau_s, dt_s)}
+
+
+class ChannelLagDelay(Effect):
+    """The resistance channel is late by a fixed time.
+
+    reading(t) = G(t - delay)
+
+    Source: transport delay (buffers, another clock).
+    Valid: constant delay.
+    """
+
+    name = "channel_lag_delay"
+    idea = "channel_lag"
+    stage = Stage.READOUT
+    reads, writes = ("conductance_S",), ("conductance_S",)
+    strength = "delay_s"
+    look = "conductance is the same curve, later"
+
+    delay_s: float = parameter(0.2, unit="s", low=0, high=10, doc="delay")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        conductance = signals["conductance_S"]
+        now = np.arange(len(conductance)) - self.delay_s / dt_s
+        return {"conductance_S": np.interp(now, np.arange(len(conductance)), conductance)}
+
+
+class AdcSaturation(Effect):
+    """The converter cannot read resistances below a floor: conductance is clipped at the top.
+
+    R = max(R, floor)
+
+    Source: full scale of a converter behind a divider, as in Texas Instruments' ADS1115 data sheet.
+    Valid: a hard corner in the reading alone; the force goes on.
+    """
+
+    name = "adc_saturation"
+    stage = Stage.READOUT
+    reads, writes = ("conductance_S",), ("conductance_S",)
+    strength = "floor_ohm"
+    nonlinear = True
+    look = "conductance is cut off flat at the top, at exactly one value"
+
+    floor_ohm: float = parameter(1e4, unit="ohm", low=0, high=1e12, doc="smallest resistance that can be read")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        top_S = 1 / self.floor_ohm if self.floor_ohm > 0 else np.inf
+        return {"conductance_S": np.minimum(signals["conductance_S"], top_S)}
+
+    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
+        return self.replaced(floor_ohm=float(1 / np.quantile(signals["conductance_S"], 0.95)))
+
+
+class AdcSaturationHigh(Effect):
+    """The converter cannot read resistances above a ceiling: conductance is cut off at the bottom.
+
+    G = max(G, floor)
+
+    Source: as `adc_saturation`.
+    Valid: a hard corner in the reading alone.
+    """
+
+    name = "adc_saturation_high"
+    idea = "adc_saturation"
+    stage = Stage.READOUT
+    reads, writes = ("conductance_S",), ("conductance_S",)
+    strength = "floor_S"
+    nonlinear = True
+    look = "conductance is cut off flat at the bottom, at exactly one value"
+
+    floor_S: float = parameter(1e-6, unit="S", low=0, high=1e6, doc="smallest conductance that can be read")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        return {"conductance_S": np.maximum(signals["conductance_S"], self.floor_S)}
+
+    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
+        return self.replaced(floor_S=float(np.quantile(signals["conductance_S"], 0.05)))
+
+
+class AdcSaturationForce(Effect):
+    """The load cell's amplifier saturates: the force reading is cut off at the top.
+
+    F = min(F, 1 / inverse_range)
+
+    Source: as `adc_saturation`.
+    Valid: a hard corner in the reading alone; the conductance goes on.
+    """
+
+    name = "adc_saturation_force"
+    idea = "adc_saturation"
+    stage = Stage.READOUT
+    reads, writes = ("force_N",), ("force_N",)
+    strength = "inverse_range_per_N"
+    nonlinear = True
+    look = "force is cut off flat at the top, at exactly one value"
+
+    inverse_range_per_N: float = parameter(0.3, unit="1/N", low=0, high=1e4, doc="inverse of the largest reading")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        top_N = 1 / self.inverse_range_per_N if self.inverse_range_per_N > 0 else np.inf
+        return {"force_N": np.minimum(signals["force_N"], top_N)}
+
+    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
+        return self.replaced(inverse_range_per_N=1 / max(float(np.quantile(signals["force_N"], 0.95)), 1e-3))
+
+
+class LoadCellCreep(Effect):
+    """The load cell's reading goes on changing under a constant load.
+
+    reading(t) = F(t) + fraction * integral of (1 - exp(-(t - s) / tau)) dF(s)
+
+    Source: OIML R 60 (creep of load cells, specified over 30 min).
+    Valid: the reading alone: knit and conductance know nothing of it. Good cells: |fraction| < 0.001.
+    """
+
+    name = "load_cell_creep"
+    stage = Stage.READOUT
+    reads, writes = ("force_N",), ("force_N",)
+    strength = "fraction"
+    look = "in a hold the force reading creeps while the conductance holds; after a release zero is off"
+
+    fraction: float = parameter(0.02, unit="1", low=-0.3, high=0.3, doc="share of the load by which it creeps")
+    tau_s: float = parameter(300.0, unit="s", low=5, high=1e4, scale="log", doc="time constant of the creep")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        force_N = signals["force_N"]
+        return {"force_N": force_N + self.fraction * (lowpass(force_N, self.tau_s, dt_s) - force_N[0])}
+
+
+class LoadCellCreepLog(Effect):
+    """The load cell's reading creeps with the logarithm of time.
+
+    reading(t) = integral of (1 + per_decade log10(1 + (t - s) / tau)) dF(s)
+
+    Source: OIML R 60; the logarithm is the common form of anelastic after-effects.
+    Valid: as `load_cell_creep`.
+    """
+
+    name = "load_cell_creep_log"
+    idea = "load_cell_creep"
+    stage = Stage.READOUT
+    reads, writes = ("force_N",), ("force_N",)
+    strength = "per_decade"
+    look = "in a hold the force reading creeps ever more slowly while the conductance holds"
+
+    per_decade: float = parameter(0.01, unit="1", low=-0.1, high=0.1, doc="relative creep per decade of time")
+    tau_s: float = parameter(3.0, unit="s", low=0.05, high=300, scale="log", doc="when the creep sets in")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        times, weights = spectra.logarithm(self.tau_s)
+        gained = memory(signals["force_N"], times, self.per_decade / np.log(10) * weights, dt_s)
+        return {"force_N": signals["force_N"] + gained}
+
+
+class LoadCellZeroDrift(Effect):
+    """The zero of the load cell drifts with time, as its bridge warms up.
+
+    reading += drift * (1 - exp(-t / tau))
+
+    Source: warm-up of a bridge; data sheets state zero drift per kelvin.
+    Valid: in the reading alone.
+    """
+
+    name = "load_cell_zero_drift"
+    stage = Stage.READOUT
+    reads, writes = ("time_s", "force_N"), ("force_N",)
+    strength = "drift_N"
+    look = "the whole force curve is shifted, more and more, at every strain alike"
+
+    drift_N: float = parameter(0.05, unit="N", low=-50, high=50, doc="shift in the end")
+    tau_s: float = parameter(600.0, unit="s", low=5, high=1e5, scale="log", doc="time constant")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        return {"force_N": signals["force_N"] - self.drift_N * np.expm1(-signals["time_s"] / self.tau_s)}
+
+
+class PeriodicInterference(Effect):
+    """A periodic disturbance rides on the conductance: mains hum folded down by sampling, a pump, a motor.
+
+    G *= 1 + amplitude * sin(2 pi f t + phase)
+
+    Source: superposition; aliasing after Shannon's sampling theorem.
+    Valid: one stable frequency below half the sampling rate; in phase with the clock, not with the motion.
+    """
+
+    name = "periodic_interference"
+    stage = Stage.READOUT
+    reads, writes = ("time_s", "conductance_S"), ("conductance_S",)
+    strength = "amplitude"
+    look = "a sine rides on the conductance, in holds too; a sharp line in the spectrum"
+
+    amplitude: float = parameter(0.01, unit="1", low=0, high=0.5, doc="relative amplitude")
+    frequency_Hz: float = parameter(1.0, unit="Hz", low=0.02, high=20, scale="log", doc="frequency as sampled")
+    phase_rad: float = parameter(0.0, unit="rad", low=-3.2, high=3.2, doc="phase at the start")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        wave = np.sin(2 * np.pi * self.frequency_Hz * signals["time_s"] + self.phase_rad)
+        return {"conductance_S": signals["conductance_S"] * (1 + self.amplitude * wave)}
+
+    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
+        return self.replaced(frequency_Hz=strongest_frequency_Hz(np.log(signals["conductance_S"]), dt_s))
+
+
+class PeriodicInterferenceForce(Effect):
+    """A periodic disturbance rides on the force reading.
+
+    F += amplitude * sin(2 pi f t + phase)
+
+    Source: as `periodic_interference`.
+    Valid: one stable frequency below half the sampling rate.
+    """
+
+    name = "periodic_interference_force"
+    idea = "periodic_interference"
+    stage = Stage.READOUT
+    reads, writes = ("time_s", "force_N"), ("force_N",)
+    strength = "amplitude_N"
+    look = "a sine rides on the force, in holds too; a sharp line in the spectrum"
+
+    amplitude_N: float = parameter(0.02, unit="N", low=0, high=50, doc="amplitude")
+    frequency_Hz: float = parameter(1.0, unit="Hz", low=0.02, high=20, scale="log", doc="frequency as sampled")
+    phase_rad: float = parameter(0.0, unit="rad", low=-3.2, high=3.2, doc="phase at the start")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        wave = np.sin(2 * np.pi * self.frequency_Hz * signals["time_s"] + self.phase_rad)
+        return {"force_N": signals["force_N"] + self.amplitude_N * wave}
+
+    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
+        return self.replaced(frequency_Hz=strongest_frequency_Hz(signals["force_N"], dt_s))
+
+
+def strongest_frequency_Hz(x: FloatArray, dt_s: float) -> float:
+    """Frequency of the sharpest line of `x`, above 0.02 Hz and below 20 Hz: the peak over its surroundings."""
+    from scipy.ndimage import median_filter
+
+    power = np.abs(np.fft.rfft((x - x.mean()) * np.hanning(len(x)))) ** 2
+    frequency = np.fft.rfftfreq(len(x), dt_s)
+    contrast = power / np.maximum(median_filter(power, size=51), 1e-300)
+    allowed = (frequency > 0.02) & (frequency < 20)
+    if not allowed.any():
+        return 1.0
+    return float(frequency[allowed][np.argmax(contrast[allowed])])

@@ -1,0 +1,212 @@
+"""Force that decays under constant strain, and force that depends on how fast the knit is stretched."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from testbench.knit import spectra
+from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
+from testbench.knit.filters import lowpass, memory, rate
+
+REFERENCE_RATE_PER_S = 0.1
+
+
+class StressRelaxation(Effect):
+    """Force decays exponentially under constant strain: one term of a Prony series.
+
+    F(t) = F_e(t) - fraction * integral of (1 - exp(-(t - s) / tau)) dF_e(s)
+
+    Several terms are several instances in one model (`stress_relaxation`, `stress_relaxation_2`).
+
+    Source: Fung, Biomechanics: Mechanical Properties of Living Tissues (1993), section 7.6 (quasi-linear
+    viscoelasticity); Ferry, Viscoelastic Properties of Polymers (1980).
+    Valid: relaxation in proportion to the elastic force; the knit has rested before the recording.
+    """
+
+    name = "stress_relaxation"
+    stage = Stage.MECHANICS
+    reads, writes = ("force_N",), ("force_N",)
+    strength = "fraction"
+    look = "in a hold the force sinks, quickly at first; after a release it recovers"
+
+    fraction: float = parameter(0.15, unit="1", low=0, high=0.9, doc="share of the force that is lost in the end")
+    tau_s: float = parameter(10.0, unit="s", low=0.1, high=3000, scale="log", doc="time in which 63 % of it is lost")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        force_N = signals["force_N"]
+        return {"force_N": force_N - self.fraction * (lowpass(force_N, self.tau_s, dt_s) - force_N[0])}
+
+
+class StressRelaxationSpectrum(Effect):
+    """Force decays with a whole box of relaxation times: nearly like the logarithm of time between two times.
+
+    F(t) = F_e(t) - fraction * integral of phi(t - s) dF_e(s)
+    phi(t) = mean of 1 - exp(-t / tau) over ln(tau) from `shortest_s` to `longest_s`
+
+    Source: Fung, Biomechanics (1993), section 7.6 (box spectrum).
+    Valid: as `stress_relaxation`.
+    """
+
+    name = "stress_relaxation_spectrum"
+    idea = "stress_relaxation"
+    stage = Stage.MECHANICS
+    reads, writes = ("force_N",), ("force_N",)
+    strength = "fraction"
+    look = "in a hold the force sinks for decades of time, ever more slowly"
+
+    fraction: float = parameter(0.2, unit="1", low=0, high=0.9, doc="share of the force that is lost in the end")
+    shortest_s: float = parameter(1.0, unit="s", low=0.05, high=100, scale="log", doc="shortest relaxation time")
+    longest_s: float = parameter(100.0, unit="s", low=1, high=1e5, scale="log", doc="longest relaxation time")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        times, weights = spectra.box(self.shortest_s, self.longest_s)
+        lost = memory(signals["force_N"], times, self.fraction * weights, dt_s)
+        return {"force_N": signals["force_N"] - lost}
+
+
+class StressRelaxationPower(Effect):
+    """Force decays with a power of time (fractional viscoelasticity).
+
+    F(t) = integral of (1 + (t - s) / tau)^-exponent dF_e(s)
+
+    Source: Nutting, J. Franklin Inst. 191 (1921) 679 (power law); Findley, Lai & Onaran, Creep and Relaxation of
+    Nonlinear Viscoelastic Materials (1976).
+    Valid: as `stress_relaxation`; the exponent of polymers is mostly below 0.3.
+    """
+
+    name = "stress_relaxation_power"
+    idea = "stress_relaxation"
+    stage = Stage.MECHANICS
+    reads, writes = ("force_N",), ("force_N",)
+    strength = "exponent"
+    look = "in a hold the force sinks as a straight line on log-log paper"
+
+    exponent: float = parameter(0.05, unit="1", low=0, high=0.9, doc="slope of ln F over ln t in a long hold")
+    tau_s: float = parameter(1.0, unit="s", low=0.05, high=300, scale="log", doc="when the power law sets in")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        times, weights = spectra.power(self.tau_s, self.exponent)
+        return {"force_N": signals["force_N"] - memory(signals["force_N"], times, weights, dt_s)}
+
+
+class StressRelaxationLog(Effect):
+    """Force decays with the logarithm of time.
+
+    F(t) = integral of (1 - per_decade log10(1 + (t - s) / tau)) dF_e(s)
+
+    Source: Findley, Lai & Onaran, Creep and Relaxation of Nonlinear Viscoelastic Materials (1976).
+    Valid: until a good half of the force is gone.
+    """
+
+    name = "stress_relaxation_log"
+    idea = "stress_relaxation"
+    stage = Stage.MECHANICS
+    reads, writes = ("force_N",), ("force_N",)
+    strength = "per_decade"
+    look = "in a hold the force loses the same amount in every decade of time"
+
+    per_decade: float = parameter(0.05, unit="1", low=0, high=0.3, doc="share of the force lost per decade of time")
+    tau_s: float = parameter(1.0, unit="s", low=0.05, high=300, scale="log", doc="when the decay sets in")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        times, weights = spectra.logarithm(self.tau_s)
+        lost = memory(signals["force_N"], times, self.per_decade / np.log(10) * weights, dt_s)
+        return {"force_N": signals["force_N"] - lost}
+
+
+class ViscousRateStiffening(Effect):
+    """A dashpot beside the knit: force grows with the rate of strain, by a power of it.
+
+    F += force * sgn(e') * (|e'| / 0.1 per s)^exponent
+
+    `exponent` 1 is Newton's dashpot (Kelvin-Voigt); towards 0 it becomes dry friction.
+
+    Source: Ferry, Viscoelastic Properties of Polymers (1980), ch. 1 (Kelvin-Voigt element); power law after
+    Ostwald - de Waele.
+    Valid: rates within about two decades of each other.
+    """
+
+    name = "viscous_rate_stiffening"
+    stage = Stage.MECHANICS
+    reads, writes = ("strain", "force_N"), ("force_N",)
+    strength = "force_at_rate_N"
+    look = "the faster the stretch the higher the force, the faster the release the lower"
+
+    force_at_rate_N: float = parameter(0.2, unit="N", low=0, high=100, doc="viscous force at 10 % strain per second")
+    exponent: float = parameter(1.0, unit="1", low=0.2, high=1.5, doc="1: linear dashpot; smaller: shear thinning")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        speed = rate(signals["strain"], dt_s) / REFERENCE_RATE_PER_S
+        viscous = np.sign(speed) * np.abs(speed) ** self.exponent
+        return {"force_N": signals["force_N"] + self.force_at_rate_N * viscous}
+
+
+class ViscousRateStiffeningEyring(Effect):
+    """Thermally activated sliding of chains: force grows with the logarithm of the rate.
+
+    F += force * asinh(e' / rate0)
+
+    Source: Eyring, J. Chem. Phys. 4 (1936) 283.
+    Valid: linear below rate0, logarithmic above.
+    """
+
+    name = "viscous_rate_stiffening_eyring"
+    idea = "viscous_rate_stiffening"
+    stage = Stage.MECHANICS
+    reads, writes = ("strain", "force_N"), ("force_N",)
+    strength = "force_per_efold_N"
+    look = "every tenfold speed adds the same force"
+
+    force_per_efold_N: float = parameter(0.05, unit="N", low=0, high=50, doc="force per e-fold of the rate")
+    rate0_per_s: float = parameter(0.01, unit="1/s", low=1e-5, high=1, scale="log", doc="rate where the log sets in")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        sliding = np.arcsinh(rate(signals["strain"], dt_s) / self.rate0_per_s)
+        return {"force_N": signals["force_N"] + self.force_per_efold_N * sliding}
+
+
+class ViscousRateStiffeningLog(Effect):
+    """All of the force grows with the logarithm of the rate's magnitude.
+
+    F *= 1 + gain * ln(1 + |e'| / rate0)
+
+    Source: Johnson & Cook, Proc. 7th Int. Symp. on Ballistics (1983) 541 (rate factor), smoothed at zero rate.
+    Valid: stretching and releasing alike.
+    """
+
+    name = "viscous_rate_stiffening_log"
+    idea = "viscous_rate_stiffening"
+    stage = Stage.MECHANICS
+    reads, writes = ("strain", "force_N"), ("force_N",)
+    strength = "gain"
+    look = "the knit is stiffer in fast motion, in both directions"
+
+    gain: float = parameter(0.02, unit="1", low=0, high=1, doc="relative gain of force per e-fold of the rate")
+    rate0_per_s: float = parameter(0.01, unit="1/s", low=1e-5, high=1, scale="log", doc="rate where it sets in")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        decades = np.log1p(np.abs(rate(signals["strain"], dt_s)) / self.rate0_per_s)
+        return {"force_N": signals["force_N"] * (1 + self.gain * decades)}
+
+
+class ViscousRateStiffeningRelative(Effect):
+    """A dashpot that stiffens with the load: viscous force in proportion to the elastic one.
+
+    F *= 1 + gain * e' / 0.1 per s
+
+    Source: Fung, Biomechanics (1993), section 7.6: the stiffness, hence the loss, of soft tissue grows with stress.
+    Valid: while the factor stays positive (it is kept at or above zero).
+    """
+
+    name = "viscous_rate_stiffening_relative"
+    idea = "viscous_rate_stiffening"
+    stage = Stage.MECHANICS
+    reads, writes = ("strain", "force_N"), ("force_N",)
+    strength = "gain"
+    look = "fast loops are wider than slow ones, the more so the further the knit is stretched"
+
+    gain: float = parameter(0.1, unit="1", low=0, high=2, doc="relative gain of force at 10 % strain per second")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        speed = rate(signals["strain"], dt_s) / REFERENCE_RATE_PER_S
+        return {"force_N": signals["force_N"] * np.maximum(1 + self.gain * speed, 0.0)}

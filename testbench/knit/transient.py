@@ -1,0 +1,180 @@
+"""Conductance that answers motion before it answers stretch: overshoot, shoulders, rate."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
+from testbench.knit.filters import lowpass, rate, shifted
+
+
+class ElectricalOvershoot(Effect):
+    """After each change of strain the conductance overshoots and comes back.
+
+    ln G += gain * (e - y),   tau y' = e - y        (high-pass of the strain: signed)
+
+    Source: Zhang et al., J. Polym. Sci. B 38 (2000) 2739 (time-dependent piezoresistance of filled polymers);
+    first-order high-pass as the simplest law.
+    Valid: small overshoot; up while stretching, down while releasing (negative gain: the reverse).
+    """
+
+    name = "electrical_overshoot"
+    stage = Stage.ELECTRICAL
+    reads, writes = ("strain", "conductance_S"), ("conductance_S",)
+    strength = "gain"
+    look = "conductance shoots beyond its final value after every move and settles within seconds"
+
+    gain: float = parameter(0.5, unit="1", low=-20, high=20, doc="change of ln G per unit of sudden strain")
+    tau_s: float = parameter(3.0, unit="s", low=0.1, high=300, scale="log", doc="time in which it settles")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        sudden = signals["strain"] - lowpass(signals["strain"], self.tau_s, dt_s)
+        return {"conductance_S": shifted(signals["conductance_S"], self.gain * sudden)}
+
+
+class ElectricalOvershootMagnitude(Effect):
+    """Any motion, in either direction, shakes the contacts: the conductance shifts and comes back at rest.
+
+    ln G += gain * y,   y' = |e'| - y / tau
+
+    Source: simplest law of a disturbance in proportion to the speed that heals exponentially.
+    Valid: small shift.
+    """
+
+    name = "electrical_overshoot_magnitude"
+    idea = "electrical_overshoot"
+    stage = Stage.ELECTRICAL
+    reads, writes = ("strain", "conductance_S"), ("conductance_S",)
+    strength = "gain"
+    look = "conductance shifts the same way during stretch and release and comes back in a hold"
+
+    gain: float = parameter(0.5, unit="1", low=-20, high=20, doc="change of ln G per unit of strain path")
+    tau_s: float = parameter(3.0, unit="s", low=0.1, high=300, scale="log", doc="time in which it heals")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        speed = np.abs(rate(signals["strain"], dt_s))
+        shaken = self.tau_s * lowpass(speed, self.tau_s, dt_s)
+        return {"conductance_S": shifted(signals["conductance_S"], self.gain * shaken)}
+
+
+class ElectricalOvershootReversal(Effect):
+    """Each reversal of the motion sends a transient of the same size, whatever the speed.
+
+    ln G += gain * (s - y) / 2,   tau y' = s - y,   s = tanh(e' / rate0) is the smoothed direction
+
+    Source: simplest law of yarns that turn over at their contacts when the motion turns.
+    Valid: rate0 is far below the speeds in the recording.
+    """
+
+    name = "electrical_overshoot_reversal"
+    idea = "electrical_overshoot"
+    stage = Stage.ELECTRICAL
+    reads, writes = ("strain", "conductance_S"), ("conductance_S",)
+    strength = "gain"
+    look = "a spike of the conductance after every reversal, equally high for slow and fast motion"
+
+    gain: float = parameter(0.05, unit="1", low=-3, high=3, doc="change of ln G at a reversal")
+    tau_s: float = parameter(2.0, unit="s", low=0.1, high=100, scale="log", doc="time in which it settles")
+    rate0_per_s: float = parameter(
+        0.003, unit="1/s", low=1e-5, high=0.1, scale="log", doc="rate below which the knit counts as still"
+    )
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        direction = np.tanh(rate(signals["strain"], dt_s) / self.rate0_per_s)
+        turned = direction - lowpass(direction, self.tau_s, dt_s)
+        return {"conductance_S": shifted(signals["conductance_S"], 0.5 * self.gain * turned)}
+
+
+class ElectricalOvershootForce(Effect):
+    """The conductance overshoots with sudden changes of the contact force.
+
+    ln G += gain * (P - y) / 1 N,   tau y' = P - y
+
+    Source: as `electrical_overshoot`, driven by the pressing force.
+    Valid: small overshoot.
+    """
+
+    name = "electrical_overshoot_force"
+    idea = "electrical_overshoot"
+    stage = Stage.ELECTRICAL
+    reads, writes = ("contact_force_N", "conductance_S"), ("conductance_S",)
+    strength = "gain_per_N"
+    look = "conductance shoots beyond its final value, most where the knit is stiff"
+
+    gain_per_N: float = parameter(0.1, unit="1/N", low=-5, high=5, doc="change of ln G per newton of sudden force")
+    tau_s: float = parameter(3.0, unit="s", low=0.1, high=300, scale="log", doc="time in which it settles")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        pressing_N = signals["contact_force_N"]
+        sudden = pressing_N - lowpass(pressing_N, self.tau_s, dt_s)
+        return {"conductance_S": shifted(signals["conductance_S"], self.gain_per_N * sudden)}
+
+
+class ShoulderPeak(Effect):
+    """On release the conductance of carbon-filled composites dips (or peaks) a second time.
+
+    ln G += gain * (y - e)+,   tau y' = e - y        (the matrix is still long when the filler is let go)
+
+    Source: Flandin, Hiltner & Baer, Polymer 42 (2001) 827 (carbon-black elastomers under cyclic strain); the
+    one-sided lag is the simplest law that shows it.
+    Valid: release only; negative gain: resistance has a second peak.
+    """
+
+    name = "shoulder_peak"
+    stage = Stage.ELECTRICAL
+    reads, writes = ("strain", "conductance_S"), ("conductance_S",)
+    strength = "gain"
+    look = "a second peak of the resistance on the way back, none on the way out"
+
+    gain: float = parameter(-1.0, unit="1", low=-50, high=50, doc="change of ln G per unit of strain lag")
+    tau_s: float = parameter(10.0, unit="s", low=0.1, high=1000, scale="log", doc="how slowly the matrix follows")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        lag = np.maximum(lowpass(signals["strain"], self.tau_s, dt_s) - signals["strain"], 0.0)
+        return {"conductance_S": shifted(signals["conductance_S"], self.gain * lag)}
+
+
+class RateResistance(Effect):
+    """The conductance depends on the speed itself.
+
+    ln G += gain * e' / 0.1 per s
+
+    Source: Eyring-type activation linearised; the strain-rate dependence of filled elastomers.
+    Valid: small changes.
+    """
+
+    name = "rate_resistance"
+    stage = Stage.ELECTRICAL
+    reads, writes = ("strain", "conductance_S"), ("conductance_S",)
+    strength = "gain"
+    look = "conductance is shifted while the knit moves and is back at once when it stops"
+
+    gain: float = parameter(0.05, unit="1", low=-3, high=3, doc="change of ln G at 10 % strain per second")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        speed = rate(signals["strain"], dt_s) / 0.1
+        return {"conductance_S": shifted(signals["conductance_S"], self.gain * speed)}
+
+
+class RateResistanceMagnitude(Effect):
+    """The conductance depends on how fast the knit moves, in either direction.
+
+    ln G += gain * ln(1 + |e'| / rate0)
+
+    Source: as `rate_resistance`; logarithm as in Eyring's law.
+    Valid: small changes.
+    """
+
+    name = "rate_resistance_magnitude"
+    idea = "rate_resistance"
+    stage = Stage.ELECTRICAL
+    reads, writes = ("strain", "conductance_S"), ("conductance_S",)
+    strength = "gain"
+    look = "conductance is shifted the same way in both directions of motion and is back at once when it stops"
+
+    gain: float = parameter(0.02, unit="1", low=-1, high=1, doc="change of ln G per e-fold of the rate")
+    rate0_per_s: float = parameter(0.01, unit="1/s", low=1e-5, high=1, scale="log", doc="rate where it sets in")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        decades = np.log1p(np.abs(rate(signals["strain"], dt_s)) / self.rate0_per_s)
+        return {"conductance_S": shifted(signals["conductance_S"], self.gain * decades)}
