@@ -17,7 +17,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--gauge-length-mm", type=float, metavar="L", help="for a bare CSV (default: the model's)")
     add_effects(parser)
     parser.add_argument("--json", action="store_true", help="print the whole comparison as JSON")
-    parser.add_argument("--plot", metavar="FILE", help="picture of model over measurement (png, pdf or svg)")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -36,9 +35,5 @@ def run(args: argparse.Namespace) -> int:
     measurement = prepare(recording)
     elsewhere = recording.source != file.fitted_on
     result = compare(file.model, measurement, free_offset=elsewhere)
-    if args.plot:
-        from testbench.discrepancy.picture import save_comparison
-
-        save_comparison(args.plot, file.model, measurement)
     print(json.dumps(result.to_dict(), indent=2) if args.json else comparison_table(result))
     return 0

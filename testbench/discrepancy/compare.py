@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -140,7 +141,7 @@ def residual_maps(residual: FloatArray, where: Mapping[str, FloatArray], dt_s: f
         values = where[coordinate]
         edges = _edges(values[values > 0] if coordinate == "since_hold_s" else values)
         cells: list[Cell] = []
-        for low, high in zip(edges[:-1], edges[1:], strict=True):
+        for low, high in itertools.pairwise(edges):
             inside = (values >= low) & ((values < high) | (high == edges[-1]))
             sides = (1, -1) if coordinate in ("strain", "since_reversal_s", "largest_strain") else (0,)
             for side in sides:
