@@ -28,11 +28,12 @@ from collections.abc import Mapping
 from enum import IntEnum
 from typing import Any, ClassVar
 
+import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field
 from pydantic.fields import FieldInfo
 
-FloatArray = NDArray[Any]
+FloatArray = NDArray[np.float64]
 Signals = Mapping[str, FloatArray]
 
 

@@ -1,0 +1,33 @@
+"""``testbench report``: one self-contained page."""
+
+from __future__ import annotations
+
+import argparse
+
+SUMMARY = "put recordings, model, diagnosis and compensator into one self-contained HTML page"
+EXAMPLE = "testbench report --recording campaign-1 --held-out campaign-2 --model model.json -o report.html"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument(
+        "--recording", action="append", default=[], metavar="R", help="a CSV or a campaign folder; may be repeated"
+    )
+    parser.add_argument("--held-out", metavar="B", help="the recording that errors are judged on")
+    parser.add_argument("--gauge-length-mm", type=float, metavar="L", help="for bare CSVs")
+    parser.add_argument("--title", default="", help="heading of the page")
+    parser.add_argument("--format", choices=("html", "md"), default="html", help="html (default) or md")
+    parser.add_argument("--figures", metavar="DIR", help="also write every figure there, as PNG and PDF")
+    parser.add_argument("-o", "--output", metavar="FILE", help="where to write (default: report.html or report.md)")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Build the report and write it."""
+    from testbench.report.build import Inputs, build_report
+    from testbench.report.write import write_report
+
+    given = Inputs(tuple(args.recording), args.held_out, args.gauge_length_mm, args.title)
+    output = args.output or f"report.{args.format}"
+    for path in write_report(build_report(given), output, args.format, args.figures):
+        print(f"wrote {path}")
+    return 0

@@ -1,0 +1,320 @@
+"""Figures of a model against a measurement: both over time, the residual, and where it sits. No files, no fitting."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from testbench.report import style
+from testbench.report.downsample import POINTS, window
+from testbench.report.recording_figures import line
+
+FloatArray = NDArray[np.float64]
+
+CHANNEL_TITLES = {"force": "Force / N", "conductance": "ln (G / S)"}
+RESIDUAL_TITLES = {"force": "Residual / N", "conductance": "Residual / ln S"}
+COORDINATE_TITLES = {
+    "strain": "Strain",
+    "strain_rate": "Strain rate / 1/s",
+    "elapsed_s": "Elapsed time / s",
+    "largest_strain": "Largest strain so far",
+    "since_reversal_s": "Since the last reversal / s",
+    "since_hold_s": "Into a hold / s",
+    "cycle": "Cycle",
+    "temperature_C": "Temperature / °C",
+}
+LOG_COORDINATES = ("since_reversal_s", "since_hold_s")
+DIRECTIONS = ((1, "stretching", style.BLUE, "triangle-up"), (-1, "releasing", style.VERMILION, "diamond"))
+HEAT_BINS = 24
+FEW = 8  # cells of a map with fewer samples are left blank
+
+
+@dataclass(frozen=True, eq=False)
+class Overlay:
+    """Measured and modelled signals on one time grid.
+
+    Attributes
+    ----------
+    time_s, strain : ndarray, shape (n,)
+    measured : mapping of channel to ndarray, shape (n,)
+        ``force`` in N, ``conductance`` as ln S.
+    modelled : mapping of label to mapping of channel to ndarray, shape (n,)
+        One entry a model, in the order of drawing ("baseline", "with stress_relaxation").
+    noise_floor : mapping of channel to float
+    held_out_from_s : float, optional
+        Where the held-out part begins; it is shaded.
+    """
+
+    time_s: FloatArray
+    strain: FloatArray
+    measured: Mapping[str, FloatArray]
+    modelled: Mapping[str, Mapping[str, FloatArray]]
+    noise_floor: Mapping[str, float]
+    held_out_from_s: float | None = None
+
+    def residual(self, channel: str, label: str | None = None) -> FloatArray:
+        """Measured minus modelled of one model (default: the last)."""
+        label = label or list(self.modelled)[-1]
+        return self.measured[channel] - self.modelled[label][channel]
+
+
+def model_colour(index: int, count: int) -> str:
+    """The last model is drawn in vermilion, those before it fainter."""
+    return style.VERMILION if index == count - 1 else style.ORANGE
+
+
+def overlay(
+    both: Overlay, start_s: float | None = None, end_s: float | None = None, points: int = POINTS
+) -> style.Figure:
+    """Measured and modelled over time with the residual under each, zoom linked in all rows.
+
+    Parameters
+    ----------
+    both : Overlay
+    start_s, end_s : float, optional
+        Draw this stretch only, at full detail for it.
+    points : int
+        Largest number of points a line.
+    """
+    rows = window(both.time_s, start_s, end_s)
+    traces: list[dict[str, Any]] = []
+    titles: list[str] = []
+    for channel in both.measured:
+        traces += _channel_traces(both, channel, rows, len(titles), points)
+        titles += [CHANNEL_TITLES[channel], RESIDUAL_TITLES[channel]]
+    axes = _uneven_axes(titles)
+    if start_s is not None and end_s is not None:
+        axes["xaxis"]["range"] = [start_s, end_s]
+    shapes = [_floor_band(2 * row + 1, both.noise_floor.get(c, 0.0)) for row, c in enumerate(both.measured)]
+    shapes += _held_out_shade(both, [style.y_ref(row) for row in range(len(titles))], end_s)
+    return style.figure(traces, height=150 * len(titles) + 60, shapes=shapes, **axes)
+
+
+def _channel_traces(both: Overlay, channel: str, rows: slice, row: int, points: int) -> list[dict[str, Any]]:
+    time_s = both.time_s[rows]
+    first = row == 0
+    traces = [line(time_s, both.measured[channel][rows], style.MEASURED, "measured", row, points, showlegend=first)]
+    for index, label in enumerate(both.modelled):
+        colour = model_colour(index, len(both.modelled))
+        values = both.modelled[label][channel][rows]
+        traces.append(line(time_s, values, colour, label, row, points, showlegend=first))
+        residual = both.residual(channel, label)[rows]
+        traces.append(line(time_s, residual, colour, f"{label}: residual", row + 1, points))
+    return traces
+
+
+def _uneven_axes(titles: list[str]) -> dict[str, Any]:
+    """Stacked axes in which each residual (every second row) is half as tall as its signal."""
+    weights = [2.0 if row % 2 == 0 else 1.0 for row in range(len(titles))]
+    gap = 0.035
+    unit = (1 - gap * (len(titles) - 1)) / sum(weights)
+    axes, top = {}, 1.0
+    for row, (title, weight) in enumerate(zip(titles, weights, strict=True)):
+        low = max(top - weight * unit, 0.0)
+        axes[style.axis_key("yaxis", row)] = style.axis(title, domain=[low, top], anchor="x")
+        top = low - gap
+    axes["xaxis"] = style.axis("Time / s", anchor=style.y_ref(len(titles) - 1))
+    return axes
+
+
+def _floor_band(row: int, floor: float) -> dict[str, Any]:
+    """A band of plus and minus two noise floors: what no model can explain."""
+    return {
+        "type": "rect",
+        "xref": "paper",
+        "yref": style.y_ref(row),
+        "x0": 0,
+        "x1": 1,
+        "y0": -2 * floor,
+        "y1": 2 * floor,
+        "fillcolor": style.FLOOR,
+        "opacity": 0.35,
+        "line": {"width": 0},
+        "layer": "below",
+    }
+
+
+def _held_out_shade(both: Overlay, rows: Sequence[str], end_s: float | None) -> list[dict[str, Any]]:
+    if both.held_out_from_s is None or (end_s is not None and end_s < both.held_out_from_s):
+        return []
+    shade = {"type": "rect", "xref": "x", "yref": "paper", "y0": 0, "y1": 1, "fillcolor": style.SKY, "opacity": 0.12}
+    return [
+        shade | {"x0": both.held_out_from_s, "x1": float(both.time_s[-1]), "line": {"width": 0}, "layer": "below"}
+    ]
+
+
+def residual_profiles(maps: Mapping[str, Sequence[Mapping[str, Any]]], channel: str) -> style.Figure:
+    """Mean residual over each coordinate with two standard errors, stretching and releasing apart.
+
+    Parameters
+    ----------
+    maps : mapping of coordinate to cells
+        As in ``testbench compare --json``: each cell has low, high, direction, mean, standard_error.
+    channel : str
+        ``force`` or ``conductance``.
+    """
+    shown = [name for name in COORDINATE_TITLES if len(maps.get(name, ())) > 1]
+    columns = 3
+    traces: list[dict[str, Any]] = []
+    for index, coordinate in enumerate(shown):
+        traces += _profile(maps[coordinate], coordinate, index)
+    axes = _grid_axes(shown, columns, channel)
+    count = -(-len(shown) // columns)
+    return style.figure(_legend_once(traces), height=230 * max(count, 1) + 60, **axes)
+
+
+def _profile(cells: Sequence[Mapping[str, Any]], coordinate: str, index: int) -> list[dict[str, Any]]:
+    split = any(cell["direction"] for cell in cells)
+    groups = DIRECTIONS if split else ((0, "both directions", style.INK, "circle"),)
+    traces = []
+    for direction, name, colour, symbol in groups:
+        mine = [cell for cell in cells if cell["direction"] == direction]
+        if not mine:
+            continue
+        traces.append(
+            {
+                "type": "scatter",
+                "mode": "lines+markers",
+                "name": name,
+                "x": np.array([_centre(cell, coordinate) for cell in mine]),
+                "y": np.array([cell["mean"] for cell in mine]),
+                "error_y": {"array": np.array([2 * cell["standard_error"] for cell in mine]), "color": colour},
+                "marker": {"size": 6, "symbol": symbol, "color": colour},
+                "line": {"width": 1, "color": colour},
+                "xaxis": style.x_ref(index),
+                "yaxis": style.y_ref(index),
+                "hovertemplate": "%{y:.3g} at %{x:.3g}",
+                "showlegend": True,
+            }
+        )
+    return traces
+
+
+def _centre(cell: Mapping[str, Any], coordinate: str) -> float:
+    low, high = float(cell["low"]), float(cell["high"])
+    if coordinate in LOG_COORDINATES:
+        return float(np.sqrt(max(low, high / 20, 1e-3) * max(high, 1e-3)))
+    return (low + high) / 2
+
+
+def _legend_once(traces: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    seen: set[str] = set()
+    for trace in traces:
+        trace["showlegend"] = trace["name"] not in seen
+        seen.add(trace["name"])
+    return traces
+
+
+def _grid_axes(coordinates: list[str], columns: int, channel: str) -> dict[str, Any]:
+    rows = max(-(-len(coordinates) // columns), 1)
+    width, height = (1 - 0.07 * (columns - 1)) / columns, (1 - 0.2 * (rows - 1)) / rows
+    axes = {}
+    for index, coordinate in enumerate(coordinates):
+        row, column = divmod(index, columns)
+        left, top = column * (width + 0.07), 1 - row * (height + 0.2)
+        x_domain, y_domain = [left, min(left + width, 1.0)], [max(top - height, 0.0), max(top, 0.0)]
+        kind = {"type": "log"} if coordinate in LOG_COORDINATES else {}
+        tick = {"tickformat": ".0%"} if coordinate in ("strain", "largest_strain") else {}
+        axes[style.axis_key("xaxis", index)] = style.axis(
+            COORDINATE_TITLES[coordinate], domain=x_domain, anchor=style.y_ref(index), **kind, **tick
+        )
+        axes[style.axis_key("yaxis", index)] = style.axis(
+            RESIDUAL_TITLES[channel] if column == 0 else "",
+            domain=y_domain,
+            anchor=style.x_ref(index),
+            zeroline=True,
+            zerolinecolor=style.FAINT,
+        )
+    return axes
+
+
+def residual_heat_maps(both: Overlay, label: str | None = None) -> style.Figure:
+    """Mean residual over strain and strain rate, one map a channel: blue where the model is too high."""
+    rate = np.gradient(both.strain, both.time_s)
+    limit = float(np.quantile(np.abs(rate), 0.995)) or 1.0
+    inside = np.abs(rate) <= limit
+    panels = [("Strain / %", "Strain rate / %/s" if i == 0 else "") for i in range(len(both.measured))]
+    traces = []
+    for column, channel in enumerate(both.measured):
+        x, y, z = _heat(100 * both.strain[inside], 100 * rate[inside], both.residual(channel, label)[inside])
+        size = float(np.nanquantile(np.abs(z), 0.98)) if np.isfinite(z).any() else 1.0
+        traces.append(
+            {
+                "type": "heatmap",
+                "x": x,
+                "y": y,
+                "z": z,
+                "zmin": -size,
+                "zmax": size,
+                "colorscale": style.DIVERGING,
+                "xaxis": style.x_ref(column),
+                "yaxis": style.y_ref(column),
+                "colorbar": {
+                    "title": {"text": "N" if channel == "force" else "ln S"},
+                    "thickness": 10,
+                    "outlinewidth": 0,
+                    "x": (1.0 if column == len(both.measured) - 1 else 0.42) + 0.01,
+                },
+                "hovertemplate": "strain %{x:.1f} %, rate %{y:.2f} %/s: %{z:.3g}<extra></extra>",
+            }
+        )
+    axes = style.side_by_side_axes(panels, gap=0.16)
+    notes = [
+        style.note(f"<b>{channel}</b>: measured minus modelled", index * 0.58, 1.0, xanchor="left", yanchor="bottom")
+        for index, channel in enumerate(both.measured)
+    ]
+    return style.figure(traces, height=360, margin={"l": 64, "r": 80, "t": 36, "b": 44}, annotations=notes, **axes)
+
+
+def _heat(x: FloatArray, y: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    counts, x_edges, y_edges = np.histogram2d(x, y, bins=HEAT_BINS)
+    sums, _, _ = np.histogram2d(x, y, bins=(x_edges, y_edges), weights=z)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        means = np.where(counts >= FEW, sums / counts, np.nan)
+    return (x_edges[1:] + x_edges[:-1]) / 2, (y_edges[1:] + y_edges[:-1]) / 2, means.T
+
+
+def modelled_loops(both: Overlay, points: int = 2500) -> style.Figure:
+    """Hysteresis loops, measured under modelled: force over strain and ln G over strain."""
+    rows = np.unique(np.linspace(0, len(both.time_s) - 1, points).round().astype(int))
+    names = ["measured", *both.modelled]
+    colours = [style.MEASURED, *(model_colour(i, len(both.modelled)) for i in range(len(both.modelled)))]
+    traces = []
+    for column, channel in enumerate(both.measured):
+        signals = [both.measured[channel], *(model[channel] for model in both.modelled.values())]
+        for name, colour, values in zip(names, colours, signals, strict=True):
+            traces.append(
+                {
+                    "type": "scatter",
+                    "mode": "markers",
+                    "name": name,
+                    "x": 100 * both.strain[rows],
+                    "y": values[rows],
+                    "marker": {"size": 2.5, "color": colour},
+                    "opacity": 0.55,
+                    "xaxis": style.x_ref(column),
+                    "yaxis": style.y_ref(column),
+                    "hovertemplate": "%{y:.4g} at %{x:.2f} %",
+                    "showlegend": column == 0,
+                }
+            )
+    axes = style.side_by_side_axes([("Strain / %", CHANNEL_TITLES[channel]) for channel in both.measured])
+    return style.figure(traces, height=380, **axes)
+
+
+def busiest_window(both: Overlay, length_s: float) -> tuple[float, float]:
+    """The stretch of `length_s` in which the residuals of the first model are largest: the one to look at."""
+    first = next(iter(both.modelled))
+    size = sum(
+        (both.residual(channel, first) / (float(np.ptp(values)) or 1.0)) ** 2
+        for channel, values in both.measured.items()
+    )
+    step = float(np.median(np.diff(both.time_s)))
+    width = min(len(both.time_s), max(2, round(length_s / step)))
+    energy = np.convolve(np.asarray(size), np.ones(width), mode="valid")
+    start = int(np.argmax(energy))
+    return float(both.time_s[start]), float(both.time_s[min(start + width, len(both.time_s)) - 1])

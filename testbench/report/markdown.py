@@ -1,0 +1,39 @@
+"""A report as Markdown; its pictures are files beside it."""
+
+from __future__ import annotations
+
+from testbench.report.document import Facts, Item, Picture, Report, Table
+
+
+def to_markdown(report: Report, figures: str | None = None) -> str:
+    """The report as Markdown.
+
+    Parameters
+    ----------
+    report : Report
+    figures : str, optional
+        Folder of the PNG files, as the document should name it; without it only the captions stand.
+    """
+    parts = [f"# {report.title}", report.verdict]
+    parts += [_item(item, figures) for item in report.opening]
+    for section in report.sections:
+        parts.append(f"## {section.title}")
+        parts += [_item(item, figures) for item in section.items]
+    parts.append(report.footer)
+    return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def _item(item: Item, figures: str | None) -> str:
+    if isinstance(item, Picture):
+        return f"![{item.caption}]({figures}/{item.name}.png)\n\n*{item.caption}*" if figures else f"*{item.caption}*"
+    if isinstance(item, Table):
+        return _table(item)
+    if isinstance(item, Facts):
+        return "\n".join(f"- **{name}**: {value}" for name, value in item.pairs)
+    return item
+
+
+def _table(table: Table) -> str:
+    lines = [table.head, tuple("---" for _ in table.head), *table.rows]
+    text = "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines)
+    return f"{text}\n\n{table.caption}" if table.caption else text

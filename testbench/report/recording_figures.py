@@ -1,0 +1,198 @@
+"""Figures of a recording: what was moved, what was felt, what was read. Data in, Plotly figures out; no files."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from testbench.recording import FORCE as FORCE_CHANNEL
+from testbench.recording import RESISTANCE, TEMPERATURE, Recording
+from testbench.report import style
+from testbench.report.downsample import POINTS, rows_to_draw, thinned, window
+
+FloatArray = NDArray[np.float64]
+Channel = tuple[str, FloatArray, str]  # axis title, values, colour
+
+LOOP_POINTS = 2500
+BINS = 60
+SPEED_RATE_HZ = 20.0
+
+
+def conductance_scale(conductance_S: FloatArray) -> tuple[float, str]:
+    """Factor and unit that give readable numbers: S, mS, µS or nS."""
+    typical = float(np.median(np.abs(conductance_S)))
+    for factor, unit in ((1.0, "S"), (1e3, "mS"), (1e6, "µS")):
+        if typical * factor >= 0.5:
+            return factor, unit
+    return 1e9, "nS"
+
+
+def channels_of(recording: Recording) -> list[Channel]:
+    """Strain, force, conductance and temperature, as far as they were recorded."""
+    found: list[Channel] = [("Strain / %", 100 * recording.strain, style.STRAIN)]
+    if recording.has(FORCE_CHANNEL):
+        found.append(("Force / N", recording[FORCE_CHANNEL], style.FORCE))
+    if recording.has(RESISTANCE):
+        factor, unit = conductance_scale(recording.conductance_S)
+        found.append((f"Conductance / {unit}", factor * recording.conductance_S, style.CONDUCTANCE))
+    if recording.has(TEMPERATURE):
+        found.append(("Temperature / °C", recording[TEMPERATURE], style.ORANGE))
+    return found
+
+
+def time_series(
+    recording: Recording, start_s: float | None = None, end_s: float | None = None, points: int = POINTS
+) -> style.Figure:
+    """Every channel over time, one row each, zoom linked.
+
+    Parameters
+    ----------
+    recording : Recording
+    start_s, end_s : float, optional
+        Draw this stretch only, at full detail for it.
+    points : int
+        Largest number of points a channel (min-max, so peaks stay).
+    """
+    rows = window(recording.time_s, start_s, end_s)
+    time_s = recording.time_s[rows]
+    channels = channels_of(recording)
+    traces = [
+        line(time_s, values[rows], colour, title.split(" / ")[0], row, points)
+        for row, (title, values, colour) in enumerate(channels)
+    ]
+    axes = style.stacked_axes([title for title, _, _ in channels], "Time / s")
+    if start_s is not None and end_s is not None:
+        axes["xaxis"]["range"] = [start_s, end_s]
+    return style.figure(traces, height=150 * len(channels) + 90, **axes)
+
+
+def line(
+    time_s: FloatArray, values: FloatArray, colour: str, name: str, row: int = 0, points: int = POINTS, **more: Any
+) -> dict[str, Any]:
+    """A line over time in row `row` of a stacked figure, downsampled to `points`."""
+    kept = rows_to_draw(values, points)
+    return {
+        "type": "scatter",
+        "mode": "lines",
+        "name": name,
+        "x": time_s[kept],
+        "y": values[kept],
+        "line": {"color": colour, "width": 1.2},
+        "xaxis": "x",
+        "yaxis": style.y_ref(row),
+        "hovertemplate": "%{y:.4g} at %{x:.1f} s",
+        **more,
+    }
+
+
+def hysteresis_loops(recording: Recording) -> style.Figure | None:
+    """Force over strain, and log-conductance over force (or strain), coloured from the first sample to the last.
+
+    None when neither force nor resistance was recorded.
+    """
+    panels = _loop_panels(recording)
+    if not panels:
+        return None
+    rows = thinned(len(recording), LOOP_POINTS)
+    minutes = (recording.time_s[rows] - recording.time_s[0]) / 60
+    traces = [
+        {
+            "type": "scatter",
+            "mode": "markers",
+            "x": x[rows],
+            "y": y[rows],
+            "xaxis": style.x_ref(column),
+            "yaxis": style.y_ref(column),
+            "marker": {
+                "size": 3,
+                "color": minutes,
+                "colorscale": style.SEQUENTIAL,
+                "showscale": column == len(panels) - 1,
+                "colorbar": {"title": {"text": "min"}, "thickness": 10, "outlinewidth": 0, "len": 0.9},
+            },
+            "hovertemplate": "%{x:.4g}, %{y:.4g}<extra></extra>",
+        }
+        for column, (_, _, x, y) in enumerate(panels)
+    ]
+    axes = style.side_by_side_axes([(x_title, y_title) for x_title, y_title, _, _ in panels])
+    return style.figure(traces, height=380, margin={"l": 64, "r": 72, "t": 30, "b": 44}, **axes)
+
+
+def _loop_panels(recording: Recording) -> list[tuple[str, str, FloatArray, FloatArray]]:
+    strain = 100 * recording.strain
+    panels = []
+    if recording.has(FORCE_CHANNEL):
+        panels.append(("Strain / %", "Force / N", strain, recording[FORCE_CHANNEL]))
+    if recording.has(RESISTANCE):
+        log_conductance = np.log(recording.conductance_S)
+        panels.append(("Strain / %", "ln (G / S)", strain, log_conductance))
+        if recording.has(FORCE_CHANNEL):
+            panels.append(("Force / N", "ln (G / S)", recording[FORCE_CHANNEL], log_conductance))
+    return panels
+
+
+def distributions(recording: Recording) -> style.Figure:
+    """How often each strain, speed, force and conductance occurred (share of the time in per cent)."""
+    even = recording.resampled(SPEED_RATE_HZ)
+    speed = np.gradient(even["displacement_mm"], 1 / SPEED_RATE_HZ)
+    panels: list[Channel] = [("Strain / %", 100 * even.strain, style.STRAIN), ("Speed / mm/s", speed, style.MUTED)]
+    panels += channels_of(even)[1:3]
+    traces = []
+    for column, (_, values, colour) in enumerate(panels):
+        counts, edges = np.histogram(values, bins=BINS)
+        traces.append(
+            {
+                "type": "bar",
+                "x": (edges[:-1] + edges[1:]) / 2,
+                "y": 100 * counts / counts.sum(),
+                "width": float(edges[1] - edges[0]),
+                "xaxis": style.x_ref(column),
+                "yaxis": style.y_ref(column),
+                "marker": {"color": colour, "line": {"width": 0}},
+                "hovertemplate": "%{y:.2f} % of the time near %{x:.3g}<extra></extra>",
+            }
+        )
+    titles = [(title, "Time / %" if column == 0 else "") for column, (title, _, _) in enumerate(panels)]
+    return style.figure(traces, height=240, bargap=0, **style.side_by_side_axes(titles, gap=0.06))
+
+
+def thumbnail(recording: Recording, width: int = 220, height: int = 64) -> str:
+    """A small SVG of strain (faint) and force or conductance over time, for lists of campaigns."""
+    front = channels_of(recording)[min(1, len(channels_of(recording)) - 1)]
+    lines = [(100 * recording.strain, style.FAINT, 0.8)]
+    if len(channels_of(recording)) > 1:
+        lines.append((front[1], front[2], 1.1))
+    paths = "".join(_polyline(recording.time_s, values, colour, pen, width, height) for values, colour, pen in lines)
+    return (
+        f'<svg viewBox="0 0 {width} {height}" width="{width}" height="{height}" '
+        f'xmlns="http://www.w3.org/2000/svg" aria-hidden="true">{paths}</svg>'
+    )
+
+
+def _polyline(time_s: FloatArray, values: FloatArray, colour: str, pen: float, width: int, height: int) -> str:
+    rows = rows_to_draw(values, 2 * width)
+    x = (time_s[rows] - time_s[0]) / (time_s[-1] - time_s[0]) * width
+    span = float(np.ptp(values)) or 1.0
+    y = height - 3 - (values[rows] - values.min()) / span * (height - 6)
+    points = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y, strict=True))
+    return f'<polyline points="{points}" fill="none" stroke="{colour}" stroke-width="{pen}"/>'
+
+
+def summary(recording: Recording) -> list[tuple[str, str]]:
+    """What a person asks first of a recording: pairs of name and value, in words."""
+    facts = [
+        ("Duration", f"{recording.duration_s / 60:.1f} min"),
+        ("Samples", f"{len(recording):,}".replace(",", " ") + f" at {recording.mean_rate_hz:.1f} Hz"),
+        ("Gauge length", f"{recording.gauge_length_mm:g} mm"),
+        ("Strain", f"{100 * recording.strain.min():.1f} to {100 * recording.strain.max():.1f} %"),
+    ]
+    if recording.has(FORCE_CHANNEL):
+        force = recording[FORCE_CHANNEL]
+        facts.append(("Force", f"{force.min():.3g} to {force.max():.3g} N"))
+    if recording.has(RESISTANCE):
+        factor, unit = conductance_scale(recording.conductance_S)
+        low, high = factor * recording.conductance_S.min(), factor * recording.conductance_S.max()
+        facts.append(("Conductance", f"{low:.3g} to {high:.3g} {unit}"))
+    return facts

@@ -1,0 +1,121 @@
+"""Sections of a report, each from plain results: words, tables and figures in the order of reading. No files."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from testbench.recording import Recording
+from testbench.report import comparison_figures, ladder_figures, recording_figures
+from testbench.report.comparison_figures import Overlay
+from testbench.report.document import Facts, Item, Picture, Section, Table
+from testbench.report.ladder_figures import UNITS, Step
+
+
+def recording_section(recording: Recording, title: str, key: str) -> Section:
+    """What was recorded: the facts, every channel over time, loops, distributions."""
+    items: list[Item] = [
+        Facts(recording_figures.summary(recording)),
+        Picture(f"{key}-time", recording_figures.time_series(recording), "Every channel over time, as sampled."),
+    ]
+    loops = recording_figures.hysteresis_loops(recording)
+    if loops:
+        caption = "Loops, from the first minute (dark) to the last (light): a shift along the colours is drift."
+        items.append(Picture(f"{key}-loops", loops, caption))
+    caption = "How often each value occurred; the speed is taken at 20 Hz."
+    items.append(Picture(f"{key}-distributions", recording_figures.distributions(recording), caption))
+    return Section(title, items)
+
+
+def comparison_section(both: Overlay, comparison: Mapping[str, Any]) -> Section:
+    """Where the model fails: worst places in words, model over measurement, residual maps.
+
+    Parameters
+    ----------
+    both : Overlay
+        One model in `modelled`.
+    comparison : mapping
+        The JSON of ``testbench compare``.
+    """
+    items: list[Item] = [errors_table(comparison["channels"])]
+    worst = comparison["worst"]
+    if worst:
+        rows = [
+            (str(n), place["words"], f"{100 * place['share_of_error']:.0f} %") for n, place in enumerate(worst, 1)
+        ]
+        items.append(Table(("", "Where it fails, the worst first", "Share of the squared error"), rows))
+    else:
+        items.append("No place stands out from the noise.")
+    caption = "Measured and modelled, and the residual under each; the grey band is twice the noise floor."
+    items.append(Picture("comparison-time", comparison_figures.overlay(both), caption))
+    items.append(Picture("comparison-loops", comparison_figures.modelled_loops(both), "The same as loops."))
+    caption = "Residual over strain and strain rate: orange where the model is too low, blue where it is too high."
+    items.append(Picture("comparison-map", comparison_figures.residual_heat_maps(both), caption))
+    for channel, entry in comparison["channels"].items():
+        caption = f"Mean residual of the {channel} over each coordinate, with two standard errors."
+        figure = comparison_figures.residual_profiles(entry["maps"], channel)
+        items.append(Picture(f"comparison-{channel}", figure, caption))
+    return Section("Where the model fails", items)
+
+
+def errors_table(channels: Mapping[str, Mapping[str, Any]]) -> Table:
+    """RMS error of each channel beside its noise floor."""
+    rows = [
+        (name, f"{entry['rms']:.4g} {entry['unit']}", f"{entry['noise_floor']:.2g} {entry['unit']}",
+         f"{entry['over_noise']:.1f} x")
+        for name, entry in channels.items()
+    ]  # fmt: skip
+    return Table(("Channel", "RMS error", "Noise floor", "Error over noise"), rows)
+
+
+def ladder_section(steps: Sequence[Step]) -> Section:
+    """The errors step by step."""
+    channels = list(steps[0].errors)
+    head = ("Step", *(f"Held-out {channel} / {UNITS[channel]}" for channel in channels), "Fall")
+    rows = [
+        (step.label, *(f"{step.errors[channel]:.4g}" for channel in channels), fall_in_words(steps[0], step))
+        for step in steps
+    ]
+    floor = ", ".join(f"{channel} {value:.2g} {UNITS[channel]}" for channel, value in steps[-1].noise_floor.items())
+    caption = (
+        "Held-out error after each step; the dashed line is the noise floor, below which nothing is left to explain."
+    )
+    return Section(
+        "The error ladder",
+        [Picture("ladder", ladder_figures.ladder(steps), caption), Table(head, rows, f"Noise floor: {floor}.")],
+    )
+
+
+def fall_in_words(first: Step, last: Step) -> str:
+    """How far each channel's error has fallen since the first step."""
+    if first is last:
+        return ""
+    falls = [(channel, 1 - last.errors[channel] / error) for channel, error in first.errors.items() if error > 0]
+    return ", ".join(f"{channel} {-100 * fall:+.0f} %" for channel, fall in falls)
+
+
+def parameters_section(fit: Mapping[str, Any]) -> Section | None:
+    """Fitted parameters with standard errors; shape weights are counted, not listed."""
+    entries = fit.get("parameters", {})
+    rows = [_parameter_row(address, entry, fit) for address, entry in entries.items() if "[" not in address]
+    if not rows:
+        return None
+    weights = sum("[" in address for address in entries)
+    caption = f"and {weights} shape weights" if weights else ""
+    return Section(
+        "The model's parameters", [Table(("Parameter", "Value", "Standard error", "Unit", ""), rows, caption)]
+    )
+
+
+def _parameter_row(address: str, entry: Mapping[str, Any], fit: Mapping[str, Any]) -> tuple[str, ...]:
+    unit = "" if entry["unit"] == "1" else entry["unit"]
+    return address, f"{entry['value']:.4g}", f"± {entry['standard_error']:.2g}", unit, _doubts(address, fit)
+
+
+def _doubts(address: str, fit: Mapping[str, Any]) -> str:
+    doubts = []
+    if address in fit.get("at_bound", ()):
+        doubts.append("at its bound")
+    if address in fit.get("unidentified", ()):
+        doubts.append("this recording cannot tell")
+    return ", ".join(doubts)

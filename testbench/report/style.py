@@ -1,0 +1,120 @@
+"""The house style of every figure and page: colours, type, axes. One place, so that all pictures are of one family.
+
+Colours of data are Okabe and Ito's, which stay apart for colour-blind readers and in grey print.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+Figure = dict[str, Any]  # a Plotly figure as plain data: {"data": [...], "layout": {...}}
+
+BLUE, VERMILION, GREEN, ORANGE = "#0072B2", "#D55E00", "#009E73", "#E69F00"
+SKY, PURPLE, BLACK = "#56B4E9", "#CC79A7", "#000000"
+
+INK, MUTED, FAINT, RULE = "#1d2733", "#5b6875", "#a9b3bd", "#e4e1da"
+PAPER, PAGE = "#ffffff", "#f7f5f1"  # card and page; the page is the off-white of undyed yarn
+
+MEASURED, MODELLED, RESIDUAL, FLOOR = INK, VERMILION, BLUE, FAINT
+STRAIN, FORCE, CONDUCTANCE = PURPLE, BLUE, GREEN
+
+FONT_STACK = "Inter, 'Segoe UI', system-ui, -apple-system, 'DejaVu Sans', sans-serif"
+DIVERGING = [[0.0, BLUE], [0.5, "#f4f2ee"], [1.0, VERMILION]]
+# Cividis, which colour-blind and other readers see alike (Nunez, Anderton and Renslow 2018).
+SEQUENTIAL = [[0.0, "#00224e"], [0.25, "#35456c"], [0.5, "#7c7b78"], [0.75, "#bcae6c"], [1.0, "#fee838"]]
+
+CONFIG = {"displaylogo": False, "responsive": True, "modeBarButtonsToRemove": ["select2d", "lasso2d"]}
+
+
+def axis(title: str = "", **more: Any) -> dict[str, Any]:
+    """One axis in the house style."""
+    return {
+        "title": {"text": title, "standoff": 6, "font": {"size": 12, "color": MUTED}},
+        "gridcolor": RULE,
+        "zeroline": False,
+        "linecolor": FAINT,
+        "ticks": "outside",
+        "ticklen": 4,
+        "tickcolor": FAINT,
+        "tickfont": {"size": 11, "color": MUTED},
+        "automargin": True,
+        **more,
+    }
+
+
+def figure(data: list[dict[str, Any]], *, height: int, title: str = "", **layout: Any) -> Figure:
+    """A figure in the house style; `layout` adds axes and whatever else this one needs."""
+    base: dict[str, Any] = {
+        "height": height,
+        "margin": {"l": 64, "r": 20, "t": 44 if title else 30, "b": 44},
+        "paper_bgcolor": PAPER,
+        "plot_bgcolor": PAPER,
+        "font": {"family": FONT_STACK, "size": 12, "color": INK},
+        "hoverlabel": {"font": {"family": FONT_STACK, "size": 12}},
+        "legend": {"orientation": "h", "x": 1, "xanchor": "right", "y": 1.0, "yanchor": "bottom"},
+        "showlegend": any(trace.get("showlegend") for trace in data),
+        "dragmode": "zoom",
+    }
+    if title:
+        base["title"] = {"text": title, "x": 0, "xref": "paper", "font": {"size": 14, "color": INK}}
+    return {"data": data, "layout": {**base, **layout}}
+
+
+def stacked_axes(titles: list[str], x_title: str, gap: float = 0.05, **x_more: Any) -> dict[str, Any]:
+    """Axes of rows that share one horizontal axis, top row first: zooming in one zooms all.
+
+    Returns
+    -------
+    dict
+        ``xaxis``, ``yaxis``, ``yaxis2``, ...: trace number i goes to ``"x"`` and `y_ref(i)`.
+    """
+    count = len(titles)
+    height = (1 - gap * (count - 1)) / count
+    axes = {}
+    for row, title in enumerate(titles):
+        top = 1 - row * (height + gap)
+        low = 0.0 if row == count - 1 else top - height
+        axes[axis_key("yaxis", row)] = axis(title, domain=[max(low, 0.0), top], anchor="x")
+    axes["xaxis"] = axis(x_title, anchor=y_ref(count - 1), **x_more)
+    return axes
+
+
+def side_by_side_axes(panels: list[tuple[str, str]], gap: float = 0.09) -> dict[str, Any]:
+    """Axes of panels in one row, each ``(x title, y title)``; trace number i goes to `x_ref(i)`, `y_ref(i)`."""
+    count = len(panels)
+    width = (1 - gap * (count - 1)) / count
+    axes = {}
+    for column, (x_title, y_title) in enumerate(panels):
+        left = column * (width + gap)
+        axes[axis_key("xaxis", column)] = axis(x_title, domain=[left, min(left + width, 1.0)], anchor=y_ref(column))
+        axes[axis_key("yaxis", column)] = axis(y_title, anchor=x_ref(column))
+    return axes
+
+
+def axis_key(kind: str, index: int) -> str:
+    """``xaxis``, ``xaxis2``, ... for index 0, 1, ..."""
+    return kind if index == 0 else f"{kind}{index + 1}"
+
+
+def x_ref(index: int) -> str:
+    """How a trace names horizontal axis number `index`."""
+    return axis_key("x", index)
+
+
+def y_ref(index: int) -> str:
+    """How a trace names vertical axis number `index`."""
+    return axis_key("y", index)
+
+
+def note(text: str, x: float, y: float, **more: Any) -> dict[str, Any]:
+    """A text on the paper (0 to 1 in both directions)."""
+    return {
+        "text": text,
+        "x": x,
+        "y": y,
+        "xref": "paper",
+        "yref": "paper",
+        "showarrow": False,
+        "font": {"size": 12, "color": MUTED},
+        **more,
+    }

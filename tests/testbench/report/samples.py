@@ -1,0 +1,61 @@
+"""Small recordings and results that the tests of figures share; all seeded."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from testbench.recording import Recording
+from testbench.report.comparison_figures import Overlay
+from testbench.report.ladder_figures import Step
+
+
+def recording(count: int = 3000, force: bool = True, resistance: bool = True, temperature: bool = False) -> Recording:
+    """A slow sine of 10 % strain at about 20 Hz with a little noise."""
+    noise = np.random.default_rng(1)
+    time_s = np.arange(count) * 0.05 + noise.uniform(0, 0.02, count)
+    strain = 0.05 * (1 - np.cos(0.4 * time_s))
+    channels = {"displacement_mm": 25 * strain}
+    if force:
+        channels["force_N"] = 20 * strain + noise.normal(0, 0.01, count)
+    if resistance:
+        channels["resistance_ohm"] = 2000 / (1 + 5 * strain) * np.exp(noise.normal(0, 0.002, count))
+    if temperature:
+        channels["temperature_C"] = 21 + 0.01 * time_s
+    return Recording(time_s, channels, 25.0, "sample/recording.csv")
+
+
+def overlay() -> Overlay:
+    """A baseline that is wrong by a tenth and a second model that is right to the noise."""
+    source = recording()
+    strain, log_g = source.strain, np.log(source.conductance_S)
+    measured = {"force": source["force_N"], "conductance": log_g}
+    good = {"force": 20 * strain, "conductance": np.log((1 + 5 * strain) / 2000)}
+    poor = {"force": 18 * strain, "conductance": good["conductance"] - strain}
+    models = {"baseline": poor, "+ creep": good}
+    return Overlay(source.time_s, strain, measured, models, {"force": 0.01, "conductance": 0.002}, 100.0)
+
+
+def steps() -> list[Step]:
+    """Two rungs."""
+    floor = {"force": 0.01, "conductance": 0.002}
+    return [
+        Step("baseline", {"force": 0.12, "conductance": 0.031}, floor),
+        Step("+ stress_relaxation", {"force": 0.011, "conductance": 0.0024}, floor),
+    ]
+
+
+def comparison() -> dict:
+    """The JSON of `testbench compare`, with one coordinate split by direction and one not."""
+    cells = [
+        {"low": 0.01 * i, "high": 0.01 * (i + 1), "direction": d, "mean": 0.01 * d * i, "standard_error": 0.002,
+         "share": 0.1, "t": 5.0 * d}
+        for i in range(5) for d in (1, -1)
+    ]  # fmt: skip
+    elapsed = [cell | {"direction": 0, "low": cell["low"] * 1e4, "high": cell["high"] * 1e4} for cell in cells[::2]]
+    channel = {"rms": 0.12, "noise_floor": 0.01, "over_noise": 12.0, "maps": {"strain": cells, "elapsed_s": elapsed}}
+    worst = {"channel": "force", "coordinate": "strain", "share_of_error": 0.4, "cell": cells[0],
+             "words": "modelled force is 8.0 % of its range too high between 4.0 % and 5.0 % strain"}  # fmt: skip
+    return {
+        "channels": {"force": channel | {"unit": "N"}, "conductance": channel | {"unit": "ln S"}},
+        "worst": [worst],
+    }

@@ -1,0 +1,118 @@
+"""A report is one safe, self-contained file; its figures come out for a paper; bad input is one sentence."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import tests.testbench.report.samples as samples
+from gcode.support.errors import UserError
+from testbench.cli import main
+from testbench.recording_files import write_recording_csv
+from testbench.report import ladder_figures, recording_figures, sections
+from testbench.report.document import Picture, Report, Section, Table
+from testbench.report.markdown import to_markdown
+from testbench.report.page import packed, to_html
+from testbench.report.static import write_figure
+from testbench.report.write import write_report
+
+
+def whole_report() -> Report:
+    both, steps = samples.overlay(), samples.steps()
+    glance = Picture("glance", ladder_figures.at_a_glance(both, steps, (20.0, 60.0)), "measured and modelled")
+    parts = [
+        sections.recording_section(samples.recording(), "Recording <b>one</b>", "recording-1"),
+        sections.comparison_section(both, samples.comparison()),
+        sections.ladder_section(steps),
+    ]
+    return Report("A </script> title", "It fits.", [glance], parts, "footer")
+
+
+def test_page_is_self_contained_and_small() -> None:
+    page = to_html(whole_report())
+    assert len(page.encode()) <= 6_000_000
+    markup = re.sub(r"<script>.*?</script>", "", page, flags=re.S)
+    assert not re.search(r"""(src|href)=["'](?!#)""", markup)
+    assert "default-src 'none'" in page
+
+
+def test_every_picture_has_its_place_and_its_data() -> None:
+    report = whole_report()
+    page = to_html(report)
+    names = [picture.name for picture in report.pictures()]
+    assert len(names) == len(set(names)) == 10
+    data = re.search(r'<script type="application/json" id="figures">(.*?)</script>', page, flags=re.S)
+    assert data is not None
+    assert set(json.loads(data.group(1))) == {*names, "config"}
+    for name in names:
+        assert f'id="{name}"' in page
+
+
+def test_text_cannot_become_markup() -> None:
+    page = to_html(whole_report())
+    assert "<title>A &lt;/script&gt; title</title>" in page
+    assert "Recording &lt;b&gt;one&lt;/b&gt;" in page
+
+
+def test_arrays_are_packed_as_float32() -> None:
+    value = packed({"y": np.array([0.5, -1.25]), "name": "force"})
+    assert np.frombuffer(base64.b64decode(value["y"]["bdata"]), "<f4").tolist() == [0.5, -1.25]
+    assert packed(np.array([[1.0, np.nan]])) == [[1.0, None]]
+
+
+def test_markdown_names_every_figure_that_was_written(tmp_path: Path) -> None:
+    report = Report("T", "V", [], [Section("S", ["text", Table(("a", "b"), [("1|2", "3")]), _ladder_picture()])], "f")
+    write_report(report, tmp_path / "r.md", "md")
+    text = (tmp_path / "r.md").read_text()
+    assert "| 1\\|2 | 3 |" in text
+    assert "(r-figures/ladder.png)" in text
+    assert (tmp_path / "r-figures" / "ladder.png").stat().st_size > 5_000
+    assert (tmp_path / "r-figures" / "ladder.pdf").read_bytes().startswith(b"%PDF")
+    assert "*the ladder*" in to_markdown(report)
+
+
+def _ladder_picture() -> Picture:
+    return Picture("ladder", ladder_figures.ladder(samples.steps()), "the ladder")
+
+
+def test_same_figure_gives_the_same_bytes(tmp_path: Path) -> None:
+    figure = recording_figures.time_series(samples.recording())
+    for suffix in ("png", "pdf", "svg"):
+        for name in ("a", "b"):
+            write_figure(figure, tmp_path / f"{name}.{suffix}")
+        assert (tmp_path / f"a.{suffix}").read_bytes() == (tmp_path / f"b.{suffix}").read_bytes()
+
+
+def test_unknown_figure_format_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(UserError, match=r"written as png, pdf, svg; got 'gif'"):
+        write_figure(recording_figures.time_series(samples.recording()), tmp_path / "a.gif")
+
+
+def test_unknown_trace_is_refused_not_dropped(tmp_path: Path) -> None:
+    with pytest.raises(UserError, match="figures of type pie cannot be drawn"):
+        write_figure({"data": [{"type": "pie"}], "layout": {"height": 100}}, tmp_path / "a.png")
+
+
+def test_command_writes_a_page(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    write_recording_csv(tmp_path / "mine.csv", samples.recording())
+    arguments = ["--recording", str(tmp_path / "mine.csv"), "--gauge-length-mm", "25", "-o", str(tmp_path / "r.html")]
+    assert main(["report", *arguments]) == 0
+    assert "<h1>mine</h1>" in (tmp_path / "r.html").read_text()
+    assert "wrote" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        ([], "nothing to report"),
+        (["--recording", "absent.csv", "--gauge-length-mm", "25"], "no such recording"),
+    ],
+)
+def test_bad_input_is_one_sentence(arguments: list[str], sentence: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["report", *arguments]) == 2
+    assert sentence in capsys.readouterr().err

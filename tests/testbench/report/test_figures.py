@@ -1,0 +1,108 @@
+"""Every figure is valid Plotly, keeps the peaks of its data, and can be drawn without a browser."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import plotly.graph_objects
+import pytest
+
+import tests.testbench.report.samples as samples
+from testbench.report import comparison_figures, ladder_figures, recording_figures
+from testbench.report.downsample import rows_to_draw, thinned, window
+from testbench.report.static import draw
+from testbench.report.style import Figure
+
+FIGURES: dict[str, Callable[[], Figure | None]] = {
+    "time series": lambda: recording_figures.time_series(samples.recording(temperature=True)),
+    "time series, a stretch": lambda: recording_figures.time_series(samples.recording(), 20.0, 40.0),
+    "loops": lambda: recording_figures.hysteresis_loops(samples.recording()),
+    "loops without force": lambda: recording_figures.hysteresis_loops(samples.recording(force=False)),
+    "distributions": lambda: recording_figures.distributions(samples.recording(resistance=False)),
+    "overlay": lambda: comparison_figures.overlay(samples.overlay()),
+    "overlay, a stretch": lambda: comparison_figures.overlay(samples.overlay(), 20.0, 40.0),
+    "modelled loops": lambda: comparison_figures.modelled_loops(samples.overlay()),
+    "heat maps": lambda: comparison_figures.residual_heat_maps(samples.overlay(), "baseline"),
+    "profiles": lambda: comparison_figures.residual_profiles(
+        samples.comparison()["channels"]["force"]["maps"], "force"
+    ),
+    "ladder": lambda: ladder_figures.ladder(samples.steps(), current=0),
+    "at a glance": lambda: ladder_figures.at_a_glance(samples.overlay(), samples.steps(), (20.0, 60.0)),
+}
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_plotly_accepts_every_property(name: str) -> None:
+    figure = FIGURES[name]()
+    assert plotly.graph_objects.Figure(figure).data
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_matplotlib_draws_as_many_axes_as_the_layout_names(name: str) -> None:
+    figure = FIGURES[name]()
+    assert figure is not None
+    y_axes = [key for key in figure["layout"] if key.startswith("yaxis")]
+    drawn = draw(figure).axes
+    bars = sum(
+        1 for trace in figure["data"] if trace["type"] == "heatmap" or trace.get("marker", {}).get("showscale")
+    )
+    assert len(drawn) == len(y_axes) + bars
+
+
+def test_one_sample_spike_survives_downsampling() -> None:
+    values = np.sin(np.linspace(0, 20, 100_000))
+    values[61_803] = 9.0
+    rows = rows_to_draw(values, 1000)
+    assert len(rows) <= 1002
+    assert values[rows].max() == 9.0
+    assert rows[0] == 0
+    assert rows[-1] == 99_999
+
+
+def test_thinned_rows_span_the_whole_recording() -> None:
+    assert list(thinned(5, 10)) == [0, 1, 2, 3, 4]
+    assert list(thinned(101, 3)) == [0, 50, 100]
+
+
+def test_a_window_reaches_one_sample_beyond_each_edge() -> None:
+    time_s = np.arange(10.0)
+    assert window(time_s, 2.5, 4.5) == slice(2, 6)
+    assert window(time_s, None, None) == slice(0, 10)
+
+
+def test_zooming_draws_the_stretch_in_full() -> None:
+    source = samples.recording(60_000)
+    figure = recording_figures.time_series(source, 100.0, 130.0)
+    x = figure["data"][0]["x"]
+    inside = (source.time_s >= 100) & (source.time_s <= 130)
+    assert np.count_nonzero((x >= 100) & (x <= 130)) == np.count_nonzero(inside)
+
+
+def test_a_recording_of_motion_alone_has_no_loops() -> None:
+    assert recording_figures.hysteresis_loops(samples.recording(force=False, resistance=False)) is None
+
+
+def test_distribution_shares_add_up_to_the_whole_time() -> None:
+    for trace in recording_figures.distributions(samples.recording())["data"]:
+        assert trace["y"].sum() == pytest.approx(100)
+
+
+@pytest.mark.parametrize(("siemens", "unit"), [(2.0, "S"), (5e-3, "mS"), (4e-6, "µS"), (2e-9, "nS")])
+def test_conductance_is_shown_in_a_readable_unit(siemens: float, unit: str) -> None:
+    assert recording_figures.conductance_scale(np.full(5, siemens))[1] == unit
+
+
+def test_the_window_to_look_at_is_where_the_first_model_is_worst() -> None:
+    both = samples.overlay()
+    both.modelled["baseline"]["force"][1000:1100] += 5.0
+    start_s, end_s = comparison_figures.busiest_window(both, 10.0)
+    assert start_s <= both.time_s[1100]
+    assert end_s >= both.time_s[1000]
+
+
+def test_thumbnail_is_one_small_svg() -> None:
+    picture = recording_figures.thumbnail(samples.recording())
+    assert picture.startswith("<svg")
+    assert picture.count("<polyline") == 2
+    assert len(picture) < 16_000
