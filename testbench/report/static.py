@@ -18,7 +18,7 @@ from testbench.report import style
 
 FORMATS = ("png", "pdf", "svg")
 WIDTH_PX, DOTS_PER_INCH = 1000, 100
-RC: dict[str, Any] = {"font.family": "sans-serif", "font.size": 9, "svg.hashsalt": "knitbench"}
+RC: Any = {"font.family": "sans-serif", "font.size": 9, "svg.hashsalt": "knitbench"}
 DASHES = {"dash": "--", "dot": ":", "dashdot": "-.", "solid": "-"}
 SYMBOLS = {"circle": "o", "square": "s", "diamond": "D", "x": "x", "triangle-up": "^", "cross": "P"}
 
