@@ -1,0 +1,47 @@
+"""``gcode check``: refuse a program that is not safe to run, with line numbers and reasons."""
+
+from __future__ import annotations
+
+import argparse
+
+SUMMARY = "check a program against limits; exit 0 if it may run, 1 if not"
+EXAMPLE = "gcode check run-1/program.tap --v-max 5 --a-max 20 --x-min 0 --x-max 7.5"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("program", help="a Mach4 or plain RS274/NGC file")
+    parser.add_argument("--v-max", type=float, required=True, metavar="MM/S", help="speed limit")
+    parser.add_argument("--a-max", type=float, required=True, metavar="MM/S2", help="acceleration limit")
+    parser.add_argument("--x-min", type=float, required=True, metavar="MM", help="soft limit, lower end")
+    parser.add_argument("--x-max", type=float, required=True, metavar="MM", help="soft limit, upper end")
+    parser.add_argument("--rate-hz", type=float, default=20.0, help="rate of the finite differences (default 20)")
+    parser.add_argument(
+        "--machine-acceleration", type=float, metavar="MM/S2", help="the controller's; default 5 times --a-max"
+    )
+    parser.add_argument("--json", action="store_true", help="print the result as JSON")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Print problems and statistics; 1 if there are problems."""
+    import json
+
+    from gcode.check import check_program
+    from gcode.planner import Machine
+    from gcode.reader import parse_program, read_text
+    from gcode.trajectory import Limits
+
+    limits = Limits(v_max_mm_per_s=args.v_max, a_max_mm_per_s2=args.a_max, x_min_mm=args.x_min, x_max_mm=args.x_max)
+    machine = None
+    if args.machine_acceleration is not None:
+        machine = Machine(acceleration_mm_per_s2=args.machine_acceleration)
+    result = check_program(parse_program(read_text(args.program)), limits, args.rate_hz, machine)
+    if args.json:
+        print(json.dumps(result.as_json(), indent=2))
+        return 0 if result.ok else 1
+    for problem in result.problems:
+        print(f"{args.program}: {problem}")
+    if result.statistics:
+        print("\n".join(result.statistics.lines()))
+    print("ok: this program may run" if result.ok else f"refused: {len(result.problems)} problem(s)")
+    return 0 if result.ok else 1

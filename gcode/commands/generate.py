@@ -1,0 +1,48 @@
+"""``gcode generate``: plan a trajectory and write its program."""
+
+from __future__ import annotations
+
+import argparse
+
+SUMMARY = "plan a trajectory and write trajectory.csv, program.tap and trajectory.json"
+EXAMPLE = "gcode generate --preset paper-1 --seed 51 --gauge-length-mm 25 -o run-1"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    source = parser.add_mutually_exclusive_group(required=True)
+    source.add_argument("--preset", help="paper-1, paper-2, paper-3 or fast")
+    source.add_argument("--spec", metavar="TOML", help="a protocol file (see docs/gcode.md)")
+    source.add_argument("--again", metavar="PROGRAM", help="make one of our programs again from its header alone")
+    parser.add_argument("--seed", type=int, help="0 or more; not with --again")
+    parser.add_argument("--gauge-length-mm", type=float, help="sample length between the grips; not with --again")
+    parser.add_argument("--feed-mode", choices=("G94", "G93"), help="feed per minute (default) or inverse time")
+    parser.add_argument("--v-max", type=float, metavar="MM/S", help="speed limit")
+    parser.add_argument("--a-max", type=float, metavar="MM/S2", help="acceleration limit")
+    parser.add_argument("--x-min", type=float, metavar="MM", help="machine travel, lower end")
+    parser.add_argument("--x-max", type=float, metavar="MM", help="machine travel, upper end")
+    parser.add_argument("--duration-s", type=float, help="duration of the (one) noise piece")
+    parser.add_argument("--machine-acceleration", type=float, metavar="MM/S2", help="default: 5 a-max")
+    parser.add_argument("-o", "--output", required=True, metavar="DIR", help="folder to write to")
+
+
+def run(args: argparse.Namespace) -> None:
+    """Make, check and write; nothing is written when the check fails."""
+    from gcode.output import make, make_again
+    from gcode.reader import read_program, read_text
+    from gcode.request import spec_from
+    from gcode.support.errors import UserError
+
+    if args.again:
+        if args.seed is not None or args.gauge_length_mm is not None:
+            raise UserError("--again takes seed and gauge length from the program; leave them out")
+        made = make_again(read_program(read_text(args.again)))
+    else:
+        if args.seed is None or args.gauge_length_mm is None:
+            raise UserError("--seed and --gauge-length-mm are needed, e.g. --seed 51 --gauge-length-mm 25")
+        made = make(spec_from(args), args.seed, args.gauge_length_mm, args.feed_mode or "G94")
+    paths = made.write(args.output)
+    print(f"{made.spec.name}, seed {made.seed}, gauge length {made.gauge_length_mm:g} mm, as executed:")
+    print("\n".join(made.statistics.lines()))
+    for path in paths:
+        print(path)

@@ -1,0 +1,46 @@
+"""``gcode play``: what a look-ahead controller does with a program."""
+
+from __future__ import annotations
+
+import argparse
+
+SUMMARY = "play a program as a look-ahead controller would and write the executed position over time"
+EXAMPLE = "gcode play run-1/program.tap -o executed.csv --rate-hz 20"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("program", help="a Mach4 or plain RS274/NGC file")
+    parser.add_argument("-o", "--output", required=True, metavar="CSV", help="time_s,position_mm")
+    parser.add_argument("--rate-hz", type=float, default=20.0, help="sample rate of the result (default 20)")
+    parser.add_argument(
+        "--acceleration", type=float, metavar="MM/S2", help="the controller's; default: as the header says, else 100"
+    )
+    parser.add_argument("--look-ahead", type=int, default=20, metavar="BLOCKS", help="default 20, as in Mach4")
+    parser.add_argument(
+        "--corner-speed",
+        type=float,
+        default=0.0,
+        metavar="MM/S",
+        help="step at a reversal (default 0: stop)",
+    )
+    parser.add_argument("--rapid", type=float, default=50.0, metavar="MM/S", help="speed of G0 moves (default 50)")
+
+
+def run(args: argparse.Namespace) -> None:
+    """Play and write."""
+    from gcode.planner import Machine, machine_for, play
+    from gcode.reader import read_program, read_text
+
+    program = read_program(read_text(args.program))
+    machine = Machine(
+        acceleration_mm_per_s2=machine_for(program, args.acceleration).acceleration_mm_per_s2,
+        rapid_mm_per_s=args.rapid,
+        look_ahead_blocks=args.look_ahead,
+        corner_mm_per_s=args.corner_speed,
+    )
+    executed = play(program, args.rate_hz, machine)
+    executed.write_csv(args.output)
+    print(f"executed with {machine.acceleration_mm_per_s2:g} mm/s2:")
+    print("\n".join(executed.statistics().lines()))
+    print(args.output)

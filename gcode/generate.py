@@ -1,0 +1,93 @@
+"""plan(): from a spec, a seed and a gauge length to a trajectory within its limits."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gcode.limits import drive_within, excess
+from gcode.protocol import Frame, Path, join, way
+from gcode.support.errors import UserError
+from gcode.trajectory import POSITION_DECIMALS, Limits, Trajectory, TrajectorySpec, sampled
+
+MAX_SAMPLES = 20_000_000
+# Finite differences of positions rounded to 0.1 um, and the executed motion's own deviations, need some room.
+_MARGINS = (0.95, 0.9, 0.8, 0.6)
+
+
+def plan(spec: TrajectorySpec, seed: int, gauge_length_mm: float) -> Trajectory:
+    """Plan a trajectory.
+
+    Parameters
+    ----------
+    spec : TrajectorySpec
+        What is wanted; `gcode.presets.preset(name)` has the paper's.
+    seed : int
+        0 or more; other seeds give independent trajectories of the same statistics.
+    gauge_length_mm : float
+        Length of the sample between the grips; strains are relative to it.
+
+    Returns
+    -------
+    Trajectory
+        Starts and ends at machine position 0, sampled at ``spec.rate_hz``, rounded to 0.1 um.
+
+    Raises
+    ------
+    UserError
+        If the gauge length or the seed is unusable, or the limits cannot be met.
+    """
+    check_request(spec, seed, gauge_length_mm)
+    path = whole_path(spec, seed, gauge_length_mm)
+    check_travel(path, spec.limits)
+    problem = None
+    for margin in _MARGINS:
+        trajectory = _within(path, spec, margin)
+        problem = excess(trajectory.position_mm, spec.rate_hz, spec.limits)
+        if problem is None:
+            return trajectory
+    raise UserError(f"limits: {problem}; raise the limit or ask for a slower motion")
+
+
+def _within(path: Path, spec: TrajectorySpec, margin: float) -> Trajectory:
+    motion = drive_within(path, spec.limits.v_max_mm_per_s, spec.limits.a_max_mm_per_s2 * margin)
+    samples = int(np.ceil(motion.end_s * spec.rate_hz - 1e-6)) + 1
+    position = motion.position_at(np.arange(samples) / spec.rate_hz)
+    return sampled(np.round(position, POSITION_DECIMALS) + 0.0, spec.rate_hz)
+
+
+def whole_path(spec: TrajectorySpec, seed: int, gauge_length_mm: float) -> Path:
+    """All pieces from machine position 0 and back to it, with an approach to each piece that starts elsewhere."""
+    paths, here = [Path(np.zeros(1), np.zeros(0))], 0.0
+    for index, piece in enumerate(spec.pieces):
+        frame = Frame(gauge_length_mm, spec.offset_mm, spec.rate_hz, np.random.SeedSequence([seed, index]))
+        if index == 0 and spec.offset_mm:
+            paths.append(way([here, spec.offset_mm], spec.approach_mm_per_s))
+            here = spec.offset_mm
+        part = piece.path(here, frame)
+        paths += [way([here, float(part.position_mm[0])], spec.approach_mm_per_s), part]
+        here = float(part.position_mm[-1])
+    return join(*paths, way([here, 0.0], spec.approach_mm_per_s))
+
+
+def check_request(spec: TrajectorySpec, seed: int, gauge_length_mm: float) -> None:
+    """Refuse a gauge length, a seed or a length of run that cannot be planned."""
+    if not (np.isfinite(gauge_length_mm) and 0 < gauge_length_mm <= 10_000):
+        raise UserError(f"gauge length must be above 0 and at most 10000 mm, got {gauge_length_mm:g} mm")
+    if seed != int(seed) or not 0 <= seed < 2**63:
+        raise UserError(f"seed must be a whole number of 0 or more, got {seed}")
+    samples = sum(getattr(piece, "duration_s", 0.0) for piece in spec.pieces) * spec.rate_hz
+    if samples > MAX_SAMPLES:
+        raise UserError(
+            f"a trajectory may have {MAX_SAMPLES} samples, this one would have {samples:.3g}; "
+            "lower rate_hz or the durations"
+        )
+
+
+def check_travel(path: Path, limits: Limits) -> None:
+    """Refuse a path that leaves the machine's travel."""
+    low, high = float(path.position_mm.min()), float(path.position_mm.max())
+    if low < limits.x_min_mm - 1e-9 or high > limits.x_max_mm + 1e-9:
+        raise UserError(
+            f"travel: this motion needs {low:.4g} to {high:.4g} mm, the machine allows {limits.x_min_mm:g} to "
+            f"{limits.x_max_mm:g} mm; lower the strain, the gauge length or the offset"
+        )

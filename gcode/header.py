@@ -1,0 +1,69 @@
+"""Header comments: short, upper-case, parenthesised, and enough to make the file again.
+
+Nested values become dotted keys, ``(SPEC.PIECES.0.OCTAVES: 2)``. Mach4 comments are upper case by custom, so keys and
+text values are lower case in the data and survive the change of case.
+"""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from gcode.support.errors import UserError
+
+MAX_COMMENT = 96  # interpreters refuse over-long comments; long lists are split over several
+
+
+def header_lines(about: dict[str, Any]) -> list[str]:
+    """One comment a value."""
+    lines = []
+    for key, value in flatten(about).items():
+        text = f"({key}: {value})".upper()
+        if len(text) > MAX_COMMENT or text.count("(") != 1 or text.count(")") != 1:
+            raise UserError(f"header: {key} cannot be written as a comment of at most {MAX_COMMENT} characters")
+        lines.append(text)
+    return lines
+
+
+def flatten(data: Any, prefix: str = "") -> dict[str, str]:
+    """Nested dicts and lists as dotted keys with JSON values; text without quotes."""
+    if isinstance(data, dict):
+        items = list(data.items())
+    elif isinstance(data, list | tuple):
+        items = [(str(index), value) for index, value in enumerate(data)]
+    else:
+        return {prefix: data if isinstance(data, str) else json.dumps(data, allow_nan=False)}
+    flat: dict[str, str] = {}
+    for key, value in items:
+        flat.update(flatten(value, f"{prefix}.{key}" if prefix else str(key)))
+    return flat
+
+
+def unflatten(flat: dict[str, str], prefix: str) -> Any:
+    """The nested value under `prefix`, the inverse of `flatten`."""
+    tree: dict[str, Any] = {}
+    for key, text in flat.items():
+        if not key.startswith(prefix + "."):
+            continue
+        *parents, leaf = key[len(prefix) + 1 :].split(".")
+        branch = tree
+        for parent in parents:
+            branch = branch.setdefault(parent, {})
+        branch[leaf] = _value(text)
+    return _listed(tree)
+
+
+def _value(text: str) -> Any:
+    try:
+        return json.loads(text)
+    except json.JSONDecodeError:
+        return text
+
+
+def _listed(tree: Any) -> Any:
+    if not isinstance(tree, dict):
+        return tree
+    values = {key: _listed(value) for key, value in tree.items()}
+    if values and all(key.isdigit() for key in values):
+        return [values[key] for key in sorted(values, key=int)]
+    return values

@@ -1,0 +1,110 @@
+"""make(): the whole way from a spec to a checked program, and the three files it is written to."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from gcode.check import check_program
+from gcode.generate import plan
+from gcode.header import unflatten
+from gcode.mach4 import FeedMode, write_program
+from gcode.planner import Machine, play
+from gcode.program import Program
+from gcode.reader import read_program
+from gcode.statistics import MotionStatistics
+from gcode.support import files
+from gcode.support.console import knitbench_version
+from gcode.support.errors import UserError
+from gcode.trajectory import Trajectory, TrajectorySpec
+
+
+@dataclass(frozen=True)
+class Made:
+    """A planned trajectory and its checked program."""
+
+    spec: TrajectorySpec
+    seed: int
+    gauge_length_mm: float
+    feed_mode: FeedMode
+    trajectory: Trajectory
+    program: str
+    statistics: MotionStatistics
+
+    def recipe(self) -> dict[str, Any]:
+        """What `make` was called with, and the version that did it."""
+        return {
+            "version": knitbench_version(),
+            "seed": self.seed,
+            "gauge_length_mm": self.gauge_length_mm,
+            "feed_mode": self.feed_mode,
+            "spec": self.spec.model_dump(mode="json", exclude_none=True),
+        }
+
+    def write(self, folder: str | Path) -> list[Path]:
+        """Write trajectory.csv, program.tap and trajectory.json into `folder`."""
+        folder = files.make_folder(folder)
+        paths = [folder / name for name in ("trajectory.csv", "program.tap", "trajectory.json")]
+        self.trajectory.write_csv(paths[0])
+        files.write_text(paths[1], self.program)
+        files.write_json(paths[2], {**self.recipe(), "statistics": self.statistics.model_dump()})
+        return paths
+
+
+def make(spec: TrajectorySpec, seed: int, gauge_length_mm: float, feed_mode: FeedMode = "G94") -> Made:
+    """Plan, write and check a program.
+
+    Returns
+    -------
+    Made
+        ``.trajectory`` is the plan, ``.program`` the text, ``.statistics`` those of the motion as executed by the
+        controller that the spec names, sampled at the spec's rate.
+
+    Raises
+    ------
+    UserError
+        If the request cannot be planned, or the program does not pass its own check.
+    """
+    trajectory = plan(spec, seed, gauge_length_mm)
+    acceleration = spec.controller_acceleration_mm_per_s2
+    shared = {
+        "feed_mode": feed_mode,
+        "machine_acceleration_mm_per_s2": acceleration,
+        "v_max_mm_per_s": spec.limits.v_max_mm_per_s,
+    }
+    draft = Made(spec, seed, gauge_length_mm, feed_mode, trajectory, "", trajectory.statistics())
+    header = {**draft.recipe(), "statistics": _rounded(draft.statistics)}
+    text = write_program(trajectory, header={"program": spec.name, **header}, **shared)  # type: ignore[arg-type]
+    machine = Machine(acceleration_mm_per_s2=acceleration)
+    result = check_program(read_program(text), spec.limits, spec.rate_hz, machine)
+    if not result.ok or result.statistics is None:
+        raise UserError(f"the program did not pass its own check, nothing was written: {result.problems[0]}")
+    return Made(spec, seed, gauge_length_mm, feed_mode, trajectory, text, result.statistics)
+
+
+def make_again(program: Program) -> Made:
+    """Make one of our own programs again from its header comments.
+
+    Raises
+    ------
+    UserError
+        If the header does not hold a spec, a seed and a gauge length.
+    """
+    spec = unflatten(program.header, "spec")
+    seed, gauge = program.header_number("seed"), program.header_number("gauge_length_mm")
+    if not spec or seed is None or gauge is None:
+        raise UserError(
+            "program: its header holds no spec, seed and gauge length; only our own files can be made again"
+        )
+    mode: FeedMode = "G93" if program.header.get("feed_mode") == "g93" else "G94"
+    return make(TrajectorySpec.model_validate(spec), int(program.header["seed"]), gauge, mode)
+
+
+def _rounded(statistics: MotionStatistics) -> dict[str, float]:
+    return {key: round(value, 4) for key, value in statistics.model_dump().items()}
+
+
+def executed(made: Made) -> Trajectory:
+    """The executed motion of a made program, on the controller it was written for."""
+    return play(read_program(made.program), made.spec.rate_hz)

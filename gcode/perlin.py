@@ -1,0 +1,76 @@
+"""A seeded Perlin signal that does not repeat within a day.
+
+The `noise` package's one-dimensional noise repeats every 256 lattice cells and its ``base`` is a shift, not a
+seed. Here each octave is a straight walk through two-dimensional noise instead: the golden slope never meets its
+own lattice phase again, and the seed chooses where the walk starts.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from noise import pnoise2
+
+from gcode.support.errors import UserError
+
+LATTICE = 256  # period of the package's permutation table, in cells
+LACUNARITY = 2.0
+MAX_OCTAVES = 8
+_SLOPE = (np.sqrt(5.0) - 1.0) / 2.0
+_ALONG = 1.0 / np.hypot(1.0, _SLOPE)
+
+
+def perlin_signal(
+    time_s: np.ndarray, seed: Any, cells_per_s: float, octaves: int = 1, persistence: float = 0.5
+) -> np.ndarray:
+    """Perlin noise over time, about -0.9 to 0.9.
+
+    Parameters
+    ----------
+    time_s : array (n,)
+        Times; any spacing.
+    seed : int or numpy.random.SeedSequence
+        Chooses where each octave's walk through the noise plane starts.
+    cells_per_s : float
+        Lattice cells crossed per second by the first octave; each further octave is twice as fast.
+    octaves : int
+        Number of octaves, 1 to 8.
+    persistence : float
+        Amplitude of an octave relative to the one before it.
+
+    Returns
+    -------
+    array (n,)
+        The sum of the octaves divided by the sum of their amplitudes.
+
+    Notes
+    -----
+    K. Perlin, "Improving noise", ACM Trans. Graph. 21(3), 2002, through the `noise` package. That package computes
+    in float32, so arguments are reduced modulo the lattice's period in float64 first; without it the signal
+    would be stepped after hours.
+    """
+    check_noise_parameters(cells_per_s, octaves, persistence)
+    starts = np.random.default_rng(seed).uniform(0.0, LATTICE, size=(octaves, 2))
+    total = np.zeros(len(time_s))
+    amplitudes = persistence ** np.arange(octaves)
+    for octave in range(octaves):
+        travelled = np.asarray(time_s, dtype=float) * (cells_per_s * LACUNARITY**octave * _ALONG)
+        total += amplitudes[octave] * _walk(travelled, *starts[octave])
+    return total / amplitudes.sum()
+
+
+def _walk(travelled: np.ndarray, start_x: float, start_y: float) -> np.ndarray:
+    xs = (travelled + start_x) % LATTICE
+    ys = (travelled * _SLOPE + start_y) % LATTICE
+    return np.fromiter(map(pnoise2, xs.tolist(), ys.tolist()), dtype=float, count=len(xs))
+
+
+def check_noise_parameters(cells_per_s: float, octaves: int, persistence: float) -> None:
+    """Refuse what would crash the C code of `noise` or pass through it as nan."""
+    if not (np.isfinite(cells_per_s) and cells_per_s > 0):
+        raise UserError(f"cells_per_s must be a finite number above 0, got {cells_per_s}")
+    if isinstance(octaves, bool) or octaves != int(octaves) or not 1 <= octaves <= MAX_OCTAVES:
+        raise UserError(f"octaves must be a whole number from 1 to {MAX_OCTAVES}, got {octaves}")
+    if not (np.isfinite(persistence) and 0 < persistence <= 1):
+        raise UserError(f"persistence must be above 0 and at most 1, got {persistence}")

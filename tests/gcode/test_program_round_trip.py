@@ -1,0 +1,43 @@
+"""A written program is the planned trajectory, exactly, and a controller executes it on time."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from gcode.generate import plan
+from gcode.mach4 import read_program, write_program
+from gcode.output import make, make_again
+from gcode.planner import play
+from gcode.presets import PRESETS, preset
+
+SHORT = 60.0
+
+
+def short(name: str):
+    spec = preset(name)
+    return spec.model_copy(update={"pieces": (spec.pieces[0].model_copy(update={"duration_s": SHORT}),)})
+
+
+@pytest.mark.parametrize("mode", ["G94", "G93"])
+@pytest.mark.parametrize("name", PRESETS)
+def test_reading_gives_the_trajectory_back_exactly(name, mode):
+    trajectory = plan(short(name), 3, 25.0)
+    program = read_program(write_program(trajectory, feed_mode=mode, machine_acceleration_mm_per_s2=350.0))
+    again = program.planned()
+    np.testing.assert_allclose(again.time_s, trajectory.time_s, atol=1e-9)
+    np.testing.assert_allclose(again.position_mm, trajectory.position_mm, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_the_executed_motion_keeps_the_planned_time(name):
+    made = make(preset(name), 51, 25.0)
+    executed = play(read_program(made.program), made.spec.rate_hz)
+    size = min(len(executed.time_s), len(made.trajectory.time_s))
+    assert abs(len(executed.time_s) - len(made.trajectory.time_s)) <= 1
+    assert np.abs(executed.position_mm[:size] - made.trajectory.position_mm[:size]).max() < 0.02
+
+
+def test_the_file_alone_makes_itself_again_byte_for_byte():
+    made = make(short("paper-2"), 7, 31.5, "G93")
+    assert make_again(read_program(made.program)).program == made.program
