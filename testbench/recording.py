@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from gcode.support.errors import UserError
 
-FloatArray = NDArray[np.float64]
+FloatArray = NDArray[Any]
 
 TIME, DISPLACEMENT, FORCE, RESISTANCE = "time_s", "displacement_mm", "force_N", "resistance_ohm"
 TEMPERATURE = "temperature_C"

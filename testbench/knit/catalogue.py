@@ -85,6 +85,11 @@ BUILT_IN = {
     "load_cell_zero_drift": "testbench.knit.readout:LoadCellZeroDrift",
     "periodic_interference": "testbench.knit.readout:PeriodicInterference",
     "periodic_interference_force": "testbench.knit.readout:PeriodicInterferenceForce",
+    # shape freedom of the base laws
+    "elasticity_shape": "testbench.knit.shape:ElasticityShape",
+    "hysteresis_shape": "testbench.knit.shape:HysteresisShape",
+    "contact_shape": "testbench.knit.shape:ContactShape",
+    "drift_shape": "testbench.knit.shape:DriftShape",
 }
 BASELINE = ("elasticity", "hysteresis", "contact", "drift")
 ENTRY_POINT_GROUP = "knitbench.effects"

@@ -28,12 +28,11 @@ from collections.abc import Mapping
 from enum import IntEnum
 from typing import Any, ClassVar
 
-import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field
 from pydantic.fields import FieldInfo
 
-FloatArray = NDArray[np.float64]
+FloatArray = NDArray[Any]
 Signals = Mapping[str, FloatArray]
 
 

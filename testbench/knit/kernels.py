@@ -131,3 +131,46 @@ def crossings(x: FloatArray, level: float, rearm: float) -> FloatArray:
             armed = True
         out[i] = count
     return out
+
+
+@njit("float64[:](float64[:], float64[:])", cache=True, nogil=True)
+def bspline(x: FloatArray, weights: FloatArray) -> FloatArray:
+    """Uniform cubic B-spline over 0 <= x <= 1 with one weight a bump, held flat outside.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n,)
+    weights : ndarray, shape (k,), k >= 4
+        Equal weights give that constant (the bumps sum to one).
+
+    Source: de Boor, A Practical Guide to Splines (1978), uniform cubic case.
+    """
+    spans = len(weights) - 3
+    out = np.empty_like(x)
+    for i in range(len(x)):
+        u = min(max(x[i], 0.0), 1.0) * spans
+        cell = min(int(u), spans - 1)
+        t = u - cell
+        s = 1.0 - t
+        out[i] = (
+            weights[cell] * s**3
+            + weights[cell + 1] * (4 - 6 * t**2 + 3 * t**3)
+            + weights[cell + 2] * (4 - 6 * s**2 + 3 * s**3)
+            + weights[cell + 3] * t**3
+        ) / 6
+    return out
+
+
+@njit("float64[:](float64[:], float64[:], float64[:], float64[:])", cache=True, nogil=True)
+def weighted_stops(x: FloatArray, thresholds: FloatArray, weights: FloatArray, growth: FloatArray) -> FloatArray:
+    """Sum of normalised stop operators ``(x - play_r(x)) / r``, weighted by ``weights + growth * x``, shape (n,)."""
+    out = np.zeros_like(x)
+    for k in range(len(thresholds)):
+        if weights[k] == 0.0 and growth[k] == 0.0:
+            continue
+        r = thresholds[k]
+        y = x[0]
+        for i in range(len(x)):
+            y = min(max(y, x[i] - r), x[i] + r)
+            out[i] += (weights[k] + growth[k] * x[i]) * (x[i] - y) / r
+    return out

@@ -1,0 +1,47 @@
+"""Arguments and loading that several sub-commands share."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from testbench.discrepancy.measurement import Measurement
+    from testbench.recording import Recording
+
+
+def add_recording(parser: argparse.ArgumentParser) -> None:
+    """RECORDING, --held-out and --gauge-length-mm."""
+    parser.add_argument("recording", help="a CSV, or a campaign folder")
+    add_held_out(parser)
+
+
+def add_held_out(parser: argparse.ArgumentParser) -> None:
+    """--held-out and --gauge-length-mm."""
+    parser.add_argument(
+        "--held-out", metavar="B", help="recording to judge on (default: the last third of RECORDING)"
+    )
+    parser.add_argument(
+        "--gauge-length-mm", type=float, metavar="L", help="needed for a bare CSV; a campaign knows its own"
+    )
+
+
+def add_effects(parser: argparse.ArgumentParser) -> None:
+    """--effects: a user's own effects."""
+    parser.add_argument("--effects", metavar="FILE.py", help="your own effects, beside the built-in ones")
+
+
+def load_recording(path: str, gauge_length_mm: float | None) -> Recording:
+    """Read one recording."""
+    from testbench.recording import read_recording
+
+    return read_recording(path, gauge_length_mm)
+
+
+def load_split(args: argparse.Namespace, recording: str | None = None) -> tuple[Measurement, Measurement]:
+    """Calibration and held-out measurements from the arguments."""
+    from testbench.discrepancy.measurement import split
+
+    first = load_recording(recording or args.recording, args.gauge_length_mm)
+    held = load_recording(args.held_out, args.gauge_length_mm) if args.held_out else None
+    return split(first, held)

@@ -1,0 +1,111 @@
+"""The baseline model for a recording: which laws, and where their search starts."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from testbench.discrepancy.measurement import CONDUCTANCE_CHANNEL, FORCE_CHANNEL, Measurement
+from testbench.discrepancy.parameters import FRAME_PARAMETERS
+from testbench.knit.catalogue import Catalogue, load_catalogue
+from testbench.knit.effect import Effect, FloatArray
+from testbench.knit.model import KnitModel
+
+FORCE_SHAPES = ("elasticity_shape", "hysteresis_shape")
+CONDUCTANCE_SHAPES = ("contact_shape", "drift_shape")
+
+
+def starting_baseline(measurement: Measurement, catalogue: Catalogue | None = None) -> KnitModel:
+    """Elasticity, hysteresis, contact (or piezoresistance) and drift, started from the data.
+
+    A recording without force gets no force laws beyond what its conductance needs; one without resistance gets no
+    electrical laws. Conductance that falls with stretch gets `piezoresistance` in place of `contact`.
+    """
+    effects = (catalogue or load_catalogue()).effects
+    strain = measurement.signals["strain"][measurement.counts]
+    laws: list[Effect] = []
+    force = measurement.measured.get(FORCE_CHANNEL)
+    log_g = measurement.measured.get(CONDUCTANCE_CHANNEL)
+    falls = log_g is not None and _slope(strain, log_g[measurement.counts]) < 0
+    if force is not None or not falls:
+        laws += _force_laws(effects, strain, None if force is None else force[measurement.counts])
+    if log_g is not None:
+        laws += _electrical_laws(effects, falls, strain, log_g[measurement.counts])
+    return KnitModel.of(*laws)
+
+
+def _slope(x: FloatArray, y: FloatArray) -> float:
+    return float(np.cov(x, y)[0, 1])
+
+
+def _force_laws(effects: dict[str, type[Effect]], strain: FloatArray, force: FloatArray | None) -> list[Effect]:
+    if force is None:
+        return [effects["elasticity"](), effects["hysteresis"]()]
+    stiffness, curvature, offset = _j_curve(strain, force)
+    elasticity = effects["elasticity"].model_validate(
+        {"stiffness_N": stiffness, "curvature": curvature, "offset_N": offset}
+    )
+    span = float(np.ptp(strain))
+    hysteresis = effects["hysteresis"].model_validate(
+        {"friction_N": 0.05 * float(np.ptp(force)), "threshold": float(np.clip(0.05 * span, 1e-3, 0.3))}
+    )
+    return [elasticity, hysteresis]
+
+
+def _j_curve(strain: FloatArray, force: FloatArray) -> tuple[float, float, float]:
+    """Best stiffness, curvature and offset over a grid of curvatures; each is a linear problem."""
+    best = (np.inf, 1.0, 0.0, 0.0)
+    for curvature in (-4.0, -2.0, -0.5, 0.5, 1.5, 3.0, 5.0, 8.0):
+        shape = np.expm1(curvature * strain) / curvature
+        slope, offset = np.polyfit(shape, force, 1)
+        error = float(np.sum((force - offset - slope * shape) ** 2))
+        if error < best[0]:
+            best = (error, slope, curvature, offset)
+    return float(np.clip(best[1], 1e-3, 1e4)), best[2], float(np.clip(best[3], -100, 100))
+
+
+def _electrical_laws(
+    effects: dict[str, type[Effect]], falls: bool, strain: FloatArray, log_g: FloatArray
+) -> list[Effect]:
+    drift = effects["drift"].model_validate({"per_decade": 0.0})
+    if falls:
+        return [
+            effects["piezoresistance"]().initial_guess({"strain": strain, "conductance_S": np.exp(log_g)}, 1.0),
+            drift,
+        ]
+    median_ohm = float(np.exp(-np.median(log_g)))
+    contact = effects["contact"].model_validate(
+        {
+            "contact_resistance_ohm": median_ohm,
+            "parallel_S": 0.05 / median_ohm,
+            "series_ohm": 0.1 * median_ohm,
+            "preload_N": 0.2,
+        }
+    )
+    return [contact, drift]
+
+
+def framed(effect: Effect, model: KnitModel, measurement: Measurement) -> Effect:
+    """`effect` with its frame parameters (the range its shape covers) set from the data."""
+    fields = set(type(effect).model_fields) & FRAME_PARAMETERS
+    if not fields:
+        return effect
+    frame = {"span": max(float(np.max(measurement.signals["strain_nominal"])) * 1.02, 1e-3)}
+    force = model.simulate(measurement.signals, measurement.dt_s).get("contact_force_N")
+    if force is not None:
+        low, high = float(np.min(force)), float(np.max(force))
+        frame |= {"low_N": low, "span_N": max(high - low, 1e-3)}
+    return effect.replaced(**{key: frame[key] for key in fields if key in frame})
+
+
+def with_shapes(model: KnitModel, measurement: Measurement, catalogue: Catalogue | None = None) -> KnitModel:
+    """Add shape freedom to every base law that the model has, framed by the range of the data."""
+    effects = (catalogue or load_catalogue()).effects
+    wanted: tuple[str, ...] = ()
+    if FORCE_CHANNEL in measurement.measured:
+        wanted += FORCE_SHAPES
+    if CONDUCTANCE_CHANNEL in measurement.measured:
+        wanted += CONDUCTANCE_SHAPES
+    for name in wanted:
+        if name not in model:
+            model = model.plus(framed(effects[name](), model, measurement))
+    return model

@@ -1,0 +1,152 @@
+"""Candidate effects and the trace each would leave in the measurement."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from testbench.discrepancy.baseline import framed
+from testbench.discrepancy.measurement import Measurement
+from testbench.knit.catalogue import BASELINE, Catalogue
+from testbench.knit.effect import Effect, FloatArray, bounds_of
+from testbench.knit.model import KnitModel, SimulationCache
+
+SHAPE_IDEAS = ("elasticity_shape", "hysteresis_shape", "contact_shape", "drift_shape")
+BASE_IDEAS = frozenset({*BASELINE, *SHAPE_IDEAS})
+MAX_SHAPES = 9  # shape-parameter combinations tried for one form
+MAGNITUDES = (0.15, 0.4, 1.0)  # of a typical strength, for effects whose trace changes with their size
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One form of one idea at one point of its shape parameters.
+
+    Attributes
+    ----------
+    idea : str
+        Physical idea; forms of one idea stand together.
+    effect : Effect
+        With the shape parameters of this point and a small strength.
+    strength : float
+        That strength; a trace's coefficient times it is the strength the data ask for.
+    """
+
+    idea: str
+    effect: Effect
+    strength: float
+
+    @property
+    def form(self) -> str:
+        """Catalogue name of the form."""
+        return self.effect.name
+
+    def at(self, coefficient: float) -> Effect:
+        """The effect at `coefficient` times the small strength, within its bounds."""
+        extra = bounds_of(type(self.effect).model_fields[self.effect.strength])
+        value = float(np.clip(coefficient * self.strength, extra["low"], extra["high"]))
+        return self.effect.replaced(**{self.effect.strength: value})
+
+
+def candidate_ideas(catalogue: Catalogue, model: KnitModel) -> dict[str, list[type[Effect]]]:
+    """Ideas that could be missing: with a strength, not part of the base law, not in the model already."""
+    present = {effect.idea or effect.name for effect in model.effects.values()}
+    found: dict[str, list[type[Effect]]] = {}
+    for idea, forms in catalogue.ideas().items():
+        if idea in BASE_IDEAS or idea in present:
+            continue
+        usable = [form for form in forms if form.strength and not is_vector(form, form.strength)]
+        if usable:
+            found[idea] = usable
+    return found
+
+
+def is_vector(form: type[Effect], key: str) -> bool:
+    """Whether a parameter is a vector of weights."""
+    return isinstance(form.model_fields[key].default, tuple)
+
+
+def applicable(form: type[Effect], model: KnitModel, measurement: Measurement) -> bool:
+    """Whether the model and the recording have what the effect reads, and its output is measured or passed on."""
+    state = model.simulate(measurement.signals, measurement.dt_s)
+    return all(signal in state for signal in form.reads)
+
+
+def expand(
+    forms: Sequence[type[Effect]], idea: str, model: KnitModel, measurement: Measurement
+) -> Iterator[Candidate]:
+    """Every form over a coarse grid of its shape parameters."""
+    for form in forms:
+        if not applicable(form, model, measurement):
+            continue
+        base = framed(form(), model, measurement)
+        for values in _shape_grid(form, measurement):
+            for strength in _strengths(form):
+                effect = base.replaced(**values, **{form.strength: strength})
+                yield Candidate(idea, effect, strength)
+
+
+def _shape_grid(form: type[Effect], measurement: Measurement) -> list[dict[str, float]]:
+    axes: dict[str, list[float]] = {}
+    for key, field in form.model_fields.items():
+        if key == form.strength or isinstance(field.default, tuple | bool | str):
+            continue
+        axes[key] = _grid_of(bounds_of(field), measurement)
+    points = [dict(zip(axes, values, strict=True)) for values in itertools.product(*axes.values())]
+    if len(points) <= MAX_SHAPES:
+        return points
+    return _one_at_a_time(form, axes)
+
+
+def _one_at_a_time(form: type[Effect], axes: Mapping[str, list[float]]) -> list[dict[str, float]]:
+    """Too many combinations: the defaults, and each parameter moved alone."""
+    points: list[dict[str, float]] = [{}]
+    for key, values in axes.items():
+        points += [{key: value} for value in values if value != form.model_fields[key].default]
+    return points
+
+
+def _grid_of(extra: Mapping[str, object], measurement: Measurement) -> list[float]:
+    low, high = float(extra["low"]), float(extra["high"])  # type: ignore[arg-type]
+    if extra["scale"] != "log":
+        return [low + share * (high - low) for share in (0.15, 0.5, 0.85)]
+    if extra["unit"] == "s":
+        # time constants that this recording can show: from a few samples to its length
+        low = max(low, 3 * measurement.dt_s)
+        high = max(min(high, float(measurement.signals["time_s"][-1])), 1.01 * low)
+    count = int(np.clip(round(np.log10(high / low)) + 2, 3, 6))
+    return list(np.geomspace(low, high, count + 2)[1:-1])
+
+
+def _strengths(form: type[Effect]) -> list[float]:
+    field = form.model_fields[form.strength]
+    extra = bounds_of(field)
+    typical = float(field.default) or 0.1 * float(extra["high"])
+    if getattr(form, "nonlinear", False):
+        return [float(np.clip(share * typical, extra["low"], extra["high"])) for share in MAGNITUDES]
+    return [0.1 * abs(typical)]
+
+
+def two_signed(form: type[Effect]) -> bool:
+    """Whether the strength may be negative as well as positive."""
+    extra = bounds_of(form.model_fields[form.strength])
+    return extra["low"] < 0 < extra["high"]
+
+
+def trace(
+    candidate: Candidate,
+    model: KnitModel,
+    measurement: Measurement,
+    base: Mapping[str, FloatArray],
+    cache: SimulationCache,
+) -> dict[str, FloatArray] | None:
+    """What the candidate would change in each channel, shape (n,); None where it changes nothing or gives NaN."""
+    changed = measurement.modelled(model.plus(candidate.effect), cache)
+    difference = {channel: changed[channel] - base[channel] for channel in base}
+    if not all(np.all(np.isfinite(values)) for values in difference.values()):
+        return None
+    if not any(np.any(values) for values in difference.values()):
+        return None
+    return difference

@@ -1,0 +1,113 @@
+"""The ladder: models one effect apart, and what each step did to the errors."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any
+
+from gcode.support.errors import UserError
+from testbench.discrepancy.baseline import framed
+from testbench.discrepancy.errors import noise_floors, rms_errors
+from testbench.discrepancy.fit import fit
+from testbench.discrepancy.measurement import Measurement
+from testbench.discrepancy.model_file import ModelFile, fit_summary
+from testbench.discrepancy.screen import best_start
+from testbench.knit.catalogue import Catalogue, model_from_dict
+from testbench.knit.model import KnitModel
+
+NO_LONGER_PAYS = 0.005  # leaving an effect out costs less than this share of the held-out error
+
+
+def fitted_file(
+    model: KnitModel,
+    calibration: Measurement,
+    held: Measurement,
+    step: str,
+    before: ModelFile | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> ModelFile:
+    """Fit `model` and put it on top of the ladder.
+
+    Parameters
+    ----------
+    model : KnitModel
+        Where the search starts.
+    calibration, held : Measurement
+    step : str
+        What this step did, e.g. ``baseline`` or ``+ stress_relaxation``.
+    before : ModelFile, optional
+        The ladder so far.
+    """
+    result = fit(model, [calibration], progress=progress)
+    entry = ladder_step(step, result.model, calibration, held)
+    return ModelFile(
+        result.model,
+        calibration.recording.gauge_length_mm,
+        calibration.recording.source,
+        held.recording.source,
+        fit_summary(result),
+        (*(before.history if before else ()), entry),
+    )
+
+
+def ladder_step(step: str, model: KnitModel, calibration: Measurement, held: Measurement) -> dict[str, Any]:
+    """One entry of the history: the model, its errors on both recordings, and the noise floor."""
+    return {
+        "step": step,
+        "model": model.to_dict(),
+        "errors": {"calibration": rms_errors(model, calibration), "held_out": held_errors(model, held)},
+        "noise_floor": noise_floors(held),
+    }
+
+
+def held_errors(model: KnitModel, held: Measurement) -> dict[str, float]:
+    """Errors on held-out samples; force zero and conductance gain are free, for they belong to the mounting."""
+    return rms_errors(model, held, free_offset=True)
+
+
+def add_effect(
+    file: ModelFile,
+    name: str,
+    calibration: Measurement,
+    held: Measurement,
+    catalogue: Catalogue,
+    progress: Callable[[str], None] | None = None,
+) -> ModelFile:
+    """Add the catalogue's effect `name`, refit everything, and put it on the ladder."""
+    effect = framed(catalogue[name](), file.model, calibration)
+    model = file.model.plus(best_start(file.model, effect, calibration))
+    return fitted_file(model, calibration, held, f"+ {name}", file, progress)
+
+
+def undo(file: ModelFile, catalogue: Catalogue) -> ModelFile:
+    """Take the last step back.
+
+    Raises
+    ------
+    UserError
+        If there is only the baseline left.
+    """
+    if len(file.history) < 2:
+        raise UserError("nothing to undo: the ladder has only its first step")
+    history = file.history[:-1]
+    model = model_from_dict(history[-1]["model"], catalogue, "history")
+    return replace(file, model=model, history=history, fit={})
+
+
+def idle_effects(file: ModelFile, calibration: Measurement, held: Measurement, optional: set[str]) -> list[str]:
+    """Names of added effects that no longer pay: refitted without them, the held-out error hardly rises."""
+    full = _relative(held_errors(file.model, held), held)
+    idle = []
+    for name in optional:
+        if name in file.model:
+            without = fit(file.model.without(name), [calibration], max_iterations=6).model
+            if _relative(held_errors(without, held), held) < full * (1 + NO_LONGER_PAYS):
+                idle.append(name)
+    return sorted(idle)
+
+
+def _relative(errors: Mapping[str, float], held: Measurement) -> float:
+    """Errors over the noise floors, averaged over the channels."""
+    floors = noise_floors(held)
+    return sum(errors[channel] / max(floors[channel], 1e-300) for channel in errors) / len(errors)

@@ -1,0 +1,183 @@
+"""A recording made ready for comparison: a uniform grid, force and log-conductance, and which samples count."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from gcode.support.errors import UserError
+from testbench.knit.effect import FloatArray
+from testbench.knit.model import KnitModel, SimulationCache, inputs
+from testbench.recording import FORCE, RESISTANCE, TEMPERATURE, Recording
+
+FORCE_CHANNEL, CONDUCTANCE_CHANNEL = "force", "conductance"
+CHANNELS = (FORCE_CHANNEL, CONDUCTANCE_CHANNEL)
+SIGNAL_OF = {FORCE_CHANNEL: "force_N", CONDUCTANCE_CHANNEL: "conductance_S"}
+UNIT_OF = {FORCE_CHANNEL: "N", CONDUCTANCE_CHANNEL: "ln S"}
+
+MAX_GRID_HZ = 20.0
+BURN_IN_S = 3.0
+MIN_SAMPLES, MIN_DURATION_S, MIN_STRAIN_RANGE = 200, 20.0, 2e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Measurement:
+    """What a model is compared with.
+
+    Attributes
+    ----------
+    signals : mapping of str to ndarray, each shape (n,)
+        Inputs of a simulation on the uniform grid (`testbench.knit.model.inputs`).
+    dt_s : float
+        Grid step.
+    measured : mapping of str to ndarray, each shape (n,)
+        ``force`` in N and ``conductance`` as ln S, as far as they were recorded.
+    counts : ndarray of bool, shape (n,)
+        Samples that enter fits and errors: after the burn-in, and inside this part of the recording.
+    recording : Recording
+        Where it came from, as sampled.
+    """
+
+    signals: Mapping[str, FloatArray]
+    dt_s: float
+    measured: Mapping[str, FloatArray]
+    counts: np.ndarray
+    recording: Recording
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """The measured channels, force first."""
+        return tuple(self.measured)
+
+    def modelled(self, model: KnitModel, cache: SimulationCache | None = None) -> dict[str, FloatArray]:
+        """Simulate; force in N and ln G for every measured channel, each shape (n,)."""
+        state = model.simulate(self.signals, self.dt_s, cache)
+        return {channel: channel_of(state, channel) for channel in self.channels}
+
+    def residual(self, model: KnitModel, cache: SimulationCache | None = None) -> dict[str, FloatArray]:
+        """Measured minus modelled, each shape (n,)."""
+        modelled = self.modelled(model, cache)
+        return {channel: self.measured[channel] - modelled[channel] for channel in self.channels}
+
+
+def channel_of(state: Mapping[str, FloatArray], channel: str) -> FloatArray:
+    """Force in N, or conductance as ln S, from simulated signals."""
+    values = state[SIGNAL_OF[channel]]
+    if channel == CONDUCTANCE_CHANNEL:
+        return np.log(np.maximum(values, 1e-300))
+    return values
+
+
+def prepare(
+    recording: Recording, span: tuple[float, float] | None = None, rate_hz: float | None = None
+) -> Measurement:
+    """Average a recording onto a uniform grid.
+
+    Bins are averaged in every channel alike, which lowers the noise without shifting force against strain;
+    where samples are rarer than the grid, neighbours are interpolated.
+
+    Parameters
+    ----------
+    recording : Recording
+    span : (start_s, end_s), optional
+        Only samples in this span count; the history before it is simulated all the same.
+    rate_hz : float, optional
+        Grid rate; default the recording's own, at most 20 Hz.
+
+    Raises
+    ------
+    UserError
+        If the recording is too short or too still, or a channel is constant: nothing can be learnt from it.
+    """
+    _check_usable(recording)
+    rate_hz = rate_hz or min(MAX_GRID_HZ, recording.mean_rate_hz)
+    time_s = recording.time_s - recording.time_s[0]
+    count = int(time_s[-1] * rate_hz)
+    grid_s = (np.arange(count) + 0.5) / rate_hz
+    binned = _Bins(time_s, grid_s, rate_hz)
+    measured = {}
+    if recording.has(FORCE):
+        measured[FORCE_CHANNEL] = binned(recording[FORCE])
+    if recording.has(RESISTANCE):
+        measured[CONDUCTANCE_CHANNEL] = binned(-np.log(recording[RESISTANCE]))
+    temperature = binned(recording[TEMPERATURE]) if recording.has(TEMPERATURE) else None
+    start_s, end_s = span or (0.0, np.inf)
+    counts = (grid_s >= max(start_s, BURN_IN_S)) & (grid_s < end_s)
+    signals = inputs(grid_s, binned(recording.strain), temperature)
+    return Measurement(signals, 1.0 / rate_hz, measured, counts, recording)
+
+
+class _Bins:
+    """Means of the samples around each grid point, moved from their mean time to the grid point."""
+
+    def __init__(self, time_s: FloatArray, grid_s: FloatArray, rate_hz: float) -> None:
+        self._time_s, self._grid_s = time_s, grid_s
+        self._bin = np.minimum((time_s * rate_hz).astype(np.int64), len(grid_s) - 1)
+        self._filled = np.bincount(self._bin, minlength=len(grid_s))
+        # Averages are only worth it where nearly every bin has a sample of its own.
+        self._average = bool(np.mean(self._filled == 0) < 0.2 and len(time_s) > 1.5 * len(grid_s))
+        self._off_s = self._means(time_s) - grid_s if self._average else np.zeros_like(grid_s)
+
+    def __call__(self, values: FloatArray) -> FloatArray:
+        if not self._average:
+            return np.interp(self._grid_s, self._time_s, values)
+        means = self._means(values)
+        return means - self._off_s * np.gradient(means, self._grid_s)
+
+    def _means(self, values: FloatArray) -> FloatArray:
+        sums = np.bincount(self._bin, weights=values, minlength=len(self._grid_s))
+        gaps = np.interp(self._grid_s, self._time_s, values)
+        return np.where(self._filled > 0, sums / np.maximum(self._filled, 1), gaps)
+
+
+def _check_usable(recording: Recording) -> None:
+    source = recording.source
+    if len(recording) < MIN_SAMPLES or recording.duration_s < MIN_DURATION_S:
+        raise UserError(
+            f"{source}: too short to identify anything: {len(recording)} samples in {recording.duration_s:.1f} s, "
+            f"at least {MIN_SAMPLES} in {MIN_DURATION_S:.0f} s are needed"
+        )
+    moved = float(np.ptp(recording.strain))
+    if moved < MIN_STRAIN_RANGE:
+        raise UserError(
+            f"{source}: too still to identify anything: the strain moves by {moved:.2%} in all, "
+            f"at least {MIN_STRAIN_RANGE:.1%} is needed; check the displacement column and the gauge length"
+        )
+    names = [name for name in (FORCE, RESISTANCE) if recording.has(name)]
+    if not names:
+        raise UserError(f"{source}: neither {FORCE} nor {RESISTANCE} was recorded; a comparison needs one of them")
+    for name in names:
+        if np.ptp(recording[name]) == 0:
+            raise UserError(
+                f"{source}: {name} is constant ({recording[name][0]:g}); check the wiring or leave it out"
+            )
+
+
+def split(
+    recording: Recording, held_out: Recording | None = None, held_share: float = 1 / 3
+) -> tuple[Measurement, Measurement]:
+    """Calibration and held-out measurements; without `held_out`, the last third of the recording.
+
+    Raises
+    ------
+    UserError
+        If the two were taken at different gauge lengths or share no channel.
+    """
+    if held_out is None:
+        cut_s = recording.duration_s * (1 - held_share)
+        return prepare(recording, (0.0, cut_s)), prepare(recording, (cut_s, np.inf))
+    if abs(held_out.gauge_length_mm - recording.gauge_length_mm) > 1e-3 * recording.gauge_length_mm:
+        raise UserError(
+            f"{held_out.source}: gauge length {held_out.gauge_length_mm:g} mm, but {recording.source} has "
+            f"{recording.gauge_length_mm:g} mm; hold out a recording of the same set-up"
+        )
+    calibration = prepare(recording)
+    held = prepare(held_out, rate_hz=1.0 / calibration.dt_s)
+    if set(calibration.channels) != set(held.channels):
+        raise UserError(
+            f"{held_out.source}: measured {', '.join(held.channels)}, but {recording.source} measured "
+            f"{', '.join(calibration.channels)}; both need the same channels"
+        )
+    return calibration, held

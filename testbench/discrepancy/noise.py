@@ -1,0 +1,46 @@
+"""How large the noise is, and what colour it has."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.linalg import solve_toeplitz
+from scipy.signal import lfilter
+
+from testbench.knit.effect import FloatArray
+
+AR_ORDER = 3
+MAD_TO_SD = 1.4826
+
+
+def robust_sd(values: FloatArray) -> float:
+    """Standard deviation from the median absolute deviation; outliers do not count."""
+    return float(MAD_TO_SD * np.median(np.abs(values - np.median(values))))
+
+
+def noise_floor(values: FloatArray) -> float:
+    """Standard deviation of the sample-to-sample noise of a smooth signal.
+
+    Second differences cancel the motion and leave noise: for white noise their variance is 6 sigma^2. Noise with a
+    longer memory than a few samples is not seen, so this is a lower bound.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,), n >= 3
+    """
+    # Robust, because steps and reversals are rare but large in second differences.
+    return robust_sd(np.diff(values, 2)) / np.sqrt(6)
+
+
+def autoregression(residual: FloatArray, order: int = AR_ORDER) -> FloatArray:
+    """Coefficients of a whitening filter: 1, -a1, ..., -ap (Yule-Walker, Brockwell & Davis 1991, ch. 8.1)."""
+    x = residual - residual.mean()
+    lags = np.array([np.dot(x[: len(x) - k], x[k:]) for k in range(order + 1)])
+    if lags[0] <= 0:
+        return np.r_[1.0, np.zeros(order)]
+    lags[0] *= 1 + 1e-9
+    return np.r_[1.0, -solve_toeplitz(lags[:-1], lags[1:])]
+
+
+def whitened(columns: FloatArray, coefficients: FloatArray) -> FloatArray:
+    """Apply a whitening filter along the last axis."""
+    return lfilter(coefficients, [1.0], columns, axis=-1)

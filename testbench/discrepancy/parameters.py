@@ -1,0 +1,106 @@
+"""A model's free parameters as one vector: addresses, bounds, steps and weak priors."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from testbench.knit.effect import FloatArray, bounds_of
+from testbench.knit.model import KnitModel
+
+# Parameters that describe the range of the data rather than the sensor: set once, never fitted.
+FRAME_PARAMETERS = frozenset({"span", "span_N", "low_N"})
+
+
+@dataclass(frozen=True)
+class FreeParameter:
+    """One fitted number.
+
+    Attributes
+    ----------
+    address : str
+        ``effect.parameter`` or ``effect.parameter[index]``.
+    low, high : float
+        Physical bounds. The fit's own coordinate is the logarithm where `log`.
+    centre, width : float
+        Weak Gaussian prior in the fit's coordinate; `width` is wide enough to yield to any real evidence.
+    log : bool
+    unit : str
+    """
+
+    address: str
+    low: float
+    high: float
+    centre: float
+    width: float
+    log: bool
+    unit: str
+
+    def to_fit(self, value: float) -> float:
+        """From the physical value to the fit's coordinate."""
+        return float(np.log(value)) if self.log else float(value)
+
+    def to_physical(self, coordinate: float) -> float:
+        """Back to the physical value, within its bounds."""
+        value = float(np.exp(coordinate)) if self.log else float(coordinate)
+        return min(max(value, self.low), self.high)
+
+
+def free_parameters(
+    model: KnitModel, scales: Mapping[str, float], only: Iterable[str] | None = None
+) -> list[FreeParameter]:
+    """List what a fit may move, in the order of the signal chain.
+
+    Parameters
+    ----------
+    model : KnitModel
+    scales : mapping of unit to float
+        Typical size of a shape weight by unit (N, 1): the width of its prior.
+    only : iterable of str, optional
+        Effects by their names in the model; default all.
+    """
+    chosen = set(model if only is None else only)
+    found: list[FreeParameter] = []
+    for name, effect in model.effects.items():
+        if name not in chosen:
+            continue
+        for key, field in type(effect).model_fields.items():
+            if key in FRAME_PARAMETERS:
+                continue
+            found += _entries(f"{name}.{key}", getattr(effect, key), bounds_of(field), scales)
+    return found
+
+
+def _entries(address: str, value: Any, extra: Mapping[str, Any], scales: Mapping[str, float]) -> list[FreeParameter]:
+    if isinstance(value, bool | str):
+        return []
+    unit, low, high = str(extra["unit"]), float(extra["low"]), float(extra["high"])
+    if isinstance(value, tuple):
+        width = scales.get(unit, 1.0)
+        return [FreeParameter(f"{address}[{i}]", low, high, 0.0, width, False, unit) for i in range(len(value))]
+    if extra["scale"] == "log":
+        width = max(float(np.log(high / low)) / 4, 1.0)
+        return [FreeParameter(address, low, high, float(np.log(value)), width, True, unit)]
+    width = min(high - low, 10 * max(abs(value), scales.get(unit, 1.0)))
+    return [FreeParameter(address, low, high, float(value), width, False, unit)]
+
+
+def values_of(model: KnitModel, parameters: Iterable[FreeParameter]) -> FloatArray:
+    """Current values in the fit's coordinates, shape (p,)."""
+    return np.array([p.to_fit(_lookup(model, p.address)) for p in parameters])
+
+
+def _lookup(model: KnitModel, address: str) -> float:
+    effect, _, key = address.partition(".")
+    base, bracket, index = key.partition("[")
+    value = getattr(model[effect], base)
+    return value[int(index.rstrip("]"))] if bracket else value
+
+
+def with_values(model: KnitModel, parameters: Iterable[FreeParameter], vector: FloatArray) -> KnitModel:
+    """The model at a point of the fit's coordinates, within the bounds."""
+    moved = zip(parameters, vector, strict=True)
+    return model.with_parameters({p.address: p.to_physical(float(coordinate)) for p, coordinate in moved})

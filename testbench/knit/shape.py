@@ -1,0 +1,149 @@
+"""Shape freedom of the base laws: what an elastic, hysteretic, contact or drift law cannot bend to by itself.
+
+A stiff base law makes every candidate effect a stand-in for its own misfit. These additions are linear in their
+weights, smooth, and zero by default, so that a fit can charge a physical effect only for what no reasonable shape of
+the base law explains. When one of them alone removes the misfit, the finding is "the base law itself misfits".
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
+
+SPLINE_KNOTS = 8
+SLIP_STRAINS = np.geomspace(0.002, 0.25, 7)
+SLIP_SPAN = 0.3  # the span for which SLIP_STRAINS are given
+DRIFT_TAUS_S = (3.0, 30.0, 300.0)
+
+
+def spline(x: FloatArray, weights: tuple[float, ...]) -> FloatArray:
+    """Smooth curve over 0 <= x <= 1; see `testbench.knit.kernels.bspline`."""
+    from testbench.knit.kernels import bspline
+
+    return bspline(x, np.asarray(weights))
+
+
+def slips(
+    e: FloatArray, span: float, weights: tuple[float, ...], growth: tuple[float, ...] | None = None
+) -> FloatArray:
+    """Weighted stop operators at `SLIP_STRAINS`, scaled to the span of strain; weights grow by `growth` over it."""
+    from testbench.knit.kernels import weighted_stops
+
+    thresholds = SLIP_STRAINS * span / SLIP_SPAN
+    per_strain = np.zeros(len(weights)) if growth is None else np.asarray(growth) / span
+    return weighted_stops(e, thresholds, np.asarray(weights), per_strain)
+
+
+class ElasticityShape(Effect):
+    """Any smooth correction to the elastic law over strain.
+
+    F += sum_j w_j B_j(e / span)
+
+    Source: penalised splines, Eilers & Marx, Statist. Sci. 11 (1996) 89. Valid: inside the strain seen in the fit.
+    """
+
+    name = "elasticity_shape"
+    stage = Stage.MECHANICS
+    reads, writes = ("strain", "force_N"), ("force_N",)
+    strength = "weights_N"
+    look = "the misfit of force depends on strain alone"
+
+    weights_N: tuple[float, ...] = parameter(
+        (0.0,) * SPLINE_KNOTS, unit="N", low=-1e3, high=1e3, doc="height of each bump over strain"
+    )
+    span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain covered by the bumps")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        return {"force_N": signals["force_N"] + spline(signals["strain"] / self.span, self.weights_N)}
+
+
+class HysteresisShape(Effect):
+    """Any distribution of slip strains, with loops that may widen or narrow with strain.
+
+    F += sum_k (w_k + v_k e / span) * stop_k(e) / r_k
+
+    Source: Kuhnen, Eur. J. Control 9 (2003) 407 (free Prandtl-Ishlinskii weights). Valid: rate-independent loops.
+    """
+
+    name = "hysteresis_shape"
+    stage = Stage.MECHANICS
+    reads, writes = ("strain", "force_N"), ("force_N",)
+    strength = "weights_N"
+    look = "the misfit of force depends on the direction of motion and on the last reversals, at any speed"
+
+    weights_N: tuple[float, ...] = parameter(
+        (0.0,) * len(SLIP_STRAINS), unit="N", low=-1e3, high=1e3, doc="friction of each slip element"
+    )
+    growth_N: tuple[float, ...] = parameter(
+        (0.0,) * len(SLIP_STRAINS), unit="N", low=-1e3, high=1e3, doc="its growth over the strain span"
+    )
+    span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain over which growth is counted")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        friction = slips(signals["strain"], self.span, self.weights_N, self.growth_N)
+        return {"force_N": signals["force_N"] + friction}
+
+
+class ContactShape(Effect):
+    """Any smooth correction to the law of conductance over contact force and strain, with hysteresis of its own.
+
+    ln G += sum_j w_j B_j(P / span_N) + sum_j u_j B_j(e / span) + sum_k v_k stop_k(e) / r_k
+
+    Source: penalised splines, Eilers & Marx, Statist. Sci. 11 (1996) 89; slip as in `hysteresis_shape`.
+    """
+
+    name = "contact_shape"
+    stage = Stage.CONTACT
+    reads, writes = ("strain", "conductance_S"), ("conductance_S",)
+    optional_reads = ("contact_force_N",)
+    strength = "strain_weights"
+    look = "the misfit of ln G depends on force, strain and direction, at any speed and time"
+
+    force_weights: tuple[float, ...] = parameter(
+        (0.0,) * SPLINE_KNOTS, unit="1", low=-20, high=20, doc="height of each bump over contact force"
+    )
+    strain_weights: tuple[float, ...] = parameter(
+        (0.0,) * SPLINE_KNOTS, unit="1", low=-20, high=20, doc="height of each bump over strain"
+    )
+    slip_weights: tuple[float, ...] = parameter(
+        (0.0,) * len(SLIP_STRAINS), unit="1", low=-20, high=20, doc="change of ln G when a slip element has slipped"
+    )
+    low_N: float = parameter(0.0, unit="N", low=-1e3, high=1e3, doc="contact force where the bumps begin")
+    span_N: float = parameter(3.0, unit="N", low=1e-3, high=1e4, doc="contact force covered by the bumps")
+    span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain covered by the bumps")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        e = signals["strain"]
+        log_change = spline(e / self.span, self.strain_weights) + slips(e, self.span, self.slip_weights)
+        if "contact_force_N" in signals:
+            force = (signals["contact_force_N"] - self.low_N) / self.span_N
+            log_change = log_change + spline(force, self.force_weights)
+        return {"conductance_S": signals["conductance_S"] * np.exp(log_change)}
+
+
+class DriftShape(Effect):
+    """Drift of the conductance on several time scales at once.
+
+    ln G += sum_k w_k (1 - exp(-t / tau_k)) + slope * t / 1000 s,   tau = 3, 30, 300 s
+
+    Source: Prony series of a monotonic relaxation, Tschoegl (1989), ch. 3. Valid: one recording from its start.
+    """
+
+    name = "drift_shape"
+    stage = Stage.ELECTRICAL
+    reads, writes = ("time_s", "conductance_S"), ("conductance_S",)
+    strength = "weights"
+    look = "the misfit of ln G depends on elapsed time alone"
+
+    weights: tuple[float, ...] = parameter(
+        (0.0,) * len(DRIFT_TAUS_S), unit="1", low=-5, high=5, doc="drift that ends within each time scale"
+    )
+    slope_per_ks: float = parameter(0.0, unit="1/ks", low=-5, high=5, doc="drift that does not end")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        t = signals["time_s"]
+        log_change = self.slope_per_ks * t / 1000
+        for weight, tau in zip(self.weights, DRIFT_TAUS_S, strict=True):
+            log_change = log_change - weight * np.expm1(-t / tau)
+        return {"conductance_S": signals["conductance_S"] * np.exp(log_change)}

@@ -1,0 +1,274 @@
+"""A case: two recordings of one sensor with an effect hidden in it, and the truth about them."""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from gcode.support.errors import UserError
+from testbench.recording import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE, Recording
+from testbench.worlds import strength as strengths
+from testbench.worlds.base import WORLDS, BaseWorld, draw_world
+from testbench.worlds.chain import Form, Hidden, Scene, run
+from testbench.worlds.forms import FORMS, UNKNOWN
+from testbench.worlds.kernels import FloatArray, lowpass
+from testbench.worlds.motion import GAUGE_LENGTH_MM, PROTOCOLS, commanded_strain, sample_times
+from testbench.worlds.noise import KINDS, quantised, unit_noise
+
+CATALOGUE = tuple(name for name in FORMS if name not in UNKNOWN)
+OUTSIDE = tuple(sorted(UNKNOWN))
+NOISES = (*KINDS, "any")
+DECOY_SHARE = 0.15
+
+
+@dataclass(frozen=True)
+class Case:
+    """Two recordings and what is hidden in them.
+
+    Attributes
+    ----------
+    calibration, held_out : Recording
+        The same sensor, started fresh, on two trajectories of one kind.
+    truth : dict
+        What was hidden, how strongly, in which base world, over which noise floor. JSON-ready.
+    """
+
+    calibration: Recording
+    held_out: Recording
+    truth: dict[str, Any]
+
+
+def make_case(
+    effect: str | None = None,
+    strength: float = 5.0,
+    world: str = "matched",
+    seed: int = 0,
+    minutes: float = 23.0,
+    rate_hz: float = 40.0,
+    noise: str = "any",
+    *,
+    protocol: str = "perlin",
+    form: str | None = None,
+    channels: Sequence[str] = (FORCE, RESISTANCE),
+) -> Case:
+    """Hide an effect in a sensor and record it twice.
+
+    Parameters
+    ----------
+    effect : str, optional
+        A name of `CATALOGUE`; ``"none"``; ``"unknown"`` (one of `OUTSIDE`, drawn by seed) or a name of `OUTSIDE`;
+        two or more names joined by commas. Left out: drawn by seed.
+    strength : float
+        What the base laws cannot absorb, over the noise floor (see `testbench.worlds.strength`). Each of several
+        effects has it alone.
+    world : str
+        One of `WORLDS`.
+    seed : int
+        One seed, one sensor, motion and noise: the effect changes nothing but itself.
+    minutes, rate_hz : float
+        Length [min] and mean sampling rate [Hz] of each recording.
+    noise : str
+        One of `NOISES`: white, white with an AR(1) or pink share, or any of these by seed.
+    protocol : str
+        One of `PROTOCOLS`.
+    form : str, optional
+        The form of a single effect; drawn by seed when left out.
+    channels : sequence of str
+        Which of ``force_N``, ``resistance_ohm`` are recorded.
+
+    Raises
+    ------
+    UserError
+        For an unknown name or an impossible number.
+    """
+    _check(world, noise, protocol, channels, strength=strength, minutes=minutes, rate_hz=rate_hz)
+    base = draw_world(world, _rng(seed, "base", world))
+    bench = _Bench(base, seed, minutes, rate_hz, noise, protocol)
+    chosen = [_choose(name, form, seed, base) for name in _names(effect, seed)]
+    hidden = [bench.scale(one, shape, strength) for one, shape in chosen]
+    truth = bench.truth(hidden, [bench.report(one, strength) for one in hidden])
+    truth["recipe"] = {"effect": effect, "strength": strength, "world": world, "seed": seed, "minutes": minutes}
+    truth["recipe"] |= {"rate_hz": rate_hz, "noise": noise, "protocol": protocol, "channels": list(channels)}
+    recordings = [bench.recording(part, hidden, channels) for part in PARTS]
+    return Case(recordings[0], recordings[1], truth)
+
+
+PARTS = ("calibration", "held_out")
+
+
+class _Bench:
+    """One sensor on the tester: its motion, its surroundings and its noise, the same whatever is hidden."""
+
+    def __init__(self, base: BaseWorld, seed: int, minutes: float, rate_hz: float, noise: str, protocol: str):
+        self.base, self.seed, self.rate_hz = base, seed, rate_hz
+        rng = _rng(seed, "noise")
+        self.noise_kind = str(rng.choice(KINDS)) if noise == "any" else noise
+        self.top_N = float(base.force(np.array([0.0, 0.3]))[1])
+        self.motion = {part: self._motion(part, minutes, protocol) for part in PARTS}
+        _, ln_g = self.signals("calibration", ())
+        swing = float(np.quantile(ln_g, 0.99) - np.quantile(ln_g, 0.01))
+        self.floor_N = self.top_N * float(np.exp(rng.uniform(np.log(0.001), np.log(0.003))))
+        self.floor_ln = swing * float(np.exp(rng.uniform(np.log(0.0015), np.log(0.004))))
+        self.typical_ohm = float(np.exp(-np.median(ln_g)))
+        self._basis: dict[str, FloatArray] = {}
+        self._plain: dict[str, FloatArray] = {}
+
+    def _motion(self, part: str, minutes: float, protocol: str) -> tuple[FloatArray, FloatArray, FloatArray]:
+        t = sample_times(minutes, self.rate_hz, _rng(self.seed, part, "clock"))
+        strain = commanded_strain(protocol, t, _rng(self.seed, part, "motion"))
+        return t, strain, _ambient(t, _rng(self.seed, part, "ambient"))
+
+    def scene(self, part: str) -> Scene:
+        t, strain, ambient = self.motion[part]
+        return Scene(t, strain, ambient, self.top_N, (self.seed, zlib.crc32(part.encode())))
+
+    def signals(self, part: str, hidden: Sequence[Hidden], base: BaseWorld | None = None) -> Any:
+        return run(base or self.base, self.scene(part), hidden)
+
+    def whitened(self, part: str, hidden: Sequence[Hidden], base: BaseWorld | None = None) -> FloatArray:
+        """Both channels over their noise floors, thinned, in one row."""
+        force, ln_g = self.signals(part, hidden, base)
+        thin = slice(None, None, strengths.THIN)
+        return np.concatenate([force[thin] / self.floor_N, ln_g[thin] / self.floor_ln])
+
+    def left_over(self, part: str, hidden: Sequence[Hidden]) -> FloatArray:
+        """What the base laws cannot absorb of `hidden`, in noise floors."""
+        if part not in self._basis:
+            self._basis[part] = strengths.basis(self.base, lambda base: self.whitened(part, (), base))
+            self._plain[part] = self.whitened(part, ())
+        return strengths.unabsorbed(self.whitened(part, hidden) - self._plain[part], self._basis[part])
+
+    def scale(self, form: Form, shape: dict[str, float], target: float) -> Hidden:
+        """`form` at the magnitude that makes its strength `target`."""
+
+        def strength_of(magnitude: float) -> float:
+            return strengths.rms(self.left_over("calibration", [Hidden(form, shape, magnitude)]))
+
+        magnitude, _ = strengths.magnitude_for(target, form.most, strength_of)
+        return Hidden(form, shape, magnitude)
+
+    def report(self, one: Hidden, requested: float) -> dict[str, Any]:
+        left = {part: self.left_over(part, [one]) for part in PARTS}
+        half = len(left["calibration"]) // 2
+        raw = self.whitened("calibration", [one]) - self._plain["calibration"]
+        reached = strengths.rms(left["calibration"])
+        return {
+            "effect": one.form.effect,
+            "form": one.form.name,
+            "in_catalogue": one.form.effect not in UNKNOWN,
+            "stages": list(one.form.changes),
+            "shape": dict(one.shape),
+            "magnitude": one.magnitude,
+            "strength_requested": requested,
+            "strength_reached": reached,
+            "reached": bool(abs(reached / requested - 1) <= 0.2),
+            "strength_in_held_out": strengths.rms(left["held_out"]),
+            "strength_by_channel": {
+                "force": strengths.rms(left["calibration"][:half]),
+                "conductance": strengths.rms(left["calibration"][half:]),
+            },
+            "strength_before_absorption": strengths.rms(raw),
+        }
+
+    def truth(self, hidden: Sequence[Hidden], reports: list[dict]) -> dict[str, Any]:
+        names = [one.form.effect for one in hidden]
+        outside = any(name in UNKNOWN for name in names)
+        verdict = "nothing_missing" if not names else "unknown" if outside else "missing"
+        return {
+            "verdict": verdict,
+            "effects": reports,
+            "base": {"world": self.base.name, **self.base.describe()},
+            "noise_floor": {"force": self.floor_N, "conductance": self.floor_ln},
+            "noise_floor_units": {"force": "N", "conductance": "ln S"},
+            "noise_kind": self.noise_kind,
+            "joint_strength": strengths.rms(self.left_over("calibration", hidden)) if hidden else 0.0,
+            "definition_of_strength": " ".join((strengths.__doc__ or "").split()),
+        }
+
+    def recording(self, part: str, hidden: Sequence[Hidden], channels: Sequence[str]) -> Recording:
+        """What the instruments write: noise, steps of the converters, and a thermometer where there is one."""
+        t, strain, ambient = self.motion[part]
+        force, ln_g = self.signals(part, hidden)
+        rng = _rng(self.seed, part, "noise")
+        noise_N, noise_ln = (unit_noise(self.noise_kind, len(t), self.rate_hz, rng) for _ in range(2))
+        read = {
+            FORCE: quantised(force + self.floor_N * noise_N, self.floor_N / 4),
+            RESISTANCE: np.exp(-(ln_g + self.floor_ln * noise_ln)),
+        }
+        step_ohm = self.typical_ohm * self.floor_ln / 4
+        read[RESISTANCE] = np.maximum(quantised(read[RESISTANCE], step_ohm), step_ohm)
+        kept = {DISPLACEMENT: np.round(strain * GAUGE_LENGTH_MM, 4), **{name: read[name] for name in channels}}
+        if self._has_thermometer(hidden):
+            kept[TEMPERATURE] = np.round(23 + ambient + 0.02 * rng.standard_normal(len(t)), 2)
+        return Recording(t, kept, GAUGE_LENGTH_MM, source=part)
+
+    def _has_thermometer(self, hidden: Sequence[Hidden]) -> bool:
+        """Where temperature matters the form says so; elsewhere a thermometer sometimes hangs there for nothing."""
+        said = [one.shape["measured"] for one in hidden if "measured" in one.shape]
+        return bool(max(said)) if said else bool(_rng(self.seed, "decoy").uniform() < DECOY_SHARE)
+
+
+def _ambient(t: FloatArray, rng: np.random.Generator) -> FloatArray:
+    """Room temperature over its value at the start [K]: a slow walk and a heater that cycles."""
+    steps = rng.standard_normal(len(t)) * np.sqrt(np.gradient(t))
+    walk = lowpass(t, np.cumsum(steps) * 0.04, 90.0)
+    cycle = 0.5 * np.sin(2 * np.pi * t / rng.uniform(300, 1200) + rng.uniform(0, 2 * np.pi))
+    total = walk + cycle + rng.normal(0, 1.0) * t / 1380
+    return total - total[0]
+
+
+def _names(effect: str | None, seed: int) -> list[str]:
+    """The effects to hide; "unknown" and a missing name are drawn by seed."""
+    rng = _rng(seed, "effect")
+    if effect is None:
+        effect = str(rng.choice([*CATALOGUE, "none", "none", "unknown", "unknown"]))
+    names = [name.strip() for name in effect.split(",")]
+    if names == ["none"]:
+        return []
+    names = [str(rng.choice(OUTSIDE)) if name == "unknown" else name for name in names]
+    for name in names:
+        if name not in FORMS:
+            allowed = ", ".join([*CATALOGUE, "none", "unknown", *OUTSIDE])
+            raise UserError(f"effect: no effect {name!r} to hide; choose from {allowed}")
+    if len(set(names)) < len(names):
+        raise UserError(f"effect: {effect!r} names one effect twice; name each once")
+    return names
+
+
+def _choose(name: str, form: str | None, seed: int, base: BaseWorld) -> tuple[Form, dict[str, float]]:
+    forms = FORMS[name]
+    rng = _rng(seed, "form", name)
+    felt = [f for f in forms if base.contacts_feel_force or set(forms[f].changes) != {"pressure"}]
+    drawn = str(rng.choice(felt))
+    if form is not None and form not in forms:
+        raise UserError(f"form: {name} has the forms {', '.join(forms)}, got {form!r}")
+    one = forms[form or drawn]
+    return one, one.draw(rng)
+
+
+def _rng(seed: int, *labels: str) -> np.random.Generator:
+    """A generator of its own for every purpose, so that one choice never shifts another."""
+    return np.random.default_rng([seed, *(zlib.crc32(label.encode()) for label in labels)])
+
+
+def _check(world: str, noise: str, protocol: str, channels: Sequence[str], **numbers: float) -> None:
+    for what, came, allowed in (
+        ("world", world, WORLDS),
+        ("noise", noise, NOISES),
+        ("protocol", protocol, tuple(PROTOCOLS)),
+    ):
+        if came not in allowed:
+            raise UserError(f"{what}: must be one of {', '.join(allowed)}, got {came!r}")
+    if not channels or set(channels) - {FORCE, RESISTANCE}:
+        raise UserError(f"channels: must be {FORCE}, {RESISTANCE} or both, got {list(channels)}")
+    for what, number in numbers.items():
+        if not (np.isfinite(number) and number > 0):
+            raise UserError(f"{what}: must be a positive number, got {number}")
+    if numbers["minutes"] * 60 * numbers["rate_hz"] < 200:
+        raise UserError(
+            f"minutes: {numbers['minutes']} min at {numbers['rate_hz']} Hz is under 200 samples; ask for more"
+        )
