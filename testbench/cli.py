@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from gcode.support import console
 
-COMMANDS: tuple[str, ...] = ("fit", "compare", "report")
+COMMANDS: tuple[str, ...] = ("effects", "fit", "compare", "report")
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -91,7 +91,6 @@ class CoatingWear(Effect):
     """
 
     name = "coating_wear"
-    idea = "coating_damage"
     stage = Stage.ELECTRICAL
     reads, writes = ("strain", "conductance_S"), ("conductance_S",)
     strength = "loss"
@@ -115,7 +114,6 @@ class CoatingCracks(Effect):
     """
 
     name = "coating_cracks"
-    idea = "coating_damage"
     stage = Stage.ELECTRICAL
     reads, writes = ("strain", "conductance_S"), ("conductance_S",)
     strength = "loss"

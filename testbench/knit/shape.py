@@ -91,6 +91,7 @@ class ContactShape(Effect):
     ln G += sum_j w_j B_j(P / span_N) + sum_j u_j B_j(e / span) + sum_k v_k stop_k(e) / r_k
 
     Source: penalised splines, Eilers & Marx, Statist. Sci. 11 (1996) 89; slip as in `hysteresis_shape`.
+    Valid: inside the force and strain seen in the fit.
     """
 
     name = "contact_shape"

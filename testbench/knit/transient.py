@@ -74,9 +74,9 @@ class ElectricalOvershootReversal(Effect):
     look = "a spike of the conductance after every reversal, equally high for slow and fast motion"
 
     gain: float = parameter(0.05, unit="1", low=-3, high=3, doc="change of ln G at a reversal")
-    tau_s: float = parameter(2.0, unit="s", low=0.1, high=100, scale="log", doc="time in which it settles")
+    tau_s: float = parameter(2.0, unit="s", low=0.5, high=100, scale="log", doc="time in which it settles")
     rate0_per_s: float = parameter(
-        0.003, unit="1/s", low=1e-5, high=0.1, scale="log", doc="rate below which the knit counts as still"
+        0.003, unit="1/s", low=1e-4, high=0.1, scale="log", doc="rate below which the knit counts as still"
     )
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:

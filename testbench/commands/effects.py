@@ -1,0 +1,83 @@
+"""``testbench effects``: the catalogue of physical effects."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING
+
+from testbench.commands._arguments import add_effects
+
+if TYPE_CHECKING:
+    from testbench.knit.catalogue import Catalogue
+
+SUMMARY = "list the physical effects, show one's card, check or start your own"
+EXAMPLE = "testbench effects stress_relaxation --plot relaxation.png"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("name", nargs="?", metavar="NAME", help="show the card of this effect")
+    parser.add_argument(
+        "--plot", nargs="?", const="", metavar="FILE.png", help="with NAME: draw data without and with it"
+    )
+    add_effects(parser)
+    parser.add_argument(
+        "--check", action="store_true", help="try the laws every effect obeys (NAME, or all of FILE.py)"
+    )
+    parser.add_argument("--new", metavar="NAME", help="write a commented template for an effect of your own")
+    parser.add_argument("-o", "--output", metavar="FILE.py", help="with --new: where to (default: NAME.py)")
+    parser.add_argument("--markdown", action="store_true", help="print the list as a Markdown table")
+
+
+def run(args: argparse.Namespace) -> int:
+    """List, show, check or start."""
+    if args.new:
+        return _new(args.new, args.output or f"{args.new}.py")
+    from testbench.knit import card
+    from testbench.knit.catalogue import load_catalogue
+
+    catalogue = load_catalogue(args.effects)
+    if args.check:
+        return _check(catalogue, args)
+    if args.name is None:
+        print(card.catalogue_markdown(catalogue) if args.markdown else card.catalogue_text(catalogue))
+        return 0
+    print(card.card_text(catalogue[args.name], catalogue))
+    if args.plot is not None:
+        _plot(catalogue, args.name, args.plot or f"{args.name}.png")
+    return 0
+
+
+def _new(name: str, output: str) -> int:
+    from pathlib import Path
+
+    from testbench.knit.template import write_template
+
+    write_template(name, Path(output))
+    print(f"wrote {output}; edit it, then: testbench effects --effects {output} --check")
+    return 0
+
+
+def _plot(catalogue: Catalogue, name: str, output: str) -> None:
+    from pathlib import Path
+
+    from testbench.knit.showcase import draw
+
+    draw(catalogue[name], Path(output))
+    print(f"\npicture    {output}")
+
+
+def _check(catalogue: Catalogue, args: argparse.Namespace) -> int:
+    from testbench.knit.catalogue import load_catalogue
+    from testbench.knit.laws import check
+
+    own = [name for name in catalogue.effects if name not in load_catalogue().effects]
+    names = [args.name] if args.name else own or list(catalogue.effects)
+    broken = 0
+    for name in names:
+        problems = check(catalogue[name]())
+        broken += bool(problems)
+        print(f"{name}: {'obeys all laws' if not problems else ''}".rstrip())
+        for problem in problems:
+            print(f"  {problem}")
+    return 1 if broken else 0

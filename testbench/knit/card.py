@@ -1,0 +1,126 @@
+"""An effect on one card: what it is, what it looks like in data, its parameters, where it comes from."""
+
+from __future__ import annotations
+
+import inspect
+import re
+import textwrap
+from dataclasses import dataclass
+from typing import Any
+
+from testbench.knit.catalogue import Catalogue
+from testbench.knit.effect import Effect, Stage, bounds_of
+
+
+@dataclass(frozen=True)
+class DocSections:
+    """The parts of an effect's docstring."""
+
+    summary: str
+    formula: str
+    source: str
+    valid: str
+
+
+def doc_sections(effect: type[Effect]) -> DocSections:
+    """Split the docstring: first paragraph, formula and remarks, ``Source:``, ``Valid:``."""
+    text = inspect.cleandoc(effect.__doc__ or "")
+    body, _, tail = text.partition("Source:")
+    source, _, valid = tail.partition("Valid:")
+    summary, _, formula = body.strip().partition("\n\n")
+    return DocSections(_one_line(summary), formula.strip(), _one_line(source), _one_line(valid))
+
+
+def _one_line(text: str) -> str:
+    return re.sub(r"\s+", " ", text).strip()
+
+
+def parameter_rows(effect: type[Effect]) -> list[dict[str, str]]:
+    """One row a parameter: name, default, unit, bounds, meaning."""
+    rows = []
+    for key, field in effect.model_fields.items():
+        extra = bounds_of(field)
+        scale = ", log" if extra["scale"] == "log" else ""
+        absent = "; 0: no effect" if key == effect.strength else ""
+        rows.append(
+            {
+                "name": key,
+                "default": _shown(field.default),
+                "unit": "" if extra["unit"] == "1" else extra["unit"],
+                "bounds": f"{extra['low']:g} to {extra['high']:g}{scale}",
+                "meaning": (field.description or "") + absent,
+            }
+        )
+    return rows
+
+
+def _shown(value: Any) -> str:
+    return f"({value[0]:g}, ...) x {len(value)}" if isinstance(value, tuple) else f"{value:g}"
+
+
+def other_forms(effect: type[Effect], catalogue: Catalogue) -> list[str]:
+    """Names of the other effects with the same physical idea."""
+    idea = effect.idea or effect.name
+    return [form.name for form in catalogue.ideas().get(idea, []) if form.name != effect.name]
+
+
+def card_text(effect: type[Effect], catalogue: Catalogue) -> str:
+    """The card as plain text, at most about 110 columns wide."""
+    doc = doc_sections(effect)
+    lines = [f"{effect.name}   ({_chain(effect)})", doc.summary, "", _indented(doc.formula), ""]
+    lines += [f"in data    {effect.look}", "", *_table(parameter_rows(effect)), ""]
+    lines += [_wrapped("source", doc.source), _wrapped("valid", doc.valid)]
+    forms = other_forms(effect, catalogue)
+    return "\n".join([*lines, _wrapped("forms", ", ".join(forms))] if forms else lines)
+
+
+def _wrapped(label: str, text: str) -> str:
+    return textwrap.fill(text, 110, initial_indent=f"{label:11s}", subsequent_indent=" " * 11)
+
+
+def _chain(effect: type[Effect]) -> str:
+    read = ", ".join(effect.reads + effect.optional_reads)
+    return f"{effect.stage.name.lower()}: {read} -> {', '.join(effect.writes)}"
+
+
+def _indented(text: str) -> str:
+    return "\n".join(f"    {line}".rstrip() for line in text.splitlines())
+
+
+def _table(rows: list[dict[str, str]]) -> list[str]:
+    if not rows:
+        return ["parameters none"]
+    cells = [[row["name"], f"{row['default']} {row['unit']}".strip(), row["bounds"], row["meaning"]] for row in rows]
+    widths = [max(len(row[column]) for row in cells) for column in range(3)]
+    return [
+        "  ".join([text.ljust(width) for text, width in zip(row, widths, strict=False)] + [row[3]]) for row in cells
+    ]
+
+
+def catalogue_text(catalogue: Catalogue) -> str:
+    """All effects by stage; further forms of an idea indented below its namesake."""
+    lines = []
+    for stage in Stage:
+        lines.append(stage.name.lower())
+        for forms in catalogue.ideas().values():
+            of_stage = [form for form in forms if form.stage is stage]
+            lines += [_entry(form, form is not forms[0]) for form in of_stage]
+        lines.append("")
+    lines += [f"broken: {name}: {reason}" for name, reason in catalogue.broken.items()]
+    lines.append(f"{len(catalogue.effects)} effects of {len(catalogue.ideas())} ideas. Card: testbench effects NAME")
+    return "\n".join(lines)
+
+
+def _entry(effect: type[Effect], indent: bool) -> str:
+    label = f"{'    ' if indent else '  '}{effect.name}"
+    return f"{label:38s} {effect.look}"
+
+
+def catalogue_markdown(catalogue: Catalogue) -> str:
+    """The table of docs/effects.md."""
+    lines = ["| effect | stage | in data |", "|---|---|---|"]
+    for forms in catalogue.ideas().values():
+        for form in forms:
+            name = f"`{form.name}`" if form is forms[0] else f"&nbsp;&nbsp;`{form.name}`"
+            lines.append(f"| {name} | {form.stage.name.lower()} | {form.look} |")
+    return "\n".join(lines)
