@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import io
+from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from gcode.support.errors import UserError
-from gcode.support.files import atomic_path, read_json
+from gcode.support.files import atomic_path
 from testbench.recording import DISPLACEMENT, FORCE, RESISTANCE, TIME, Recording
 
 ORDER = (TIME, DISPLACEMENT, FORCE, RESISTANCE)
-DECIMALS = {TIME: 6, DISPLACEMENT: 5, FORCE: 6, RESISTANCE: 3}
+DECIMALS = {TIME: 6, DISPLACEMENT: 6, FORCE: 6, RESISTANCE: 3}
+ROWS_AT_ONCE = 100_000
 
 
 def load(path: Path, gauge_length_mm: float | None) -> Recording:
@@ -22,31 +26,43 @@ def load(path: Path, gauge_length_mm: float | None) -> Recording:
         raise UserError(f"{path}: no such recording; give a CSV or a campaign folder")
     if gauge_length_mm is None:
         raise UserError(f"{path}: a bare CSV does not know its gauge length; add --gauge-length-mm")
-    return _from_csv(path, gauge_length_mm)
+    return _recording(path, read_columns(path), gauge_length_mm)
 
 
 def _load_campaign(folder: Path, gauge_length_mm: float | None) -> Recording:
-    manifest_path = folder / "datapackage.json"
-    if not manifest_path.exists():
-        raise UserError(f"{folder}: no datapackage.json in this folder, so it is not a campaign")
-    manifest = read_json(manifest_path, "campaign manifest")
-    recipe = manifest.get("knitbench", {}) if isinstance(manifest, dict) else {}
-    gauge = gauge_length_mm or recipe.get("gauge_length_mm")
-    if gauge is None:
-        raise UserError(f"{manifest_path}: no gauge_length_mm in it; add --gauge-length-mm")
-    return _from_csv(folder / "recording.csv", float(gauge), recipe)
+    from testbench.manifest import read_manifest, resource_problems
+
+    campaign, data = read_manifest(folder)
+    path = folder / "recording.csv"
+    if not campaign.in_progress:
+        for resource in data["resources"]:
+            if resource.get("path") == path.name and (found := resource_problems(folder, resource)):
+                raise UserError(
+                    f"{found[0]}; restore the file, or import it as a foreign CSV with `testbench import`"
+                )
+    elif not path.is_file():
+        raise UserError(f"{folder}: no sample has been recorded yet")
+    columns = read_columns(path, growing=campaign.in_progress)
+    return _recording(path, columns, gauge_length_mm or campaign.gauge_length_mm, asdict(campaign))
 
 
-def _from_csv(path: Path, gauge_length_mm: float, metadata: dict | None = None) -> Recording:
-    columns = read_columns(path)
+def _recording(
+    path: Path, columns: dict[str, np.ndarray], gauge_length_mm: float, metadata: dict[str, Any] | None = None
+) -> Recording:
     if TIME not in columns:
         raise UserError(f"{path}: no column {TIME} (found: {', '.join(columns)}); name yours with `testbench import`")
     time_s = columns.pop(TIME)
-    return Recording(time_s, columns, gauge_length_mm, str(path), metadata or {})
+    return Recording(time_s, columns, float(gauge_length_mm), str(path), metadata or {})
 
 
-def read_columns(path: Path) -> dict[str, np.ndarray]:
+def read_columns(path: Path, growing: bool = False) -> dict[str, np.ndarray]:
     """All numeric columns of a comma-separated file, by header name.
+
+    Parameters
+    ----------
+    path : Path
+    growing : bool
+        A recorder may be writing (or was killed): what follows the last line feed is not a line yet.
 
     Raises
     ------
@@ -56,16 +72,25 @@ def read_columns(path: Path) -> dict[str, np.ndarray]:
     import pandas as pd
 
     try:
-        frame = pd.read_csv(path)
+        frame = pd.read_csv(_whole_lines(path) if growing else path, skipinitialspace=True, low_memory=False)
     except pd.errors.EmptyDataError:
         raise UserError(f"{path}: the file is empty") from None
-    except (pd.errors.ParserError, UnicodeDecodeError) as error:
-        raise UserError(f"{path}: not a readable CSV: {error}") from None
+    except (pd.errors.ParserError, UnicodeError) as error:
+        raise UserError(f"{path}: not a readable CSV: {str(error).strip()}; try `testbench import`") from None
     except OSError as error:
         raise UserError(f"{path}: cannot read it: {error.strerror or error}") from None
     if frame.shape[1] == 1 and ";" in str(frame.columns[0]):
         raise UserError(f"{path}: semicolons between the columns; turn it into a recording with `testbench import`")
-    return {str(name): _numbers(path, str(name), frame[name]) for name in frame.columns}
+    if not isinstance(frame.index, pd.RangeIndex):
+        raise UserError(
+            f"{path}: its rows have more cells than its header; turn it into a recording with `testbench import`"
+        )
+    return {str(name).strip(): _numbers(path, str(name), frame[name]) for name in frame.columns}
+
+
+def _whole_lines(path: Path) -> io.BytesIO:
+    data = path.read_bytes()
+    return io.BytesIO(data[: data.rfind(b"\n") + 1])
 
 
 def _numbers(path: Path, name: str, column) -> np.ndarray:
@@ -75,16 +100,20 @@ def _numbers(path: Path, name: str, column) -> np.ndarray:
     wrong = np.flatnonzero(numbers.isna() & column.notna())
     if wrong.size:
         row, came = int(wrong[0]) + 2, column.iloc[int(wrong[0])]
-        raise UserError(f"{path}: row {row}: {name} must be a number, got {came!r}")
+        raise UserError(
+            f"{path}: row {row}: {name} must be a number, got {came!r}; "
+            "`testbench import --drop-bad` leaves such rows out"
+        )
     return numbers.to_numpy(dtype=np.float64)
 
 
 def write_recording_csv(path: str | Path, recording: Recording) -> None:
     """Write ``recording.csv`` atomically, known columns first, in fixed decimals (same bytes from same data)."""
-    import pandas as pd
-
     columns = {TIME: recording.time_s, **recording.channels}
     names = [name for name in ORDER if name in columns] + sorted(set(columns) - set(ORDER))
-    text = {name: [f"{value:.{DECIMALS.get(name, 6)}f}" for value in columns[name]] for name in names}
-    with atomic_path(path) as temporary:
-        pd.DataFrame(text).to_csv(temporary, index=False, lineterminator="\n")
+    line = ",".join(f"%.{DECIMALS.get(name, 6)}f" for name in names) + "\n"
+    with atomic_path(path) as temporary, temporary.open("w", encoding="utf-8", newline="\n") as stream:
+        stream.write(",".join(names) + "\n")
+        for start in range(0, len(recording), ROWS_AT_ONCE):
+            block = np.column_stack([columns[name][start : start + ROWS_AT_ONCE] for name in names])
+            stream.write(line * len(block) % tuple(block.ravel().tolist()))

@@ -1,0 +1,167 @@
+"""A campaign folder: recording, program and a manifest from which it can be made again, byte for byte."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import tempfile
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from gcode.support.errors import UserError
+from gcode.support.files import make_folder, sha256_of
+from testbench import manifest
+from testbench.knit.model import KnitModel
+from testbench.manifest import Campaign, read_manifest, software_versions, write_manifest
+from testbench.rig.instruments import Instruments
+from testbench.rig.recorder import Part, Recorder, Status, counts, in_memory
+from testbench.rig.simulated import GRID_HZ, Motion, SimulatedRig
+from testbench.rig.sink import CSV, EVENTS, Sink
+from testbench.rig.stream import Intake
+
+PROGRAM = "program.tap"
+Pace = Callable[[Iterable[bytes]], Iterable[Part]]
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Everything that a simulated campaign depends on.
+
+    Attributes
+    ----------
+    program : Path
+        Mach4 program.
+    model : KnitModel
+    gauge_length_mm : float
+    seed : int
+    sensor : str
+        Name of the preset, or of the file that the model came from.
+    instruments : Instruments
+    """
+
+    program: Path
+    model: KnitModel
+    gauge_length_mm: float
+    seed: int
+    sensor: str = ""
+    instruments: Instruments = field(default_factory=Instruments)
+
+    def recipe(self) -> dict[str, Any]:
+        """As written into the manifest."""
+        return {
+            "sensor": self.sensor,
+            "model": self.model.to_dict(),
+            "seed": self.seed,
+            "program": PROGRAM,
+            "program_sha256": sha256_of(self.program),
+            "grid_hz": GRID_HZ,
+            "instruments": self.instruments.model_dump(mode="json"),
+        }
+
+    def rig(self, motion: Motion) -> SimulatedRig:
+        """The rig that will play this plan along `motion`."""
+        return SimulatedRig(self.model, motion, self.gauge_length_mm, self.seed, self.instruments)
+
+
+def plan_of(folder: Path) -> Plan:
+    """The plan of a simulated campaign, from its manifest and program.
+
+    Raises
+    ------
+    UserError
+        If the campaign was measured, not simulated, or its program is no longer the one it was made with.
+    """
+    from testbench.knit.catalogue import load_catalogue, model_from_dict
+
+    campaign, _ = read_manifest(folder)
+    if campaign.origin != "simulated":
+        raise UserError(f"{folder}: this campaign was {campaign.origin}, only a simulated one can be made again")
+    recipe, program = campaign.recipe, folder / PROGRAM
+    if not program.is_file() or sha256_of(program) != recipe.get("program_sha256"):
+        raise UserError(f"{program}: missing or not the program that the manifest names")
+    model = model_from_dict(recipe.get("model"), load_catalogue(), str(folder / manifest.NAME))
+    instruments = Instruments.model_validate(recipe["instruments"])
+    return Plan(program, model, campaign.gauge_length_mm, int(recipe["seed"]), recipe["sensor"], instruments)
+
+
+def matches(folder: Path, plan: Plan) -> bool:
+    """Whether `folder` already holds the finished campaign of `plan`, every byte of it."""
+    if not (folder / manifest.NAME).is_file():
+        return False
+    campaign, _ = read_manifest(folder)
+    same = campaign.origin == "simulated" and campaign.gauge_length_mm == plan.gauge_length_mm
+    same = same and campaign.recipe == json.loads(json.dumps(plan.recipe()))
+    return same and campaign.status == "complete" and not manifest.problems(folder)
+
+
+def simulate_campaign(
+    plan: Plan,
+    folder: Path,
+    motion: Motion,
+    report: Callable[[Status], None] = lambda status: None,
+    pace: Pace = in_memory,
+) -> Status:
+    """Run `plan` on the simulated rig and write its campaign folder, whole or not at all.
+
+    Parameters
+    ----------
+    plan : Plan
+    folder : Path
+        Must not exist yet, or be empty (see `vacant`).
+    motion : Motion
+        What the controller makes of the plan's program.
+    report : callable
+        Called with the progress.
+    pace : callable
+        Makes a link of the rig's lines; the default delivers them at once.
+    """
+    make_folder(folder.parent)
+    with tempfile.TemporaryDirectory(dir=folder.parent, prefix=f".{folder.name}.") as scratch:
+        draft = make_folder(Path(scratch) / "campaign")
+        shutil.copyfile(plan.program, draft / PROGRAM)
+        intake, sink = Intake(), Sink(draft)
+        try:
+            recorder = Recorder(intake, sink, plan.gauge_length_mm, report=report)
+            recorder.status.duration_s = motion.duration_s
+            status = recorder.run(pace(plan.rig(motion).lines()))
+        finally:
+            sink.close()
+        finish(draft, plan.gauge_length_mm, "simulated", status.state, plan.recipe(), intake)
+        draft.replace(folder)
+    return status
+
+
+def finish(
+    folder: Path, gauge_length_mm: float, origin: str, state: str, recipe: dict[str, Any], intake: Intake
+) -> None:
+    """Write the manifest over the files in `folder`."""
+    campaign = Campaign(gauge_length_mm, origin, state, recipe, counts(intake), software_versions())
+    write_manifest(folder, campaign, campaign_files(folder))
+
+
+def campaign_files(folder: Path) -> list[str]:
+    """The files of a campaign, recording first; the manifest itself is not among them."""
+    names = [CSV, PROGRAM, EVENTS, "recording.bad"]
+    return [name for name in names if (folder / name).exists()]
+
+
+def vacant(folder: Path, overwrite: bool = False) -> None:
+    """Make sure that `folder` may be written; remove a simulated campaign if `overwrite`.
+
+    Raises
+    ------
+    UserError
+        If something else is there. A measured campaign is never removed.
+    """
+    if not folder.exists() or (folder.is_dir() and not any(folder.iterdir())):
+        return
+    if not folder.is_dir() or not (folder / manifest.NAME).is_file():
+        raise UserError(f"{folder}: exists and is not a campaign; choose another place with -o")
+    campaign, _ = read_manifest(folder)
+    if campaign.origin == "recorded":
+        raise UserError(f"{folder}: holds a recorded campaign, which is never overwritten; choose another with -o")
+    if not overwrite:
+        raise UserError(f"{folder}: holds another campaign; choose another place with -o, or add --overwrite")
+    shutil.rmtree(folder)

@@ -1,0 +1,66 @@
+"""``testbench run``: a simulated campaign."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+SUMMARY = "run a program on the simulated rig and write a campaign folder"
+EXAMPLE = "testbench run --sensor pes --program program.tap --seed 1 -o pes-1"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    from testbench.sensors import add_sensor_arguments, natural, positive
+
+    add_sensor_arguments(parser)
+    parser.add_argument("--program", required=True, metavar="FILE", help="Mach4 program that moves the stage")
+    parser.add_argument(
+        "--seed", type=natural, default=1, metavar="N", help="of noise and sampling times (default 1)"
+    )
+    parser.add_argument("-o", dest="campaign", required=True, metavar="CAMPAIGN", help="folder to write")
+    parser.add_argument(
+        "--gauge-length-mm", type=positive, metavar="L", help="default: from the program's header, else 25"
+    )
+    parser.add_argument("--divider-ohm", type=positive, metavar="R", help="reference resistor (default 606000)")
+    parser.add_argument("--rate-hz", type=positive, metavar="F", help="mean sampling rate (default 41.5)")
+    parser.add_argument("--rate-sd-hz", type=positive, metavar="S", help="its spread (default 14.2)")
+    parser.add_argument("--real-time", action="store_true", help="take as long as the real machine would")
+    parser.add_argument("--progress-json", action="store_true", help="progress as JSON lines on stdout")
+    parser.add_argument("--overwrite", action="store_true", help="replace another simulated campaign in that folder")
+
+
+def run(args: argparse.Namespace) -> int:
+    from testbench.campaign import Plan, matches, simulate_campaign, vacant
+    from testbench.rig.links import real_time
+    from testbench.rig.motion import played
+    from testbench.rig.progress import json_lines, terminal
+    from testbench.rig.recorder import in_memory
+    from testbench.sensors import existing_file, sensor_model
+
+    folder, program = Path(args.campaign), existing_file(args.program, "program; make one with `gcode generate`")
+    model, sensor = sensor_model(args)
+    motion, gauge_length_mm = played(program, args.gauge_length_mm)
+    plan = Plan(program, model, gauge_length_mm, args.seed, sensor, instruments_of(args))
+    if matches(folder, plan):
+        print(f"{folder}: already there and intact; not run again")
+        return 0
+    vacant(folder, args.overwrite)
+    report = json_lines() if args.progress_json else terminal(f"run {folder.name}")
+    status = simulate_campaign(plan, folder, motion, report, real_time if args.real_time else in_memory)
+    if not args.progress_json:
+        print(
+            f"{folder}: {status.samples} samples in {motion.duration_s:.0f} s of motion, {sensor}, seed {args.seed}"
+        )
+    return 0
+
+
+def instruments_of(args: argparse.Namespace):
+    """The paper's instruments with what the command line changes."""
+    from testbench.rig.instruments import Divider, Instruments, SampleClock
+
+    clock = {"rate_hz": args.rate_hz, "rate_sd_hz": args.rate_sd_hz}
+    divider = {"reference_ohm": args.divider_ohm}
+    return Instruments(
+        clock=SampleClock(**{key: value for key, value in clock.items() if value is not None}),
+        divider=Divider(**{key: value for key, value in divider.items() if value is not None}),
+    )

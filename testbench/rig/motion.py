@@ -1,0 +1,42 @@
+"""The stage's motion: what a controller makes of a Mach4 program."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from gcode.support.errors import UserError
+from testbench.rig.simulated import GRID_HZ, Motion
+
+DEFAULT_GAUGE_LENGTH_MM = 25.0
+
+
+def played(path: Path, gauge_length_mm: float | None = None) -> tuple[Motion, float]:
+    """Play a program: the stage's motion from zero strain on, and the gauge length.
+
+    Parameters
+    ----------
+    path : Path
+        Mach4 program.
+    gauge_length_mm : float, optional
+        Default: the one that the program's header names, else 25 mm.
+
+    Raises
+    ------
+    UserError
+        If the file is not a program that the planner can play.
+    """
+    from gcode.planner import play
+    from gcode.reader import read_program, read_text
+
+    try:
+        program = read_program(read_text(path))
+        trajectory = play(program, rate_hz=GRID_HZ)
+    except UserError as error:
+        raise UserError(f"{path}: {str(error).removeprefix(f'{path}: ')}") from None
+    offset_mm = program.header_number("spec.offset_mm") or 0.0
+    gauge = gauge_length_mm or program.header_number("gauge_length_mm") or DEFAULT_GAUGE_LENGTH_MM
+    if not (np.isfinite(gauge) and gauge > 0):
+        raise UserError(f"{path}: the gauge length must be a positive number of mm, got {gauge}")
+    return Motion(trajectory.time_s, trajectory.position_mm - offset_mm), float(gauge)

@@ -1,0 +1,240 @@
+"""The recorder: what a link delivers goes through the intake to the files, with progress and limits.
+
+It knows no port and no clock: a link is any iterable of `Chunk`, `Lost`, `Tick` and `End`, each with its host time.
+Tests feed lists; `testbench record` feeds a serial port; `testbench run` feeds the simulated rig.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from itertools import islice
+from typing import NamedTuple
+
+from testbench.rig.sink import Sink
+from testbench.rig.stream import Event, Intake, Item, Row
+
+PROGRESS_S = 0.5
+RATE_WINDOW_US = 5_000_000
+DISK_PATIENCE_S = 30.0
+
+
+class Chunk(NamedTuple):
+    """Bytes that came at `host_s`."""
+
+    host_s: float
+    data: bytes
+
+
+class Lost(NamedTuple):
+    """The port was lost at `host_s`; the link is trying to get it back."""
+
+    host_s: float
+    reason: str
+
+
+class Tick(NamedTuple):
+    """Nothing came; time goes on."""
+
+    host_s: float
+
+
+class End(NamedTuple):
+    """The link will deliver nothing more; `state` becomes the recording's."""
+
+    host_s: float
+    state: str = "complete"
+    message: str = ""
+
+
+Part = Chunk | Lost | Tick | End
+
+
+@dataclass(frozen=True)
+class Limits:
+    """When to stop.
+
+    Attributes
+    ----------
+    duration_s : float
+        On the device's clock; the recording is complete then.
+    max_force_N, max_strain : float
+        Beyond these (absolute) values the recording stops with an alarm.
+    """
+
+    duration_s: float = float("inf")
+    max_force_N: float = float("inf")
+    max_strain: float = float("inf")
+
+
+@dataclass
+class Status:
+    """A moment of a recording, as progress shows it; the last one says how it ended.
+
+    Attributes
+    ----------
+    time_s, duration_s : float
+        Recording time so far; planned (infinite if open).
+    samples, lost, rejected : int
+    rate_hz : float
+        Mean over the last seconds.
+    force_N, resistance_ohm : float or None
+    displacement_mm, strain : float
+        The last accepted sample.
+    state : str
+        ``recording``, then ``complete``, ``interrupted``, ``alarm``, ``disk full`` or ``port lost``.
+    message : str
+        What a person should know now; empty if nothing.
+    """
+
+    duration_s: float
+    time_s: float = 0.0
+    samples: int = 0
+    lost: int = 0
+    rejected: int = 0
+    rate_hz: float = 0.0
+    force_N: float | None = None
+    resistance_ohm: float | None = None
+    displacement_mm: float = 0.0
+    strain: float = 0.0
+    state: str = "recording"
+    message: str = ""
+
+
+class Recorder:
+    """Folds a link into a sink.
+
+    Parameters
+    ----------
+    intake : Intake
+        Set its `anchor` and `channels` to continue a recording.
+    sink : Sink
+    gauge_length_mm : float
+    limits : Limits
+    report : callable
+        Called with the `Status` about twice a second of host time, and at the end.
+    """
+
+    def __init__(
+        self,
+        intake: Intake,
+        sink: Sink,
+        gauge_length_mm: float,
+        limits: Limits | None = None,
+        report: Callable[[Status], None] = lambda status: None,
+    ) -> None:
+        self.intake, self.sink, self.gauge_length_mm = intake, sink, gauge_length_mm
+        self.limits = limits or Limits()
+        self.status = Status(self.limits.duration_s)
+        self._report = report
+        self._last: Row | None = None
+        self._window: tuple[int, int] | None = None
+        self._reported_s = float("-inf")
+        self._full_since_s: float | None = None
+
+    def run(self, link: Iterable[Part], stopped: Callable[[], bool] = lambda: False) -> Status:
+        """Record until a limit, the end of the link, a full disk that stays full, or `stopped`."""
+        for part in link:
+            self._disk(self.sink.write(self._items(part)), part.host_s)
+            if self.status.state == "recording" and stopped():
+                self.status.state = "interrupted"
+            if self.status.state != "recording":
+                break
+            if part.host_s - self._reported_s >= PROGRESS_S:
+                self._progress(part.host_s)
+        return self._ended()
+
+    def _items(self, part: Part) -> Iterator[Item]:
+        if isinstance(part, Chunk):
+            for item in self.intake.feed(part.data, part.host_s):
+                if isinstance(item, Row) and (ending := self._ending(item)):
+                    yield from ending
+                    return
+                yield item
+        elif isinstance(part, Lost):
+            self.status.message = f"port lost ({part.reason}); trying to get it back"
+            yield from self.intake.disconnected(part.reason)
+        elif isinstance(part, End):
+            self.status.state, self.status.message = part.state, part.message
+            if part.state == "complete":
+                yield Event("end", self.intake.time_us, {"state": part.state})
+
+    def _ending(self, row: Row) -> list[Item]:
+        """What to write last if this row ends the recording; empty if it goes on."""
+        self._last, self.status.message = row, ""
+        if row.time_us > self.limits.duration_s * 1e6:
+            self.status.state = "complete"
+            return [Event("end", row.time_us, {"state": "complete"})]
+        alarm = self._alarm(row)
+        if not alarm:
+            return []
+        self.status.state, self.status.message = "alarm", alarm
+        return [row, Event("alarm", row.time_us, {"message": alarm})]
+
+    def _alarm(self, row: Row) -> str:
+        force_N = (row.sample.force_uN or 0) / 1e6
+        strain = row.sample.displacement_nm / 1e6 / self.gauge_length_mm
+        when = f"at {row.time_us / 1e6:.2f} s"
+        if abs(force_N) > self.limits.max_force_N:
+            return (
+                f"force {force_N:.3f} N is beyond --max-force-n {self.limits.max_force_N:g} {when}: stop the machine"
+            )
+        if abs(strain) > self.limits.max_strain:
+            return f"strain {strain:.3f} is beyond --max-strain {self.limits.max_strain:g} {when}: stop the machine"
+        return ""
+
+    def _disk(self, whole: bool, host_s: float) -> None:
+        if whole:
+            self._full_since_s = None
+            return
+        self._full_since_s = host_s if self._full_since_s is None else self._full_since_s
+        self.status.message = f"the disk is full: {self.sink.pending_bytes} bytes wait in memory; make room"
+        if host_s - self._full_since_s > DISK_PATIENCE_S:
+            self.status.state = "disk full"
+
+    def _progress(self, host_s: float) -> None:
+        self._reported_s = host_s
+        self._report(self._updated())
+
+    def _updated(self) -> Status:
+        status, intake = self.status, self.intake
+        status.samples, status.lost, status.rejected = intake.accepted, intake.lost, intake.bad.total()
+        status.time_s = intake.time_us / 1e6
+        status.rate_hz = self._rate_hz()
+        if self._last is not None:
+            sample = self._last.sample
+            status.force_N = None if sample.force_uN is None else sample.force_uN / 1e6
+            status.resistance_ohm = None if sample.resistance_mohm is None else sample.resistance_mohm / 1e3
+            status.displacement_mm = sample.displacement_nm / 1e6
+            status.strain = status.displacement_mm / self.gauge_length_mm
+        return status
+
+    def _rate_hz(self) -> float:
+        now = (self.intake.time_us, self.intake.accepted)
+        before = self._window or now
+        if self._window is None or now[0] - before[0] > RATE_WINDOW_US:
+            self._window = now
+        elapsed_us = now[0] - before[0]
+        return (now[1] - before[1]) / elapsed_us * 1e6 if elapsed_us else self.status.rate_hz
+
+    def _ended(self) -> Status:
+        status = self._updated()
+        if status.state != "complete":
+            details: dict[str, object] = {"state": status.state, "message": status.message}
+            self.sink.write([Event("end", self.intake.time_us, details)])
+        self._report(status)
+        return status
+
+
+def counts(intake: Intake) -> dict[str, object]:
+    """What the manifest says of the samples."""
+    rejected = dict(sorted(intake.bad.items()))
+    return {"samples": intake.accepted, "lost": intake.lost, "rejected": rejected}
+
+
+def in_memory(lines: Iterable[bytes], size: int = 512) -> Iterator[Part]:
+    """A link that delivers lines as fast as they are taken, on a host clock that stands still."""
+    iterator = iter(lines)
+    while chunk := b"".join(islice(iterator, size)):
+        yield Chunk(0.0, chunk)
+    yield End(0.0)

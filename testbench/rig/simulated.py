@@ -1,0 +1,100 @@
+"""The simulated rig: a knit model on a moving stage, read by the instruments, as the bytes of the wire protocol."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.random import default_rng
+
+from gcode.support.errors import UserError
+from testbench.knit.effect import FloatArray
+from testbench.knit.model import KnitModel, inputs
+from testbench.rig.instruments import Instruments, Truth
+from testbench.rig.wire import MICROS_WRAP, Sample, encode
+
+GRID_HZ = 200.0
+# A line of integers has no infinity: an open circuit reads as 1 TOhm.
+OPEN_CIRCUIT_OHM = 1e12
+
+
+@dataclass(frozen=True)
+class Motion:
+    """The stage's true displacement on a uniform grid, each shape (n,)."""
+
+    time_s: FloatArray
+    displacement_mm: FloatArray
+
+    @property
+    def duration_s(self) -> float:
+        """From start to end."""
+        return float(self.time_s[-1])
+
+
+@dataclass(frozen=True)
+class SimulatedRig:
+    """Everything that the bytes depend on. The same values give the same bytes.
+
+    Attributes
+    ----------
+    model : KnitModel
+    motion : Motion
+    gauge_length_mm : float
+    seed : int
+        Of sampling times, noise, boot id and the device clock's start.
+    instruments : Instruments
+    """
+
+    model: KnitModel
+    motion: Motion
+    gauge_length_mm: float
+    seed: int
+    instruments: Instruments = field(default_factory=Instruments)
+
+    def truth(self) -> Truth:
+        """The signals before any instrument saw them.
+
+        Raises
+        ------
+        UserError
+            If the model makes neither force nor conductance, or values that are not finite.
+        """
+        motion = self.motion
+        signals = inputs(motion.time_s, motion.displacement_mm / self.gauge_length_mm)
+        state = self.model.simulate(signals, float(motion.time_s[1] - motion.time_s[0]))
+        force_N, conductance_S = state.get("force_N"), state.get("conductance_S")
+        if force_N is None and conductance_S is None:
+            raise UserError("the model makes neither force_N nor conductance_S; put a law for one of them in it")
+        for name, values in (("force_N", force_N), ("conductance_S", conductance_S)):
+            if values is not None and not np.isfinite(values).all():
+                raise UserError(f"the model makes {name} that is not finite; check its parameters")
+        return Truth(motion.time_s, motion.displacement_mm, force_N, conductance_S)
+
+    def samples(self) -> Iterator[Sample]:
+        """The device's samples, in order."""
+        sampling, force_noise, divider_noise, device = (
+            default_rng(child) for child in np.random.SeedSequence(self.seed).spawn(4)
+        )
+        truth, tools = self.truth(), self.instruments
+        times_s = tools.clock.times(self.motion.duration_s, sampling)
+        boot, micros = (int(number) for number in device.integers(0, MICROS_WRAP, 2))
+        stamps = (np.rint(times_s * 1e6).astype(np.int64) + micros) % MICROS_WRAP
+        force = _whole(tools.load_cell.read(truth, times_s, force_noise), 1e6) if truth.force_N is not None else None
+        resistance = None
+        if truth.conductance_S is not None:
+            ohm = np.minimum(tools.divider.read(truth, times_s, divider_noise), OPEN_CIRCUIT_OHM)
+            resistance = _whole(ohm, 1e3)
+        displacement = _whole(tools.encoder.read(truth, times_s), 1e6)
+        nothing = [None] * len(times_s)
+        columns = zip(stamps.tolist(), force or nothing, resistance or nothing, displacement, strict=True)
+        for number, (stamp, force_uN, resistance_mohm, displacement_nm) in enumerate(columns):
+            yield Sample(boot, number, stamp, force_uN, resistance_mohm, displacement_nm)
+
+    def lines(self) -> Iterator[bytes]:
+        """The samples as lines of the wire protocol."""
+        return map(encode, self.samples())
+
+
+def _whole(values: FloatArray, scale: float) -> list[int]:
+    return np.rint(values * scale).astype(np.int64).tolist()

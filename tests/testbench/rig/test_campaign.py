@@ -1,0 +1,133 @@
+"""Campaign folders: whole, verifiable, made again byte for byte."""
+
+from __future__ import annotations
+
+import json
+import random
+
+import numpy as np
+import pytest
+from tests.testbench.rig.rigs import plan, triangle
+
+from gcode.support.errors import UserError
+from testbench.campaign import matches, plan_of, simulate_campaign, vacant
+from testbench.manifest import problems, read_manifest
+from testbench.recording import read_recording
+from testbench.remake import differences
+
+
+@pytest.fixture
+def campaign(tmp_path):
+    simulate_campaign(plan(tmp_path), tmp_path / "c", triangle())
+    return tmp_path / "c"
+
+
+def test_a_campaign_reads_back_as_what_was_simulated(campaign):
+    recording = read_recording(campaign)
+    truth = plan_of(campaign).rig(triangle()).truth()
+    force_N = np.interp(recording.time_s, truth.time_s, truth.force_N)
+    assert recording.gauge_length_mm == 25.0
+    assert recording.metadata["recipe"]["seed"] == 1
+    assert np.abs(recording["displacement_mm"] - np.interp(recording.time_s, truth.time_s, truth.displacement_mm)).max() < 1e-3
+    assert np.abs(recording["force_N"] - force_N).max() < 0.06  # noise, and up to 12.5 ms of staleness
+
+
+def test_the_same_plan_gives_the_same_bytes(campaign, tmp_path):
+    simulate_campaign(plan(tmp_path), tmp_path / "again", triangle())
+    for path in campaign.iterdir():
+        assert path.read_bytes() == (tmp_path / "again" / path.name).read_bytes(), path.name
+
+
+def test_another_seed_gives_another_recording(campaign, tmp_path):
+    simulate_campaign(plan(tmp_path, seed=2), tmp_path / "other", triangle())
+    assert (campaign / "recording.csv").read_bytes() != (tmp_path / "other" / "recording.csv").read_bytes()
+
+
+def test_any_flipped_byte_is_found(campaign):
+    chance = random.Random(7)
+    assert problems(campaign) == []
+    for path in sorted(campaign.iterdir()):
+        good = path.read_bytes()
+        for _ in range(25):
+            at = chance.randrange(len(good))
+            path.write_bytes(good[:at] + bytes([good[at] ^ chance.randrange(1, 256)]) + good[at + 1 :])
+            try:
+                found = problems(campaign)
+            except UserError as error:
+                found = [str(error)]
+            assert path.name in " ".join(found), (path.name, at)
+        path.write_bytes(good)
+    assert problems(campaign) == []
+
+
+def test_a_missing_and_a_shortened_file_are_named(campaign):
+    (campaign / "program.tap").unlink()
+    data = (campaign / "recording.csv").read_bytes()
+    (campaign / "recording.csv").write_bytes(data[:-40])
+    found = " ".join(problems(campaign))
+    assert "program.tap: missing" in found
+    assert f"recording.csv: {len(data) - 40} bytes, the manifest says {len(data)}" in found
+
+
+def test_reading_a_changed_recording_is_refused(campaign):
+    path = campaign / "recording.csv"
+    path.write_bytes(path.read_bytes().replace(b"7.", b"8.", 1))
+    with pytest.raises(UserError, match=r"recording\.csv: checksum differs"):
+        read_recording(campaign)
+
+
+def test_a_campaign_is_made_again_from_its_manifest(tmp_path):
+    from testbench.rig.motion import played
+
+    wish = plan(tmp_path)
+    simulate_campaign(wish, tmp_path / "c", played(wish.program, 25.0)[0])
+    assert differences(tmp_path / "c") == []
+
+
+def test_a_changed_model_is_noticed_when_made_again(campaign):
+    # The campaign was made with another motion than its program's, so every sample must differ.
+    assert any("recording.csv: differs" in line for line in differences(campaign))
+
+
+def test_what_is_there_and_intact_is_not_run_again(campaign, tmp_path):
+    assert matches(campaign, plan(tmp_path))
+    assert not matches(campaign, plan(tmp_path, seed=2))
+    (campaign / "recording.csv").write_text("time_s\n")
+    assert not matches(campaign, plan(tmp_path))
+
+
+def test_other_peoples_folders_are_never_overwritten(campaign, tmp_path):
+    (tmp_path / "photos").mkdir()
+    (tmp_path / "photos" / "cat.jpg").write_bytes(b"cat")
+    with pytest.raises(UserError, match="not a campaign"):
+        vacant(tmp_path / "photos", overwrite=True)
+    with pytest.raises(UserError, match="--overwrite"):
+        vacant(campaign)
+    vacant(campaign, overwrite=True)
+    assert not campaign.exists()
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda data: data.pop("knitbench"), "not a knitbench campaign"),
+        (lambda data: data["knitbench"].update(version=99), "campaign version 99"),
+        (lambda data: data["knitbench"].pop("gauge_length_mm"), "gauge_length_mm"),
+    ],
+)
+def test_a_foreign_manifest_is_refused_in_words(campaign, change, message):
+    path = campaign / "datapackage.json"
+    data = json.loads(path.read_text())
+    change(data)
+    path.write_text(json.dumps(data))
+    with pytest.raises(UserError, match=message):
+        read_manifest(campaign)
+
+
+def test_frictionless_accepts_it_and_finds_a_changed_file(campaign):
+    frictionless = pytest.importorskip("frictionless")
+    with frictionless.system.use_context(trusted=True):
+        assert frictionless.validate(str(campaign / "datapackage.json")).valid
+        path = campaign / "recording.csv"
+        path.write_bytes(path.read_bytes().replace(b"7.", b"8.", 1))
+        assert not frictionless.validate(str(campaign / "datapackage.json")).valid
