@@ -6,7 +6,15 @@ from collections.abc import Sequence
 
 from gcode.support import console
 
-COMMANDS: tuple[str, ...] = ("effects", "fit", "compare", "report")
+COMMANDS: tuple[str, ...] = (
+    "run",
+    "verify",
+    "import",
+    "effects",
+    "fit",
+    "compare",
+    "report",
+)
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -138,12 +138,14 @@ def read_foreign(
             low_memory=False,
         )
     except pd.errors.EmptyDataError:
-        raise UserError(f"{path}: there is nothing below the header in row {layout.header_row}") from None
+        frame = pd.DataFrame()
     except (pd.errors.ParserError, UnicodeError) as error:
         raise UserError(f"{path}: not a readable CSV: {str(error).strip()}") from None
     rows = np.arange(len(frame)) + layout.header_row + 1
     blank = frame.isna().all(axis=1).to_numpy()
     frame, rows = frame[~blank], rows[~blank]
+    if not len(rows):
+        raise UserError(f"{path}: there is nothing below the header in row {layout.header_row}")
     numbers, notes = {}, []
     for name in wanted:
         cells = frame[layout.names.index(name)]

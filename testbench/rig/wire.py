@@ -92,7 +92,7 @@ def _malformation(line: bytes) -> str:
         return "no start"
     if line.startswith(b"$K") and not line.startswith(b"$K1,"):
         return "other version"
-    if b"*" not in line[-9:]:
+    if line[-9:-8] != b"*":
         return "no CRC"
     return "malformed"
 

@@ -56,13 +56,19 @@ def test_layouts_that_labs_use_all_read_the_same(tmp_path, text):
 
 @pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "cp1252"])
 def test_encodings(tmp_path, encoding):
-    recording = imported(tmp_path, GOOD.replace("R\n", "Ωµ\n" if encoding != "cp1252" else "Rµ\n"), encoding,
-                         resistance=Source("Ωµ" if encoding != "cp1252" else "Rµ"))
+    recording = imported(
+        tmp_path,
+        GOOD.replace("R\n", "Ωµ\n" if encoding != "cp1252" else "Rµ\n"),
+        encoding,
+        resistance=Source("Ωµ" if encoding != "cp1252" else "Rµ"),
+    )
     assert recording["resistance_ohm"].tolist() == [1000, 900, 800]
 
 
 def test_units(tmp_path):
-    recording = imported(tmp_path, GOOD, time=Source("t", 60), displacement=Source("x", 25.4), resistance=Source("R", 1e3))
+    recording = imported(
+        tmp_path, GOOD, time=Source("t", 60), displacement=Source("x", 25.4), resistance=Source("R", 1e3)
+    )
     assert recording.time_s.tolist() == [0, 6, 12]
     assert recording["displacement_mm"][-1] == 25.4
     assert recording["resistance_ohm"][0] == 1e6
@@ -160,7 +166,9 @@ def test_measured_recordings_import_unchanged():
     path = REAL / "cb_silicone_strip" / "cb7.5_s2_sine.csv"
     done = import_csv(
         path,
-        Wish(40.0, Source("time_s"), None, Source("displacement_mm"), None, Source("force_N"), Source("resistance_ohm")),
+        Wish(
+            40.0, Source("time_s"), None, Source("displacement_mm"), None, Source("force_N"), Source("resistance_ohm")
+        ),
     )
     ours = read_recording(path, 40.0)
     assert np.array_equal(done.recording["resistance_ohm"], ours["resistance_ohm"])

@@ -7,13 +7,13 @@ import random
 
 import numpy as np
 import pytest
-from tests.testbench.rig.rigs import plan, triangle
 
 from gcode.support.errors import UserError
 from testbench.campaign import matches, plan_of, simulate_campaign, vacant
 from testbench.manifest import problems, read_manifest
 from testbench.recording import read_recording
 from testbench.remake import differences
+from tests.testbench.rig.rigs import plan, triangle
 
 
 @pytest.fixture
@@ -28,7 +28,10 @@ def test_a_campaign_reads_back_as_what_was_simulated(campaign):
     force_N = np.interp(recording.time_s, truth.time_s, truth.force_N)
     assert recording.gauge_length_mm == 25.0
     assert recording.metadata["recipe"]["seed"] == 1
-    assert np.abs(recording["displacement_mm"] - np.interp(recording.time_s, truth.time_s, truth.displacement_mm)).max() < 1e-3
+    assert (
+        np.abs(recording["displacement_mm"] - np.interp(recording.time_s, truth.time_s, truth.displacement_mm)).max()
+        < 1e-3
+    )
     assert np.abs(recording["force_N"] - force_N).max() < 0.06  # noise, and up to 12.5 ms of staleness
 
 
