@@ -14,6 +14,7 @@ COMMANDS: tuple[str, ...] = (
     "fit",
     "compare",
     "report",
+    "studio",
 )
 
 

@@ -14,6 +14,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--recording", action="append", default=[], metavar="R", help="a CSV or a campaign folder; may be repeated"
     )
     parser.add_argument("--held-out", metavar="B", help="the recording that errors are judged on")
+    parser.add_argument("--model", metavar="M", help="a model.json with its ladder")
+    parser.add_argument("--effects", metavar="FILE.py", help="your own effects, where the model has some")
     parser.add_argument("--gauge-length-mm", type=float, metavar="L", help="for bare CSVs")
     parser.add_argument("--title", default="", help="heading of the page")
     parser.add_argument("--format", choices=("html", "md"), default="html", help="html (default) or md")
@@ -26,7 +28,7 @@ def run(args: argparse.Namespace) -> int:
     from testbench.report.build import Inputs, build_report
     from testbench.report.write import write_report
 
-    given = Inputs(tuple(args.recording), args.held_out, args.gauge_length_mm, args.title)
+    given = Inputs(tuple(args.recording), args.held_out, args.gauge_length_mm, args.model, args.effects, args.title)
     output = args.output or f"report.{args.format}"
     for path in write_report(build_report(given), output, args.format, args.figures):
         print(f"wrote {path}")

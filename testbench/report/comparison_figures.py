@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -60,6 +60,19 @@ class Overlay:
         """Measured minus modelled of one model (default: the last)."""
         label = label or list(self.modelled)[-1]
         return self.measured[channel] - self.modelled[label][channel]
+
+    def within(self, rows: np.ndarray) -> Overlay:
+        """The same over the rows that count, shape (n,) of bool."""
+        return replace(
+            self,
+            time_s=self.time_s[rows],
+            strain=self.strain[rows],
+            measured={channel: values[rows] for channel, values in self.measured.items()},
+            modelled={
+                label: {channel: values[rows] for channel, values in signals.items()}
+                for label, signals in self.modelled.items()
+            },
+        )
 
 
 def model_colour(index: int, count: int) -> str:

@@ -158,26 +158,43 @@ def distributions(recording: Recording) -> style.Figure:
     return style.figure(traces, height=240, bargap=0, **style.side_by_side_axes(titles, gap=0.06))
 
 
-def thumbnail(recording: Recording, width: int = 220, height: int = 64) -> str:
-    """A small SVG of strain (faint) and force or conductance over time, for lists of campaigns."""
-    front = channels_of(recording)[min(1, len(channels_of(recording)) - 1)]
-    lines = [(100 * recording.strain, style.FAINT, 0.8)]
-    if len(channels_of(recording)) > 1:
-        lines.append((front[1], front[2], 1.1))
-    paths = "".join(_polyline(recording.time_s, values, colour, pen, width, height) for values, colour, pen in lines)
+THUMBNAIL_S = 60.0
+
+
+def thumbnail(recording: Recording, width: int = 280, height: int = 66) -> str:
+    """A small SVG for lists: a minute of strain (faint) and force on the left, the loops on the right."""
+    channels = channels_of(recording)
+    middle_s = 0.5 * (recording.time_s[0] + recording.time_s[-1])
+    rows = window(recording.time_s, middle_s - THUMBNAIL_S / 2, middle_s + THUMBNAIL_S / 2)
+    time_s, split = recording.time_s[rows], width - 84
+    paths = _path(time_s, recording.strain[rows], style.FAINT, 0, split, height)
+    if len(channels) > 1:
+        _, values, colour = channels[1]
+        paths += _path(time_s, values[rows], colour, 0, split, height)
+        _, values, colour = channels[-1] if recording.has(RESISTANCE) else channels[1]
+        few = thinned(len(recording), 500)
+        paths += _dots(recording.strain[few], values[few], colour, split + 14, width, height)
     return (
         f'<svg viewBox="0 0 {width} {height}" width="{width}" height="{height}" '
         f'xmlns="http://www.w3.org/2000/svg" aria-hidden="true">{paths}</svg>'
     )
 
 
-def _polyline(time_s: FloatArray, values: FloatArray, colour: str, pen: float, width: int, height: int) -> str:
-    rows = rows_to_draw(values, 2 * width)
-    x = (time_s[rows] - time_s[0]) / (time_s[-1] - time_s[0]) * width
-    span = float(np.ptp(values)) or 1.0
-    y = height - 3 - (values[rows] - values.min()) / span * (height - 6)
+def _scaled(values: FloatArray, low: float, high: float) -> FloatArray:
+    return low + (values - values.min()) / (float(np.ptp(values)) or 1.0) * (high - low)
+
+
+def _path(time_s: FloatArray, values: FloatArray, colour: str, left: float, right: float, height: int) -> str:
+    rows = rows_to_draw(values, int(2 * (right - left)))
+    x, y = _scaled(time_s[rows], left, right), _scaled(values[rows], height - 3, 3)
     points = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y, strict=True))
-    return f'<polyline points="{points}" fill="none" stroke="{colour}" stroke-width="{pen}"/>'
+    return f'<polyline points="{points}" fill="none" stroke="{colour}" stroke-width="1.3"/>'
+
+
+def _dots(strain: FloatArray, values: FloatArray, colour: str, left: float, right: float, height: int) -> str:
+    x, y = _scaled(strain, left, right - 2), _scaled(values, height - 3, 3)
+    points = "".join(f"M{a:.1f} {b:.1f}h.1" for a, b in zip(x, y, strict=True))
+    return f'<path d="{points}" stroke="{colour}" stroke-width="1.6" stroke-linecap="round" opacity=".6"/>'
 
 
 def summary(recording: Recording) -> list[tuple[str, str]]:

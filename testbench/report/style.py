@@ -43,7 +43,11 @@ def axis(title: str = "", **more: Any) -> dict[str, Any]:
 
 
 def figure(data: list[dict[str, Any]], *, height: int, title: str = "", **layout: Any) -> Figure:
-    """A figure in the house style; `layout` adds axes and whatever else this one needs."""
+    """A figure in the house style; `layout` adds axes and whatever else this one needs.
+
+    A trace enters the legend only when it says so.
+    """
+    data = [{"showlegend": False, **trace} for trace in data]
     base: dict[str, Any] = {
         "height": height,
         "margin": {"l": 64, "r": 20, "t": 44 if title else 30, "b": 44},

@@ -105,4 +105,5 @@ def test_thumbnail_is_one_small_svg() -> None:
     picture = recording_figures.thumbnail(samples.recording())
     assert picture.startswith("<svg")
     assert picture.count("<polyline") == 2
+    assert "<path" in picture
     assert len(picture) < 16_000

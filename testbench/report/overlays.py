@@ -1,0 +1,76 @@
+"""From recordings and models to what the figures need: simulated signals over measured ones, steps of a ladder."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from testbench.discrepancy.errors import noise_floors
+from testbench.discrepancy.measurement import Measurement
+from testbench.discrepancy.model_file import ModelFile
+from testbench.knit.catalogue import Catalogue, model_from_dict
+from testbench.knit.model import KnitModel
+from testbench.report.comparison_figures import Overlay
+from testbench.report.ladder_figures import Step
+
+
+def overlay_of(
+    measurement: Measurement,
+    models: Mapping[str, KnitModel],
+    free_offset: bool = False,
+    held_out_from_s: float | None = None,
+) -> Overlay:
+    """Simulate `models` along a measurement.
+
+    Parameters
+    ----------
+    measurement : Measurement
+    models : mapping of label to KnitModel
+        In the order of drawing.
+    free_offset : bool
+        Shift each modelled signal to the measured mean, as errors on another recording are counted: force zero and
+        conductance gain belong to the mounting.
+    held_out_from_s : float, optional
+        Where the held-out part begins.
+    """
+    modelled = {label: measurement.modelled(model) for label, model in models.items()}
+    if free_offset:
+        modelled = {label: _shifted(signals, measurement) for label, signals in modelled.items()}
+    return Overlay(
+        measurement.signals["time_s"] + 0.5 * measurement.dt_s,
+        measurement.signals["strain_nominal"],
+        dict(measurement.measured),
+        modelled,
+        noise_floors(measurement),
+        held_out_from_s,
+    )
+
+
+def _shifted(signals: Mapping[str, np.ndarray], measurement: Measurement) -> dict[str, np.ndarray]:
+    rows = measurement.counts
+    return {
+        channel: values + np.mean(measurement.measured[channel][rows] - values[rows])
+        for channel, values in signals.items()
+    }
+
+
+def steps_of(history: Sequence[Mapping[str, Any]]) -> list[Step]:
+    """The ladder of a model file, held-out errors."""
+    return [Step(str(entry["step"]), entry["errors"]["held_out"], entry["noise_floor"]) for entry in history]
+
+
+def models_of(file: ModelFile, catalogue: Catalogue) -> dict[str, KnitModel]:
+    """The first and the last model of a ladder, by the name of their step; one when there is only one."""
+    if not file.history:
+        return {"model": file.model}
+    first = file.history[0]
+    models = {str(first["step"]): model_from_dict(first["model"], catalogue, "history")}
+    if len(file.history) > 1:
+        models[_last_label([str(entry["step"]) for entry in file.history])] = file.model
+    return models
+
+
+def _last_label(steps: list[str]) -> str:
+    return steps[-1] if len(steps) == 2 else f"{steps[-1]} (after {len(steps) - 1} steps)"

@@ -1,0 +1,195 @@
+"""Long work as processes of our own command line, so that nothing a job does can take the page down.
+
+A job is what the user could have typed; the studio shows the very command. Its JSON lines on stdout are its
+progress, its last words on stderr are its error.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+import os
+import shlex
+import signal
+import sys
+import time
+from collections import deque
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import Any
+
+KEPT_LINES = 400
+PATIENCE_S = 5.0  # how long a cancelled job may take to end well before it is killed
+
+
+class State(Enum):
+    """Where a job is."""
+
+    RUNNING = "running"
+    DONE = "done"
+    FAILED = "failed"
+    CANCELLED = "cancelled"
+
+
+@dataclass(eq=False)
+class Job:
+    """One command, running or ended.
+
+    Attributes
+    ----------
+    key : str
+        What the job is about; a second job with the same key is not started while the first runs.
+    title : str
+    argv : tuple of str
+        As typed: ``("testbench", "fit", ...)``.
+    share : float or None
+        Progress from 0 to 1, where the command tells it.
+    latest : dict
+        The last JSON object it printed.
+    version : int
+        Grows with every change; pages that watch redraw when it does.
+    """
+
+    key: str
+    title: str
+    argv: tuple[str, ...]
+    state: State = State.RUNNING
+    share: float | None = None
+    note: str = ""
+    latest: dict[str, Any] = field(default_factory=dict)
+    lines: deque[str] = field(default_factory=lambda: deque(maxlen=KEPT_LINES))
+    errors: deque[str] = field(default_factory=lambda: deque(maxlen=40))
+    started_s: float = field(default_factory=time.monotonic)
+    ended_s: float | None = None
+    version: int = 0
+    listeners: list[Callable[[dict[str, Any]], None]] = field(default_factory=list)
+    task: asyncio.Task | None = None
+    process: asyncio.subprocess.Process | None = None
+
+    @property
+    def command(self) -> str:
+        """The command line, ready to be pasted into a terminal."""
+        return shlex.join(self.argv)
+
+    @property
+    def elapsed_s(self) -> float:
+        """Since its start, until its end."""
+        return (self.ended_s or time.monotonic()) - self.started_s
+
+    @property
+    def running(self) -> bool:
+        """Whether it has not ended yet."""
+        return self.state is State.RUNNING
+
+    @property
+    def problem(self) -> str:
+        """Its error in one sentence."""
+        spoken = [line for line in self.errors if line.strip()]
+        said = next((line for line in reversed(spoken) if "error: " in line), spoken[-1] if spoken else "")
+        return said.partition("error: ")[2] or said or "it ended without saying why"
+
+    def hear(self, line: str) -> None:
+        """Take in one line of its stdout."""
+        self.version += 1
+        self.lines.append(line)
+        with contextlib.suppress(json.JSONDecodeError):
+            event = json.loads(line)
+            if isinstance(event, dict):
+                self._take(event)
+
+    def hear_error(self, line: str) -> None:
+        """Take in one line of its stderr."""
+        self.version += 1
+        self.errors.append(line)
+
+    def _take(self, event: dict[str, Any]) -> None:
+        self.latest = event
+        done, total = event.get("done", event.get("time_s")), event.get("total", event.get("duration_s"))
+        if isinstance(done, int | float) and isinstance(total, int | float) and total > 0:
+            self.share = min(1.0, done / total)
+        self.note = str(event.get("note") or event.get("message") or self.note)
+        for listener in self.listeners:
+            listener(event)
+
+
+class JobBoard:
+    """All jobs of a studio; shared by its tabs, so two tabs see one and the same job."""
+
+    def __init__(self) -> None:
+        self.jobs: list[Job] = []
+
+    def find(self, key: str) -> Job | None:
+        """The newest job with this key."""
+        return next((job for job in reversed(self.jobs) if job.key == key), None)
+
+    def start(self, key: str, title: str, argv: Sequence[str]) -> Job:
+        """Start a command, or return the one that is already running under this key."""
+        running = self.find(key)
+        if running and running.running:
+            return running
+        job = Job(key, title, tuple(argv))
+        self.jobs.append(job)
+        job.task = asyncio.create_task(_run(job))
+        return job
+
+    async def cancel(self, job: Job) -> None:
+        """Ask a job to end (as Ctrl-C would), kill it if it does not, and wait until it is gone."""
+        if not job.running:
+            return
+        job.state, job.version = State.CANCELLED, job.version + 1
+        _signal(job, signal.SIGINT)
+        if job.task:
+            done, _ = await asyncio.wait({job.task}, timeout=PATIENCE_S)
+            if not done:
+                _signal(job, signal.SIGKILL)
+                await asyncio.wait({job.task}, timeout=PATIENCE_S)
+
+    async def close(self) -> None:
+        """End every job; called when the studio closes."""
+        await asyncio.gather(*(self.cancel(job) for job in self.jobs if job.running))
+
+
+def interpreter_argv(argv: Sequence[str]) -> list[str]:
+    """The command with this very interpreter, wherever the console scripts are."""
+    program, *arguments = argv
+    code = f"import sys; from {program}.cli import main; sys.exit(main())"
+    return [sys.executable, "-c", code, *arguments]
+
+
+async def _run(job: Job) -> None:
+    environment = {**os.environ, "KNITBENCH_PROGRESS": "json", "PYTHONUNBUFFERED": "1"}
+    try:
+        job.process = await asyncio.create_subprocess_exec(
+            *interpreter_argv(job.argv),
+            stdin=asyncio.subprocess.DEVNULL,
+            stdout=asyncio.subprocess.PIPE,
+            stderr=asyncio.subprocess.PIPE,
+            env=environment,
+            limit=2**24,
+            start_new_session=True,  # a signal then reaches the job's own children too
+        )
+        if job.state is State.CANCELLED:  # cancelled before it was born
+            _signal(job, signal.SIGINT)
+        assert job.process.stdout
+        assert job.process.stderr
+        await asyncio.gather(_listen(job.process.stdout, job.hear), _listen(job.process.stderr, job.hear_error))
+        code = await job.process.wait()
+    except (OSError, ValueError) as error:
+        job.hear_error(f"error: {error}")
+        code = -1
+    job.ended_s, job.version = time.monotonic(), job.version + 1
+    if job.state is State.RUNNING:
+        job.state = State.DONE if code == 0 else State.FAILED
+
+
+async def _listen(stream: asyncio.StreamReader, hear: Callable[[str], None]) -> None:
+    while raw := await stream.readline():
+        hear(raw.decode("utf-8", "replace").rstrip("\r\n"))
+
+
+def _signal(job: Job, number: signal.Signals) -> None:
+    if job.process and job.process.returncode is None:
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(job.process.pid, number)

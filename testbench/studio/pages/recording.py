@@ -1,0 +1,33 @@
+"""One recording: facts, every channel over time, loops, distributions."""
+
+from __future__ import annotations
+
+from functools import partial
+
+from nicegui import ui
+
+from testbench.report import recording_figures as figures
+from testbench.studio.studio import Studio
+from testbench.studio.widgets import aside, campaign_head, facts, guarded, plot, trouble, zooming_plot
+
+
+@guarded
+async def page(studio: Studio, c: str = "") -> None:
+    """The recording of campaign `c`."""
+    campaign_head(c, "/recording")
+    problems = await aside(studio.workspace.problems, c)
+    if problems:
+        remedy = "Restore the file from a copy, or import it as a foreign CSV if you changed it on purpose."
+        trouble("This campaign does not agree with its manifest: " + "; ".join(problems), remedy)
+        return
+    recording = await aside(studio.workspace.recording, c)
+    facts(figures.summary(recording))
+    caption = "Drag to zoom; double-click to see all again. A zoom draws every sample of its stretch."
+    zooming_plot(partial(figures.time_series, recording), caption)
+    loops = figures.hysteresis_loops(recording)
+    if loops:
+        plot(loops, "From the first minute (dark) to the last (light): a shift along the colours is drift.")
+    plot(figures.distributions(recording), "How often each value occurred; the speed is taken at 20 Hz.")
+    with ui.row():
+        path = studio.workspace.campaign(c).folder / "recording.csv"
+        ui.button("Download CSV", icon="download", on_click=lambda: ui.download(path)).props("outline")

@@ -1,0 +1,54 @@
+"""Starting the studio's server: this machine only."""
+
+from __future__ import annotations
+
+import socket
+
+from gcode.support.errors import UserError
+from testbench.studio.studio import Studio
+
+HOST = "127.0.0.1"
+FAVICON = (
+    '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 30 30" fill="none" stroke="#0072B2" stroke-width="6" '
+    'stroke-linecap="round"><path d="M5 6 L15 24 M25 6 L15 24"/></svg>'
+)
+
+
+def serve(studio: Studio, port: int, show: bool) -> None:
+    """Serve until Ctrl-C.
+
+    Raises
+    ------
+    UserError
+        If the port is taken.
+    """
+    from nicegui import app, ui
+    from starlette.middleware.trustedhost import TrustedHostMiddleware
+
+    from testbench.studio.shell import frame
+
+    _check_free(port)
+    # A page elsewhere must not reach the studio by giving this machine another name (DNS rebinding).
+    app.add_middleware(TrustedHostMiddleware, allowed_hosts=[HOST, "localhost"])
+    app.on_shutdown(studio.jobs.close)
+    print(f"studio of {studio.workspace.root}: http://{HOST}:{port} (Ctrl-C ends it)", flush=True)
+    ui.run(
+        lambda: frame(studio),
+        host=HOST,
+        port=port,
+        show=show,
+        reload=False,
+        title="knitbench studio",
+        favicon=FAVICON,
+        show_welcome_message=False,
+        reconnect_timeout=30,
+    )
+
+
+def _check_free(port: int) -> None:
+    with socket.socket() as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind((HOST, port))
+        except OSError as error:
+            raise UserError(f"port {port} cannot be used ({error.strerror}); choose another with --port") from None

@@ -1,0 +1,68 @@
+"""The frame around every page: navigation at the side, one page in the middle, addresses that can be shared."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib.resources import files
+
+from nicegui import ui
+
+from testbench.studio.pages import campaigns, compare, importing, plan, recording
+from testbench.studio.studio import Studio
+
+NAVIGATION = (
+    ("/", "grid_view", "Campaigns"),
+    ("/import", "upload_file", "Import a CSV"),
+    ("/plan", "timeline", "Plan and run"),
+)
+PAGES: dict[str, Callable] = {
+    "/": campaigns.page,
+    "/import": importing.page,
+    "/plan": plan.page,
+    "/recording": recording.page,
+    "/compare": compare.page,
+}
+# Two rows of knit stitches: the face side of a plain jersey, drawn as the V that everybody knows.
+LOGO = (
+    '<svg width="30" height="30" viewBox="0 0 30 30" fill="none" stroke-linecap="round" stroke-width="4.4" '
+    'aria-hidden="true"><path stroke="#0072B2" d="M4 4 L8.5 12 M13 4 L8.5 12 M17 4 L21.5 12 M26 4 L21.5 12"/>'
+    '<path stroke="#D55E00" d="M4 15 L8.5 23 M13 15 L8.5 23"/>'
+    '<path stroke="#0072B2" d="M17 15 L21.5 23 M26 15 L21.5 23"/></svg>'
+)
+
+
+def frame(studio: Studio) -> None:
+    """Build the frame for one browser tab."""
+    ui.add_css(files("testbench.studio").joinpath("theme.css").read_text("utf-8"))
+    ui.colors(primary="#0072B2", secondary="#5b6875", accent="#D55E00", positive="#00795a", negative="#b03a00")
+    with ui.left_drawer(value=None, fixed=True).props("width=214 breakpoint=1023 show-if-above") as drawer:
+        _side(studio)
+    with ui.header().classes("items-center q-py-sm lt-md"):
+        ui.button(icon="menu", on_click=drawer.toggle).props("flat dense aria-label='Menu'")
+        ui.html(LOGO, sanitize=False)
+        ui.label("knitbench").classes("brand")
+    ui.sub_pages(dict(PAGES), data={"studio": studio}).classes("w-full")
+
+
+def _side(studio: Studio) -> None:
+    with ui.row().classes("items-center gap-2 q-mb-md"):
+        ui.html(LOGO, sanitize=False)
+        ui.label("knitbench").classes("brand")
+    links: dict[str, ui.link] = {}
+    with ui.element("nav").classes("nav w-full").props("aria-label='Main'"):
+        for path, icon, title in NAVIGATION:
+            with ui.link(target=path) as links[path]:
+                ui.icon(icon, size="20px")
+                ui.label(title)
+
+    def mark(address: str) -> None:
+        here = address.partition("?")[0]
+        for path, link in links.items():
+            link.classes(add="here" if path == here else "", remove="" if path == here else "here")
+
+    router = ui.context.client.sub_pages_router
+    mark(router.current_path)
+    router.on_path_changed(mark)
+    with ui.column().classes("gap-0 q-mt-lg"):
+        ui.label("Working in").classes("quiet text-xs")
+        ui.label(str(studio.workspace.root)).classes("mono")

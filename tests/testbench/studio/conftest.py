@@ -1,0 +1,46 @@
+"""A studio over a small folder of campaigns, and a simulated user of it."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from pathlib import Path
+
+import pytest
+import pytest_asyncio
+from nicegui.testing import User
+from nicegui.testing.user_simulation import user_simulation
+
+import tests.testbench.report.samples as samples
+from testbench.cli import main
+from testbench.recording_files import write_recording_csv
+from testbench.studio.shell import frame
+from testbench.studio.studio import Studio
+
+
+@pytest.fixture(scope="session")
+def campaign_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with one imported campaign, ``sleeve``."""
+    root = tmp_path_factory.mktemp("workspace")
+    foreign = tmp_path_factory.mktemp("foreign") / "lab.csv"
+    write_recording_csv(foreign, samples.recording(3000))
+    columns = ["--time", "time_s", "--displacement", "displacement_mm", "--force", "force_N"]
+    columns += ["--resistance", "resistance_ohm", "--gauge-length-mm", "25"]
+    assert main(["import", str(foreign), *columns, "-o", str(root / "sleeve")]) == 0
+    return root
+
+
+@pytest.fixture
+def studio(campaign_folder: Path, tmp_path: Path) -> Studio:
+    """A studio over its own copy of the campaigns."""
+    import shutil
+
+    shutil.copytree(campaign_folder, tmp_path / "ws")
+    return Studio(tmp_path / "ws")
+
+
+@pytest_asyncio.fixture
+async def user(studio: Studio) -> AsyncIterator[User]:
+    """A user without a browser."""
+    async with user_simulation(root=lambda: frame(studio)) as simulated:
+        yield simulated
+        await studio.jobs.close()

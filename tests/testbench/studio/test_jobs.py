@@ -1,0 +1,84 @@
+"""Jobs are processes: they report, fail in words, can be cancelled, and never double."""
+
+from __future__ import annotations
+
+import asyncio
+import sys
+from pathlib import Path
+
+import pytest
+
+from testbench.studio.jobs import Job, JobBoard, State, interpreter_argv
+
+
+async def ended(job: Job) -> Job:
+    assert job.task
+    await asyncio.wait_for(job.task, 30)
+    return job
+
+
+@pytest.mark.asyncio
+async def test_a_job_is_what_a_user_could_type(tmp_path: Path) -> None:
+    job = await ended(JobBoard().start("v", "Verify", ["testbench", "verify", str(tmp_path)]))
+    assert job.state is State.FAILED
+    assert "not a campaign" in job.problem
+    assert job.command == f"testbench verify {tmp_path}"
+
+
+@pytest.mark.asyncio
+async def test_a_second_job_with_the_same_key_is_the_first_one() -> None:
+    board = JobBoard()
+    first = board.start("help", "Help", ["testbench", "--help"])
+    assert board.start("help", "Help", ["testbench", "--help"]) is first
+    assert (await ended(first)).state is State.DONE
+    again = board.start("help", "Help", ["testbench", "--help"])
+    assert again is not first
+    await ended(again)
+
+
+@pytest.mark.asyncio
+async def test_cancelling_ends_the_process(monkeypatch: pytest.MonkeyPatch) -> None:
+    started = [sys.executable, "-c", 'import time\nprint(\'{"done": 1, "total": 4}\', flush=True)\ntime.sleep(600)']
+    monkeypatch.setattr("testbench.studio.jobs.interpreter_argv", lambda argv: started)
+    board = JobBoard()
+    job = board.start("long", "Long", ["testbench", "diagnose"])
+    while job.share is None:
+        await asyncio.sleep(0.01)
+    assert job.share == 0.25
+    await board.cancel(job)
+    assert job.state is State.CANCELLED
+    assert job.process is not None
+    assert job.process.returncode is not None
+
+
+@pytest.mark.asyncio
+async def test_a_crash_is_told_in_words(monkeypatch: pytest.MonkeyPatch) -> None:
+    crash = [sys.executable, "-c", "import os; os.kill(os.getpid(), 9)"]
+    monkeypatch.setattr("testbench.studio.jobs.interpreter_argv", lambda argv: crash)
+    job = await ended(JobBoard().start("crash", "Crash", ["testbench", "fit"]))
+    assert job.state is State.FAILED
+    assert job.problem == "it ended without saying why"
+
+
+@pytest.mark.asyncio
+async def test_an_interpreter_that_is_not_there_is_a_failed_job(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("testbench.studio.jobs.interpreter_argv", lambda argv: ["/nowhere/python"])
+    job = await ended(JobBoard().start("none", "None", ["testbench", "fit"]))
+    assert job.state is State.FAILED
+    assert "No such file" in job.problem
+
+
+def test_progress_is_read_from_either_form() -> None:
+    job = Job("k", "t", ("testbench",))
+    job.hear('{"time_s": 30, "duration_s": 60, "message": "force is high"}')
+    assert (job.share, job.note) == (0.5, "force is high")
+    job.hear("a plain line")
+    job.hear('{"done": 3, "total": 4, "note": "creep"}')
+    assert (job.share, job.note) == (0.75, "creep")
+    assert list(job.lines)[1] == "a plain line"
+
+
+def test_jobs_use_this_very_interpreter() -> None:
+    assert interpreter_argv(["compensation", "train", "x"]) == [
+        sys.executable, "-c", "import sys; from compensation.cli import main; sys.exit(main())", "train", "x",
+    ]  # fmt: skip

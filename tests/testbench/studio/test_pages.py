@@ -1,0 +1,79 @@
+"""The pages without a browser: what they say, where they lead, how they fail."""
+
+from __future__ import annotations
+
+import pytest
+from nicegui import ui
+from nicegui.testing import User
+
+from testbench.studio.columns import guess, guess_unit
+from testbench.studio.studio import Studio
+from testbench.studio.widgets import address, zoomed_span
+
+pytestmark = pytest.mark.asyncio
+
+
+async def test_campaigns_are_listed_with_their_verdict(user: User) -> None:
+    await user.open("/")
+    await user.should_see("sleeve")
+    await user.should_see("verified")
+    await user.should_see("imported")
+
+
+async def test_an_empty_folder_invites(user: User, studio: Studio) -> None:
+    import shutil
+
+    shutil.rmtree(studio.workspace.root / "sleeve")
+    await user.open("/")
+    await user.should_see("Nothing here yet")
+
+
+async def test_a_recording_shows_its_plots(user: User) -> None:
+    await user.open("/recording?c=sleeve")
+    await user.should_see("Duration")
+    assert len(user.find(ui.plotly).elements) == 3
+
+
+async def test_a_wrong_checksum_is_said_on_the_page(user: User, studio: Studio) -> None:
+    path = studio.workspace.root / "sleeve" / "recording.csv"
+    path.write_text(path.read_text() + "\n")
+    await user.open("/recording?c=sleeve")
+    await user.should_see("does not agree with its manifest")
+
+
+@pytest.mark.parametrize("path", ["/recording?c=absent", "/compare?c=../..", "/recording"])
+async def test_a_wrong_address_is_a_sentence(user: User, path: str) -> None:
+    await user.open(path)
+    await user.should_see("no campaign")
+
+
+async def test_a_campaign_without_model_offers_the_fit(user: User) -> None:
+    await user.open("/compare?c=sleeve")
+    await user.should_see("Fit the baseline")
+    await user.should_see("the last third of this recording")
+
+
+async def test_a_plan_that_was_not_made_is_a_sentence(user: User) -> None:
+    await user.open("/plan?program=../../etc")
+    await user.should_see("no plan called")
+
+
+async def test_addresses_carry_any_name() -> None:
+    assert address("/recording", c="a b/ü&c", on=None) == "/recording?c=a+b%2F%C3%BC%26c"
+
+
+async def test_zooms_along_time_are_understood_and_others_left() -> None:
+    assert zoomed_span({"xaxis.range[0]": 3.5, "xaxis.range[1]": 9}) == (3.5, 9.0)
+    assert zoomed_span({"xaxis.range": [1, 2]}) == (1.0, 2.0)
+    assert zoomed_span({"xaxis.autorange": True, "yaxis.autorange": True}) == (None, None)
+    assert zoomed_span({"yaxis.range[0]": 1, "yaxis.range[1]": 2}) is None
+
+
+async def test_columns_are_guessed_from_their_names() -> None:
+    names = ["Zeit [s]", "Weg_mm", "Kraft (cN)", "R_kohm", "note"]
+    assert guess(names, "time") == "Zeit [s]"
+    assert guess(names, "displacement") == "Weg_mm"
+    assert (guess(names, "force"), guess_unit("Kraft (cN)", "force")) == ("Kraft (cN)", "cN")
+    assert (guess(names, "resistance"), guess_unit("R_kohm", "resistance")) == ("R_kohm", "kohm")
+    assert guess(names, "strain") is None
+    assert guess_unit(None, "force") == "N"

@@ -1,0 +1,67 @@
+"""The workspace: what it lists, what it refuses, what it keeps."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import tests.testbench.report.samples as samples
+from gcode.support.errors import UserError
+from testbench.cli import main
+from testbench.recording_files import write_recording_csv
+from testbench.studio.studio import Studio
+from testbench.studio.workspace import Workspace
+
+
+def test_campaigns_are_found_and_described(studio: Studio) -> None:
+    found = studio.workspace.campaigns()
+    assert [campaign.name for campaign in found] == ["sleeve"]
+    assert found[0].origin == "imported"
+    assert found[0].gauge_length_mm == 25.0
+    assert studio.workspace.problems("sleeve") == []
+
+
+def test_a_flipped_byte_is_found_though_the_answer_was_kept(studio: Studio) -> None:
+    assert studio.workspace.problems("sleeve") == []
+    path = studio.workspace.campaign("sleeve").folder / "recording.csv"
+    raw = bytearray(path.read_bytes())
+    raw[-5] ^= 1
+    path.write_bytes(bytes(raw))
+    assert "checksum differs" in studio.workspace.problems("sleeve")[0]
+
+
+def test_a_foreign_manifest_is_listed_not_thrown(studio: Studio) -> None:
+    folder = studio.workspace.root / "other"
+    folder.mkdir()
+    (folder / "datapackage.json").write_text("[]")
+    assert {campaign.name: campaign.gauge_length_mm for campaign in studio.workspace.campaigns()}["other"] is None
+    assert studio.workspace.problems("other")
+
+
+def test_a_recording_is_read_once_until_its_file_changes(studio: Studio) -> None:
+    first = studio.workspace.recording("sleeve")
+    assert studio.workspace.recording("sleeve") is first
+    lab = studio.workspace.root / "lab.csv"
+    write_recording_csv(lab, samples.recording(2000))
+    columns = ["--time", "time_s", "--displacement", "displacement_mm", "--gauge-length-mm", "25", "--overwrite"]
+    assert main(["import", str(lab), *columns, "-o", str(studio.workspace.root / "sleeve")]) == 0
+    assert len(studio.workspace.recording("sleeve")) == 2000
+
+
+@pytest.mark.parametrize("name", ["../..", "absent", "sleeve/../../x", "/etc"])
+def test_names_cannot_leave_the_workspace(studio: Studio, name: str) -> None:
+    with pytest.raises(UserError, match="no campaign"):
+        studio.workspace.campaign(name)
+
+
+@pytest.mark.parametrize("name", ["", "  ", "..", "../x", "sleeve"])
+def test_new_campaigns_need_a_free_name_inside(studio: Studio, name: str) -> None:
+    with pytest.raises(UserError, match=r"needs a name that is a folder inside|name is taken"):
+        studio.workspace.free_name(name)
+
+
+def test_a_file_is_no_workspace(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(UserError, match="works in a folder"):
+        Workspace(tmp_path / "file")
