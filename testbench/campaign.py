@@ -123,8 +123,7 @@ def simulate_campaign(
         shutil.copyfile(plan.program, draft / PROGRAM)
         intake, sink = Intake(), Sink(draft)
         try:
-            recorder = Recorder(intake, sink, plan.gauge_length_mm, report=report)
-            recorder.status.duration_s = motion.duration_s
+            recorder = Recorder(intake, sink, plan.gauge_length_mm, duration_s=motion.duration_s, report=report)
             status = recorder.run(pace(plan.rig(motion).lines()))
         finally:
             sink.close()

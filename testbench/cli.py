@@ -8,6 +8,8 @@ from gcode.support import console
 
 COMMANDS: tuple[str, ...] = (
     "run",
+    "record",
+    "rig",
     "verify",
     "import",
     "effects",

@@ -16,10 +16,11 @@ def paced(
     sleep: Callable[[float], None] = time.sleep,
 ) -> Iterator[bytes]:
     """Deliver lines when their device time has come, `speed` times faster than real."""
-    due_s, before = clock(), None
+    due_s, before = None, 0
     for line in lines:
         micros = decode(line.rstrip()).micros
-        due_s += (micros - (micros if before is None else before)) % MICROS_WRAP / 1e6 / speed
+        # The clock starts with the first line: whatever made the lines may have needed a while.
+        due_s = clock() if due_s is None else due_s + (micros - before) % MICROS_WRAP / 1e6 / speed
         before = micros
         if (wait_s := due_s - clock()) > 0:
             sleep(wait_s)

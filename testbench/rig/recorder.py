@@ -56,13 +56,10 @@ class Limits:
 
     Attributes
     ----------
-    duration_s : float
-        On the device's clock; the recording is complete then.
     max_force_N, max_strain : float
         Beyond these (absolute) values the recording stops with an alarm.
     """
 
-    duration_s: float = float("inf")
     max_force_N: float = float("inf")
     max_strain: float = float("inf")
 
@@ -111,6 +108,10 @@ class Recorder:
     sink : Sink
     gauge_length_mm : float
     limits : Limits
+    duration_s : float
+        Expected, for the progress.
+    is_over : callable
+        Whether the recording is complete with this row; see `testbench.rig.ending`.
     report : callable
         Called with the `Status` about twice a second of host time, and at the end.
     """
@@ -121,12 +122,14 @@ class Recorder:
         sink: Sink,
         gauge_length_mm: float,
         limits: Limits | None = None,
+        duration_s: float = float("inf"),
+        is_over: Callable[[Row], bool] = lambda row: False,
         report: Callable[[Status], None] = lambda status: None,
     ) -> None:
         self.intake, self.sink, self.gauge_length_mm = intake, sink, gauge_length_mm
         self.limits = limits or Limits()
-        self.status = Status(self.limits.duration_s)
-        self._report = report
+        self.status = Status(duration_s)
+        self._is_over, self._report = is_over, report
         self._last: Row | None = None
         self._window: tuple[int, int] | None = None
         self._reported_s = float("-inf")
@@ -156,20 +159,17 @@ class Recorder:
             yield from self.intake.disconnected(part.reason)
         elif isinstance(part, End):
             self.status.state, self.status.message = part.state, part.message
-            if part.state == "complete":
-                yield Event("end", self.intake.time_us, {"state": part.state})
 
     def _ending(self, row: Row) -> list[Item]:
         """What to write last if this row ends the recording; empty if it goes on."""
         self._last, self.status.message = row, ""
-        if row.time_us > self.limits.duration_s * 1e6:
+        if alarm := self._alarm(row):
+            self.status.state, self.status.message = "alarm", alarm
+            return [row, Event("alarm", row.time_us, {"message": alarm})]
+        if self._is_over(row):
             self.status.state = "complete"
-            return [Event("end", row.time_us, {"state": "complete"})]
-        alarm = self._alarm(row)
-        if not alarm:
-            return []
-        self.status.state, self.status.message = "alarm", alarm
-        return [row, Event("alarm", row.time_us, {"message": alarm})]
+            return [row]
+        return []
 
     def _alarm(self, row: Row) -> str:
         force_N = (row.sample.force_uN or 0) / 1e6
@@ -219,9 +219,10 @@ class Recorder:
 
     def _ended(self) -> Status:
         status = self._updated()
-        if status.state != "complete":
-            details: dict[str, object] = {"state": status.state, "message": status.message}
-            self.sink.write([Event("end", self.intake.time_us, details)])
+        details: dict[str, object] = {"state": status.state}
+        if status.message:
+            details["message"] = status.message
+        self.sink.write([Event("end", self.intake.time_us, details)])
         self._report(status)
         return status
 

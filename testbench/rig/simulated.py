@@ -31,6 +31,14 @@ class Motion:
         """From start to end."""
         return float(self.time_s[-1])
 
+    def held(self, hold_s: float) -> Motion:
+        """The same motion, holding its last position for `hold_s`."""
+        extra = np.arange(1, round(hold_s * GRID_HZ) + 1) / GRID_HZ
+        return Motion(
+            np.concatenate([self.time_s, self.time_s[-1] + extra]),
+            np.concatenate([self.displacement_mm, np.full(len(extra), self.displacement_mm[-1])]),
+        )
+
 
 @dataclass(frozen=True)
 class SimulatedRig:

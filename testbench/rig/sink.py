@@ -9,17 +9,20 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import fcntl
 import json
 import os
 import threading
 from collections.abc import Iterable
 from pathlib import Path
 
+from gcode.support.errors import UserError
 from testbench.recording import TIME
 from testbench.rig.stream import Bad, Event, Item, Row, channels_of
 
 CSV, BAD, EVENTS = "recording.csv", "recording.bad", "events.jsonl"
-FULL = (errno.ENOSPC, errno.EDQUOT)
+TAIL_BYTES = 4096
+FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 
 def seconds(time_us: int) -> str:
@@ -71,14 +74,14 @@ class Appender:
     def __init__(self, path: Path) -> None:
         self.path = path
         self.pending = b""
-        self._handle = os.open(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o644)
+        self._handle = os.open(path, os.O_RDWR | os.O_APPEND | os.O_CREAT, 0o644)
 
     def write(self, text: str) -> bool:
         """Append; whether everything is written."""
         self.pending += text.encode()
         while self.pending:
             try:
-                written = os.write(self._handle, self.pending)
+                written = self.take(self.pending)
             except OSError as error:
                 if error.errno in FULL:
                     return False
@@ -86,14 +89,34 @@ class Appender:
             self.pending = self.pending[written:]
         return True
 
+    def lock(self) -> None:
+        """Refuse a second recorder on this file; the lock ends with this process, however it ends."""
+        try:
+            fcntl.flock(self._handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            os.close(self._handle)
+            raise UserError(f"{self.path}: another recorder is writing this file; choose another with -o") from None
+
     def sync(self) -> None:
         """Have the disk keep what was written."""
         with contextlib.suppress(OSError):
             os.fsync(self._handle)
 
+    def take(self, data: bytes) -> int:
+        """Give `data` to the operating system; how many bytes it took."""
+        return os.write(self._handle, data)
+
+    @property
+    def empty(self) -> bool:
+        """Whether the file holds nothing."""
+        return os.fstat(self._handle).st_size == 0
+
     def close(self) -> None:
-        """Write what is pending, sync and close."""
-        self.write("")
+        """Write what is pending, sync and close. What the disk does not take is gone, but leaves no half line."""
+        if not self.write(""):
+            size = os.fstat(self._handle).st_size
+            tail = os.pread(self._handle, TAIL_BYTES, max(0, size - TAIL_BYTES))
+            os.ftruncate(self._handle, size - (len(tail) - tail.rfind(b"\n") - 1))
         self.sync()
         os.close(self._handle)
 
@@ -126,14 +149,17 @@ class Sink:
 
     def __init__(self, folder: Path) -> None:
         self._csv = Appender(folder / CSV)
+        self._csv.lock()
         self._bad: Appender | None = None
         self._events = Appender(folder / EVENTS)
         self._bad_path = folder / BAD
-        self._headed = (folder / CSV).stat().st_size > 0
+        self._headed: bool | None = None
 
     def write(self, items: Iterable[Item]) -> bool:
         """Append a batch; False when the disk is full (nothing is forgotten: call again)."""
         rows, bad, events = [], [], []
+        if self._headed is None:
+            self._headed = not self._csv.empty
         for item in items:
             if isinstance(item, Row):
                 if not self._headed:
@@ -157,6 +183,11 @@ class Sink:
     def pending_bytes(self) -> int:
         """Bytes that the disk has not taken."""
         return sum(len(part.pending) for part in self._parts())
+
+    @property
+    def unwritten_rows(self) -> int:
+        """Rows that the disk has not taken."""
+        return self._csv.pending.count(b"\n")
 
     def sync(self) -> None:
         """Have the disk keep everything written so far."""

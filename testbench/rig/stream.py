@@ -31,7 +31,7 @@ class Bad(NamedTuple):
 
 
 class Event(NamedTuple):
-    """Something to be remembered about the stream: ``start``, ``gap``, ``reboot``, ``disconnect``, ..."""
+    """Something to remember: ``start``, ``loss``, ``gap`` (> 1 s), ``reboot``, ``disconnect``, ``alarm``, ``end``."""
 
     kind: str
     time_us: int
@@ -140,8 +140,10 @@ class Intake:
             self._check_sequence(sample.sequence)
             time_us = self.anchor.time_us + self._elapsed_us(sample, host_s, self.anchor)
             lost = self._count_losses(sample.sequence)
-            if time_us - self.anchor.time_us > GAP_US:
-                yield Event("gap", time_us, {"from_us": self.anchor.time_us, "lost": lost, **_device(sample)})
+            silent = time_us - self.anchor.time_us > GAP_US
+            if silent or lost:
+                details = {"from_us": self.anchor.time_us, "lost": lost, **_device(sample)}
+                yield Event("gap" if silent else "loss", time_us, details)
         self._sequence = sample.sequence
         self.anchor = Anchor(sample.boot, sample.micros, time_us, host_s)
         self.accepted += 1

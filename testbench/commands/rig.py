@@ -1,0 +1,54 @@
+"""``testbench rig``: the simulated rig behind a serial port."""
+
+from __future__ import annotations
+
+import argparse
+
+SUMMARY = "put the simulated rig behind a serial port (a pseudo-terminal) and print the port"
+EXAMPLE = "testbench rig --sensor pes --program program.tap --link /tmp/rig &\n  testbench record --port /tmp/rig ..."
+HOLD_S = 3.0
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    from testbench.sensors import add_sensor_arguments, natural, positive
+
+    add_sensor_arguments(parser)
+    parser.add_argument("--program", required=True, metavar="FILE", help="Mach4 program that moves the stage")
+    parser.add_argument(
+        "--seed", type=natural, default=1, metavar="N", help="of noise and sampling times (default 1)"
+    )
+    parser.add_argument("--gauge-length-mm", type=positive, metavar="L")
+    parser.add_argument("--link", metavar="PATH", help="symbolic link to the port, for a name you know beforehand")
+    parser.add_argument("--speed", type=positive, default=1.0, metavar="X", help="times faster than real (default 1)")
+    parser.add_argument("--faults", type=float, default=0.0, metavar="SHARE", help="share of damaged lines, 0 to 1")
+
+
+def run(args: argparse.Namespace) -> int:
+    import sys
+
+    from numpy.random import default_rng
+
+    from gcode.support.errors import UserError
+    from testbench.rig.faults import faulty
+    from testbench.rig.links import paced
+    from testbench.rig.motion import played
+    from testbench.rig.pty_port import PtyPort, serve
+    from testbench.rig.simulated import SimulatedRig
+    from testbench.sensors import existing_file, sensor_model
+
+    if not 0 <= args.faults <= 1:
+        raise UserError(f"--faults must be a share from 0 to 1, got {args.faults}")
+    model, _ = sensor_model(args)
+    motion, gauge_length_mm = played(existing_file(args.program, "program"), args.gauge_length_mm)
+    lines = list(SimulatedRig(model, motion.held(HOLD_S), gauge_length_mm, args.seed).lines())
+    port = PtyPort(args.link)
+    try:
+        print(port.name, flush=True)
+        print("rig: the motion starts when the port is opened; Ctrl-C ends the rig", file=sys.stderr)
+        unheard = serve(port, faulty(paced(lines, args.speed), args.faults, default_rng(args.seed)))
+        if port.has_reader():
+            port.wait_for_reader(wanted=False)
+    finally:
+        port.close()
+    print(f"rig: the motion is over; {unheard} lines went unheard", file=sys.stderr)
+    return 0

@@ -1,0 +1,131 @@
+"""A recorded campaign, from its first byte to its manifest; and its continuation after a crash."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from gcode.support.errors import UserError
+from gcode.support.files import make_folder, sha256_of
+from testbench.campaign import PROGRAM, campaign_files, finish
+from testbench.manifest import Campaign, read_manifest, software_versions, write_manifest
+from testbench.rig.ending import EndOfMotion
+from testbench.rig.motion import played
+from testbench.rig.recorder import Limits, Part, Recorder, Status
+from testbench.rig.resume import continued, mend, watched
+from testbench.rig.sink import CSV, EVENTS, Sink, Syncer
+from testbench.rig.stream import Event, Intake
+
+
+@dataclass(frozen=True)
+class Job:
+    """What is to be recorded.
+
+    Attributes
+    ----------
+    port : str
+    baud : int
+    program : Path
+    gauge_length_mm : float
+    limits : Limits
+    sensor : str
+        A name for the specimen; free text.
+    """
+
+    port: str
+    baud: int
+    program: Path
+    gauge_length_mm: float
+    limits: Limits
+    sensor: str = ""
+
+    def recipe(self) -> dict[str, Any]:
+        """As written into the manifest."""
+        limits = {name: value if value < float("inf") else None for name, value in asdict(self.limits).items()}
+        recipe = {"sensor": self.sensor, "port": self.port, "baud": self.baud, **limits}
+        return recipe | {"program": PROGRAM, "program_sha256": sha256_of(self.program)}
+
+
+def begin(job: Job, folder: Path) -> None:
+    """Make the campaign folder of a recording that is about to start: all of it or nothing."""
+    make_folder(folder.parent)
+    with tempfile.TemporaryDirectory(dir=folder.parent, prefix=f".{folder.name}.") as scratch:
+        draft = make_folder(Path(scratch) / "campaign")
+        shutil.copyfile(job.program, draft / PROGRAM)
+        _mark_in_progress(draft, job.gauge_length_mm, job.recipe())
+        draft.replace(folder)
+
+
+def job_of(folder: Path, port: str | None = None) -> Job:
+    """The job of an unfinished recording, from its manifest; `port` where the device is elsewhere now.
+
+    Raises
+    ------
+    UserError
+        If there is nothing to continue.
+    """
+    campaign, _ = read_manifest(folder)
+    if campaign.origin != "recorded":
+        raise UserError(f"{folder}: this campaign was {campaign.origin}; only a recorded one can be continued")
+    if campaign.status == "complete":
+        raise UserError(f"{folder}: this recording is complete; choose another folder with -o for a new one")
+    recipe = campaign.recipe
+    force_N, strain = recipe["max_force_N"], recipe["max_strain"]
+    limits = Limits(*(float("inf") if limit is None else limit for limit in (force_N, strain)))
+    program = folder / PROGRAM
+    if not program.is_file() or sha256_of(program) != recipe["program_sha256"]:
+        raise UserError(f"{program}: missing or not the program that this recording was started with")
+    return Job(port or recipe["port"], recipe["baud"], program, campaign.gauge_length_mm, limits, recipe["sensor"])
+
+
+def record(
+    job: Job,
+    folder: Path,
+    link: Iterable[Part],
+    report: Callable[[Status], None] = lambda status: None,
+    stopped: Callable[[], bool] = lambda: False,
+    resume: bool = False,
+    clock: Callable[[], float] = time.monotonic,
+) -> Status:
+    """Record what `link` delivers into `folder`, which `begin` has made, and write its manifest.
+
+    Returns
+    -------
+    Status
+        How it ended. Whatever that is, the files hold every accepted sample and the manifest says how it ended.
+    """
+    motion, _ = played(job.program, job.gauge_length_mm)
+    ending, intake = EndOfMotion.of(motion), Intake()
+    sink = Sink(folder)
+    try:
+        if resume:
+            left = mend(folder, time.time())
+            intake, ending = continued(left, clock()), watched(ending, left)
+            _mark_in_progress(folder, job.gauge_length_mm, job.recipe())
+            sink.write([Event("resume", intake.time_us, {"idle_s": round(left.idle_s, 3)})])
+        recorder = Recorder(intake, sink, job.gauge_length_mm, job.limits, motion.duration_s, ending, report)
+        status = _synced(sink, lambda: recorder.run(link, stopped))
+    finally:
+        sink.close()
+    intake.accepted -= sink.unwritten_rows
+    finish(folder, job.gauge_length_mm, "recorded", status.state, job.recipe(), intake)
+    return status
+
+
+def _synced(sink: Sink, work: Callable[[], Status]) -> Status:
+    syncer = Syncer(sink)
+    syncer.start()
+    try:
+        return work()
+    finally:
+        syncer.end()
+
+
+def _mark_in_progress(folder: Path, gauge_length_mm: float, recipe: dict[str, Any]) -> None:
+    campaign = Campaign(gauge_length_mm, "recorded", "recording", recipe, {}, software_versions())
+    write_manifest(folder, campaign, [CSV, EVENTS, *(name for name in campaign_files(folder) if name == PROGRAM)])

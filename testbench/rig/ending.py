@@ -1,0 +1,60 @@
+"""When a recording is over: the program's duration after the stage began to move."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from testbench.rig.simulated import Motion
+from testbench.rig.stream import Row
+
+MOVED_MM = 0.2
+TAIL_S = 1.0
+
+
+@dataclass
+class EndOfMotion:
+    """Tells the end of the motion from the displacement and the clock.
+
+    The recorder starts before the machine does, by however long the operator takes. So the planned duration counts
+    from the first movement that is seen, less the time the plan takes to get there.
+
+    Attributes
+    ----------
+    duration_s : float
+        Planned duration.
+    first_move_s : float
+        When the plan has moved by `MOVED_MM`; infinite if it never does.
+    """
+
+    duration_s: float
+    first_move_s: float
+    _start_nm: int | None = None
+    _end_us: float = float("inf")
+
+    @classmethod
+    def of(cls, motion: Motion) -> EndOfMotion:
+        """From the planned motion."""
+        moved = np.abs(motion.displacement_mm - motion.displacement_mm[0]) > MOVED_MM
+        first_s = float(motion.time_s[moved.argmax()]) if moved.any() else float("inf")
+        return cls(motion.duration_s, first_s)
+
+    def __call__(self, row: Row) -> bool:
+        """Whether the recording is over with this row."""
+        self.watch(row.time_us, row.sample.displacement_nm)
+        return row.time_us >= self._end_us
+
+    @property
+    def waiting(self) -> bool:
+        """Whether the stage has not moved yet."""
+        return not np.isfinite(self._end_us)
+
+    def watch(self, time_us: int, displacement_nm: int) -> None:
+        """Look for the first movement."""
+        if self._start_nm is None:
+            self._start_nm = displacement_nm
+            if not np.isfinite(self.first_move_s):
+                self._end_us = time_us + (self.duration_s + TAIL_S) * 1e6
+        elif not np.isfinite(self._end_us) and abs(displacement_nm - self._start_nm) > MOVED_MM * 1e6:
+            self._end_us = time_us + (self.duration_s - self.first_move_s + TAIL_S) * 1e6

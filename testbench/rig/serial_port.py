@@ -1,0 +1,142 @@
+"""pyserial, and nothing else: a link that survives unplugging and never makes the device wait.
+
+A thread of its own reads the port, so that a slow disk cannot make the operating system's small buffer overflow.
+"""
+
+from __future__ import annotations
+
+import queue
+import threading
+import time
+from collections.abc import Callable, Iterator
+
+from gcode.support.errors import UserError
+from testbench.rig.recorder import Chunk, End, Lost, Part, Tick
+
+READ_TIMEOUT_S = 0.1
+FIRST_WAIT_S, LONGEST_WAIT_S = 0.05, 1.0
+
+
+def open_port(url: str, baud: int):
+    """Open a port for this process alone, without resetting the board.
+
+    An ESP32 board resets when DTR or RTS rise, so both are down before the port opens.
+
+    Raises
+    ------
+    serial.SerialException
+        If it is not there, or another process holds it.
+    """
+    import serial
+
+    port = serial.serial_for_url(url, do_not_open=True)
+    port.baudrate, port.timeout = baud, READ_TIMEOUT_S
+    port.dtr = port.rts = False
+    port.exclusive = True
+    port.open()
+    return port
+
+
+class SerialLink:
+    """What a serial port delivers, as parts for the recorder.
+
+    Parameters
+    ----------
+    url : str
+        Device (``/dev/ttyUSB0``) or a pyserial URL (``socket://host:port``).
+    baud : int
+    give_up_s : float
+        How long to wait for a lost port.
+    clock, sleep : callable
+        Monotonic seconds; injected by tests.
+
+    Raises
+    ------
+    UserError
+        If the port cannot be opened at first.
+    """
+
+    def __init__(
+        self,
+        url: str,
+        baud: int = 115200,
+        give_up_s: float = 60.0,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._url, self._baud, self._give_up_s, self._clock = url, baud, give_up_s, clock
+        self._parts: queue.SimpleQueue[Part] = queue.SimpleQueue()
+        self._ended = threading.Event()
+        self._port = self._first_open()
+        self._thread = threading.Thread(target=self._read, daemon=True)
+        self._thread.start()
+
+    def __iter__(self) -> Iterator[Part]:
+        """Parts as they come; a `Tick` where nothing does, so that the recorder can look at the time."""
+        while True:
+            try:
+                part = self._parts.get(timeout=READ_TIMEOUT_S)
+            except queue.Empty:
+                part = Tick(self._clock())
+            yield part
+            if isinstance(part, End):
+                return
+
+    def close(self) -> None:
+        """Stop reading and free the port."""
+        self._ended.set()
+        self._thread.join(timeout=5.0)
+
+    def _first_open(self):
+        import serial
+
+        try:
+            return open_port(self._url, self._baud)
+        except serial.SerialException as error:
+            if "lock" in str(error):
+                raise UserError(f"{self._url}: another program holds this port; end it first") from None
+            raise UserError(f"{self._url}: cannot open this port: {_short(error)}; check --port and cable") from None
+        except ValueError as error:
+            raise UserError(f"{self._url}: not a port: {error}") from None
+
+    def _read(self) -> None:
+        port = self._port
+        while port is not None:
+            reason = self._drain(port)
+            port.close()
+            if reason is None:
+                return
+            self._parts.put(Lost(self._clock(), reason))
+            port = self._reopen()
+
+    def _drain(self, port) -> str | None:
+        """Read until the link is closed (None) or the port is lost (why)."""
+        import serial
+
+        try:
+            while not self._ended.is_set():
+                if data := port.read(port.in_waiting or 1):
+                    self._parts.put(Chunk(self._clock(), data))
+        except (serial.SerialException, OSError, TypeError) as error:
+            # TypeError: pyserial's read() when another thread of this process closed the port.
+            return _short(error)
+        return None
+
+    def _reopen(self):
+        import serial
+
+        since_s, wait_s = self._clock(), FIRST_WAIT_S
+        while self._clock() - since_s < self._give_up_s:
+            if self._ended.wait(wait_s):
+                return None
+            try:
+                return open_port(self._url, self._baud)
+            except (serial.SerialException, OSError):
+                wait_s = min(2 * wait_s, LONGEST_WAIT_S)
+        gone = f"the port {self._url} did not come back within {self._give_up_s:g} s"
+        self._parts.put(End(self._clock(), "port lost", gone))
+        return None
+
+
+def _short(error: BaseException) -> str:
+    text = str(getattr(error, "strerror", None) or error)
+    return text.partition("(")[0].strip().rstrip(":") or type(error).__name__

@@ -1,0 +1,240 @@
+"""The recorder as a fold over lists: limits, endings, disks that fill up, files that grow."""
+
+from __future__ import annotations
+
+import errno
+import json
+import os
+
+import pytest
+
+from gcode.support.errors import UserError
+from testbench.knit.catalogue import baseline
+from testbench.record import Job, begin, job_of, record
+from testbench.recording import read_recording
+from testbench.rig.ending import EndOfMotion
+from testbench.rig.motion import played
+from testbench.rig.recorder import Chunk, End, Limits, Lost, Recorder, Tick, in_memory
+from testbench.rig.resume import mend
+from testbench.rig.simulated import SimulatedRig
+from testbench.rig.sink import Appender, Sink
+from testbench.rig.stream import Intake
+from tests.testbench.rig.rigs import program, rig
+
+
+@pytest.fixture
+def job(tmp_path):
+    return Job("/dev/ttyUSB0", 115200, program(tmp_path), 25.0, Limits())
+
+
+def bench_lines(job: Job, hold_s: float = 3.0) -> list[bytes]:
+    motion = played(job.program)[0].held(hold_s)
+    return list(SimulatedRig(baseline(), motion, 25.0, 1).lines())
+
+
+def recorded(job, folder, link, **more):
+    begin(job, folder)
+    return record(job, folder, link, **more)
+
+
+def events(folder):
+    return [json.loads(line) for line in (folder / "events.jsonl").read_text().splitlines()]
+
+
+def test_a_recording_ends_a_second_after_the_programs_motion(job, tmp_path):
+    status = recorded(job, tmp_path / "c", in_memory(bench_lines(job, hold_s=60)))
+    assert status.state == "complete"
+    # Found by the first movement of 0.2 mm, which a jittered sample sees up to 0.1 s late.
+    assert status.time_s == pytest.approx(played(job.program)[0].duration_s + 1.0, abs=0.15)
+    assert read_recording(tmp_path / "c").metadata["status"] == "complete"
+
+
+def test_the_clock_of_the_end_waits_for_the_machine(job):
+    motion = played(job.program)[0]
+    ending = EndOfMotion.of(motion)
+    for second in range(30):
+        ending.watch(second * 1_000_000, 0)
+    assert ending.waiting
+    ending.watch(30_000_000, 300_000)
+    assert not ending.waiting
+    assert ending._end_us / 1e6 == pytest.approx(30 + motion.duration_s - ending.first_move_s + 1)
+
+
+def test_force_beyond_the_limit_stops_with_an_alarm_that_is_marked(job, tmp_path):
+    strict = Job(job.port, job.baud, job.program, 25.0, Limits(max_force_N=0.6))
+    status = recorded(strict, tmp_path / "c", in_memory(bench_lines(job), size=1))
+    assert status.state == "alarm"
+    assert "--max-force-n 0.6" in status.message
+    recording = read_recording(tmp_path / "c")
+    assert recording.metadata["status"] == "alarm"
+    assert recording["force_N"][-1] > 0.6 >= recording["force_N"][:-1].max()
+    assert events(tmp_path / "c")[-2]["event"] == "alarm"
+
+
+def test_strain_beyond_the_limit_stops_too(job, tmp_path):
+    strict = Job(job.port, job.baud, job.program, 25.0, Limits(max_strain=0.1))
+    assert "strain" in recorded(strict, tmp_path / "c", in_memory(bench_lines(job))).message
+    assert read_recording(tmp_path / "c").strain[-1] == pytest.approx(0.1, abs=0.02)
+
+
+def test_ctrl_c_ends_it_well(job, tmp_path):
+    lines, calls = bench_lines(job), iter(range(1000))
+    status = recorded(job, tmp_path / "c", in_memory(lines, size=10), stopped=lambda: next(calls) == 4)
+    assert status.state == "interrupted"
+    assert len(read_recording(tmp_path / "c")) == 50
+    assert events(tmp_path / "c")[-1]["event"] == "end"
+
+
+def test_an_unplugged_port_leaves_a_gap_record(job, tmp_path):
+    lines = bench_lines(job)
+    parts = [
+        Chunk(0, b"".join(lines[:50]) + lines[50][:9]),
+        Lost(1, "unplugged"),
+        Tick(2),
+        Chunk(3, b"".join(lines[130:])),
+    ]
+    status = recorded(job, tmp_path / "c", [*parts, End(9)])
+    kinds = [event["event"] for event in events(tmp_path / "c")]
+    assert kinds == ["start", "disconnect", "gap", "end"]
+    assert status.lost == 80
+    assert "cut off" in (tmp_path / "c" / "recording.bad").read_text()
+
+
+def test_progress_tells_rate_losses_force_and_strain(job, tmp_path):
+    seen = []
+    parts = [Chunk(0.6 * n, line) for n, line in enumerate(bench_lines(job))]
+    recorded(job, tmp_path / "c", [*parts, End(1e4)], report=lambda status: seen.append(vars(status).copy()))
+    middle = seen[len(seen) // 2]
+    assert 30 < middle["rate_hz"] < 45
+    assert middle["strain"] > 0
+    assert middle["duration_s"] == pytest.approx(4.0, abs=0.5)
+    assert seen[-1]["state"] == "complete"
+
+
+def test_a_reader_of_a_growing_file_never_sees_half_a_line(job, tmp_path):
+    begin(job, tmp_path / "c")
+    whole = b"".join(bench_lines(job))
+    lengths = []
+
+    def watched():
+        for start in range(0, len(whole), 997):
+            yield Chunk(0.0, whole[start : start + 997])
+            lengths.append(len(read_recording(tmp_path / "c")))
+            with (tmp_path / "c" / "recording.csv").open("ab") as stream:
+                size = stream.tell()
+                stream.write(b"9999.1,2")
+            assert len(read_recording(tmp_path / "c")) == lengths[-1]
+            os.truncate(tmp_path / "c" / "recording.csv", size)
+
+    record(job, tmp_path / "c", watched())
+    assert lengths == sorted(lengths)
+    assert lengths[-1] > 100
+
+
+def test_a_second_recorder_on_the_same_files_is_refused(tmp_path):
+    first = Sink(tmp_path)
+    with pytest.raises(UserError, match="another recorder"):
+        Sink(tmp_path)
+    first.close()
+    Sink(tmp_path).close()
+
+
+class Stingy(Appender):
+    """A disk that takes `room` bytes until it is emptied."""
+
+    room = 10**9
+
+    def take(self, data: bytes) -> int:
+        if not Stingy.room:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        taken = super().take(data[: Stingy.room])
+        Stingy.room -= taken
+        return taken
+
+
+@pytest.fixture
+def stingy(monkeypatch):
+    monkeypatch.setattr("testbench.rig.sink.Appender", Stingy)
+    Stingy.room = 3000
+    return Stingy
+
+
+def full_and_free_again(lines, free):
+    for number, line in enumerate(lines):
+        if number == len(lines) // 2:
+            free()
+        yield Chunk(number / 40, line)
+    yield End(len(lines) / 40)
+
+
+def test_a_disk_that_is_full_for_a_while_loses_nothing(stingy, job, tmp_path):
+    def free():
+        stingy.room = 10**9
+
+    lines = bench_lines(job)
+    messages = []
+    recorded(
+        job, tmp_path / "c", full_and_free_again(lines, free), report=lambda status: messages.append(status.message)
+    )
+    stingy.room = 10**9
+    recorded(job, tmp_path / "d", in_memory(lines))
+    assert (tmp_path / "c" / "recording.csv").read_bytes() == (tmp_path / "d" / "recording.csv").read_bytes()
+    assert any("the disk is full" in message for message in messages)
+
+
+def test_a_disk_that_stays_full_ends_with_a_readable_file(stingy, job, tmp_path, monkeypatch):
+    monkeypatch.setattr("testbench.rig.recorder.DISK_PATIENCE_S", 1.0)
+    status = recorded(job, tmp_path / "c", full_and_free_again(bench_lines(job), lambda: None))
+    assert status.state == "disk full"
+    recording = read_recording(tmp_path / "c")
+    assert len(recording) == recording.metadata["counts"]["samples"] > 50
+    assert mend(tmp_path / "c", 0.0).rows == len(recording)
+
+
+def test_killed_anywhere_it_goes_on_where_it_was(job, tmp_path):
+    """Cut the files at any byte, as a kill would, and resume: every row is one that was sent, with its time."""
+    lines = bench_lines(job)
+    recorded(job, tmp_path / "whole", in_memory(lines))
+    want = (tmp_path / "whole" / "recording.csv").read_text().splitlines()
+    for cut in (0, 5, 40, 46, 47, 100, 1500, 1501, 1530):
+        folder = tmp_path / f"cut{cut}"
+        begin(job, folder)
+        (folder / "events.jsonl").write_bytes((tmp_path / "whole" / "events.jsonl").read_bytes().splitlines(True)[0])
+        (folder / "recording.csv").write_bytes((tmp_path / "whole" / "recording.csv").read_bytes()[:cut])
+        kept = max(0, (folder / "recording.csv").read_bytes().count(b"\n") - 1)
+        status = record(job_of(folder), folder, in_memory(lines[kept:]), resume=True)
+        assert status.state == "complete"
+        assert (folder / "recording.csv").read_text().splitlines() == want, cut
+        assert "resume" in [event["event"] for event in events(folder)]
+
+
+def test_a_power_cut_that_left_zeros_is_mended(job, tmp_path):
+    recorded(job, tmp_path / "c", in_memory(bench_lines(job)))
+    path = tmp_path / "c" / "recording.csv"
+    good = path.read_bytes()
+    path.write_bytes(good + b"\0" * 100 + b"\n")
+    assert mend(tmp_path / "c", 0.0).rows == good.count(b"\n") - 1
+    assert path.read_bytes() == good
+
+
+def test_a_complete_recording_is_not_continued(job, tmp_path):
+    recorded(job, tmp_path / "c", in_memory(bench_lines(job)))
+    with pytest.raises(UserError, match="is complete"):
+        job_of(tmp_path / "c")
+
+
+def test_recorder_without_a_sample_says_so(tmp_path):
+    sink = Sink(tmp_path)
+    status = Recorder(Intake(), sink, 25.0).run([Tick(0.0), End(1.0, "port lost", "gone")])
+    sink.close()
+    assert (status.state, status.samples) == ("port lost", 0)
+
+
+def test_the_same_lines_make_the_same_rows_through_any_link(tmp_path):
+    lines = list(rig(duration_s=5.0).lines())
+    for name, size in (("a", 1), ("b", 512)):
+        (tmp_path / name).mkdir()
+        sink = Sink(tmp_path / name)
+        Recorder(Intake(), sink, 25.0).run(in_memory(lines, size))
+        sink.close()
+    assert (tmp_path / "a" / "recording.csv").read_bytes() == (tmp_path / "b" / "recording.csv").read_bytes()
