@@ -35,6 +35,8 @@ class Job:
     limits : Limits
     sensor : str
         A name for the specimen; free text.
+    give_up_s : float
+        How long a port may stay away, or a disk full.
     """
 
     port: str
@@ -43,6 +45,7 @@ class Job:
     gauge_length_mm: float
     limits: Limits
     sensor: str = ""
+    give_up_s: float = 60.0
 
     def recipe(self) -> dict[str, Any]:
         """As written into the manifest."""
@@ -61,7 +64,7 @@ def begin(job: Job, folder: Path) -> None:
         draft.replace(folder)
 
 
-def job_of(folder: Path, port: str | None = None) -> Job:
+def job_of(folder: Path, port: str | None = None, give_up_s: float = 60.0) -> Job:
     """The job of an unfinished recording, from its manifest; `port` where the device is elsewhere now.
 
     Raises
@@ -80,7 +83,9 @@ def job_of(folder: Path, port: str | None = None) -> Job:
     program = folder / PROGRAM
     if not program.is_file() or sha256_of(program) != recipe["program_sha256"]:
         raise UserError(f"{program}: missing or not the program that this recording was started with")
-    return Job(port or recipe["port"], recipe["baud"], program, campaign.gauge_length_mm, limits, recipe["sensor"])
+    return Job(
+        port or recipe["port"], recipe["baud"], program, campaign.gauge_length_mm, limits, recipe["sensor"], give_up_s
+    )
 
 
 def record(
@@ -108,7 +113,9 @@ def record(
             intake, ending = continued(left, clock()), watched(ending, left)
             _mark_in_progress(folder, job.gauge_length_mm, job.recipe())
             sink.write([Event("resume", intake.time_us, {"idle_s": round(left.idle_s, 3)})])
-        recorder = Recorder(intake, sink, job.gauge_length_mm, job.limits, motion.duration_s, ending, report)
+        recorder = Recorder(
+            intake, sink, job.gauge_length_mm, job.limits, motion.duration_s, ending, report, job.give_up_s
+        )
         status = _synced(sink, lambda: recorder.run(link, stopped))
     finally:
         sink.close()

@@ -28,7 +28,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--baud", type=int, default=115200, metavar="B", help="default 115200")
     parser.add_argument(
-        "--give-up-s", type=positive, default=60.0, metavar="S", help="end when a lost port stays away for so long"
+        "--give-up-s",
+        type=positive,
+        default=60.0,
+        metavar="S",
+        help="end when a lost port stays away, or a full disk full, for so long (default 60)",
     )
     parser.add_argument("--progress-json", action="store_true", help="progress as JSON lines on stdout")
 
@@ -74,10 +78,10 @@ def _new(args: argparse.Namespace, folder: Path):
     program = existing_file(args.program, "program; make one with `gcode generate`")
     _, gauge_length_mm = played(program, args.gauge_length_mm)
     limits = Limits(args.max_force_n, args.max_strain)
-    return Job(args.port, args.baud, program, gauge_length_mm, limits, args.specimen)
+    return Job(args.port, args.baud, program, gauge_length_mm, limits, args.specimen, args.give_up_s)
 
 
 def _continued(args: argparse.Namespace, folder: Path):
     from testbench.record import job_of
 
-    return job_of(folder, args.port)
+    return job_of(folder, args.port, args.give_up_s)

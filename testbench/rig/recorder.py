@@ -16,7 +16,6 @@ from testbench.rig.stream import Event, Intake, Item, Row
 
 PROGRESS_S = 0.5
 RATE_WINDOW_US = 5_000_000
-DISK_PATIENCE_S = 30.0
 
 
 class Chunk(NamedTuple):
@@ -114,6 +113,8 @@ class Recorder:
         Whether the recording is complete with this row; see `testbench.rig.ending`.
     report : callable
         Called with the `Status` about twice a second of host time, and at the end.
+    disk_patience_s : float
+        How long a disk may stay full.
     """
 
     def __init__(
@@ -125,11 +126,12 @@ class Recorder:
         duration_s: float = float("inf"),
         is_over: Callable[[Row], bool] = lambda row: False,
         report: Callable[[Status], None] = lambda status: None,
+        disk_patience_s: float = 60.0,
     ) -> None:
         self.intake, self.sink, self.gauge_length_mm = intake, sink, gauge_length_mm
         self.limits = limits or Limits()
         self.status = Status(duration_s)
-        self._is_over, self._report = is_over, report
+        self._is_over, self._report, self._disk_patience_s = is_over, report, disk_patience_s
         self._last: Row | None = None
         self._window: tuple[int, int] | None = None
         self._reported_s = float("-inf")
@@ -189,7 +191,7 @@ class Recorder:
             return
         self._full_since_s = host_s if self._full_since_s is None else self._full_since_s
         self.status.message = f"the disk is full: {self.sink.pending_bytes} bytes wait in memory; make room"
-        if host_s - self._full_since_s > DISK_PATIENCE_S:
+        if host_s - self._full_since_s > self._disk_patience_s:
             self.status.state = "disk full"
 
     def _progress(self, host_s: float) -> None:

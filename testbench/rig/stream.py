@@ -31,7 +31,10 @@ class Bad(NamedTuple):
 
 
 class Event(NamedTuple):
-    """Something to remember: ``start``, ``loss``, ``gap`` (> 1 s), ``reboot``, ``disconnect``, ``alarm``, ``end``."""
+    """To be remembered: ``start``, ``loss``, ``gap``, ``reboot``, ``disconnect``, ``resume``, ``alarm``, ``end``.
+
+    A ``gap`` is a silence of more than 1 s, or of any length after a disconnect; a ``loss`` is a shorter one.
+    """
 
     kind: str
     time_us: int
@@ -88,6 +91,7 @@ class Intake:
     _old_boots: set[int] = field(default_factory=set)
     _buffer: LineBuffer = field(default_factory=LineBuffer)
     _fresh: bool = True
+    _away: bool = False
 
     def feed(self, data: bytes, host_s: float) -> Iterator[Item]:
         """Rows, rejected lines and events in `data`, which came at `host_s` (monotonic seconds)."""
@@ -99,7 +103,7 @@ class Intake:
         rest = self._buffer.drop()
         if rest:
             yield self._reject("cut off", rest)
-        self._fresh = True
+        self._fresh = self._away = True
         yield Event("disconnect", self.time_us, {"reason": reason})
 
     @property
@@ -140,7 +144,7 @@ class Intake:
             self._check_sequence(sample.sequence)
             time_us = self.anchor.time_us + self._elapsed_us(sample, host_s, self.anchor)
             lost = self._count_losses(sample.sequence)
-            silent = time_us - self.anchor.time_us > GAP_US
+            silent, self._away = self._away or time_us - self.anchor.time_us > GAP_US, False
             if silent or lost:
                 details = {"from_us": self.anchor.time_us, "lost": lost, **_device(sample)}
                 yield Event("gap" if silent else "loss", time_us, details)

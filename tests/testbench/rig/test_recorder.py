@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import json
 import os
+from dataclasses import replace
 
 import pytest
 
@@ -182,9 +183,9 @@ def test_a_disk_that_is_full_for_a_while_loses_nothing(stingy, job, tmp_path):
     assert any("the disk is full" in message for message in messages)
 
 
-def test_a_disk_that_stays_full_ends_with_a_readable_file(stingy, job, tmp_path, monkeypatch):
-    monkeypatch.setattr("testbench.rig.recorder.DISK_PATIENCE_S", 1.0)
-    status = recorded(job, tmp_path / "c", full_and_free_again(bench_lines(job), lambda: None))
+def test_a_disk_that_stays_full_ends_with_a_readable_file(stingy, job, tmp_path):
+    hasty = replace(job, give_up_s=1.0)
+    status = recorded(hasty, tmp_path / "c", full_and_free_again(bench_lines(job), lambda: None))
     assert status.state == "disk full"
     recording = read_recording(tmp_path / "c")
     assert len(recording) == recording.metadata["counts"]["samples"] > 50

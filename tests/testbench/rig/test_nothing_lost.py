@@ -1,0 +1,264 @@
+"""Nothing lost: recorders killed, ports unplugged, lines damaged, disks slow and full. Real processes throughout."""
+
+from __future__ import annotations
+
+import json
+import random
+import resource
+import signal
+import threading
+import time
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+from numpy.random import default_rng
+
+from testbench import cli
+from testbench.knit.catalogue import baseline
+from testbench.manifest import problems
+from testbench.record import Job, begin, record
+from testbench.recording import read_recording
+from testbench.rig.faults import faulty
+from testbench.rig.pty_port import PtyPort
+from testbench.rig.recorder import Limits
+from testbench.rig.serial_port import SerialLink
+from testbench.rig.sink import Sink, csv_line
+from testbench.rig.stream import Row
+from testbench.rig.wire import MICROS_WRAP
+from tests.testbench.rig.devices import CHILDREN, Device, command, recorder, until
+from tests.testbench.rig.rigs import program, rig
+
+SETTLING_S = 0.25  # pyserial empties the input buffer when it opens a port
+AT_MOST_LOST_S = 1.0
+
+
+@pytest.fixture(autouse=True)
+def _no_child_survives():
+    yield
+    for child in CHILDREN:
+        child.kill()
+        child.communicate()
+    CHILDREN.clear()
+
+
+def rows_of(folder: Path) -> list[str]:
+    path = folder / "recording.csv"
+    text = path.read_text() if path.exists() else ""
+    return text[: text.rfind("\n") + 1].splitlines(keepends=True)[1:]
+
+
+def number_of(row: str) -> int:
+    """The sequence number of a `Device`'s row: it is in the force."""
+    return round(float(row.split(",")[2]) * 1e6) - 1_000_000
+
+
+def check_rows(rows: list[str], device: Device) -> list[int]:
+    """Every row is exactly one sent sample, at the device's time since the first row."""
+    numbers = [number_of(row) for row in rows]
+    assert all(later > earlier for earlier, later in pairwise(numbers))
+    first = device.sent[numbers[0]].sample.micros if numbers else 0
+    for row, number in zip(rows, numbers, strict=True):
+        sample = device.sent[number].sample
+        assert row == csv_line(Row((sample.micros - first) % MICROS_WRAP, sample))
+    return numbers
+
+
+def killed_again_and_again(folder: Path, device: Device, wish: Path, kills: int, seed: int) -> None:
+    chance = random.Random(seed)
+    for _ in range(kills):
+        begun_s = time.monotonic()
+        resume = ["--resume"] if (folder / "datapackage.json").exists() else []
+        child = recorder(folder, device.port.name, wish, *resume)
+        time.sleep(chance.uniform(0.0, 2.5))
+        killed_s = time.monotonic()
+        child.kill()
+        child.communicate()
+        until(lambda: not device.port.has_reader())
+        rows = rows_of(folder)
+        written = set(check_rows(rows, device))
+        heard = [one for one in device.sent if one.heard and begun_s < one.host_s < killed_s]
+        due = [one for one in heard if heard[0].host_s + SETTLING_S < one.host_s < killed_s - AT_MOST_LOST_S]
+        unwritten = [one.sample.sequence for one in due if one.sample.sequence not in written]
+        assert unwritten == []
+        if len(rows) >= 2:
+            assert len(read_recording(folder)) == len(rows)
+
+
+def finished_well(folder: Path, device: Device, wish: Path) -> None:
+    before = len(rows_of(folder))
+    child = recorder(folder, device.port.name, wish, "--resume")
+    until(lambda: len(rows_of(folder)) > before + 50, child)
+    child.send_signal(signal.SIGINT)
+    out, err = child.communicate(timeout=30)
+    assert child.returncode == 0, err
+    assert "interrupted" in out
+    check_rows(rows_of(folder), device)
+    assert problems(folder) == []
+    assert len(read_recording(folder)) == len(rows_of(folder))
+
+
+def test_a_recorder_killed_at_random_instants_loses_at_most_a_second(tmp_path):
+    with Device(tmp_path / "port") as device:
+        wish = program(tmp_path)
+        killed_again_and_again(tmp_path / "c", device, wish, kills=4, seed=1)
+        finished_well(tmp_path / "c", device, wish)
+
+
+@pytest.mark.slow
+def test_a_recorder_killed_200_times_loses_at_most_a_second_each(tmp_path):
+    with Device(tmp_path / "port") as device:
+        wish = program(tmp_path)
+        killed_again_and_again(tmp_path / "c", device, wish, kills=200, seed=2)
+        finished_well(tmp_path / "c", device, wish)
+
+
+def unplugged(tmp_path, times: int) -> None:
+    """Unplug and plug in again; 20 lines before, 5 that nobody hears, 20 after."""
+    lines, wish = list(rig(duration_s=30 * times).lines()), program(tmp_path)
+    link = tmp_path / "port"
+    port = PtyPort(link)
+    child = recorder(tmp_path / "c", str(link), wish, "--max-strain", "1e9")
+    until(port.has_reader, child)
+    time.sleep(SETTLING_S)
+    sent = 0
+    for _ in range(times):
+        assert port.write(b"".join(lines[sent : sent + 20]) + lines[sent + 20][:10])
+        want = len(rows_of(tmp_path / "c"))
+        until(lambda want=want: len(rows_of(tmp_path / "c")) > want, child)
+        until(lambda want=want: len(rows_of(tmp_path / "c")) % 20 == 0, child)
+        port.close()
+        sent += 25
+        port = PtyPort(link)
+        until(port.has_reader, child)
+        time.sleep(0.05)
+    assert port.write(b"".join(lines[sent : sent + 20]))
+    until(lambda: len(rows_of(tmp_path / "c")) == 20 * times + 20, child)
+    child.send_signal(signal.SIGTERM)
+    child.communicate(timeout=30)
+    port.close()
+    events = [json.loads(line) for line in (tmp_path / "c" / "events.jsonl").read_text().splitlines()]
+    kinds = [event["event"] for event in events]
+    assert kinds.count("disconnect") == times
+    assert [event["lost"] for event in events if event["event"] == "gap"] == [5] * times
+    counts = read_recording(tmp_path / "c").metadata["counts"]
+    assert counts == {"samples": 20 * times + 20, "lost": 5 * times, "rejected": {"cut off": times}}
+
+
+def test_unplugging_leaves_gap_records(tmp_path):
+    unplugged(tmp_path, 5)
+
+
+@pytest.mark.slow
+def test_fifty_unplugs_leave_fifty_gap_records(tmp_path):
+    unplugged(tmp_path, 50)
+
+
+def test_a_bad_cable_lets_no_wrong_sample_through(tmp_path):
+    """5 % of lines garbled, truncated, doubled or late, over a pty into the real recorder."""
+    lines, wish = list(rig(duration_s=200.0).lines()), program(tmp_path)
+    truth = {line_number(line): line for line in lines}
+    port = PtyPort(tmp_path / "port")
+    child = recorder(tmp_path / "c", port.name, wish, "--max-strain", "1e9")
+    until(port.has_reader, child)
+    time.sleep(SETTLING_S)
+    for chunk in faulty(lines, 0.05, default_rng(5)):
+        port.write(chunk)
+    out, err = child.communicate(timeout=60)
+    port.close()
+    assert "complete" in out, err
+    recording = read_recording(tmp_path / "c")
+    counts = recording.metadata["counts"]
+    assert counts["samples"] == len(recording)
+    assert sum(counts["rejected"].values()) == (tmp_path / "c" / "recording.bad").read_text().count("\n") > 0
+    want = {row.split(",", 1)[1] for row in whole_rows(truth.values())}
+    assert all(row.split(",", 1)[1] in want for row in rows_of(tmp_path / "c"))
+
+
+def line_number(line: bytes) -> int:
+    return int(line.split(b",")[2])
+
+
+def whole_rows(lines) -> list[str]:
+    from testbench.rig.stream import Intake
+
+    intake = Intake()
+    return [csv_line(item) for line in lines for item in intake.feed(line, 0.0) if isinstance(item, Row)]
+
+
+def test_a_second_recorder_on_the_port_is_refused(tmp_path):
+    wish = program(tmp_path)
+    with Device(tmp_path / "port") as device:
+        child = recorder(tmp_path / "c", device.port.name, wish)
+        until(lambda: len(rows_of(tmp_path / "c")) > 10, child)
+        other = recorder(tmp_path / "d", device.port.name, wish)
+        _, err = other.communicate(timeout=60)
+        assert other.returncode == 2
+        assert "another program holds this port" in err
+        assert not (tmp_path / "d").exists()
+        child.send_signal(signal.SIGINT)
+        assert "interrupted" in child.communicate(timeout=30)[0]
+
+
+def test_a_slow_disk_does_not_make_the_wire_wait(tmp_path, monkeypatch):
+    """The disk hangs while 2,000 lines come, seven times what a port buffers; not one is lost."""
+    lines = list(rig(duration_s=60.0).lines())[:2000]
+    disk_works = threading.Event()
+
+    class SlowSink(Sink):
+        def write(self, items):
+            disk_works.wait()
+            return super().write(items)
+
+    monkeypatch.setattr("testbench.record.Sink", SlowSink)
+    port = PtyPort()
+    link = SerialLink(port.device)
+    job = Job(port.device, 115200, program(tmp_path), 25.0, Limits())
+    begin(job, tmp_path / "c")
+    done: list = []
+    worker = threading.Thread(target=lambda: done.append(record(job, tmp_path / "c", link)))
+    worker.start()
+    for line in lines:
+        port.write(line)
+    disk_works.set()
+    worker.join(timeout=60)
+    link.close()
+    port.close()
+    want = whole_rows(lines)
+    assert rows_of(tmp_path / "c") == want[: len(rows_of(tmp_path / "c"))]
+    assert done[0].state == "complete"
+    assert done[0].lost == 0
+
+
+def test_a_full_disk_ends_the_recording_with_a_sentence_and_a_readable_file(tmp_path):
+    wish = program(tmp_path)
+
+    def small_files():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
+
+    with Device(tmp_path / "port") as device:
+        child = recorder(tmp_path / "c", device.port.name, wish, "--give-up-s", "0.5", preexec_fn=small_files)
+        _, err = child.communicate(timeout=60)
+        assert child.returncode == 1
+        assert "disk full" in err
+        assert "Traceback" not in err
+        check_rows(rows_of(tmp_path / "c"), device)
+        assert len(read_recording(tmp_path / "c")) == len(rows_of(tmp_path / "c")) > 300
+
+
+def test_the_rig_command_and_the_record_command_speak_to_each_other(tmp_path):
+    (tmp_path / "model.json").write_text(json.dumps(baseline().to_dict()))
+    wish, link = program(tmp_path), tmp_path / "port"
+    words = ["--model", str(tmp_path / "model.json"), "--program", str(wish), "--speed", "20", "--faults", "0.05"]
+    bench = command("rig", *words, "--link", str(link))
+    until(link.exists, bench)
+    child = recorder(tmp_path / "c", str(link), wish, "--progress-json")
+    out, err = child.communicate(timeout=60)
+    assert child.returncode == 0, err
+    progress = [json.loads(line) for line in out.splitlines()]
+    assert progress[-1]["state"] == "complete"
+    assert {"rate_hz", "lost", "rejected", "force_N", "strain", "time_s", "duration_s"} <= set(progress[0])
+    bench.communicate(timeout=30)
+    assert bench.returncode == 0
+    assert cli.main(["verify", str(tmp_path / "c")]) == 0
+    assert not link.exists()
