@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import importlib
+import json
 import os
 import sys
 import time
@@ -87,6 +88,9 @@ def _fail(command: str, message: str) -> int:
 class Progress:
     """A progress line on stderr with the time left; silent where nobody watches.
 
+    With ``KNITBENCH_PROGRESS=json`` in the environment it prints one JSON object a step instead, for a program that
+    watches (the studio does).
+
     Parameters
     ----------
     label : str
@@ -101,10 +105,15 @@ class Progress:
         self.label, self.total, self.done = label, max(total, 1), 0
         self._clock, self._start = clock, clock()
         self._live = sys.stderr.isatty()
+        self._json = os.environ.get("KNITBENCH_PROGRESS") == "json"
 
     def step(self, note: str = "") -> None:
         """Count one step as done and redraw."""
         self.done += 1
+        if self._json:
+            event = {"label": self.label, "done": self.done, "total": self.total, "note": note}
+            print(json.dumps(event), file=sys.stderr, flush=True)
+            return
         if not self._live:
             return
         elapsed = self._clock() - self._start

@@ -16,6 +16,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--held-out", metavar="B", help="the recording that errors are judged on")
     parser.add_argument("--model", metavar="M", help="a model.json with its ladder")
     parser.add_argument("--effects", metavar="FILE.py", help="your own effects, where the model has some")
+    parser.add_argument("--compensator", metavar="SCORE", help="the JSON of `compensation score`")
     parser.add_argument("--gauge-length-mm", type=float, metavar="L", help="for bare CSVs")
     parser.add_argument("--title", default="", help="heading of the page")
     parser.add_argument("--format", choices=("html", "md"), default="html", help="html (default) or md")
@@ -28,7 +29,15 @@ def run(args: argparse.Namespace) -> int:
     from testbench.report.build import Inputs, build_report
     from testbench.report.write import write_report
 
-    given = Inputs(tuple(args.recording), args.held_out, args.gauge_length_mm, args.model, args.effects, args.title)
+    given = Inputs(
+        recordings=tuple(args.recording),
+        held_out=args.held_out,
+        gauge_length_mm=args.gauge_length_mm,
+        model=args.model,
+        effects=args.effects,
+        compensator=args.compensator,
+        title=args.title,
+    )
     output = args.output or f"report.{args.format}"
     for path in write_report(build_report(given), output, args.format, args.figures):
         print(f"wrote {path}")

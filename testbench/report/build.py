@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from testbench.knit.catalogue import Catalogue
 
 GLANCE_S = 60.0
+SCORE_FORMAT = "knitbench-score"
 
 
 @dataclass(frozen=True)
@@ -38,6 +39,8 @@ class Inputs:
         For bare CSVs.
     model, effects : str, optional
         A model.json, and the user's own effects in it.
+    compensator : str, optional
+        The JSON of ``compensation score``.
     title : str, optional
     """
 
@@ -46,6 +49,7 @@ class Inputs:
     gauge_length_mm: float | None = None
     model: str | None = None
     effects: str | None = None
+    compensator: str | None = None
     title: str = ""
 
 
@@ -57,8 +61,8 @@ def build_report(given: Inputs) -> Report:
     UserError
         If a file is missing or is not what the option says.
     """
-    if not (given.recordings or given.model):
-        raise UserError("nothing to report on; name a --recording or a --model")
+    if not (given.recordings or given.model or given.compensator):
+        raise UserError("nothing to report on; name a --recording, a --model or a --compensator")
     recordings = [read_recording(path, given.gauge_length_mm) for path in given.recordings]
     opening: list[Item] = []
     parts: list[Section] = []
@@ -67,11 +71,18 @@ def build_report(given: Inputs) -> Report:
         story = _Story(given, recordings)
         verdict, opening = story.verdict(), story.opening()
         parts += story.parts()
+    if given.compensator:
+        score = read_results(given.compensator, "score", SCORE_FORMAT)
+        parts.append(sections.compensator_section(score))
     parts += [
         sections.recording_section(recording, f"Recording {name_of(recording)}", f"recording-{number}")
         for number, recording in enumerate(recordings, 1)
     ]
-    title = given.title or ", ".join(name_of(recording) for recording in recordings) or Path(str(given.model)).stem
+    title = (
+        given.title
+        or ", ".join(name_of(recording) for recording in recordings)
+        or Path(str(given.model or given.compensator)).stem
+    )
     return Report(title, verdict, opening, parts, f"Made by knitbench {knitbench_version()}.")
 
 
@@ -165,12 +176,11 @@ def _glance_facts(steps: Sequence[Step]) -> list[tuple[str, str]]:
 
 
 def name_of(recording: Recording) -> str:
-    """Short name of a recording: its campaign's folder, or its file without the suffix."""
-    path = Path(recording.source)
-    return path.parent.name if path.name == "recording.csv" else path.stem
+    """Short name of a recording."""
+    return sections.short_name(recording.source)
 
 
-def read_results(path: str, what: str) -> Mapping[str, Any]:
+def read_results(path: str, what: str, form: str) -> Mapping[str, Any]:
     """A JSON object that another command wrote.
 
     Raises
@@ -179,6 +189,6 @@ def read_results(path: str, what: str) -> Mapping[str, Any]:
         If it is missing or is something else.
     """
     data = read_json(path, what)
-    if not isinstance(data, dict):
-        raise UserError(f"{path}: not a {what}; it must hold one JSON object")
+    if not isinstance(data, dict) or data.get("format") != form:
+        raise UserError(f"{path}: not a {what} (its format must be {form!r})")
     return data

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from testbench.report import style
 from testbench.report.downsample import POINTS, window
-from testbench.report.recording_figures import line
+from testbench.report.recording_figures import line, stretches
 
 FloatArray = NDArray[np.float64]
 
@@ -291,11 +291,11 @@ def _heat(x: FloatArray, y: FloatArray, z: FloatArray) -> tuple[FloatArray, Floa
     return (x_edges[1:] + x_edges[:-1]) / 2, (y_edges[1:] + y_edges[:-1]) / 2, means.T
 
 
-def modelled_loops(both: Overlay, points: int = 2500) -> style.Figure:
-    """Hysteresis loops, measured under modelled: force over strain and ln G over strain."""
-    rows = np.unique(np.linspace(0, len(both.time_s) - 1, points).round().astype(int))
+def modelled_loops(both: Overlay) -> style.Figure:
+    """Hysteresis loops of a few half minutes, modelled over measured: force and ln G over strain."""
     names = ["measured", *both.modelled]
     colours = [style.MEASURED, *(model_colour(i, len(both.modelled)) for i in range(len(both.modelled)))]
+    rows = _joined(stretches(both.time_s, 3))
     traces = []
     for column, channel in enumerate(both.measured):
         signals = [both.measured[channel], *(model[channel] for model in both.modelled.values())]
@@ -303,12 +303,11 @@ def modelled_loops(both: Overlay, points: int = 2500) -> style.Figure:
             traces.append(
                 {
                     "type": "scatter",
-                    "mode": "markers",
+                    "mode": "lines",
                     "name": name,
-                    "x": 100 * both.strain[rows],
-                    "y": values[rows],
-                    "marker": {"size": 2.5, "color": colour},
-                    "opacity": 0.55,
+                    "x": _broken(100 * both.strain, rows),
+                    "y": _broken(values, rows),
+                    "line": {"color": colour, "width": 1.3},
                     "xaxis": style.x_ref(column),
                     "yaxis": style.y_ref(column),
                     "hovertemplate": "%{y:.4g} at %{x:.2f} %",
@@ -317,6 +316,17 @@ def modelled_loops(both: Overlay, points: int = 2500) -> style.Figure:
             )
     axes = style.side_by_side_axes([("Strain / %", CHANNEL_TITLES[channel]) for channel in both.measured])
     return style.figure(traces, height=380, **axes)
+
+
+def _joined(parts: Sequence[slice]) -> NDArray[np.intp]:
+    """Rows of several stretches with -1 between them."""
+    rows = [np.append(np.arange(part.start, part.stop), -1) for part in parts]
+    return np.concatenate(rows)[:-1]
+
+
+def _broken(values: FloatArray, rows: NDArray[np.intp]) -> FloatArray:
+    """Values at `rows`, NaN (a gap in the line) at -1."""
+    return np.where(rows < 0, np.nan, values[rows])
 
 
 def busiest_window(both: Overlay, length_s: float) -> tuple[float, float]:

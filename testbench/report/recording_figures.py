@@ -15,7 +15,7 @@ from testbench.report.downsample import POINTS, rows_to_draw, thinned, window
 FloatArray = NDArray[np.float64]
 Channel = tuple[str, FloatArray, str]  # axis title, values, colour
 
-LOOP_POINTS = 2500
+LOOPS, LOOP_S = 6, 30.0
 BINS = 60
 SPEED_RATE_HZ = 20.0
 
@@ -88,36 +88,51 @@ def line(
 
 
 def hysteresis_loops(recording: Recording) -> style.Figure | None:
-    """Force over strain, and log-conductance over force (or strain), coloured from the first sample to the last.
+    """Force and log-conductance over strain, and log-conductance over force: a few half minutes, dark to light.
 
+    Whole stretches of motion are drawn, not a cloud of samples, so that the loops are seen as loops.
     None when neither force nor resistance was recorded.
     """
     panels = _loop_panels(recording)
     if not panels:
         return None
-    rows = thinned(len(recording), LOOP_POINTS)
-    minutes = (recording.time_s[rows] - recording.time_s[0]) / 60
+    windows = stretches(recording.time_s)
+    colours = shades(len(windows))
     traces = [
         {
             "type": "scatter",
-            "mode": "markers",
+            "mode": "lines",
+            "name": f"from {(recording.time_s[rows][0] - recording.time_s[0]) / 60:.1f} min",
             "x": x[rows],
             "y": y[rows],
             "xaxis": style.x_ref(column),
             "yaxis": style.y_ref(column),
-            "marker": {
-                "size": 3,
-                "color": minutes,
-                "colorscale": style.SEQUENTIAL,
-                "showscale": column == len(panels) - 1,
-                "colorbar": {"title": {"text": "min"}, "thickness": 10, "outlinewidth": 0, "len": 0.9},
-            },
-            "hovertemplate": "%{x:.4g}, %{y:.4g}<extra></extra>",
+            "line": {"color": colour, "width": 1.3},
+            "showlegend": column == 0,
+            "hovertemplate": "%{x:.4g}, %{y:.4g}",
         }
         for column, (_, _, x, y) in enumerate(panels)
+        for rows, colour in zip(windows, colours, strict=True)
     ]
     axes = style.side_by_side_axes([(x_title, y_title) for x_title, y_title, _, _ in panels])
-    return style.figure(traces, height=380, margin={"l": 64, "r": 72, "t": 30, "b": 44}, **axes)
+    return style.figure(traces, height=400, **axes)
+
+
+def stretches(time_s: FloatArray, count: int = LOOPS, length_s: float = LOOP_S) -> list[slice]:
+    """Rows of a few stretches of motion, evenly spread from the first sample to the last."""
+    duration_s = time_s[-1] - time_s[0]
+    if duration_s <= count * length_s:
+        return [slice(0, len(time_s))]
+    begins = np.linspace(time_s[0], time_s[-1] - length_s, count)
+    return [window(time_s, float(begin), float(begin) + length_s) for begin in begins]
+
+
+def shades(count: int) -> list[str]:
+    """Colours from dark (first) to light (last); see `testbench.report.style.SEQUENCE`."""
+    if count == 1:
+        return [style.BLUE]
+    places = np.linspace(0, len(style.SEQUENCE) - 1, count).round().astype(int)
+    return [style.SEQUENCE[place] for place in places]
 
 
 def _loop_panels(recording: Recording) -> list[tuple[str, str, FloatArray, FloatArray]]:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from testbench.recording import Recording
-from testbench.report import comparison_figures, ladder_figures, recording_figures
+from testbench.report import comparison_figures, compensator_figures, ladder_figures, recording_figures
 from testbench.report.comparison_figures import Overlay
 from testbench.report.document import Facts, Item, Picture, Section, Table
 from testbench.report.ladder_figures import UNITS, Step
@@ -20,7 +21,7 @@ def recording_section(recording: Recording, title: str, key: str) -> Section:
     ]
     loops = recording_figures.hysteresis_loops(recording)
     if loops:
-        caption = "Loops, from the first minute (dark) to the last (light): a shift along the colours is drift."
+        caption = "Loops of six half minutes, the first dark, the last light: a shift along the colours is drift."
         items.append(Picture(f"{key}-loops", loops, caption))
     caption = "How often each value occurred; the speed is taken at 20 Hz."
     items.append(Picture(f"{key}-distributions", recording_figures.distributions(recording), caption))
@@ -119,3 +120,67 @@ def _doubts(address: str, fit: Mapping[str, Any]) -> str:
     if address in fit.get("unidentified", ()):
         doubts.append("this recording cannot tell")
     return ", ".join(doubts)
+
+
+def compensator_section(score: Mapping[str, Any]) -> Section:
+    """What the compensator makes of the sensor.
+
+    Parameters
+    ----------
+    score : mapping
+        The JSON of ``compensation score``.
+    """
+    target, rows = score["compensator"]["target"], score["recordings"]
+    names = [short_name(row["source"]) for row in rows]
+    symbol = compensator_figures.SYMBOLS[target]
+    head = (
+        "Recording",
+        "",
+        "r² raw",
+        "best line",
+        "r² after",
+        "95 %",
+        "Gain",
+        f"RMS error / {score['compensator']['unit']}",
+    )
+    table = Table(head, [_score_row(name, row) for name, row in zip(names, rows, strict=True)], _score_caption(score))
+    shown = next((row for row in rows if row["role"] == "held-out"), rows[0])
+    items: list[Item] = [table]
+    if len(rows) > 1:
+        caption = "r² before and after, with the 95 % interval from a bootstrap over blocks of 60 s."
+        items.append(Picture("compensator-scores", compensator_figures.before_and_after(rows, names), caption))
+    caption = (
+        f"{short_name(shown['source'])} ({shown['role']}): {symbol} as measured, G rescaled to it, and p made from G "
+        "alone; below, the first and the last minute."
+    )
+    items.append(Picture("compensator-time", compensator_figures.over_time(shown, target), caption))
+    items.append(
+        Picture("compensator-scatter", compensator_figures.scatter(shown, target), "The same against the truth.")
+    )
+    return Section("The compensator", items)
+
+
+def _score_row(name: str, row: Mapping[str, Any]) -> tuple[str, ...]:
+    low, high = row["r2_after_interval"]
+    return (
+        name,
+        row["role"],
+        f"{row['r2_before']:.3f}",
+        f"{row['rho2_before']:.3f}",
+        f"{row['r2_after']:.3f}",
+        f"{low:.3f} to {high:.3f}",
+        f"{row['gain']:+.3f}",
+        f"{row['rms_error']:.3g}",
+    )
+
+
+def _score_caption(score: Mapping[str, Any]) -> str:
+    summary = score["summary"]
+    criterion = f", E = {summary['E']:.4f}" if summary.get("E") is not None else ""
+    return f"Mean over {summary['recordings']} {summary['over']}: r² {summary['r2_after']:.3f}{criterion}."
+
+
+def short_name(source: str) -> str:
+    """A campaign's folder, or a file without its suffix."""
+    path = Path(source)
+    return path.parent.name if path.name == "recording.csv" else path.stem

@@ -316,7 +316,9 @@ def _error_bars(axes, trace: dict[str, Any], x, y) -> None:
     for key, direction in (("error_x", "xerr"), ("error_y", "yerr")):
         if key in trace:
             look = {"fmt": "none", "ecolor": trace[key].get("color", style.MUTED), "elinewidth": 1, "capsize": 2}
-            axes.errorbar(x, y, **{direction: np.asarray(trace[key]["array"])}, **look)
+            high = np.asarray(trace[key]["array"])
+            low = np.asarray(trace[key].get("arrayminus", high))
+            axes.errorbar(x, y, **{direction: np.stack([low, high])}, **look)
 
 
 def _bar(axes, trace: dict[str, Any], page: _Page) -> None:

@@ -20,8 +20,8 @@ STRAIN, FORCE, CONDUCTANCE = PURPLE, BLUE, GREEN
 
 FONT_STACK = "Inter, 'Segoe UI', system-ui, -apple-system, 'DejaVu Sans', sans-serif"
 DIVERGING = [[0.0, BLUE], [0.5, "#f4f2ee"], [1.0, VERMILION]]
-# Cividis, which colour-blind and other readers see alike (Nunez, Anderton and Renslow 2018).
-SEQUENTIAL = [[0.0, "#00224e"], [0.25, "#35456c"], [0.5, "#7c7b78"], [0.75, "#bcae6c"], [1.0, "#fee838"]]
+# The dark four fifths of cividis, which colour-blind and other readers see alike (Nunez, Anderton, Renslow 2018).
+SEQUENCE = ("#00224e", "#2a3f6d", "#575d6d", "#7c7b78", "#a59c74", "#d2c060")
 
 CONFIG = {"displaylogo": False, "responsive": True, "modeBarButtonsToRemove": ["select2d", "lasso2d"]}
 

@@ -94,24 +94,36 @@ class Job:
         """Take in one line of its stdout."""
         self.version += 1
         self.lines.append(line)
-        with contextlib.suppress(json.JSONDecodeError):
-            event = json.loads(line)
-            if isinstance(event, dict):
-                self._take(event)
+        event = _event(line)
+        if event is not None:
+            self._take(event)
 
     def hear_error(self, line: str) -> None:
-        """Take in one line of its stderr."""
+        """Take in one line of its stderr: progress, or words."""
         self.version += 1
-        self.errors.append(line)
+        event = _event(line)
+        if event is not None:
+            self._take(event)
+        else:
+            self.errors.append(line)
 
     def _take(self, event: dict[str, Any]) -> None:
         self.latest = event
         done, total = event.get("done", event.get("time_s")), event.get("total", event.get("duration_s"))
         if isinstance(done, int | float) and isinstance(total, int | float) and total > 0:
             self.share = min(1.0, done / total)
-        self.note = str(event.get("note") or event.get("message") or self.note)
+        said = [str(event[key]) for key in ("label", "note", "message") if event.get(key)]
+        self.note = " · ".join(said) or self.note
         for listener in self.listeners:
             listener(event)
+
+
+def _event(line: str) -> dict[str, Any] | None:
+    if not line.startswith("{"):
+        return None
+    with contextlib.suppress(json.JSONDecodeError):
+        return json.loads(line)
+    return None
 
 
 class JobBoard:

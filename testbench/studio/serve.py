@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import importlib
 import socket
+import threading
 
 from gcode.support.errors import UserError
 from testbench.studio.studio import Studio
 
 HOST = "127.0.0.1"
+WARM = ("pandas", "tsdownsample", "testbench.manifest", "testbench.knit.catalogue", "testbench.discrepancy.compare")
 FAVICON = (
     '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 30 30" fill="none" stroke="#0072B2" stroke-width="6" '
     'stroke-linecap="round"><path d="M5 6 L15 24 M25 6 L15 24"/></svg>'
@@ -30,6 +33,7 @@ def serve(studio: Studio, port: int, show: bool) -> None:
     _check_free(port)
     # A page elsewhere must not reach the studio by giving this machine another name (DNS rebinding).
     app.add_middleware(TrustedHostMiddleware, allowed_hosts=[HOST, "localhost"])
+    app.on_startup(lambda: threading.Thread(target=_warm, daemon=True).start())
     app.on_shutdown(studio.jobs.close)
     print(f"studio of {studio.workspace.root}: http://{HOST}:{port} (Ctrl-C ends it)", flush=True)
     ui.run(
@@ -42,7 +46,16 @@ def serve(studio: Studio, port: int, show: bool) -> None:
         favicon=FAVICON,
         show_welcome_message=False,
         reconnect_timeout=30,
+        tailwind=False,  # it compiles style sheets in the browser at every load
+        gzip_middleware_factory=None,  # nothing leaves this machine
+        message_history_length=50,  # hours of live plots must not pile up
     )
+
+
+def _warm() -> None:
+    """Import what the first pages need while the browser is still opening."""
+    for module in WARM:
+        importlib.import_module(module)
 
 
 def _check_free(port: int) -> None:

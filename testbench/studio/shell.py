@@ -7,20 +7,23 @@ from importlib.resources import files
 
 from nicegui import ui
 
-from testbench.studio.pages import campaigns, compare, importing, plan, recording
+from testbench.studio.pages import campaigns, compare, compensate, importing, plan, record, recording
 from testbench.studio.studio import Studio
 
 NAVIGATION = (
     ("/", "grid_view", "Campaigns"),
     ("/import", "upload_file", "Import a CSV"),
     ("/plan", "timeline", "Plan and run"),
+    ("/record", "sensors", "Record"),
 )
 PAGES: dict[str, Callable] = {
     "/": campaigns.page,
     "/import": importing.page,
     "/plan": plan.page,
+    "/record": record.page,
     "/recording": recording.page,
     "/compare": compare.page,
+    "/compensate": compensate.page,
 }
 # Two rows of knit stitches: the face side of a plain jersey, drawn as the V that everybody knows.
 LOGO = (

@@ -9,6 +9,7 @@ from collections.abc import Awaitable, Callable, Sequence
 from typing import Any, TypeVar
 from urllib.parse import urlencode
 
+import numpy as np
 from nicegui import events, ui
 
 from gcode.support.errors import UserError
@@ -19,9 +20,11 @@ from testbench.studio.studio import Studio
 T = TypeVar("T")
 Redraw = Callable[[float | None, float | None], style.Figure]
 
+LATER_S = 0.3
 TABS = (
     ("/recording", "Recording"),
     ("/compare", "Compare"),
+    ("/compensate", "Compensate"),
 )
 
 
@@ -118,11 +121,33 @@ def campaign_head(name: str, here: str) -> None:
 def plot(figure: style.Figure, caption: str = "") -> ui.plotly:
     """A figure in a card."""
     with ui.element("figure").classes("card").style("margin:0"):
-        element = ui.plotly({**figure, "config": style.CONFIG}).classes("w-full")
+        element = ui.plotly(float32({**figure, "config": style.CONFIG})).classes("w-full")
         element.style(f"height:{figure['layout']['height']}px")
         if caption:
             ui.label(caption).classes("quiet text-sm")
     return element
+
+
+def float32(value: Any) -> Any:
+    """A figure with its arrays in single precision: half the bytes, and no digit lost that a pixel shows."""
+    if isinstance(value, dict):
+        return {key: float32(entry) for key, entry in value.items()}
+    if isinstance(value, list):
+        return [float32(entry) for entry in value]
+    if isinstance(value, np.ndarray) and value.dtype == np.float64:
+        return np.ascontiguousarray(value, dtype=np.float32)
+    return value
+
+
+def later(build: Callable[[], None]) -> None:
+    """Build what is below the first screen a moment later, so that the first screen is there at once."""
+    holder = ui.column().classes("w-full gap-4")
+
+    def fill() -> None:
+        with holder:
+            build()
+
+    ui.timer(LATER_S, fill, once=True)
 
 
 def zooming_plot(redraw: Redraw, caption: str = "") -> ui.plotly:
@@ -138,7 +163,7 @@ def zooming_plot(redraw: Redraw, caption: str = "") -> ui.plotly:
     def relayout(event: events.GenericEventArguments) -> None:
         span = zoomed_span(event.args)
         if span is not None:
-            element.update_figure({**redraw(*span), "config": style.CONFIG})
+            element.update_figure(float32({**redraw(*span), "config": style.CONFIG}))
 
     element.on("plotly_relayout", relayout)
     return element

@@ -13,7 +13,17 @@ from testbench.report import comparison_figures as figures
 from testbench.report.comparison_figures import Overlay
 from testbench.studio.models import add_fit_form, model_path
 from testbench.studio.studio import Studio
-from testbench.studio.widgets import address, aside, campaign_head, facts, guarded, plot, subheading, zooming_plot
+from testbench.studio.widgets import (
+    address,
+    aside,
+    campaign_head,
+    facts,
+    guarded,
+    later,
+    plot,
+    subheading,
+    zooming_plot,
+)
 
 
 @dataclass(frozen=True)
@@ -37,9 +47,12 @@ async def page(studio: Studio, c: str = "", on: str = "") -> None:
     _worst(view.comparison["worst"])
     caption = "Measured, modelled, and under each the residual; grey: twice the noise floor. Drag to zoom all rows."
     zooming_plot(partial(figures.overlay, view.both), caption)
-    with ui.row().classes("w-full items-stretch"):
-        plot(figures.modelled_loops(view.both), "The same as hysteresis loops.")
-        plot(figures.residual_heat_maps(view.both), "Orange where the model is too low, blue where it is too high.")
+    later(partial(_below, view))
+
+
+def _below(view: View) -> None:
+    plot(figures.modelled_loops(view.both), "The same as hysteresis loops, three half minutes.")
+    plot(figures.residual_heat_maps(view.both), "Orange where the model is too low, blue where it is too high.")
     for channel, entry in view.comparison["channels"].items():
         caption = f"Mean residual of the {channel} over each coordinate, with two standard errors."
         plot(figures.residual_profiles(entry["maps"], channel), caption)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from functools import partial
+from pathlib import Path
 
 from nicegui import ui
 
+from testbench.recording import Recording
 from testbench.report import recording_figures as figures
 from testbench.studio.studio import Studio
-from testbench.studio.widgets import aside, campaign_head, facts, guarded, plot, trouble, zooming_plot
+from testbench.studio.widgets import aside, campaign_head, facts, guarded, later, plot, trouble, zooming_plot
 
 
 @guarded
@@ -24,10 +26,14 @@ async def page(studio: Studio, c: str = "") -> None:
     facts(figures.summary(recording))
     caption = "Drag to zoom; double-click to see all again. A zoom draws every sample of its stretch."
     zooming_plot(partial(figures.time_series, recording), caption)
+    path = studio.workspace.campaign(c).folder / "recording.csv"
+    later(partial(_below, recording, path))
+
+
+def _below(recording: Recording, path: Path) -> None:
     loops = figures.hysteresis_loops(recording)
     if loops:
-        plot(loops, "From the first minute (dark) to the last (light): a shift along the colours is drift.")
+        plot(loops, "Six half minutes, the first dark, the last light: a shift along the colours is drift.")
     plot(figures.distributions(recording), "How often each value occurred; the speed is taken at 20 Hz.")
     with ui.row():
-        path = studio.workspace.campaign(c).folder / "recording.csv"
         ui.button("Download CSV", icon="download", on_click=lambda: ui.download(path)).props("outline")

@@ -59,3 +59,37 @@ def comparison() -> dict:
         "channels": {"force": channel | {"unit": "N"}, "conductance": channel | {"unit": "ln S"}},
         "worst": [worst],
     }
+
+
+def score() -> dict:
+    """The JSON of `compensation score` over a training and a held-out recording."""
+    time_s = [0.05 * i for i in range(200)]
+    wave = [float(np.sin(t)) for t in time_s]
+    trace = {
+        "time_s": time_s,
+        "F": wave,
+        "G": wave,
+        "G_rescaled": [0.8 * v for v in wave],
+        "p": [0.98 * v for v in wave],
+    }
+    row = {
+        "r2_before": 0.42, "r2_after": 0.79, "r2_after_interval": [0.75, 0.82], "rho2_before": 0.5, "gain": 0.37,
+        "rms_error": 0.05, "trace": trace, "zooms": [trace, trace, trace], "duration_s": 10.0, "samples": 200,
+    }  # fmt: skip
+    return {
+        "format": "knitbench-score",
+        "version": 1,
+        "compensator": {"target": "force", "unit": "N", "parameters": 51},
+        "recordings": [
+            row | {"source": "pes-T/recording.csv", "role": "training"},
+            row | {"source": "pes-A/recording.csv", "role": "held-out"},
+        ],
+        "summary": {
+            "over": "held-out",
+            "recordings": 1,
+            "r2_before": 0.42,
+            "r2_after": 0.79,
+            "gain": 0.37,
+            "E": None,
+        },
+    }

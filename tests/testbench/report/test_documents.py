@@ -29,6 +29,7 @@ def whole_report() -> Report:
         sections.recording_section(samples.recording(), "Recording <b>one</b>", "recording-1"),
         sections.comparison_section(both, samples.comparison()),
         sections.ladder_section(steps),
+        sections.compensator_section(samples.score()),
     ]
     return Report("A </script> title", "It fits.", [glance], parts, "footer")
 
@@ -45,7 +46,7 @@ def test_every_picture_has_its_place_and_its_data() -> None:
     report = whole_report()
     page = to_html(report)
     names = [picture.name for picture in report.pictures()]
-    assert len(names) == len(set(names)) == 10
+    assert len(names) == len(set(names)) == 13
     data = re.search(r'<script type="application/json" id="figures">(.*?)</script>', page, flags=re.S)
     assert data is not None
     assert set(json.loads(data.group(1))) == {*names, "config"}
@@ -104,6 +105,18 @@ def test_command_writes_a_page(tmp_path: Path, capsys: pytest.CaptureFixture[str
     assert main(["report", *arguments]) == 0
     assert "<h1>mine</h1>" in (tmp_path / "r.html").read_text()
     assert "wrote" in capsys.readouterr().out
+
+
+def test_command_takes_a_score_alone_and_refuses_another_file(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "score.json").write_text(json.dumps(samples.score()))
+    (tmp_path / "other.json").write_text("{}")
+    output = ["-o", str(tmp_path / "r.html")]
+    assert main(["report", "--compensator", str(tmp_path / "score.json"), *output]) == 0
+    assert "The compensator" in (tmp_path / "r.html").read_text()
+    assert main(["report", "--compensator", str(tmp_path / "other.json"), *output]) == 2
+    assert "not a score" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

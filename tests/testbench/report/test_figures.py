@@ -9,7 +9,14 @@ import plotly.graph_objects
 import pytest
 
 import tests.testbench.report.samples as samples
-from testbench.report import comparison_figures, ladder_figures, recording_figures
+from testbench.report import (
+    comparison_figures,
+    compensator_figures,
+    ladder_figures,
+    live_figures,
+    recording_figures,
+    trajectory_figures,
+)
 from testbench.report.downsample import rows_to_draw, thinned, window
 from testbench.report.static import draw
 from testbench.report.style import Figure
@@ -29,13 +36,26 @@ FIGURES: dict[str, Callable[[], Figure | None]] = {
     ),
     "ladder": lambda: ladder_figures.ladder(samples.steps(), current=0),
     "at a glance": lambda: ladder_figures.at_a_glance(samples.overlay(), samples.steps(), (20.0, 60.0)),
+    "scores": lambda: compensator_figures.before_and_after(samples.score()["recordings"], ["pes-T", "pes-A"]),
+    "score over time": lambda: compensator_figures.over_time(samples.score()["recordings"][1], "force"),
+    "score scatter": lambda: compensator_figures.scatter(samples.score()["recordings"][1], "displacement"),
+    "motion": lambda: trajectory_figures.motion(np.arange(400) / 20, np.sin(np.arange(400) / 20), 2.0, 3.0),
+    "live": lambda: live_figures.live(
+        [
+            live_figures.LiveChannel(
+                "Force / N", "#0072B2", (np.arange(9.0), np.ones(9)), (np.arange(4.0), np.ones(4)), 2.0
+            )
+        ]
+    ),
+    "live before the first sample": lambda: live_figures.live([]),
 }
 
 
 @pytest.mark.parametrize("name", FIGURES)
 def test_plotly_accepts_every_property(name: str) -> None:
     figure = FIGURES[name]()
-    assert plotly.graph_objects.Figure(figure).data
+    assert figure is not None
+    assert len(plotly.graph_objects.Figure(figure).data) == len(figure["data"])
 
 
 @pytest.mark.parametrize("name", FIGURES)
@@ -107,3 +127,14 @@ def test_thumbnail_is_one_small_svg() -> None:
     assert picture.count("<polyline") == 2
     assert "<path" in picture
     assert len(picture) < 16_000
+
+
+def test_loops_are_whole_stretches_from_the_first_minute_to_the_last() -> None:
+    source = samples.recording(30_000)
+    parts = recording_figures.stretches(source.time_s)
+    assert len(parts) == 6
+    assert parts[0].start == 0
+    assert parts[-1].stop == len(source)
+    for part in parts:
+        assert np.ptp(source.time_s[part]) == pytest.approx(30, abs=0.2)
+    assert recording_figures.stretches(source.time_s[:100]) == [slice(0, 100)]

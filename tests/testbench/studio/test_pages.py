@@ -6,6 +6,7 @@ import pytest
 from nicegui import ui
 from nicegui.testing import User
 
+import tests.testbench.report.samples as samples
 from testbench.studio.columns import guess, guess_unit
 from testbench.studio.studio import Studio
 from testbench.studio.widgets import address, zoomed_span
@@ -31,6 +32,7 @@ async def test_an_empty_folder_invites(user: User, studio: Studio) -> None:
 async def test_a_recording_shows_its_plots(user: User) -> None:
     await user.open("/recording?c=sleeve")
     await user.should_see("Duration")
+    await user.should_see("How often each value occurred")
     assert len(user.find(ui.plotly).elements) == 3
 
 
@@ -51,6 +53,27 @@ async def test_a_campaign_without_model_offers_the_fit(user: User) -> None:
     await user.open("/compare?c=sleeve")
     await user.should_see("Fit the baseline")
     await user.should_see("the last third of this recording")
+
+
+async def test_training_is_offered_for_each_target(user: User) -> None:
+    await user.open("/compensate?c=sleeve&target=displacement")
+    await user.should_see("Train")
+    await user.open("/compensate?c=sleeve&target=colour")
+    await user.should_see("the target must be one of force, displacement")
+
+
+async def test_a_score_is_shown_with_its_figures(user: User, studio: Studio) -> None:
+    import json
+
+    (studio.workspace.results("sleeve") / "force.score.json").write_text(json.dumps(samples.score()))
+    await user.open("/compensate?c=sleeve")
+    await user.should_see("Export for the chip")
+    await user.should_see("pes-A (held-out)")
+
+
+async def test_recording_needs_a_program_first(user: User) -> None:
+    await user.open("/record")
+    await user.should_see("No program yet")
 
 
 async def test_a_plan_that_was_not_made_is_a_sentence(user: User) -> None:

@@ -1,0 +1,82 @@
+"""The figure of a recording under way: the last minute on the left, the whole recording on the right."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from testbench.report import style
+from testbench.report.recording_figures import line
+
+FloatArray = NDArray[np.float64]
+LIVE_POINTS = 500
+
+
+@dataclass(frozen=True)
+class LiveChannel:
+    """One row of the live figure.
+
+    Attributes
+    ----------
+    title, colour : str
+    recent : (time_s, values)
+        The last minute, in full.
+    whole : (time_s, values)
+        The outline of all so far.
+    limit : float or None
+        Drawn as a dashed line; the recording stops beyond it.
+    """
+
+    title: str
+    colour: str
+    recent: tuple[FloatArray, FloatArray]
+    whole: tuple[FloatArray, FloatArray]
+    limit: float | None = None
+
+
+def live(channels: Sequence[LiveChannel]) -> style.Figure:
+    """Rows of channels; a limit shows as a dashed line."""
+    traces: list[dict[str, Any]] = []
+    axes: dict[str, Any] = {}
+    shapes: list[dict[str, Any]] = []
+    height = (1 - 0.06 * (len(channels) - 1)) / max(len(channels), 1)
+    for row, channel in enumerate(channels):
+        top = 1 - row * (height + 0.06)
+        domain = [max(top - height, 0.0), max(top, 0.0)]
+        for side, (time_s, values) in enumerate((channel.recent, channel.whole)):
+            index = 2 * row + side
+            traces.append(
+                line(time_s, values, channel.colour, channel.title, index, LIVE_POINTS * 2, xaxis=style.x_ref(index))
+            )
+            axes |= _axes(index, side, domain, channel.title, row == len(channels) - 1)
+            if channel.limit is not None and np.isfinite(channel.limit):
+                shapes.append(_limit(index, channel.limit))
+    return style.figure(traces, height=150 * max(len(channels), 1) + 80, shapes=shapes, **axes)
+
+
+def _axes(index: int, side: int, domain: list[float], title: str, last: bool) -> dict[str, Any]:
+    across = [0.0, 0.62] if side == 0 else [0.68, 1.0]
+    words = ("Time / s (the last minute)", "Time / s (all)")[side] if last else ""
+    return {
+        style.axis_key("xaxis", index): style.axis(words, domain=across, anchor=style.y_ref(index)),
+        style.axis_key("yaxis", index): style.axis(
+            title if side == 0 else "", domain=domain, anchor=style.x_ref(index)
+        ),
+    }
+
+
+def _limit(index: int, value: float) -> dict[str, Any]:
+    return {
+        "type": "line",
+        "xref": f"{style.x_ref(index)} domain",
+        "yref": style.y_ref(index),
+        "x0": 0,
+        "x1": 1,
+        "y0": value,
+        "y1": value,
+        "line": {"color": style.VERMILION, "width": 1.3, "dash": "dash"},
+    }

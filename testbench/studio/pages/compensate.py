@@ -1,0 +1,125 @@
+"""Compensate: train on this campaign, judge on the others, export for the chip. All of it by `compensation`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from nicegui import ui
+
+from gcode.support.errors import UserError
+from gcode.support.files import read_json
+from testbench.report import compensator_figures as figures
+from testbench.report.sections import short_name
+from testbench.studio.jobs import Job, State
+from testbench.studio.models import held_out_choices
+from testbench.studio.studio import Studio
+from testbench.studio.widgets import address, attempt, campaign_head, facts, guarded, job_card, plot, subheading
+
+TARGETS = {"force": "force", "displacement": "displacement"}
+NETWORKS = {"4,2,2": "4, 2, 2 (the paper)", "8,4,4": "8, 4, 4", "16,8": "16, 8"}
+
+
+@guarded
+def page(studio: Studio, c: str = "", target: str = "force") -> None:
+    """Training form, and the last score for `target`."""
+    campaign_head(c, "/compensate")
+    studio.workspace.campaign(c)
+    if target not in TARGETS:
+        raise UserError(f"the target must be one of {', '.join(TARGETS)}, got {target!r}")
+    _form(studio, c, target)
+    score = score_path(studio, c, target)
+    if score.is_file():
+        _show(studio, c, target, read_json(score, "score"))
+
+
+def compensator_path(studio: Studio, c: str, target: str) -> Path:
+    """Where the compensator of a campaign is kept."""
+    return studio.workspace.results(c) / f"{target}.compensator.json"
+
+
+def score_path(studio: Studio, c: str, target: str) -> Path:
+    """Where its score is kept."""
+    return studio.workspace.results(c) / f"{target}.score.json"
+
+
+def _form(studio: Studio, c: str, target: str) -> None:
+    with ui.column().classes("card gap-3"):
+        subheading(
+            "Train on this campaign", "A bank of exponential smoothers and a small network learn from it alone."
+        )
+        with ui.row().classes("items-center"):
+            aim = ui.select(TARGETS, value=target, label="Predict").props("outlined dense").style("width:150px")
+            network = ui.select(NETWORKS, value="4,2,2", label="Network").props("outlined dense").style("width:190px")
+            others = held_out_choices(studio, c)[1:]
+            judged = ui.select(others, value=others[:4], multiple=True, label="Judged on").props("outlined dense")
+            judged.style("min-width:280px").props("use-chips")
+        aim.on_value_change(lambda event: ui.navigate.to(address("/compensate", c=c, target=event.value)))
+        holder = ui.column().classes("w-full")
+
+        def start() -> None:
+            argv = ["compensation", "train", str(studio.workspace.campaign(c).folder), "--target", target]
+            argv += ["--hidden", network.value, "-o", str(compensator_path(studio, c, target))]
+            job = studio.jobs.start(f"train:{c}:{target}", f"Training on {c}", argv)
+            with holder:
+                holder.clear()
+                job_card(studio, job, lambda ended: _trained(studio, c, target, list(judged.value), ended, holder))
+
+        ui.button("Train", icon="model_training", on_click=lambda: attempt(start)).props("unelevated")
+
+
+def _trained(studio: Studio, c: str, target: str, judged: list[str], job: Job, holder: ui.column) -> None:
+    if job.state is not State.DONE:
+        return
+    folders = [str(studio.workspace.campaign(name).folder) for name in [c, *judged]]
+    argv = ["compensation", "score", str(compensator_path(studio, c, target)), *folders]
+    argv += ["-o", str(score_path(studio, c, target))]
+    scoring = studio.jobs.start(f"score:{c}:{target}", "Scoring", argv)
+    with holder:
+        job_card(studio, scoring, lambda ended: _again(c, target, ended))
+
+
+def _again(c: str, target: str, job: Job) -> None:
+    if job.state is State.DONE:
+        ui.navigate.to(address("/compensate", c=c, target=target, at=str(int(job.started_s))))
+
+
+def _show(studio: Studio, c: str, target: str, score: dict[str, Any]) -> None:
+    rows = score["recordings"]
+    names = [short_name(row["source"]) for row in rows]
+    summary = score["summary"]
+    facts(
+        [
+            (f"r² after, mean over {summary['recordings']} {summary['over']}", f"{summary['r2_after']:.3f}"),
+            ("r² of the raw signal", f"{summary['r2_before']:.3f}"),
+            ("gain", f"{summary['gain']:+.3f}"),
+            ("parameters of the network", str(score["compensator"]["parameters"])),
+        ]
+    )
+    with ui.row():
+        path = compensator_path(studio, c, target)
+        ui.button("Export for the chip (C header)", icon="memory", on_click=lambda: attempt(export)).props("outline")
+        ui.button("Compensator as JSON", icon="download", on_click=lambda: ui.download(path)).props("outline")
+    holder = ui.column().classes("w-full")
+
+    def export() -> None:
+        header = studio.workspace.results(c) / f"{target}.h"
+        argv = ["compensation", "export", str(path), "--format", "c", "-o", str(header)]
+        job = studio.jobs.start(f"export:{c}:{target}", "Writing the C header", argv)
+        with holder:
+            holder.clear()
+            job_card(studio, job, lambda ended: ui.download(header) if ended.state is State.DONE else None)
+
+    if len(rows) > 1:
+        plot(
+            figures.before_and_after(rows, names),
+            "r² before and after; the whiskers are 95 % intervals over 60 s blocks.",
+        )
+    with ui.tabs().props("dense align=left no-caps") as tabs:
+        for number, (name, row) in enumerate(zip(names, rows, strict=True)):
+            ui.tab(str(number), f"{name} ({row['role']})")
+    with ui.tab_panels(tabs, value=str(len(rows) - 1)).classes("w-full").style("background:transparent"):
+        for number, row in enumerate(rows):
+            with ui.tab_panel(str(number)).classes("p-0 gap-4"):
+                plot(figures.over_time(row, target), "The whole recording; below, its first and its last minute.")
+                plot(figures.scatter(row, target))
