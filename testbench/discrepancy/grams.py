@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 
 from testbench.discrepancy.measurement import Measurement
 from testbench.discrepancy.noise import whitened
@@ -73,59 +74,102 @@ def grams(
     return Grams(blocks, np.array([len(part) for part in parts], float), base)
 
 
-def solve(
-    gram: FloatArray, base: int, chosen: Sequence[int], signed: Sequence[bool], ridge: FloatArray
-) -> FloatArray:
-    """Coefficients of sensitivities and chosen traces that fit the residual best, shape (q,), zero elsewhere.
+@dataclass(frozen=True)
+class Reduced:
+    """A least-squares problem in the traces alone, the base having had its say.
+
+    Attributes
+    ----------
+    fit : ndarray, shape (m, m)
+        Inner products of residual (index 0) and traces on the blocks to fit on, base eliminated.
+    lift : ndarray, shape (q, m)
+        Turns (1, -amounts) into coefficients of all columns.
+    judge : ndarray, shape (m, m)
+        Inner products on the blocks to judge on, with the base as it was fitted.
+    """
+
+    fit: FloatArray
+    lift: FloatArray
+    judge: FloatArray
+
+    def amounts(self, chosen: Sequence[int], signed: Sequence[bool]) -> FloatArray:
+        """Best amounts of the chosen traces (indices count from 1), shape (len(chosen),)."""
+        rows = np.asarray(chosen, int)
+        return nonnegative(self.fit[np.ix_(rows, rows)], self.fit[rows, 0], np.asarray(signed, bool))
+
+    def judged(self, chosen: Sequence[int], amounts: FloatArray) -> float:
+        """Squared misfit on the judging blocks."""
+        rows = np.r_[0, np.asarray(chosen, int)]
+        vector = np.r_[1.0, -amounts]
+        return float(vector @ self.judge[np.ix_(rows, rows)] @ vector)
+
+    def vector(self, chosen: Sequence[int], amounts: FloatArray) -> FloatArray:
+        """Coefficients of all columns, shape (q,)."""
+        short = np.zeros(self.lift.shape[1])
+        short[0] = 1.0
+        short[np.asarray(chosen, int)] = -amounts
+        return self.lift @ short
+
+
+def reduce_to_traces(
+    fit_on: FloatArray, judge_on: FloatArray, base: int, ridge: FloatArray, kept: np.ndarray, weights: FloatArray
+) -> Reduced:
+    """Eliminate the base from the inner products.
 
     Parameters
     ----------
-    gram : ndarray, shape (q, q)
-        Sum over the blocks to fit on.
+    fit_on, judge_on : ndarray, shape (q, q)
+        Sums over the blocks to fit and to judge on.
     base : int
-    chosen : sequence of int
-        Columns of traces.
-    signed : sequence of bool
-        For each chosen trace, whether its coefficient may be negative.
+        Number of sensitivities; they follow the residual.
     ridge : ndarray, shape (base,)
-        Prior precision of the sensitivities' coefficients.
+        Prior precision of their coefficients.
+    kept : ndarray of bool, shape (base,)
+        Sensitivities that this base has.
+    weights : ndarray, shape (base,)
+        Present values of those it has not: without them the residual is larger by their contribution.
     """
-    inner = np.arange(1, base + 1)
-    matrix = gram[np.ix_(inner, inner)] + np.diag(ridge)
-    # Solve for the base once; what is left is a small problem in the traces alone.
-    rest = np.r_[0, np.asarray(chosen, int)]
-    response = np.linalg.solve(matrix, gram[np.ix_(inner, rest)])
-    schur = gram[np.ix_(rest, rest)] - gram[np.ix_(rest, inner)] @ response
-    amounts = nonnegative(schur[1:, 1:], schur[1:, 0], np.asarray(signed, bool)) if len(chosen) else np.zeros(0)
-    solution = np.zeros(len(gram))
-    solution[inner] = response[:, 0] - response[:, 1:] @ amounts
-    solution[rest[1:]] = amounts
-    return solution
+    count = len(fit_on) - base  # residual and traces
+    inner = 1 + np.flatnonzero(kept)
+    rest = np.r_[0, np.arange(base + 1, len(fit_on))]
+    start = np.zeros((len(fit_on), count))
+    start[rest, np.arange(count)] = 1.0
+    start[1 + np.flatnonzero(~kept), 0] = weights[~kept]
+    matrix = fit_on[np.ix_(inner, inner)] + np.diag(ridge[kept])
+    lift = start.copy()
+    lift[inner] -= np.linalg.solve(matrix, fit_on[inner] @ start)
+    # The ridge enters the fit as a penalty on the base's own coefficients.
+    penalty = lift[inner].T @ (ridge[kept][:, None] * lift[inner])
+    return Reduced(lift.T @ fit_on @ lift + penalty, lift, lift.T @ judge_on @ lift)
+
+
+@njit("float64[:](float64[:,:], float64[:], boolean[:])", cache=True, nogil=True)
+def _descend(normal: FloatArray, goal: FloatArray, signed: np.ndarray) -> FloatArray:
+    x = np.zeros(len(goal))
+    for _ in range(300):
+        moved, largest = 0.0, 1e-12
+        for i in range(len(x)):
+            value = x[i] + (goal[i] - normal[i] @ x) / normal[i, i]
+            if not signed[i]:
+                value = max(value, 0.0)
+            moved, largest = max(moved, abs(value - x[i])), max(largest, abs(value))
+            x[i] = value
+        if moved < 1e-6 * largest:
+            break
+    return x
 
 
 def nonnegative(matrix: FloatArray, target: FloatArray, signed: np.ndarray) -> FloatArray:
-    """Coordinate descent for least squares with some coefficients held at or above zero.
+    """Least squares with some coefficients held at or above zero, by coordinate descent.
 
     A small ridge keeps near-copies (neighbouring points of a grid) from fighting each other.
     """
-    diagonal = np.maximum(np.diag(matrix), 1e-300)
-    scale = 1 / np.sqrt(diagonal)
-    normal = matrix * np.outer(scale, scale)
+    scale = 1 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
+    normal = np.ascontiguousarray(matrix * np.outer(scale, scale))
     normal[np.diag_indices_from(normal)] = 1.0 + 1e-3
-    goal = target * scale
-    x = np.zeros(len(goal))
-    for _ in range(200):
-        before = x.copy()
-        for i in range(len(x)):
-            value = x[i] + (goal[i] - normal[i] @ x) / normal[i, i]
-            x[i] = value if signed[i] else max(value, 0.0)
-        if np.max(np.abs(x - before), initial=0.0) < 1e-6 * (np.max(np.abs(x), initial=0.0) + 1e-12):
-            break
-    return x * scale
+    return _descend(normal, np.ascontiguousarray(target * scale), np.ascontiguousarray(signed)) * scale
 
 
-def loss(blocks: FloatArray, solution: FloatArray) -> FloatArray:
-    """Squared misfit in each block for a solution, shape (b,)."""
-    vector = -solution
-    vector[0] = 1.0
+def block_losses(blocks: FloatArray, vector: FloatArray) -> FloatArray:
+    """Squared misfit in each block, shape (b,), for coefficients of all columns."""
     return np.einsum("i,bij,j->b", vector, blocks, vector)

@@ -17,7 +17,7 @@ CHANNELS = (FORCE_CHANNEL, CONDUCTANCE_CHANNEL)
 SIGNAL_OF = {FORCE_CHANNEL: "force_N", CONDUCTANCE_CHANNEL: "conductance_S"}
 UNIT_OF = {FORCE_CHANNEL: "N", CONDUCTANCE_CHANNEL: "ln S"}
 
-MAX_GRID_HZ = 20.0
+MAX_GRID_HZ = 25.0
 BURN_IN_S = 3.0
 MIN_SAMPLES, MIN_DURATION_S, MIN_STRAIN_RANGE = 200, 20.0, 2e-3
 
@@ -84,7 +84,7 @@ def prepare(
     span : (start_s, end_s), optional
         Only samples in this span count; the history before it is simulated all the same.
     rate_hz : float, optional
-        Grid rate; default the recording's own, at most 20 Hz.
+        Grid rate; default the recording's own, at most `MAX_GRID_HZ`.
 
     Raises
     ------

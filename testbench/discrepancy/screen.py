@@ -11,12 +11,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from testbench.discrepancy.candidates import Candidate, candidate_ideas, expand, is_vector, trace, two_signed
+from testbench.discrepancy.candidates import (
+    SHAPE_IDEAS,
+    Candidate,
+    candidate_ideas,
+    expand,
+    is_vector,
+    trace,
+    two_signed,
+)
 from testbench.discrepancy.fit import SAMPLES_PER_INDEPENDENT, Fit, shape_scales
-from testbench.discrepancy.grams import Grams, grams, loss, solve
+from testbench.discrepancy.grams import Grams, Reduced, grams, reduce_to_traces
 from testbench.discrepancy.measurement import Measurement
 from testbench.discrepancy.noise import autoregression, robust_sd, whitened
-from testbench.discrepancy.parameters import FreeParameter, free_parameters
+from testbench.discrepancy.parameters import FreeParameter, free_parameters, values_of
 from testbench.discrepancy.sensitivity import sensitivities
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import Effect, FloatArray
@@ -25,16 +33,15 @@ from testbench.knit.model import KnitModel, SimulationCache
 
 @dataclass(frozen=True)
 class Score:
-    """How well one idea explains the residual.
+    """How well the best single form of an idea explains the residual.
 
     Attributes
     ----------
     idea : str
-    gains : ndarray, shape (b,)
-        Fall of the whitened squared error in each block, judged where it was not fitted, over the number of
-        samples of the block.
+    loss : float
+        Whitened squared error, judged where it was not fitted.
     share : float
-        Fall over all blocks as a share of the error without the idea.
+        Fall of the loss as a share of the loss without the idea.
     best : Candidate
         The form and shape that speaks for the idea.
     coefficient : float
@@ -42,30 +49,33 @@ class Score:
     """
 
     idea: str
-    gains: FloatArray
+    loss: float
     share: float
     best: Candidate
     coefficient: float
 
-    @property
-    def t(self) -> float:
-        """Mean gain over its standard error between blocks."""
-        error = self.gains.std(ddof=1) / np.sqrt(len(self.gains))
-        return float(self.gains.mean() / error) if error > 0 else 0.0
-
 
 @dataclass(frozen=True)
 class Traces:
-    """Everything the screening works on."""
+    """Everything the screening works on.
+
+    Attributes
+    ----------
+    candidates : tuple of Candidate
+    first, second : Grams
+        Of the calibration and the held-out recording.
+    addresses : tuple of str
+        Parameters whose sensitivities make the base.
+    weights, ridge : ndarray, shape (base,)
+        Their present values (fit coordinates) and prior precisions.
+    """
 
     candidates: tuple[Candidate, ...]
     first: Grams
     second: Grams
+    addresses: tuple[str, ...]
+    weights: FloatArray
     ridge: FloatArray
-
-    def column(self, index: int) -> int:
-        """Position of a candidate among the Gram columns."""
-        return 1 + self.first.base + index
 
 
 def collect(
@@ -74,6 +84,7 @@ def collect(
     held: Measurement,
     catalogue: Catalogue,
     progress: Callable[[str], None] | None = None,
+    white: bool = True,
 ) -> Traces:
     """Simulate every candidate on both recordings and form the inner products."""
     parts = [_Columns(fitted.model, fitted.parameters, measurement) for measurement in (calibration, held)]
@@ -88,12 +99,13 @@ def collect(
                 for part, item in zip(parts, found, strict=True):
                     part.traces.append(item)  # type: ignore[arg-type]
     stacked = [part.stacked() for part in parts]
-    filters, scale = _whitening(stacked, parts)
+    filters, scale = _whitening(stacked, parts, white)
     first, second = (
         grams(columns, part.measurement, filters, scale, len(fitted.parameters))
         for columns, part in zip(stacked, parts, strict=True)
     )
-    return Traces(tuple(kept), first, second, prior_ridge(fitted.parameters))
+    addresses = tuple(p.address for p in fitted.parameters)
+    return Traces(tuple(kept), first, second, addresses, fitted.vector, prior_ridge(fitted.parameters))
 
 
 class _Columns:
@@ -122,7 +134,7 @@ class _Columns:
 
 
 def _whitening(
-    stacked: Sequence[Mapping[str, FloatArray]], parts: Sequence[_Columns]
+    stacked: Sequence[Mapping[str, FloatArray]], parts: Sequence[_Columns], white: bool
 ) -> tuple[dict[str, FloatArray], dict[str, float]]:
     """Whitening filter and scale a channel, from what is left of the residual when everything may explain it."""
     filters, scale = {}, {}
@@ -133,50 +145,76 @@ def _whitening(
         gram = (x[1:] / norms) @ (x[1:] / norms).T
         gram[np.diag_indices_from(gram)] += 1e-4
         left = x[0] - np.linalg.solve(gram, (x[1:] / norms) @ x[0]) @ (x[1:] / norms)
-        filters[channel] = autoregression(left)
+        filters[channel] = autoregression(left) if white else np.ones(1)
         scale[channel] = max(robust_sd(whitened(left, filters[channel])), 1e-300)
     return filters, scale
 
 
-def score_ideas(traces: Traces) -> list[Score]:
-    """Score every idea, best first."""
-    ideas: dict[str, list[int]] = {}
+@dataclass(frozen=True)
+class Verdicts:
+    """Losses of the base alone and of every idea, over the ways the base may bend.
+
+    Attributes
+    ----------
+    base : dict of mode to float
+        Cross-judged loss of the base without any candidate.
+    ideas : dict of idea to dict of mode to float
+    """
+
+    base: Mapping[str, float]
+    ideas: Mapping[str, Mapping[str, float]]
+
+
+STIFF, FLEXIBLE = "stiff", "flexible"
+
+
+def modes(traces: Traces) -> dict[str, np.ndarray]:
+    """Ways the base may bend: stiff, flexible, and flexible but for one shape; kept sensitivities."""
+    owners = np.array([address.split(".")[0] for address in traces.addresses])
+    shapes = [shape for shape in SHAPE_IDEAS if shape in owners]
+    found = {STIFF: ~np.isin(owners, shapes), FLEXIBLE: np.ones(len(owners), bool)}
+    for shape in shapes:
+        found[f"without {shape}"] = owners != shape
+    return found
+
+
+def judge_ideas(traces: Traces) -> tuple[Verdicts, dict[tuple[str, str], Score]]:
+    """Cross-judge every idea under every mode of the base."""
+    members: dict[str, list[int]] = {}
     for index, candidate in enumerate(traces.candidates):
-        ideas.setdefault(candidate.idea, []).append(index)
-    bare = _cross_losses(traces, [], [])
-    scores = [_score(traces, idea, members, bare) for idea, members in ideas.items()]
-    return sorted(scores, key=lambda score: -score.share)
+        members.setdefault(candidate.idea, []).append(index)
+    base: dict[str, float] = {}
+    ideas: dict[str, dict[str, float]] = {idea: {} for idea in members}
+    spokesmen: dict[tuple[str, str], Score] = {}
+    for mode, kept in modes(traces).items():
+        folds = _folds(traces, kept)
+        base[mode] = sum(fold.judged([], np.zeros(0)) for fold in folds)
+        for idea, indices in members.items():
+            chosen = [1 + index for index in indices]
+            signed = [two_signed(type(traces.candidates[index].effect)) for index in indices]
+            ideas[idea][mode] = sum(fold.judged(chosen, fold.amounts(chosen, signed)) for fold in folds)
+            spokesmen[idea, mode] = _spokesman(traces, folds, idea, indices, signed, base[mode])
+    return Verdicts(base, ideas), spokesmen
 
 
-def _cross_losses(traces: Traces, columns: list[int], signed: list[bool]) -> FloatArray:
-    """Fit on either recording, judge on the other; squared error a block, shape (2 b,)."""
-    losses = []
-    for fit_on, judge in ((traces.first, traces.second), (traces.second, traces.first)):
-        solution = solve(fit_on.total, fit_on.base, columns, signed, traces.ridge)
-        losses.append(loss(judge.blocks, solution))
-    return np.concatenate(losses)
+def _folds(traces: Traces, kept: np.ndarray) -> list[Reduced]:
+    first, second = traces.first.total, traces.second.total
+    pairs = [(first, second), (second, first)] if second.any() else [(first, first)]
+    size = traces.first.base
+    return [reduce_to_traces(fit, judge, size, traces.ridge, kept, traces.weights) for fit, judge in pairs]
 
 
-def _score(traces: Traces, idea: str, members: list[int], bare: FloatArray) -> Score:
-    columns = [traces.column(index) for index in members]
-    signed = [two_signed(type(traces.candidates[index].effect)) for index in members]
-    losses = _cross_losses(traces, columns, signed)
-    samples = np.concatenate([traces.second.samples, traces.first.samples])
-    best, coefficient = _spokesman(traces, members, signed)
-    share = float((bare.sum() - losses.sum()) / bare.sum())
-    return Score(idea, (bare - losses) / samples, share, traces.candidates[best], coefficient)
-
-
-def _spokesman(traces: Traces, members: list[int], signed: list[bool]) -> tuple[int, float]:
-    """The one form and shape that explains most on both recordings together, and its coefficient."""
-    total = traces.first.total + traces.second.total
-    found = []
+def _spokesman(
+    traces: Traces, folds: Sequence[Reduced], idea: str, members: list[int], signed: list[bool], bare: float
+) -> Score:
+    """The one form and shape that does best where it was not fitted, and its coefficient."""
+    best = (np.inf, members[0], 0.0)
     for index, sign in zip(members, signed, strict=True):
-        column = traces.column(index)
-        solution = solve(total, traces.first.base, [column], [sign], traces.ridge)
-        found.append((float(loss(total[None], solution)[0]), index, float(solution[column])))
-    _, best, coefficient = min(found)
-    return best, coefficient
+        amounts = [fold.amounts([1 + index], [sign]) for fold in folds]
+        loss = sum(fold.judged([1 + index], amount) for fold, amount in zip(folds, amounts, strict=True))
+        if loss < best[0]:
+            best = (loss, index, float(amounts[0][0]))
+    return Score(idea, best[0], (bare - best[0]) / bare, traces.candidates[best[1]], best[2])
 
 
 def best_start(fitted_model: KnitModel, effect: Effect, calibration: Measurement) -> Effect:
@@ -202,10 +240,11 @@ def best_start(fitted_model: KnitModel, effect: Effect, calibration: Measurement
     scale = {channel: max(robust_sd(values[calibration.counts]), 1e-300) for channel, values in residual.items()}
     inner = grams(part.stacked(), calibration, plain, scale, len(parameters))
     empty = Grams(np.zeros_like(inner.blocks), inner.samples, inner.base)
-    traces = Traces(tuple(kept), inner, empty, prior_ridge(parameters))
-    signed = [two_signed(form)] * len(kept)
-    best, coefficient = _spokesman(traces, list(range(len(kept))), signed)
-    return kept[best].at(coefficient)
+    values = values_of(fitted_model, parameters)
+    traces = Traces(tuple(kept), inner, empty, tuple(p.address for p in parameters), values, prior_ridge(parameters))
+    folds = _folds(traces, np.ones(len(parameters), bool))
+    score = _spokesman(traces, folds, form.name, list(range(len(kept))), [two_signed(form)] * len(kept), 1.0)
+    return score.best.at(score.coefficient)
 
 
 def prior_ridge(parameters: Sequence[FreeParameter]) -> FloatArray:

@@ -71,6 +71,7 @@ class ContactCreep(Effect):
     """
 
     name = "contact_creep"
+    idea = "contact_relaxation"
     stage = Stage.PRESSURE
     reads, writes = ("contact_force_N",), ("contact_force_N",)
     strength = "per_decade"

@@ -12,7 +12,7 @@ import numpy as np
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 
 SPLINE_KNOTS = 8
-SLIP_STRAINS = np.geomspace(0.002, 0.25, 7)
+SLIP_STRAINS = np.geomspace(0.001, 0.3, 10)
 SLIP_SPAN = 0.3  # the span for which SLIP_STRAINS are given
 DRIFT_TAUS_S = (3.0, 30.0, 300.0)
 
@@ -88,7 +88,7 @@ class HysteresisShape(Effect):
 class ContactShape(Effect):
     """Any smooth correction to the law of conductance over contact force and strain, with hysteresis of its own.
 
-    ln G += sum_j w_j B_j(P / span_N) + sum_j u_j B_j(e / span) + sum_k v_k stop_k(e) / r_k
+    ln G += sum_j w_j B_j(P / span_N) + sum_j u_j B_j(e / span) + sum_k (v_k + z_k e / span) stop_k(e) / r_k
 
     Source: penalised splines, Eilers & Marx, Statist. Sci. 11 (1996) 89; slip as in `hysteresis_shape`.
     Valid: inside the force and strain seen in the fit.
@@ -110,13 +110,18 @@ class ContactShape(Effect):
     slip_weights: tuple[float, ...] = parameter(
         (0.0,) * len(SLIP_STRAINS), unit="1", low=-20, high=20, doc="change of ln G when a slip element has slipped"
     )
+    slip_growth: tuple[float, ...] = parameter(
+        (0.0,) * len(SLIP_STRAINS), unit="1", low=-20, high=20, doc="its growth over the strain span"
+    )
     low_N: float = parameter(0.0, unit="N", low=-1e3, high=1e3, doc="contact force where the bumps begin")
     span_N: float = parameter(3.0, unit="N", low=1e-3, high=1e4, doc="contact force covered by the bumps")
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain covered by the bumps")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         e = signals["strain"]
-        log_change = spline(e / self.span, self.strain_weights) + slips(e, self.span, self.slip_weights)
+        log_change = spline(e / self.span, self.strain_weights) + slips(
+            e, self.span, self.slip_weights, self.slip_growth
+        )
         if "contact_force_N" in signals:
             force = (signals["contact_force_N"] - self.low_N) / self.span_N
             log_change = log_change + spline(force, self.force_weights)

@@ -95,7 +95,8 @@ class ElectricalOvershootForce(Effect):
     """
 
     name = "electrical_overshoot_force"
-    idea = "electrical_overshoot"
+    # What relaxes is the contact under its force, so it speaks for that idea.
+    idea = "contact_relaxation"
     stage = Stage.ELECTRICAL
     reads, writes = ("contact_force_N", "conductance_S"), ("conductance_S",)
     strength = "gain_per_N"
