@@ -1,1 +1,19 @@
 """Model against measurement: where the model fails, which effect is missing, what adding it buys."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from testbench.discrepancy.diagnose import Diagnosis, diagnose
+
+__all__ = ["Diagnosis", "diagnose"]
+
+
+def __getattr__(name: str) -> Any:
+    # Loaded on first use: the command line must not pay for it on --help.
+    if name in __all__:
+        import importlib
+
+        return getattr(importlib.import_module("testbench.discrepancy.diagnose"), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

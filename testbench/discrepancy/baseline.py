@@ -12,6 +12,7 @@ from testbench.knit.model import KnitModel
 
 FORCE_SHAPES = ("elasticity_shape", "hysteresis_shape")
 CONDUCTANCE_SHAPES = ("contact_shape", "drift_shape")
+SHAPES = FORCE_SHAPES + CONDUCTANCE_SHAPES
 
 
 def starting_baseline(measurement: Measurement, catalogue: Catalogue | None = None) -> KnitModel:

@@ -11,13 +11,13 @@ import numpy as np
 from testbench.discrepancy.baseline import framed
 from testbench.discrepancy.measurement import Measurement
 from testbench.knit.catalogue import BASELINE, Catalogue
-from testbench.knit.effect import Effect, FloatArray, bounds_of
+from testbench.knit.effect import Effect, FloatArray, Signals, bounds_of
 from testbench.knit.model import KnitModel, SimulationCache
 
 SHAPE_IDEAS = ("elasticity_shape", "hysteresis_shape", "contact_shape", "drift_shape")
 BASE_IDEAS = frozenset({*BASELINE, *SHAPE_IDEAS})
 MAX_SHAPES = 9  # shape-parameter combinations tried for one form
-MAGNITUDES = (0.15, 0.4, 1.0)  # of a typical strength, for effects whose trace changes with their size
+MAGNITUDES = (0.05, 0.15, 0.4, 1.0, 2.0)  # of a typical strength, for effects whose trace changes with their size
 
 
 @dataclass(frozen=True)
@@ -45,6 +45,8 @@ class Candidate:
 
     def at(self, coefficient: float) -> Effect:
         """The effect at `coefficient` times the small strength, within its bounds."""
+        if is_vector(type(self.effect), self.effect.strength):
+            return self.effect
         extra = bounds_of(type(self.effect).model_fields[self.effect.strength])
         value = float(np.clip(coefficient * self.strength, extra["low"], extra["high"]))
         return self.effect.replaced(**{self.effect.strength: value})
@@ -57,7 +59,7 @@ def candidate_ideas(catalogue: Catalogue, model: KnitModel) -> dict[str, list[ty
     for idea, forms in catalogue.ideas().items():
         if idea in BASE_IDEAS or idea in present:
             continue
-        usable = [form for form in forms if form.strength and not is_vector(form, form.strength)]
+        usable = [form for form in forms if form.strength]
         if usable:
             found[idea] = usable
     return found
@@ -68,30 +70,41 @@ def is_vector(form: type[Effect], key: str) -> bool:
     return isinstance(form.model_fields[key].default, tuple)
 
 
-def applicable(form: type[Effect], model: KnitModel, measurement: Measurement) -> bool:
-    """Whether the model and the recording have what the effect reads, and its output is measured or passed on."""
-    state = model.simulate(measurement.signals, measurement.dt_s)
-    return all(signal in state for signal in form.reads)
-
-
 def expand(
-    forms: Sequence[type[Effect]], idea: str, model: KnitModel, measurement: Measurement
+    forms: Sequence[type[Effect]],
+    idea: str,
+    model: KnitModel,
+    measurement: Measurement,
+    state: Signals,
+    residual: Signals,
 ) -> Iterator[Candidate]:
-    """Every form over a coarse grid of its shape parameters."""
+    """Every form over a coarse grid of its shape parameters, or over the grid it makes from the data itself."""
     for form in forms:
-        if not applicable(form, model, measurement):
+        if not all(signal in state for signal in form.reads):
             continue
         base = framed(form(), model, measurement)
-        for values in _shape_grid(form, measurement):
-            for strength in _strengths(form):
-                effect = base.replaced(**values, **{form.strength: strength})
+        if is_vector(form, form.strength):
+            yield from _unit_vectors(base, idea)
+            continue
+        points = base.data_grid(state, residual, measurement.dt_s)
+        for values in points or _shape_grid(form, measurement):
+            for strength in [values[form.strength]] if form.strength in values else _strengths(form):
+                effect = base.replaced(**values | {form.strength: strength})
                 yield Candidate(idea, effect, strength)
+
+
+def _unit_vectors(effect: Effect, idea: str) -> Iterator[Candidate]:
+    """One candidate for each weight of a vector."""
+    count, small = len(getattr(effect, effect.strength)), 0.01
+    for index in range(count):
+        weights = tuple(small if i == index else 0.0 for i in range(count))
+        yield Candidate(idea, effect.replaced(**{effect.strength: weights}), small)
 
 
 def _shape_grid(form: type[Effect], measurement: Measurement) -> list[dict[str, float]]:
     axes: dict[str, list[float]] = {}
     for key, field in form.model_fields.items():
-        if key == form.strength or isinstance(field.default, tuple | bool | str):
+        if key in (form.strength, *form.per_recording) or isinstance(field.default, tuple | bool | str):
             continue
         axes[key] = _grid_of(bounds_of(field), measurement)
     points = [dict(zip(axes, values, strict=True)) for values in itertools.product(*axes.values())]

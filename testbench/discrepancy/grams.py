@@ -16,7 +16,7 @@ from testbench.discrepancy.measurement import Measurement
 from testbench.discrepancy.noise import whitened
 from testbench.knit.effect import FloatArray
 
-BLOCKS = 10
+BLOCKS = 40
 
 
 @dataclass(frozen=True)
@@ -42,32 +42,41 @@ class Grams:
         return self.blocks.sum(axis=0)
 
 
+Rows = Sequence[FloatArray | None]  # one channel's columns; None where a column does not touch the channel
+
+
 def grams(
-    columns: Mapping[str, FloatArray],
+    columns: Mapping[str, Rows],
     measurement: Measurement,
     filters: Mapping[str, FloatArray],
     scale: Mapping[str, float],
     base: int,
+    stride: int = 1,
 ) -> Grams:
     """Whiten the columns of each channel, centre them over the recording, and multiply them block by block.
 
     Parameters
     ----------
-    columns : mapping of channel to ndarray, shape (q, n)
-        Residual, sensitivities, traces.
+    columns : mapping of channel to sequence of ndarray, each shape (n,)
+        Residual, sensitivities, traces, features.
     filters, scale : mapping of channel
         Whitening filter and the spread of the whitened residual.
     base : int
         Number of sensitivities among the columns.
+    stride : int
+        Use every so many samples only; neighbours say nearly the same.
     """
-    rows = np.flatnonzero(measurement.counts)
-    parts = np.array_split(rows, BLOCKS)
-    count = next(iter(columns.values())).shape[0]
+    rows = np.flatnonzero(measurement.counts)[::stride]
+    parts = np.array_split(np.arange(len(rows)), BLOCKS)
+    count = len(next(iter(columns.values())))
     blocks = np.zeros((len(parts), count, count))
     for channel, values in columns.items():
-        white = whitened(values, filters[channel]) / scale[channel]
-        # Force zero and conductance gain belong to the mounting of each recording: they are free.
-        white -= white[:, rows].mean(axis=1, keepdims=True)
+        white = np.zeros((count, len(rows)))
+        for index, row in enumerate(values):
+            if row is not None:
+                picked = whitened(row, filters[channel])[rows] / scale[channel]
+                # Force zero and conductance gain belong to the mounting of each recording: they are free.
+                white[index] = picked - picked.mean()
         for index, part in enumerate(parts):
             piece = white[:, part[0] : part[-1] + 1]
             blocks[index] += piece @ piece.T
@@ -96,6 +105,14 @@ class Reduced:
         """Best amounts of the chosen traces (indices count from 1), shape (len(chosen),)."""
         rows = np.asarray(chosen, int)
         return nonnegative(self.fit[np.ix_(rows, rows)], self.fit[rows, 0], np.asarray(signed, bool))
+
+    def shrunk(self, chosen: Sequence[int], ridge: float) -> FloatArray:
+        """Amounts of the chosen columns under a ridge, in thousandths of each column's own inner product."""
+        rows = np.asarray(chosen, int)
+        matrix = self.fit[np.ix_(rows, rows)].copy()
+        diagonal = np.maximum(np.diag(matrix), 1e-12 * np.max(np.diag(matrix), initial=1e-300))
+        matrix[np.diag_indices_from(matrix)] = diagonal * (1 + 1e-3 * ridge)
+        return np.linalg.solve(matrix, self.fit[rows, 0])
 
     def judged(self, chosen: Sequence[int], amounts: FloatArray) -> float:
         """Squared misfit on the judging blocks."""

@@ -21,7 +21,8 @@ from testbench.discrepancy.candidates import (
     two_signed,
 )
 from testbench.discrepancy.fit import SAMPLES_PER_INDEPENDENT, Fit, shape_scales
-from testbench.discrepancy.grams import Grams, Reduced, grams, reduce_to_traces
+from testbench.discrepancy.freeform import features
+from testbench.discrepancy.grams import Grams, Rows, grams, reduce_to_traces
 from testbench.discrepancy.measurement import Measurement
 from testbench.discrepancy.noise import autoregression, robust_sd, whitened
 from testbench.discrepancy.parameters import FreeParameter, free_parameters, values_of
@@ -57,17 +58,19 @@ class Score:
 
 @dataclass(frozen=True)
 class Traces:
-    """Everything the screening works on.
+    """Everything one weighing of the evidence works on.
 
     Attributes
     ----------
     candidates : tuple of Candidate
     first, second : Grams
-        Of the calibration and the held-out recording.
+        Of the calibration and the held-out recording. Columns: residual, sensitivities, traces, free-form features.
     addresses : tuple of str
         Parameters whose sensitivities make the base.
     weights, ridge : ndarray, shape (base,)
         Their present values (fit coordinates) and prior precisions.
+    features : tuple of (str, str)
+        Channel and group of each free-form feature.
     """
 
     candidates: tuple[Candidate, ...]
@@ -76,6 +79,10 @@ class Traces:
     addresses: tuple[str, ...]
     weights: FloatArray
     ridge: FloatArray
+    features: tuple[tuple[str, str], ...] = ()
+
+
+WHITE_STRIDE, PLAIN_STRIDE, WHITENING_STRIDE = 2, 4, 5
 
 
 def collect(
@@ -84,28 +91,55 @@ def collect(
     held: Measurement,
     catalogue: Catalogue,
     progress: Callable[[str], None] | None = None,
-    white: bool = True,
-) -> Traces:
-    """Simulate every candidate on both recordings and form the inner products."""
+) -> dict[str, Traces]:
+    """Simulate every candidate on both recordings and form the inner products.
+
+    Returns
+    -------
+    dict of {"white", "plain"} to Traces
+        The same evidence weighed twice. Whitened, noise of any colour counts for what it is, and quick effects stand
+        out; plain, what matters is how much of the error goes away, and slow effects are not taken for slow noise.
+    """
     parts = [_Columns(fitted.model, fitted.parameters, measurement) for measurement in (calibration, held)]
     kept: list[Candidate] = []
     for idea, forms in candidate_ideas(catalogue, fitted.model).items():
         if progress:
             progress(f"screening {idea}")
-        for candidate in expand(forms, idea, fitted.model, calibration):
+        for candidate in expand(forms, idea, fitted.model, calibration, parts[0].state, parts[0].residual):
             found = [part.trace(candidate) for part in parts]
             if all(item is not None for item in found):
                 kept.append(candidate)
                 for part, item in zip(parts, found, strict=True):
                     part.traces.append(item)  # type: ignore[arg-type]
-    stacked = [part.stacked() for part in parts]
-    filters, scale = _whitening(stacked, parts, white)
-    first, second = (
-        grams(columns, part.measurement, filters, scale, len(fitted.parameters))
-        for columns, part in zip(stacked, parts, strict=True)
-    )
+    free = [_free_columns(part.measurement) for part in parts]
     addresses = tuple(p.address for p in fitted.parameters)
-    return Traces(tuple(kept), first, second, addresses, fitted.vector, prior_ridge(fitted.parameters))
+    ridge = prior_ridge(fitted.parameters)
+    weighed = {}
+    for name, white, stride in (("white", True, WHITE_STRIDE), ("plain", False, PLAIN_STRIDE)):
+        filters, scale = _whitening(parts[0], white)
+        both = [
+            grams(_joined(part.rows(), extra), part.measurement, filters, scale, len(addresses), stride)
+            for part, extra in zip(parts, free, strict=True)
+        ]
+        names = tuple(name for name, _ in free[0])
+        weighed[name] = Traces(tuple(kept), both[0], both[1], addresses, fitted.vector, ridge, names)
+    return weighed
+
+
+FreeColumns = list[tuple[tuple[str, str], FloatArray]]
+
+
+def _free_columns(measurement: Measurement) -> FreeColumns:
+    """Free-form features, once for each channel: ((channel, group), values)."""
+    groups = features(measurement)
+    return [((c, group), row) for c in measurement.channels for group, rows in groups.items() for row in rows]
+
+
+def _joined(columns: Mapping[str, Rows], free: FreeColumns) -> dict[str, Rows]:
+    return {
+        channel: [*rows, *(row if name[0] == channel else None for name, row in free)]
+        for channel, rows in columns.items()
+    }
 
 
 class _Columns:
@@ -115,43 +149,46 @@ class _Columns:
         self.model, self.measurement = model, measurement
         self.cache = SimulationCache()
         self.modelled, self.jacobian = sensitivities(model, parameters, measurement, SimulationCache())
+        self.state = model.simulate(measurement.signals, measurement.dt_s)
+        self.residual = {c: measurement.measured[c] - self.modelled[c] for c in measurement.channels}
         self.traces: list[dict[str, FloatArray]] = []
 
     def trace(self, candidate: Candidate) -> dict[str, FloatArray] | None:
         return trace(candidate, self.model, self.measurement, self.modelled, self.cache)
 
-    def stacked(self) -> dict[str, FloatArray]:
+    def rows(self) -> dict[str, Rows]:
+        """Residual, sensitivities and traces of each channel."""
         return {
-            channel: np.vstack(
-                [
-                    (self.measurement.measured[channel] - self.modelled[channel])[None],
-                    self.jacobian[channel],
-                    *(item[channel][None] for item in self.traces),
-                ]
-            )
+            channel: [self.residual[channel], *self.jacobian[channel], *(item[channel] for item in self.traces)]
             for channel in self.measurement.channels
         }
 
 
-def _whitening(
-    stacked: Sequence[Mapping[str, FloatArray]], parts: Sequence[_Columns], white: bool
-) -> tuple[dict[str, FloatArray], dict[str, float]]:
+def _whitening(part: _Columns, white: bool) -> tuple[dict[str, FloatArray], dict[str, float]]:
     """Whitening filter and scale a channel, from what is left of the residual when everything may explain it."""
     filters, scale = {}, {}
-    for channel in parts[0].measurement.channels:
-        columns, rows = stacked[0][channel], parts[0].measurement.counts
-        x = columns[:, rows] - columns[:, rows].mean(axis=1, keepdims=True)
-        norms = np.maximum(np.linalg.norm(x[1:], axis=1, keepdims=True), 1e-300)
-        gram = (x[1:] / norms) @ (x[1:] / norms).T
+    counts = part.measurement.counts
+    for channel, rows in part.rows().items():
+        picked = np.stack([row[counts][::WHITENING_STRIDE] for row in rows if row is not None])
+        picked -= picked.mean(axis=1, keepdims=True)
+        norms = np.linalg.norm(picked[1:], axis=1)
+        norms[norms == 0] = 1.0  # a trace that does not touch this channel
+        gram = (picked[1:] @ picked[1:].T) / np.outer(norms, norms)
         gram[np.diag_indices_from(gram)] += 1e-4
-        left = x[0] - np.linalg.solve(gram, (x[1:] / norms) @ x[0]) @ (x[1:] / norms)
-        filters[channel] = autoregression(left) if white else np.ones(1)
-        scale[channel] = max(robust_sd(whitened(left, filters[channel])), 1e-300)
+        amounts = np.linalg.solve(gram, (picked[1:] @ picked[0]) / norms) / norms
+        left = rows[0] - sum(amount * row for amount, row in zip(amounts, rows[1:], strict=True))
+        filters[channel] = autoregression(left[counts]) if white else np.ones(1)
+        scale[channel] = max(robust_sd(whitened(left, filters[channel])[counts]), 1e-300)
     return filters, scale
 
 
+STIFF, FLEXIBLE = "stiff", "flexible"
+# What an effect that is free in every recording must do better to be preferred to one that is not.
+PRICE_PER_RECORDING = 0.1
+
+
 @dataclass(frozen=True)
-class Verdicts:
+class Judgement:
     """Losses of the base alone and of every idea, over the ways the base may bend.
 
     Attributes
@@ -159,13 +196,19 @@ class Verdicts:
     base : dict of mode to float
         Cross-judged loss of the base without any candidate.
     ideas : dict of idea to dict of mode to float
+    spokesmen : dict of (idea, mode) to Score
+        The single form that speaks for the idea.
+    ceiling : float
+        Loss when a free-form map of the residual helps the flexible base: what any effect could reach.
+    depends_on : dict of (channel, group of coordinates) to float
+        Loss when only that group of the free form helps.
     """
 
     base: Mapping[str, float]
     ideas: Mapping[str, Mapping[str, float]]
-
-
-STIFF, FLEXIBLE = "stiff", "flexible"
+    spokesmen: Mapping[tuple[str, str], Score]
+    ceiling: float
+    depends_on: Mapping[tuple[str, str], float]
 
 
 def modes(traces: Traces) -> dict[str, np.ndarray]:
@@ -178,7 +221,7 @@ def modes(traces: Traces) -> dict[str, np.ndarray]:
     return found
 
 
-def judge_ideas(traces: Traces) -> tuple[Verdicts, dict[tuple[str, str], Score]]:
+def judge_ideas(traces: Traces) -> Judgement:
     """Cross-judge every idea under every mode of the base."""
     members: dict[str, list[int]] = {}
     for index, candidate in enumerate(traces.candidates):
@@ -187,34 +230,80 @@ def judge_ideas(traces: Traces) -> tuple[Verdicts, dict[tuple[str, str], Score]]
     ideas: dict[str, dict[str, float]] = {idea: {} for idea in members}
     spokesmen: dict[tuple[str, str], Score] = {}
     for mode, kept in modes(traces).items():
-        folds = _folds(traces, kept)
-        base[mode] = sum(fold.judged([], np.zeros(0)) for fold in folds)
+        across, within = _Folds(traces, _across(traces), kept), _Folds(traces, _within(traces), kept)
+        base[mode] = across.bare
         for idea, indices in members.items():
-            chosen = [1 + index for index in indices]
-            signed = [two_signed(type(traces.candidates[index].effect)) for index in indices]
-            ideas[idea][mode] = sum(fold.judged(chosen, fold.amounts(chosen, signed)) for fold in folds)
-            spokesmen[idea, mode] = _spokesman(traces, folds, idea, indices, signed, base[mode])
-    return Verdicts(base, ideas), spokesmen
+            score = _best_score(traces, idea, indices, across, within)
+            ideas[idea][mode], spokesmen[idea, mode] = score.loss, score
+    across = _Folds(traces, _across(traces), modes(traces)[FLEXIBLE])
+    groups = {name: _free_loss(traces, across, [name]) for name in dict.fromkeys(traces.features)}
+    return Judgement(base, ideas, spokesmen, _free_loss(traces, across, list(groups)), groups)
 
 
-def _folds(traces: Traces, kept: np.ndarray) -> list[Reduced]:
+FREE_RIDGES = (10.0, 300.0, 1e4)  # shares of the largest inner product per mille
+
+
+def _free_loss(traces: Traces, folds: _Folds, groups: Sequence[tuple[str, str]]) -> float:
+    """Loss with some groups of the free form, shrunk by the ridge that judges best."""
+    start = 1 + len(traces.candidates)
+    chosen = [start + i for i, name in enumerate(traces.features) if name in set(groups)]
+    return min(sum(part.judged(chosen, part.shrunk(chosen, ridge)) for part in folds.parts) for ridge in FREE_RIDGES)
+
+
+def _across(traces: Traces) -> list[tuple[FloatArray, FloatArray]]:
+    """Fit on either recording, judge on the other."""
     first, second = traces.first.total, traces.second.total
-    pairs = [(first, second), (second, first)] if second.any() else [(first, first)]
-    size = traces.first.base
-    return [reduce_to_traces(fit, judge, size, traces.ridge, kept, traces.weights) for fit, judge in pairs]
+    return [(first, second), (second, first)]
 
 
-def _spokesman(
-    traces: Traces, folds: Sequence[Reduced], idea: str, members: list[int], signed: list[bool], bare: float
-) -> Score:
-    """The one form and shape that does best where it was not fitted, and its coefficient."""
-    best = (np.inf, members[0], 0.0)
-    for index, sign in zip(members, signed, strict=True):
-        amounts = [fold.amounts([1 + index], [sign]) for fold in folds]
-        loss = sum(fold.judged([1 + index], amount) for fold, amount in zip(folds, amounts, strict=True))
-        if loss < best[0]:
-            best = (loss, index, float(amounts[0][0]))
-    return Score(idea, best[0], (bare - best[0]) / bare, traces.candidates[best[1]], best[2])
+def _within(traces: Traces) -> list[tuple[FloatArray, FloatArray]]:
+    """Fit on every other block of a recording, judge on the rest of the same recording."""
+    pairs = []
+    for part in (traces.first, traces.second):
+        even, odd = part.blocks[::2].sum(axis=0), part.blocks[1::2].sum(axis=0)
+        pairs += [(even, odd), (odd, even)]
+    return pairs
+
+
+class _Folds:
+    """The same base fitted and judged on several pairs of block sets."""
+
+    def __init__(self, traces: Traces, pairs: Sequence[tuple[FloatArray, FloatArray]], kept: np.ndarray) -> None:
+        size = traces.first.base
+        self.parts = [reduce_to_traces(fit, judge, size, traces.ridge, kept, traces.weights) for fit, judge in pairs]
+        self.bare = self.loss([], [])
+
+    def loss(self, chosen: Sequence[int], signed: Sequence[bool]) -> float:
+        return sum(part.judged(chosen, part.amounts(chosen, signed)) for part in self.parts)
+
+
+def _best_score(traces: Traces, idea: str, members: list[int], across: _Folds, within: _Folds) -> Score:
+    """The best of: each form's single best point; all linear points of a form together."""
+    forms: dict[str, list[int]] = {}
+    for index in members:
+        forms.setdefault(traces.candidates[index].form, []).append(index)
+    scores = []
+    for indices in forms.values():
+        effect = traces.candidates[indices[0]].effect
+        folds = within if effect.per_recording else across
+        scores.append(_form_score(traces, idea, indices, folds, across.bare))
+    return min(scores, key=lambda score: score.loss)
+
+
+def _form_score(traces: Traces, idea: str, members: list[int], folds: _Folds, bare: float) -> Score:
+    effect = traces.candidates[members[0]].effect
+    signed = two_signed(type(effect))
+    alone = [folds.loss([1 + index], [signed]) for index in members]
+    best = int(np.argmin(alone))
+    loss = alone[best]
+    if not type(effect).nonlinear and len(members) > 1:
+        loss = min(loss, folds.loss([1 + index for index in members], [signed] * len(members)))
+    # Relative to the same base on the same folds, then brought to the scale of the folds across recordings.
+    loss = loss / folds.bare * bare
+    if effect.per_recording:
+        loss += PRICE_PER_RECORDING * max(bare - loss, 0.0)
+    amounts = folds.parts[0].amounts([1 + members[best]], [signed])
+    return Score(idea, loss, (bare - loss) / bare, traces.candidates[members[best]], float(amounts[0]))
 
 
 def best_start(fitted_model: KnitModel, effect: Effect, calibration: Measurement) -> Effect:
@@ -228,7 +317,7 @@ def best_start(fitted_model: KnitModel, effect: Effect, calibration: Measurement
     parameters = free_parameters(fitted_model, shape_scales(calibration))
     part = _Columns(fitted_model, parameters, calibration)
     kept = []
-    for candidate in expand([form], effect.idea or effect.name, fitted_model, calibration):
+    for candidate in expand([form], form.name, fitted_model, calibration, part.state, part.residual):
         found = part.trace(candidate)
         if found is not None:
             kept.append(candidate)
@@ -238,12 +327,12 @@ def best_start(fitted_model: KnitModel, effect: Effect, calibration: Measurement
     plain = {channel: np.ones(1) for channel in calibration.channels}
     residual = calibration.residual(fitted_model)
     scale = {channel: max(robust_sd(values[calibration.counts]), 1e-300) for channel, values in residual.items()}
-    inner = grams(part.stacked(), calibration, plain, scale, len(parameters))
+    inner = grams(part.rows(), calibration, plain, scale, len(parameters), PLAIN_STRIDE)
     empty = Grams(np.zeros_like(inner.blocks), inner.samples, inner.base)
     values = values_of(fitted_model, parameters)
     traces = Traces(tuple(kept), inner, empty, tuple(p.address for p in parameters), values, prior_ridge(parameters))
-    folds = _folds(traces, np.ones(len(parameters), bool))
-    score = _spokesman(traces, folds, form.name, list(range(len(kept))), [two_signed(form)] * len(kept), 1.0)
+    folds = _Folds(traces, [(inner.total, inner.total)], np.ones(len(parameters), bool))
+    score = _form_score(traces, form.name, list(range(len(kept))), folds, folds.bare)
     return score.best.at(score.coefficient)
 
 

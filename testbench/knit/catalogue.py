@@ -72,6 +72,7 @@ BUILT_IN = {
     "self_heating_current": "testbench.knit.heat:SelfHeatingCurrent",
     "temperature_drift": "testbench.knit.heat:TemperatureDrift",
     "temperature_drift_trend": "testbench.knit.heat:TemperatureDriftTrend",
+    "temperature_drift_wander": "testbench.knit.heat:TemperatureDriftWander",
     "thermal_softening": "testbench.knit.heat:ThermalSoftening",
     # read-out
     "channel_lag": "testbench.knit.readout:ChannelLag",

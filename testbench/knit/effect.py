@@ -102,6 +102,8 @@ class Effect(BaseModel):
     nonlinear : bool
         The response has a threshold (a gap, a clipping level), so a small strength says little about a large one:
         try a grid of magnitudes instead of a finite difference at zero.
+    per_recording : tuple of str
+        Parameters that belong to one recording, not to the sensor (the phase of a hum): each has its own.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
@@ -115,6 +117,7 @@ class Effect(BaseModel):
     look: ClassVar[str] = ""
     optional_reads: ClassVar[tuple[str, ...]] = ()
     nonlinear: ClassVar[bool] = False
+    per_recording: ClassVar[tuple[str, ...]] = ()
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         """Return new arrays for the signals in `writes`.
@@ -127,6 +130,18 @@ class Effect(BaseModel):
             Grid step in seconds.
         """
         raise NotImplementedError
+
+    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+        """Parameter points worth a try on these data, where a generic grid would miss them; default: none.
+
+        Parameters
+        ----------
+        signals : mapping of str to ndarray, each shape (n,)
+            Everything the model without this effect makes.
+        residual : mapping of str to ndarray, each shape (n,)
+            Measured minus modelled: ``force`` in N, ``conductance`` in ln S, as far as measured.
+        """
+        return []
 
     def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
         """A start for a fit, made from measured ``force_N``, ``conductance_S`` and ``strain``."""

@@ -118,6 +118,33 @@ class TemperatureDriftTrend(Effect):
         return {"conductance_S": shifted(signals["conductance_S"], self.coefficient_per_h * hours)}
 
 
+class TemperatureDriftWander(Effect):
+    """An unmeasured room whose temperature wanders slowly, in its own way in each recording.
+
+    ln G += sum_j w_j B_j(t / duration)
+
+    Source: as `temperature_drift`; penalised splines, Eilers & Marx, Statist. Sci. 11 (1996) 89.
+    Valid: wandering slower than a tenth of the recording. It can imitate any slow drift: measure the temperature.
+    """
+
+    name = "temperature_drift_wander"
+    idea = "temperature_drift"
+    stage = Stage.ELECTRICAL
+    reads, writes = ("time_s", "conductance_S"), ("conductance_S",)
+    strength = "weights"
+    per_recording = ("weights",)
+    look = "conductance wanders slowly, differently in every recording, whatever the motion"
+
+    weights: tuple[float, ...] = parameter((0.0,) * 10, unit="1", low=-5, high=5, doc="height of each bump over time")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        from testbench.knit.kernels import bspline
+
+        t = signals["time_s"]
+        wander = bspline(t / max(t[-1], dt_s), np.asarray(self.weights))
+        return {"conductance_S": shifted(signals["conductance_S"], wander)}
+
+
 class ThermalSoftening(Effect):
     """Warm yarn is softer: the force follows the measured temperature.
 
@@ -128,6 +155,7 @@ class ThermalSoftening(Effect):
     """
 
     name = "thermal_softening"
+    idea = "temperature_drift"
     stage = Stage.MECHANICS
     reads, writes = ("force_N",), ("force_N",)
     optional_reads = ("temperature_C",)

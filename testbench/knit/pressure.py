@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from testbench.knit import spectra
@@ -95,6 +97,12 @@ def guess_limit(effect: Effect, signals: Signals) -> Effect:
     return effect.replaced(inverse_limit_per_N=1 / top_N)
 
 
+def _limits(signals: Signals, quantiles: tuple[float, ...]) -> list[dict[str, Any]]:
+    """Saturation at these quantiles of the contact force."""
+    limits_N = (float(np.quantile(signals["contact_force_N"], q)) for q in quantiles)
+    return [{"inverse_limit_per_N": 1 / limit_N} for limit_N in limits_N if limit_N > 1e-3]
+
+
 class ContactSaturation(Effect):
     """All loops touch: more force makes no more contact, softly.
 
@@ -116,6 +124,10 @@ class ContactSaturation(Effect):
         0.3, unit="1/N", low=0, high=1e3, doc="inverse of the largest useful force"
     )
     hardness: float = parameter(3.0, unit="1", low=1, high=20, scale="log", doc="1: soft bend; 20: a corner")
+
+    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+        points = _limits(signals, (0.5, 0.75, 0.9, 0.97))
+        return [point | {"hardness": hardness} for point in points for hardness in (1.0, 2.0, 4.0)]
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         pressing_N = signals["contact_force_N"]
@@ -149,6 +161,9 @@ class ContactSaturationHard(Effect):
     inverse_limit_per_N: float = parameter(
         0.3, unit="1/N", low=0, high=1e3, doc="inverse of the largest useful force"
     )
+
+    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+        return _limits(signals, (0.6, 0.75, 0.85, 0.93, 0.97))
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         limit_N = 1 / self.inverse_limit_per_N if self.inverse_limit_per_N > 0 else np.inf

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from testbench.knit import spectra
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 from testbench.knit.filters import lowpass, memory
+
+NEAR_THE_TOP = (0.6, 0.75, 0.85, 0.92, 0.96, 0.985)  # quantiles at which a read-out may clip
 
 
 class ChannelLag(Effect):
@@ -101,6 +105,9 @@ class AdcSaturation(Effect):
     def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
         return self.replaced(floor_ohm=float(1 / np.quantile(signals["conductance_S"], 0.95)))
 
+    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+        return [{"floor_ohm": float(1 / np.quantile(signals["conductance_S"], q))} for q in NEAR_THE_TOP]
+
 
 class AdcSaturationHigh(Effect):
     """The converter cannot read resistances above a ceiling: conductance is cut off at the bottom.
@@ -126,6 +133,9 @@ class AdcSaturationHigh(Effect):
 
     def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
         return self.replaced(floor_S=float(np.quantile(signals["conductance_S"], 0.05)))
+
+    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+        return [{"floor_S": float(np.quantile(signals["conductance_S"], 1 - q))} for q in NEAR_THE_TOP]
 
 
 class AdcSaturationForce(Effect):
@@ -153,6 +163,10 @@ class AdcSaturationForce(Effect):
 
     def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
         return self.replaced(inverse_range_per_N=1 / max(float(np.quantile(signals["force_N"], 0.95)), 1e-3))
+
+    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+        tops_N = (float(np.quantile(signals["force_N"], q)) for q in NEAR_THE_TOP)
+        return [{"inverse_range_per_N": 1 / top_N} for top_N in tops_N if top_N > 1e-3]
 
 
 class LoadCellCreep(Effect):
@@ -213,6 +227,7 @@ class LoadCellZeroDrift(Effect):
     """
 
     name = "load_cell_zero_drift"
+    idea = "load_cell_creep"
     stage = Stage.READOUT
     reads, writes = ("time_s", "force_N"), ("force_N",)
     strength = "drift_N"
@@ -238,6 +253,7 @@ class PeriodicInterference(Effect):
     stage = Stage.READOUT
     reads, writes = ("time_s", "conductance_S"), ("conductance_S",)
     strength = "amplitude"
+    per_recording = ("phase_rad",)
     look = "a sine rides on the conductance, in holds too; a sharp line in the spectrum"
 
     amplitude: float = parameter(0.01, unit="1", low=0, high=0.5, doc="relative amplitude")
@@ -250,6 +266,9 @@ class PeriodicInterference(Effect):
 
     def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
         return self.replaced(frequency_Hz=strongest_frequency_Hz(np.log(signals["conductance_S"]), dt_s))
+
+    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+        return _waves(residual.get("conductance"), dt_s)
 
 
 class PeriodicInterferenceForce(Effect):
@@ -266,6 +285,7 @@ class PeriodicInterferenceForce(Effect):
     stage = Stage.READOUT
     reads, writes = ("time_s", "force_N"), ("force_N",)
     strength = "amplitude_N"
+    per_recording = ("phase_rad",)
     look = "a sine rides on the force, in holds too; a sharp line in the spectrum"
 
     amplitude_N: float = parameter(0.02, unit="N", low=0, high=50, doc="amplitude")
@@ -278,6 +298,17 @@ class PeriodicInterferenceForce(Effect):
 
     def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
         return self.replaced(frequency_Hz=strongest_frequency_Hz(signals["force_N"], dt_s))
+
+    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+        return _waves(residual.get("force"), dt_s)
+
+
+def _waves(residual: FloatArray | None, dt_s: float) -> list[dict[str, Any]]:
+    """The sharpest line of the residual, in and out of phase: together they reach any phase."""
+    if residual is None:
+        return []
+    frequency = strongest_frequency_Hz(residual, dt_s)
+    return [{"frequency_Hz": frequency, "phase_rad": phase} for phase in (-np.pi / 2, 0.0, np.pi / 2, np.pi)]
 
 
 def strongest_frequency_Hz(x: FloatArray, dt_s: float) -> float:

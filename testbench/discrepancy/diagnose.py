@@ -1,0 +1,194 @@
+"""What is missing: every catalogue effect weighed, the best put in and judged on held-out data, and a verdict."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from testbench.discrepancy.baseline import SHAPES, starting_baseline, with_shapes
+from testbench.discrepancy.errors import noise_floors
+from testbench.discrepancy.evidence import Evidence, Weighing, weigh
+from testbench.discrepancy.fit import Fit, fit
+from testbench.discrepancy.ladder import held_errors, ladder_step
+from testbench.discrepancy.measurement import Measurement, split
+from testbench.discrepancy.model_file import ModelFile, fit_summary
+from testbench.discrepancy.screen import FLEXIBLE, STIFF, collect
+from testbench.knit.catalogue import Catalogue, load_catalogue
+from testbench.knit.model import KnitModel
+from testbench.recording import Recording
+
+Verdict = Literal["missing", "nothing_missing", "unknown"]
+Progress = Callable[[str], None]
+
+# Set on simulated sensors whose physics is written apart from this model (benchmarks/bench_diagnosis.py).
+GAIN_TO_NAME = 0.12  # an idea must gain this much to be called missing
+GAIN_OF_STRUCTURE = 0.12  # a free-form map must gain this much to be called structure
+SHARE_EXPLAINED = 0.5  # of that structure, an idea must explain this share
+TIE = 0.08  # ideas closer than this cannot be told apart
+REFITS = 10
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """Result of `diagnose`.
+
+    Attributes
+    ----------
+    verdict : {"missing", "nothing_missing", "unknown"}
+    weighing : Weighing
+    tied : tuple of str
+        Ideas that this pair of recordings cannot tell from the first; empty where the first stands alone.
+    base_misfits : tuple of str
+        Shapes that the base law needs: its own misfit, whatever else is missing.
+    before, after : ModelFile
+        The baseline, and with what was found put in and refitted.
+    error_before, error_after, noise_floor : dict of channel to float
+        Held-out RMS in N and in ln S.
+    """
+
+    verdict: Verdict
+    weighing: Weighing
+    tied: tuple[str, ...]
+    base_misfits: tuple[str, ...]
+    before: ModelFile
+    after: ModelFile
+    error_before: Mapping[str, float]
+    error_after: Mapping[str, float]
+    noise_floor: Mapping[str, float]
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready form; the shape is documented in docs/diagnosis.md."""
+        return {
+            "verdict": self.verdict,
+            "ranking": [_ranked(entry, self.tied) for entry in self.weighing.ranking],
+            "tied": list(self.tied),
+            "base_misfits": list(self.base_misfits),
+            "depends_on": [
+                {"channel": channel, "coordinate": coordinate, "gain": gain}
+                for channel, coordinate, gain in self.weighing.depends_on
+            ],
+            "ceiling_gain": self.weighing.ceiling,
+            "error_before": dict(self.error_before),
+            "error_after": dict(self.error_after),
+            "noise_floor": dict(self.noise_floor),
+            "model_before": self.before.model.to_dict(),
+            "model_after": self.after.model.to_dict(),
+            "parameters_after": dict(self.after.fit),
+            "history": [dict(step) for step in self.after.history],
+        }
+
+
+def _ranked(entry: Evidence, tied: tuple[str, ...]) -> dict[str, Any]:
+    return {
+        "effect": entry.idea,
+        "form": entry.form,
+        "gain": entry.gain,
+        "gains": dict(entry.gains),
+        "error_share_left": float(np.exp(-0.5 * entry.gains["plain"])),
+        "tied_for_first": entry.idea in tied,
+        "start": entry.candidate.at(entry.coefficient).model_dump(mode="json"),
+    }
+
+
+def diagnose(
+    recording: Recording,
+    held_out: Recording | None = None,
+    model: KnitModel | None = None,
+    catalogue: Catalogue | None = None,
+    progress: Progress | None = None,
+) -> Diagnosis:
+    """Find out which physical effect a model is missing.
+
+    Parameters
+    ----------
+    recording : Recording
+        To calibrate on.
+    held_out : Recording, optional
+        To judge on; default the last third of `recording`.
+    model : KnitModel, optional
+        Start from this model instead of the baseline.
+    catalogue : Catalogue, optional
+        Effects to consider.
+    progress : callable, optional
+        Called with a short text at each step.
+
+    Raises
+    ------
+    UserError
+        If the recordings are too short or still, have a constant channel, or do not fit together.
+    """
+    tell = progress or _silent
+    catalogue = catalogue or load_catalogue()
+    calibration, held = split(recording, held_out)
+    tell("fitting the baseline")
+    stiff = fit(model or starting_baseline(calibration, catalogue), [calibration])
+    tell("fitting the shape of the base laws")
+    flexible = fit(with_shapes(stiff.model, calibration, catalogue), [calibration], max_iterations=REFITS)
+    weighing = weigh(collect(flexible, calibration, held, catalogue, tell))
+    return _concluded(weighing, stiff, flexible, calibration, held, tell)
+
+
+def _concluded(
+    weighing: Weighing, stiff: Fit, flexible: Fit, calibration: Measurement, held: Measurement, tell: Progress
+) -> Diagnosis:
+    verdict = verdict_of(weighing)
+    best = weighing.ranking[0] if weighing.ranking else None
+    named = best if verdict == "missing" else None
+    mode = named.mode if named else weighing.base_mode
+    before = _step_file(stiff, None, "baseline", calibration, held)
+    start = _bent(stiff.model, flexible.model, mode)
+    misfits = tuple(name for name in start if name in SHAPES and name not in stiff.model)
+    after = before
+    if misfits:
+        tell(f"refitting with {', '.join(misfits)}")
+        bent = fit(start, [calibration], max_iterations=REFITS)
+        start = bent.model
+        after = _step_file(bent, after, "+ " + ", ".join(misfits), calibration, held)
+    if named:
+        tell(f"putting in {named.form} and refitting")
+        found = fit(start.plus(named.candidate.at(named.coefficient)), [calibration], max_iterations=2 * REFITS)
+        after = _step_file(found, after, f"+ {named.form}", calibration, held)
+    errors = (held_errors(before.model, held), held_errors(after.model, held))
+    return Diagnosis(verdict, weighing, _tied(weighing, verdict), misfits, before, after, *errors, noise_floors(held))
+
+
+def _silent(_text: str) -> None:
+    return None
+
+
+def _step_file(
+    result: Fit, before: ModelFile | None, step: str, calibration: Measurement, held: Measurement
+) -> ModelFile:
+    entry = ladder_step(step, result.model, calibration, held)
+    history = (*(before.history if before else ()), entry)
+    names = (calibration.recording.source, held.recording.source)
+    return ModelFile(result.model, calibration.recording.gauge_length_mm, *names, fit_summary(result), history)
+
+
+def _bent(stiff: KnitModel, flexible: KnitModel, mode: str) -> KnitModel:
+    """The base with the shapes that `mode` allows."""
+    if mode == STIFF:
+        return stiff
+    if mode == FLEXIBLE:
+        return flexible
+    return flexible.without(mode.removeprefix("without "))
+
+
+def verdict_of(weighing: Weighing) -> Verdict:
+    """Missing, nothing missing, or unknown, from the gains."""
+    gain = weighing.ranking[0].gain if weighing.ranking else 0.0
+    structured = weighing.ceiling > GAIN_OF_STRUCTURE
+    if gain > GAIN_TO_NAME and not (structured and gain < SHARE_EXPLAINED * weighing.ceiling):
+        return "missing"
+    return "unknown" if structured else "nothing_missing"
+
+
+def _tied(weighing: Weighing, verdict: Verdict) -> tuple[str, ...]:
+    if verdict != "missing":
+        return ()
+    first = weighing.ranking[0].gain
+    close = [entry.idea for entry in weighing.ranking if entry.gain > first - TIE]
+    return tuple(close) if len(close) > 1 else ()

@@ -1,0 +1,133 @@
+"""Weighing the evidence: which idea explains most of what the base cannot, at a fair price."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from testbench.discrepancy.candidates import Candidate
+from testbench.discrepancy.screen import FLEXIBLE, STIFF, Judgement, Traces, judge_ideas
+
+# What one shape of the base costs, as a share of what it buys: a physical effect that explains nearly as much with
+# one or two numbers is the better explanation.
+PRICE_OF_SHAPE = 0.08
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """One idea's case.
+
+    Attributes
+    ----------
+    idea, form : str
+        Physical idea and the catalogue effect that speaks for it.
+    gain : float
+        Mean over both weighings of ln(loss of the best base alone / loss with the idea).
+    gains : dict of weighing to float
+    mode : str
+        How the base may bend when the idea is in.
+    candidate : Candidate
+    coefficient : float
+        Of its trace, from the calibration recording.
+    """
+
+    idea: str
+    form: str
+    gain: float
+    gains: Mapping[str, float]
+    mode: str
+    candidate: Candidate
+    coefficient: float
+
+
+@dataclass(frozen=True)
+class Weighing:
+    """All evidence of one screening.
+
+    Attributes
+    ----------
+    ranking : tuple of Evidence
+        Best first.
+    base_mode : str
+        How the base alone bends at the best price.
+    base_gain : float
+        ln(loss of the stiff base / loss of the best base): how much the base law itself misfits.
+    ceiling : float
+        ln(loss of the best base / loss with a free-form map): what any effect could gain.
+    depends_on : tuple of (channel, coordinate, gain)
+        What the residual depends on, most first.
+    """
+
+    ranking: tuple[Evidence, ...]
+    base_mode: str
+    base_gain: float
+    ceiling: float
+    depends_on: tuple[tuple[str, str, float], ...]
+
+
+def weigh(traces: Mapping[str, Traces]) -> Weighing:
+    """Judge every idea under both weighings and rank by the mean gain."""
+    judged = {name: judge_ideas(one) for name, one in traces.items()}
+    priced = {name: _priced(judgement) for name, judgement in judged.items()}
+    ideas = set.intersection(*(set(judgement.ideas) for judgement in judged.values()))
+    ranking = sorted((_evidence(idea, judged, priced) for idea in ideas), key=lambda e: -e.gain)
+    base_mode = min(priced["plain"].base, key=lambda mode: priced["plain"].base[mode])
+    base_gain = float(np.mean([np.log(p.base[STIFF] / p.best_base) for p in priced.values()]))
+    ceiling = float(np.mean([np.log(_base_loss(judged[n]) / judged[n].ceiling) for n in judged]))
+    return Weighing(tuple(ranking), base_mode, base_gain, max(ceiling, 0.0), _dependence(judged))
+
+
+@dataclass(frozen=True)
+class _Priced:
+    base: Mapping[str, float]
+    ideas: Mapping[str, Mapping[str, float]]
+
+    @property
+    def best_base(self) -> float:
+        return min(self.base.values())
+
+
+def _priced(judgement: Judgement) -> _Priced:
+    """Losses with the price of the shapes that each mode uses."""
+    flexible = judgement.base[FLEXIBLE]
+    shapes = [mode for mode in judgement.base if mode not in (STIFF, FLEXIBLE)]
+    price = {shape: PRICE_OF_SHAPE * max(judgement.base[shape] - flexible, 0.0) for shape in shapes}
+    total = sum(price.values())
+    of_mode = {STIFF: 0.0, FLEXIBLE: total} | {shape: total - price[shape] for shape in shapes}
+    base = {mode: loss + of_mode[mode] for mode, loss in judgement.base.items()}
+    ideas = {
+        idea: {mode: loss + of_mode[mode] for mode, loss in losses.items()}
+        for idea, losses in judgement.ideas.items()
+    }
+    return _Priced(base, ideas)
+
+
+def _evidence(idea: str, judged: Mapping[str, Judgement], priced: Mapping[str, _Priced]) -> Evidence:
+    modes = priced["plain"].ideas[idea].keys()
+    # One way of bending for both weighings: the best on the whole.
+    totals = {
+        mode: float(np.mean([np.log(p.best_base / p.ideas[idea][mode]) for p in priced.values()])) for mode in modes
+    }
+    mode = max(totals, key=lambda m: totals[m])
+    gains = {name: float(np.log(p.best_base / p.ideas[idea][mode])) for name, p in priced.items()}
+    score = judged["plain"].spokesmen[idea, mode]
+    return Evidence(idea, score.best.form, totals[mode], gains, mode, score.best, score.coefficient)
+
+
+def _base_loss(judgement: Judgement) -> float:
+    return min(judgement.base.values())
+
+
+def _dependence(judged: Mapping[str, Judgement]) -> tuple[tuple[str, str, float], ...]:
+    names = judged["plain"].depends_on.keys()
+    gains = [
+        (
+            channel,
+            group,
+            float(np.mean([np.log(_base_loss(j) / j.depends_on[channel, group]) for j in judged.values()])),
+        )
+        for channel, group in names
+    ]
+    return tuple(sorted((item for item in gains if item[2] > 0.005), key=lambda item: -item[2]))
