@@ -15,6 +15,9 @@ COMMANDS: tuple[str, ...] = (
     "effects",
     "fit",
     "compare",
+    "diagnose",
+    "add",
+    "ladder",
     "report",
     "studio",
 )

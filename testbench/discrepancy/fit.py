@@ -90,6 +90,7 @@ def fit(
     only: Iterable[str] | None = None,
     max_iterations: int = MAX_ITERATIONS,
     progress: Callable[[str], None] | None = None,
+    addresses: Callable[[str], bool] | None = None,
 ) -> Fit:
     """Fit the free parameters of `model` to one or several measurements at once.
 
@@ -106,6 +107,8 @@ def fit(
         Effects to fit; the others stay as they are.
     progress : callable, optional
         Called with a short text after each iteration.
+    addresses : callable, optional
+        Whether to fit the parameter of this address (``effect.parameter``); default all.
 
     Raises
     ------
@@ -113,6 +116,8 @@ def fit(
         If the model gives NaN on these data.
     """
     parameters = free_parameters(model, shape_scales(measurements[0]), only)
+    if addresses is not None:
+        parameters = [p for p in parameters if addresses(p.address)]
     problem = _Problem(parameters, measurements)
     x = values_of(model, parameters)
     scale = problem.start_scale(model)

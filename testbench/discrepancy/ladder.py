@@ -62,8 +62,19 @@ def ladder_step(step: str, model: KnitModel, calibration: Measurement, held: Mea
 
 
 def held_errors(model: KnitModel, held: Measurement) -> dict[str, float]:
-    """Errors on held-out samples; force zero and conductance gain are free, for they belong to the mounting."""
-    return rms_errors(model, held, free_offset=True)
+    """Errors on held-out samples; what belongs to the mounting or to one recording is free.
+
+    That is force zero and conductance gain, and an effect's own `per_recording` parameters (the phase of a hum).
+    """
+    return rms_errors(remounted(model, held), held, free_offset=True)
+
+
+def remounted(model: KnitModel, measurement: Measurement) -> KnitModel:
+    """The model with the parameters that belong to one recording fitted to this one."""
+    free = {f"{name}.{key}" for name, effect in model.effects.items() for key in effect.per_recording}
+    if not free:
+        return model
+    return fit(model, [measurement], max_iterations=8, addresses=lambda a: a.partition("[")[0] in free).model
 
 
 def add_effect(

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
 from testbench.discrepancy.compare import Comparison
+from testbench.discrepancy.diagnose import Diagnosis
 from testbench.discrepancy.errors import channel_name
 from testbench.discrepancy.measurement import UNIT_OF
 from testbench.discrepancy.model_file import ModelFile
@@ -74,3 +76,31 @@ def comparison_table(result: Comparison) -> str:
     else:
         lines.append("no place stands out from the noise")
     return "\n".join(lines)
+
+
+def diagnosis_table(diagnosis: Diagnosis) -> str:
+    """Verdict, ranking and the fall of the error."""
+    weighing = diagnosis.weighing
+    lines = [_verdict_line(diagnosis), "", f"{'rank':<6}{'effect':<28}{'form':<34}{'error left':>11}{'gain':>8}"]
+    for place, entry in enumerate(weighing.ranking[:6], 1):
+        left = f"{100 * math.exp(-0.5 * entry.gains['plain']):.0f} %"
+        tied = "  (tied)" if entry.idea in diagnosis.tied else ""
+        lines.append(f"{place:<6}{entry.idea:<28}{entry.form:<34}{left:>11}{entry.gain:>8.2f}{tied}")
+    if diagnosis.verdict == "unknown":
+        lines.append("what is left depends most on:")
+        lines += [f"  {channel}: {coordinate}" for channel, coordinate, _ in weighing.depends_on[:3]]
+    if diagnosis.base_misfits:
+        lines.append(f"the base laws misfit in themselves; shape freedom used: {', '.join(diagnosis.base_misfits)}")
+    lines += ["", ladder_table(diagnosis.after)]
+    return "\n".join(lines)
+
+
+def _verdict_line(diagnosis: Diagnosis) -> str:
+    first = diagnosis.weighing.ranking[0].idea if diagnosis.weighing.ranking else ""
+    if diagnosis.verdict == "missing" and diagnosis.tied:
+        return f"missing: {first}, which these recordings cannot tell from {', '.join(diagnosis.tied[1:])}"
+    if diagnosis.verdict == "missing":
+        return f"missing: {first}"
+    if diagnosis.verdict == "unknown":
+        return "unknown: structure remains that no effect of the catalogue explains"
+    return "nothing missing: no effect gains more than the noise would"

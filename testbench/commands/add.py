@@ -1,0 +1,49 @@
+"""``testbench add``: put an effect into a model and refit."""
+
+from __future__ import annotations
+
+import argparse
+
+from testbench.commands._arguments import add_effects, add_held_out, load_split
+
+SUMMARY = "add an effect to a model, refit, and put the step on the ladder; --undo takes it back"
+EXAMPLE = "testbench add stress_relaxation --model model.json --fit campaign-1 --held-out campaign-2 -o model2.json"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("effect", nargs="?", help="a name from `testbench effects`")
+    parser.add_argument("--model", metavar="M", required=True, help="the model.json to start from")
+    parser.add_argument("--fit", metavar="RECORDING", help="the recording to refit on")
+    parser.add_argument("--undo", action="store_true", help="take the last step of the ladder back instead")
+    add_held_out(parser)
+    add_effects(parser)
+    parser.add_argument("-o", "--output", required=True, metavar="MODEL", help="where to write the new model.json")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Add or undo, write, and show the ladder."""
+    from gcode.support.errors import UserError
+    from testbench.discrepancy.ladder import add_effect, idle_effects, undo
+    from testbench.discrepancy.model_file import check_same_set_up, load_model_file
+    from testbench.discrepancy.tables import ladder_table
+    from testbench.knit.catalogue import BASELINE, load_catalogue
+
+    catalogue = load_catalogue(args.effects)
+    file = load_model_file(args.model, catalogue)
+    if args.undo:
+        file = undo(file, catalogue)
+    elif not args.effect or not args.fit:
+        raise UserError("add needs the name of an EFFECT and --fit RECORDING (or --undo)")
+    else:
+        args.gauge_length_mm = args.gauge_length_mm or file.gauge_length_mm or None
+        calibration, held = load_split(args, args.fit)
+        check_same_set_up(file, calibration.recording, args.model)
+        file = add_effect(file, args.effect, calibration, held, catalogue)
+        optional = set(file.model) - set(BASELINE) - {args.effect}
+        for name in idle_effects(file, calibration, held, optional):
+            print(f"{name} no longer pays now that {args.effect} is in: without it the held-out error hardly rises")
+    file.save(args.output)
+    print(ladder_table(file))
+    print(f"wrote {args.output}")
+    return 0

@@ -1,0 +1,31 @@
+"""``testbench ladder``: the errors, step by step."""
+
+from __future__ import annotations
+
+import argparse
+
+SUMMARY = "show the errors of a model step by step, down to the noise floor"
+EXAMPLE = "testbench ladder model2.json"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("model", help="a model.json")
+    parser.add_argument("--effects", metavar="FILE.py", help="your own effects, if the model uses them")
+    parser.add_argument("--json", action="store_true", help="print the history as JSON")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Print the ladder."""
+    import json
+
+    from testbench.discrepancy.model_file import load_model_file
+    from testbench.discrepancy.tables import ladder_table
+    from testbench.knit.catalogue import load_catalogue
+
+    file = load_model_file(args.model, load_catalogue(args.effects))
+    if args.json:
+        print(json.dumps([dict(step) for step in file.history], indent=2))
+    else:
+        print(ladder_table(file))
+    return 0
