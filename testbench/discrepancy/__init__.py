@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from testbench.discrepancy.diagnose import Diagnosis, diagnose
+    from testbench.discrepancy.diagnosis import Diagnosis, diagnose
 
 __all__ = ["Diagnosis", "diagnose"]
 
@@ -15,5 +15,5 @@ def __getattr__(name: str) -> Any:
     if name in __all__:
         import importlib
 
-        return getattr(importlib.import_module("testbench.discrepancy.diagnose"), name)
+        return getattr(importlib.import_module("testbench.discrepancy.diagnosis"), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

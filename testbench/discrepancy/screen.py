@@ -7,7 +7,7 @@ recording and judged on the other, and the other way round. Both judgements coun
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -278,7 +278,7 @@ class _Folds:
 
 
 def _best_score(traces: Traces, idea: str, members: list[int], across: _Folds, within: _Folds) -> Score:
-    """The best of: each form's single best point; all linear points of a form together."""
+    """The best of: each form's single best point; all linear points of one form, or of all forms, together."""
     forms: dict[str, list[int]] = {}
     for index in members:
         forms.setdefault(traces.candidates[index].form, []).append(index)
@@ -287,7 +287,17 @@ def _best_score(traces: Traces, idea: str, members: list[int], across: _Folds, w
         effect = traces.candidates[indices[0]].effect
         folds = within if effect.per_recording else across
         scores.append(_form_score(traces, idea, indices, folds, across.bare))
-    return min(scores, key=lambda score: score.loss)
+    best = min(scores, key=lambda score: score.loss)
+    linear = [index for index in members if _is_linear(traces.candidates[index].effect)]
+    if len(forms) > 1 and linear:
+        signed = [two_signed(type(traces.candidates[index].effect)) for index in linear]
+        together = across.loss([1 + index for index in linear], signed)
+        best = replace(best, loss=min(best.loss, together))
+    return best
+
+
+def _is_linear(effect: Effect) -> bool:
+    return not (effect.nonlinear or effect.per_recording)
 
 
 def _form_score(traces: Traces, idea: str, members: list[int], folds: _Folds, bare: float) -> Score:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from testbench.discrepancy.compare import Comparison
-from testbench.discrepancy.diagnose import Diagnosis
+from testbench.discrepancy.diagnosis import Diagnosis
 from testbench.discrepancy.errors import channel_name
 from testbench.discrepancy.measurement import UNIT_OF
 from testbench.discrepancy.model_file import ModelFile
