@@ -27,6 +27,7 @@ class PtyPort:
     def __init__(self, link: str | Path | None = None) -> None:
         self._link = Path(link) if link else None
         self._master, slave = os.openpty()
+        self.closed = False
         tty.setraw(slave)
         self.device = os.ttyname(slave)
         # Closed on this side, so that the device can tell whether anybody listens.
@@ -62,6 +63,9 @@ class PtyPort:
 
     def close(self) -> None:
         """Unplug."""
+        if self.closed:
+            return
+        self.closed = True
         os.close(self._master)
         if self._link:
             with contextlib.suppress(FileNotFoundError):

@@ -33,6 +33,7 @@ class Device:
 
     def __init__(self, link: Path, step_s: float = 0.005) -> None:
         self.port, self.sent, self._step_s = PtyPort(link), [], step_s
+        self._link, self._away = link, 0
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._run, daemon=True)
 
@@ -45,13 +46,28 @@ class Device:
         self._thread.join()
         self.port.close()
 
+    def unplug(self, lines: int) -> None:
+        """Cut the wire in the middle of a line; plug in again `lines` later."""
+        self._away = lines
+
+    def _send(self, line: bytes) -> bool:
+        if not self._away:
+            return self.port.write(line)
+        self._away -= 1
+        if not self.port.closed:
+            self.port.write(line[:20])
+            self.port.close()
+        elif not self._away:
+            self.port = PtyPort(self._link)
+        return False
+
     def _run(self) -> None:
         start_s = time.monotonic()
         while not self._ended.wait(max(0.0, start_s + len(self.sent) * self._step_s - time.monotonic())):
             number = len(self.sent)
             micros = (FIRST_MICROS + round((time.monotonic() - start_s) * 1e6)) % MICROS_WRAP
             sample = Sample(BOOT, number, micros, 1_000_000 + number, 400_000_000 + number, 0)
-            heard = self.port.write(encode(sample))
+            heard = self._send(encode(sample))
             self.sent.append(Sent(time.monotonic(), sample, heard))
 
 
