@@ -15,6 +15,8 @@ from gcode.support.files import make_folder, sha256_of
 from testbench import manifest
 from testbench.knit.model import KnitModel
 from testbench.manifest import Campaign, read_manifest, software_versions, write_manifest
+from testbench.recording import Recording
+from testbench.recording_files import write_recording_csv
 from testbench.rig.instruments import Instruments
 from testbench.rig.recorder import Part, Recorder, Status, counts, in_memory
 from testbench.rig.simulated import GRID_HZ, Motion, SimulatedRig
@@ -138,6 +140,18 @@ def finish(
     """Write the manifest over the files in `folder`."""
     campaign = Campaign(gauge_length_mm, origin, state, recipe, counts(intake), software_versions())
     write_manifest(folder, campaign, campaign_files(folder))
+
+
+def write_derived(folder: Path, recording: Recording, how: str, details: dict[str, Any], program: Path) -> None:
+    """Write a recording that was made from another one; its recipe is the other's plus `details` under `how`."""
+    make_folder(folder)
+    write_recording_csv(folder / CSV, recording)
+    shutil.copyfile(program, folder / PROGRAM)
+    recipe = {**recording.metadata.get("recipe", {}), how: {**details, "source": Path(recording.source).name}}
+    made = Campaign(
+        recording.gauge_length_mm, how, "complete", recipe, {"samples": len(recording)}, software_versions()
+    )
+    write_manifest(folder, made, campaign_files(folder))
 
 
 def campaign_files(folder: Path) -> list[str]:

@@ -11,6 +11,7 @@ COMMANDS: tuple[str, ...] = (
     "record",
     "rig",
     "verify",
+    "align",
     "import",
     "effects",
     "fit",
