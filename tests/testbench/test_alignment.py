@@ -21,9 +21,7 @@ def wander(duration_s: float = 240.0, seed: int = 1) -> Motion:
     """A smooth, never-repeating motion."""
     time_s = np.arange(int(duration_s * GRID_HZ)) / GRID_HZ
     rng = np.random.default_rng(seed)
-    waves = [
-        np.sin(2 * np.pi * f * time_s + phase) for f, phase in zip(rng.uniform(0.02, 0.3, 8), rng.uniform(0, 6, 8))
-    ]
+    waves = [np.sin(2 * np.pi * rng.uniform(0.02, 0.3) * time_s + rng.uniform(0, 6)) for _ in range(8)]
     return Motion(time_s, 3.0 + np.sum(waves, axis=0) * 0.5)
 
 
