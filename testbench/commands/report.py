@@ -16,6 +16,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--held-out", metavar="B", help="the recording that errors are judged on")
     parser.add_argument("--model", metavar="M", help="a model.json with its ladder")
     parser.add_argument("--effects", metavar="FILE.py", help="your own effects, where the model has some")
+    parser.add_argument("--diagnosis", metavar="D", help="the JSON of `testbench diagnose`")
     parser.add_argument("--compensator", metavar="SCORE", help="the JSON of `compensation score`")
     parser.add_argument("--gauge-length-mm", type=float, metavar="L", help="for bare CSVs")
     parser.add_argument("--title", default="", help="heading of the page")
@@ -35,6 +36,7 @@ def run(args: argparse.Namespace) -> int:
         gauge_length_mm=args.gauge_length_mm,
         model=args.model,
         effects=args.effects,
+        diagnosis=args.diagnosis,
         compensator=args.compensator,
         title=args.title,
     )

@@ -58,7 +58,13 @@ def _shifted(signals: Mapping[str, np.ndarray], measurement: Measurement) -> dic
 
 def steps_of(history: Sequence[Mapping[str, Any]]) -> list[Step]:
     """The ladder of a model file, held-out errors."""
-    return [Step(str(entry["step"]), entry["errors"]["held_out"], entry["noise_floor"]) for entry in history]
+    return [Step(step_label(entry["step"]), entry["errors"]["held_out"], entry["noise_floor"]) for entry in history]
+
+
+def step_label(step: str) -> str:
+    """Short name of a step: several shapes of the base laws are one thing to a reader."""
+    names = step.removeprefix("+ ").split(", ")
+    return "+ base shapes" if len(names) > 1 and all(name.endswith("_shape") for name in names) else step
 
 
 def models_of(file: ModelFile, catalogue: Catalogue) -> dict[str, KnitModel]:
@@ -66,9 +72,9 @@ def models_of(file: ModelFile, catalogue: Catalogue) -> dict[str, KnitModel]:
     if not file.history:
         return {"model": file.model}
     first = file.history[0]
-    models = {str(first["step"]): model_from_dict(first["model"], catalogue, "history")}
+    models = {step_label(first["step"]): model_from_dict(first["model"], catalogue, "history")}
     if len(file.history) > 1:
-        models[_last_label([str(entry["step"]) for entry in file.history])] = file.model
+        models[_last_label([step_label(entry["step"]) for entry in file.history])] = file.model
     return models
 
 

@@ -15,7 +15,7 @@ from testbench.report.downsample import POINTS, rows_to_draw, thinned, window
 FloatArray = NDArray[np.float64]
 Channel = tuple[str, FloatArray, str]  # axis title, values, colour
 
-LOOPS, LOOP_S = 6, 30.0
+LOOPS, LOOP_S, LOOP_POINTS = 6, 30.0, 300
 BINS = 60
 SPEED_RATE_HZ = 20.0
 
@@ -98,13 +98,14 @@ def hysteresis_loops(recording: Recording) -> style.Figure | None:
         return None
     windows = stretches(recording.time_s)
     colours = shades(len(windows))
+    every = {rows.start: max(1, (rows.stop - rows.start) // LOOP_POINTS) for rows in windows}
     traces = [
         {
             "type": "scatter",
             "mode": "lines",
             "name": f"from {(recording.time_s[rows][0] - recording.time_s[0]) / 60:.1f} min",
-            "x": x[rows],
-            "y": y[rows],
+            "x": x[rows][:: every[rows.start]],
+            "y": y[rows][:: every[rows.start]],
             "xaxis": style.x_ref(column),
             "yaxis": style.y_ref(column),
             "line": {"color": colour, "width": 1.3},

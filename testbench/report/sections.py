@@ -7,7 +7,14 @@ from pathlib import Path
 from typing import Any
 
 from testbench.recording import Recording
-from testbench.report import comparison_figures, compensator_figures, ladder_figures, recording_figures
+from testbench.report import (
+    comparison_figures,
+    compensator_figures,
+    diagnosis_figures,
+    ladder_figures,
+    recording_figures,
+    words,
+)
 from testbench.report.comparison_figures import Overlay
 from testbench.report.document import Facts, Item, Picture, Section, Table
 from testbench.report.ladder_figures import UNITS, Step
@@ -184,3 +191,27 @@ def short_name(source: str) -> str:
     """A campaign's folder, or a file without its suffix."""
     path = Path(source)
     return path.parent.name if path.name == "recording.csv" else path.stem
+
+
+def diagnosis_section(diagnosis: Mapping[str, Any]) -> Section:
+    """What is missing, and the evidence.
+
+    Parameters
+    ----------
+    diagnosis : mapping
+        The JSON of ``testbench diagnose``.
+    """
+    items: list[Item] = [words.verdict_in_words(diagnosis)]
+    base = words.base_in_words(diagnosis)
+    items += [base] if base else []
+    if diagnosis["ranking"]:
+        caption = (
+            "What each effect would take off the held-out error, its best form speaking for it; the whiskers span "
+            "two ways of weighing, the dashed line is what a free-form map of the residual finds."
+        )
+        items.append(Picture("candidates", diagnosis_figures.candidates(diagnosis), caption))
+    depends = diagnosis_figures.dependence(diagnosis)
+    if depends:
+        caption = "What the residual depends on before anything is added."
+        items.append(Picture("dependence", depends, caption))
+    return Section("What is missing", items)

@@ -93,3 +93,28 @@ def score() -> dict:
             "E": None,
         },
     }
+
+
+def diagnosis(verdict: str = "missing") -> dict:
+    """The JSON of `testbench diagnose`, but for its models."""
+
+    def entry(name: str, gain: float, tied: bool) -> dict:
+        return {"effect": name, "form": name, "gain": gain, "gains": {"white": gain - 0.1, "plain": gain + 0.1},
+                "error_share_left": 0.6, "tied_for_first": tied, "start": {}}  # fmt: skip
+
+    floor = {"force": 0.01, "conductance": 0.002}
+    return {
+        "verdict": verdict,
+        "ranking": [
+            entry("stress_relaxation", 1.2, True),
+            entry("load_cell_creep", 1.18, True),
+            entry("slack", -0.01, False),
+        ],
+        "tied": ["stress_relaxation", "load_cell_creep"],
+        "base_misfits": ["elasticity_shape"],
+        "depends_on": [{"channel": "force", "coordinate": "elapsed time", "gain": 0.7}],
+        "ceiling_gain": 1.5,
+        "error_before": {"force": 0.12, "conductance": 0.031},
+        "error_after": {"force": 0.011, "conductance": 0.0024},
+        "noise_floor": floor,
+    }

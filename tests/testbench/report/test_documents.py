@@ -30,6 +30,7 @@ def whole_report() -> Report:
         sections.comparison_section(both, samples.comparison()),
         sections.ladder_section(steps),
         sections.compensator_section(samples.score()),
+        sections.diagnosis_section(samples.diagnosis()),
     ]
     return Report("A </script> title", "It fits.", [glance], parts, "footer")
 
@@ -46,7 +47,7 @@ def test_every_picture_has_its_place_and_its_data() -> None:
     report = whole_report()
     page = to_html(report)
     names = [picture.name for picture in report.pictures()]
-    assert len(names) == len(set(names)) == 13
+    assert len(names) == len(set(names)) == 15
     data = re.search(r'<script type="application/json" id="figures">(.*?)</script>', page, flags=re.S)
     assert data is not None
     assert set(json.loads(data.group(1))) == {*names, "config"}
@@ -117,6 +118,23 @@ def test_command_takes_a_score_alone_and_refuses_another_file(
     assert "The compensator" in (tmp_path / "r.html").read_text()
     assert main(["report", "--compensator", str(tmp_path / "other.json"), *output]) == 2
     assert "not a score" in capsys.readouterr().err
+
+
+def test_the_whole_story_from_a_fitted_model(tmp_path: Path) -> None:
+    source = samples.recording(1200)
+    write_recording_csv(tmp_path / "mine.csv", source)
+    recording = [str(tmp_path / "mine.csv"), "--gauge-length-mm", "25"]
+    model = str(tmp_path / "model.json")
+    assert main(["fit", *recording, "-o", model]) == 0
+    assert main(["report", "--recording", *recording, "--model", model, "-o", str(tmp_path / "r.html")]) == 0
+    page = (tmp_path / "r.html").read_text()
+    for words in (
+        "no effect has been added yet",
+        'id="at-a-glance"',
+        "Where the model fails",
+        "elasticity.stiffness_N",
+    ):
+        assert words in page
 
 
 @pytest.mark.parametrize(

@@ -12,14 +12,27 @@ import tests.testbench.report.samples as samples
 from testbench.report import (
     comparison_figures,
     compensator_figures,
+    diagnosis_figures,
     ladder_figures,
     live_figures,
+    overlays,
     recording_figures,
     trajectory_figures,
+    words,
 )
 from testbench.report.downsample import rows_to_draw, thinned, window
 from testbench.report.static import draw
 from testbench.report.style import Figure
+
+
+def residual_and_contribution():
+    both = samples.overlay()
+    residual = {channel: both.residual(channel, "baseline") for channel in both.measured}
+    contribution = {
+        channel: both.modelled["+ creep"][channel] - both.modelled["baseline"][channel] for channel in both.measured
+    }
+    return both.time_s, residual, contribution
+
 
 FIGURES: dict[str, Callable[[], Figure | None]] = {
     "time series": lambda: recording_figures.time_series(samples.recording(temperature=True)),
@@ -39,6 +52,10 @@ FIGURES: dict[str, Callable[[], Figure | None]] = {
     "scores": lambda: compensator_figures.before_and_after(samples.score()["recordings"], ["pes-T", "pes-A"]),
     "score over time": lambda: compensator_figures.over_time(samples.score()["recordings"][1], "force"),
     "score scatter": lambda: compensator_figures.scatter(samples.score()["recordings"][1], "displacement"),
+    "candidates": lambda: diagnosis_figures.candidates(samples.diagnosis()),
+    "dependence": lambda: diagnosis_figures.dependence(samples.diagnosis()),
+    "prediction": lambda: diagnosis_figures.prediction(*residual_and_contribution(), 20.0, 40.0),
+    "slope": lambda: diagnosis_figures.slope(*residual_and_contribution()[1:]),
     "motion": lambda: trajectory_figures.motion(np.arange(400) / 20, np.sin(np.arange(400) / 20), 2.0, 3.0),
     "live": lambda: live_figures.live(
         [
@@ -138,3 +155,50 @@ def test_loops_are_whole_stretches_from_the_first_minute_to_the_last() -> None:
     for part in parts:
         assert np.ptp(source.time_s[part]) == pytest.approx(30, abs=0.2)
     assert recording_figures.stretches(source.time_s[:100]) == [slice(0, 100)]
+
+
+def test_an_effect_that_is_there_lies_on_the_one_to_one_line() -> None:
+    dots, line_ = diagnosis_figures.slope(*residual_and_contribution()[1:])["data"][:2]
+    assert np.polyfit(dots["x"], dots["y"], 1)[0] == pytest.approx(1.0, abs=0.02)
+    assert list(line_["x"]) == list(line_["y"])
+
+
+def test_the_named_effect_and_those_tied_with_it_stand_out() -> None:
+    colours = diagnosis_figures.candidates(samples.diagnosis())["data"][0]["marker"]["color"]
+    assert colours[0] == colours[1] != colours[2]
+    unknown = diagnosis_figures.candidates(samples.diagnosis("unknown"))["data"][0]["marker"]["color"]
+    assert len(set(unknown)) == 1
+
+
+def test_nothing_left_to_depend_on_is_no_figure() -> None:
+    assert diagnosis_figures.dependence({"depends_on": []}) is None
+
+
+@pytest.mark.parametrize(
+    ("verdict", "sentence"),
+    [
+        (
+            "missing",
+            "The model is missing stress relaxation: the held-out error goes from force 0.12 to 0.011 N, conductance "
+            "0.031 to 0.0024 ln S. These recordings cannot tell it from load cell creep.",
+        ),
+        (
+            "unknown",
+            "Something is missing that no single effect of the catalogue explains. What is left depends most on "
+            "this: force on elapsed time.",
+        ),
+        ("nothing_missing", "Nothing is missing that these recordings could show."),
+    ],
+)
+def test_a_verdict_is_a_sentence(verdict: str, sentence: str) -> None:
+    assert words.verdict_in_words(samples.diagnosis(verdict)) == sentence
+
+
+def test_a_base_that_misfits_is_said() -> None:
+    assert "the shape of elasticity is not quite" in words.base_in_words(samples.diagnosis())
+    assert words.base_in_words({"base_misfits": []}) == ""
+
+
+def test_several_shapes_are_one_step_to_a_reader() -> None:
+    assert overlays.step_label("+ elasticity_shape, drift_shape") == "+ base shapes"
+    assert overlays.step_label("+ stress_relaxation") == "+ stress_relaxation"

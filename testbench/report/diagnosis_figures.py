@@ -1,0 +1,186 @@
+"""Figures of a diagnosis: candidates with their evidence, what the residual depends on, prediction over residual."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from testbench.report import style
+from testbench.report.comparison_figures import RESIDUAL_TITLES
+from testbench.report.downsample import POINTS, window
+from testbench.report.recording_figures import line
+
+FloatArray = NDArray[np.float64]
+SHOWN = 8
+SCATTER_BINS = 24
+
+
+def removed_percent(gain: float) -> float:
+    """Share of the held-out RMS error that a gain (ln of the ratio of squared errors) takes away, in per cent."""
+    return float(100 * (1 - np.exp(-0.5 * gain)))
+
+
+def candidates(diagnosis: Mapping[str, Any]) -> style.Figure:
+    """What each effect would take off the held-out error, best first; whiskers: the two ways of weighing.
+
+    Parameters
+    ----------
+    diagnosis : mapping
+        The JSON of ``testbench diagnose``.
+    """
+    ranking = diagnosis["ranking"][:SHOWN]
+    places = np.arange(len(ranking))
+    removed = np.array([removed_percent(entry["gain"]) for entry in ranking])
+    ends = np.array([sorted(removed_percent(gain) for gain in entry["gains"].values()) for entry in ranking])
+    bar = {
+        "type": "bar",
+        "orientation": "h",
+        "x": np.maximum(removed, 0.0),
+        "y": places,
+        "width": 0.62,
+        "marker": {"color": [_colour(diagnosis, number) for number in range(len(ranking))]},
+        "hovertemplate": "%{x:.1f} % of the held-out error<extra></extra>",
+        "error_x": {
+            "array": np.maximum(ends[:, -1] - removed, 0.0) if len(ranking) else np.empty(0),
+            "arrayminus": np.maximum(removed - ends[:, 0], 0.0) if len(ranking) else np.empty(0),
+            "symmetric": False,
+            "color": style.INK,
+        },
+    }
+    names = [entry["effect"].replace("_", " ") for entry in ranking]
+    axes: dict[str, Any] = {
+        "xaxis": style.axis("Held-out error that it takes away / %", rangemode="tozero"),
+        "yaxis": style.axis(
+            "", tickvals=list(range(len(names))), ticktext=names, range=[len(names) - 0.5, -0.5], showgrid=False
+        ),
+    }
+    return style.figure(
+        [bar],
+        height=70 + 34 * max(len(ranking), 2),
+        margin={"l": 190, "r": 20, "t": 26, "b": 44},
+        shapes=_ceiling(diagnosis),
+        annotations=_ceiling_note(diagnosis),
+        **axes,
+    )
+
+
+def _colour(diagnosis: Mapping[str, Any], number: int) -> str:
+    """The one that is named, and those tied with it, stand out."""
+    if diagnosis["verdict"] == "missing" and (number == 0 or diagnosis["ranking"][number].get("tied_for_first")):
+        return style.VERMILION
+    return style.SKY
+
+
+def _ceiling(diagnosis: Mapping[str, Any]) -> list[dict[str, Any]]:
+    place = removed_percent(diagnosis.get("ceiling_gain", 0.0))
+    look = {"color": style.INK, "width": 1.4, "dash": "dash"}
+    return [{"type": "line", "xref": "x", "yref": "paper", "x0": place, "x1": place, "y0": 0, "y1": 1, "line": look}]
+
+
+def _ceiling_note(diagnosis: Mapping[str, Any]) -> list[dict[str, Any]]:
+    return [
+        {
+            "text": "what a free-form map finds",
+            "x": removed_percent(diagnosis.get("ceiling_gain", 0.0)),
+            "y": 1.0,
+            "xref": "x",
+            "yref": "paper",
+            "yanchor": "bottom",
+            "showarrow": False,
+            "font": {"size": 11, "color": style.INK},
+        }
+    ]
+
+
+def dependence(diagnosis: Mapping[str, Any]) -> style.Figure | None:
+    """What the residual depends on, force and conductance apart; None when it depends on nothing."""
+    found = diagnosis.get("depends_on", [])[:SHOWN]
+    if not found:
+        return None
+    names = [f"{entry['channel']} on {str(entry['coordinate']).replace('_', ' ')}" for entry in found]
+    colours = [style.BLUE if entry["channel"] == "force" else style.GREEN for entry in found]
+    bar = {
+        "type": "bar",
+        "orientation": "h",
+        "x": np.array([removed_percent(entry["gain"]) for entry in found]),
+        "y": np.arange(len(found)),
+        "width": 0.62,
+        "marker": {"color": colours},
+        "hovertemplate": "%{x:.1f} %<extra></extra>",
+    }
+    axes: dict[str, Any] = {
+        "xaxis": style.axis("Held-out error that knowing it would take away / %", rangemode="tozero"),
+        "yaxis": style.axis(
+            "", tickvals=list(range(len(names))), ticktext=names, range=[len(names) - 0.5, -0.5], showgrid=False
+        ),
+    }
+    return style.figure(
+        [bar], height=70 + 30 * max(len(found), 2), margin={"l": 250, "r": 20, "t": 16, "b": 44}, **axes
+    )
+
+
+def prediction(
+    time_s: FloatArray,
+    residual: Mapping[str, FloatArray],
+    contribution: Mapping[str, FloatArray],
+    start_s: float | None = None,
+    end_s: float | None = None,
+    points: int = POINTS,
+) -> style.Figure:
+    """What the model leaves, and what an effect would add, over time; zoom linked.
+
+    Parameters
+    ----------
+    time_s : ndarray, shape (n,)
+    residual, contribution : mapping of channel to ndarray, shape (n,)
+        Measured minus modelled, and modelled with minus modelled without the effect.
+    start_s, end_s : float, optional
+        Draw this stretch only.
+    points : int
+        Largest number of points a line.
+    """
+    rows = window(time_s, start_s, end_s)
+    traces = []
+    for row, channel in enumerate(residual):
+        first: dict[str, Any] = {"showlegend": row == 0}
+        left = "what the model leaves"
+        traces.append(line(time_s[rows], residual[channel][rows], style.FAINT, left, row, points, **first))
+        added = "what the effect would add"
+        traces.append(line(time_s[rows], contribution[channel][rows], style.VERMILION, added, row, points, **first))
+        traces[-1]["line"] = {"color": style.VERMILION, "width": 1.8}
+    axes = style.stacked_axes([RESIDUAL_TITLES[channel] for channel in residual], "Time / s")
+    if start_s is not None and end_s is not None:
+        axes["xaxis"]["range"] = [start_s, end_s]
+    return style.figure(traces, height=190 * len(residual) + 70, **axes)
+
+
+def slope(residual: Mapping[str, FloatArray], contribution: Mapping[str, FloatArray]) -> style.Figure:
+    """Mean residual against predicted contribution: an effect that is really there lies on the 1:1 line."""
+    channels = list(residual)
+    traces: list[dict[str, Any]] = []
+    for column, channel in enumerate(channels):
+        x, y = _binned(contribution[channel], residual[channel])
+        ends = np.array([x.min(), x.max()])
+        place = {"xaxis": style.x_ref(column), "yaxis": style.y_ref(column)}
+        dots = {"size": 7, "color": style.VERMILION}
+        traces.append({"type": "scatter", "mode": "markers", "x": x, "y": y, "marker": dots, **place})
+        one = {"color": style.INK, "width": 1, "dash": "dash"}
+        traces.append(
+            {"type": "scatter", "mode": "lines", "x": ends, "y": ends, "line": one, "hoverinfo": "skip", **place}
+        )
+    titles: Sequence[tuple[str, str]] = [
+        (RESIDUAL_TITLES[channel].replace("Residual", f"Predicted {channel}"), RESIDUAL_TITLES[channel])
+        for channel in channels
+    ]
+    return style.figure(traces, height=330, **style.side_by_side_axes(list(titles)))
+
+
+def _binned(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Means over bins of equal count, both about their own mean (offsets belong to the mounting)."""
+    order = np.array_split(np.argsort(x, kind="stable"), SCATTER_BINS)
+    x, y = x - x.mean(), y - y.mean()
+    filled = [rows for rows in order if len(rows)]
+    return np.array([x[rows].mean() for rows in filled]), np.array([y[rows].mean() for rows in filled])
