@@ -9,7 +9,8 @@ from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 
 def positive_part(x: FloatArray, softness: float) -> FloatArray:
     """Smooth max(x, 0): contacts never press with less than nothing. Equal to x within softness^2 / x for large x."""
-    return 0.5 * (x + np.sqrt(x * x + 4 * softness * softness))
+    larger = 0.5 * (np.abs(x) + np.sqrt(x * x + 4 * softness * softness))
+    return np.where(x >= 0, larger, softness * softness / larger)  # no cancellation far below zero
 
 
 class Contact(Effect):

@@ -94,7 +94,7 @@ class CyclicFatigue(Effect):
 
     loss: float = parameter(0.1, unit="1", low=0, high=0.9, doc="share of the force lost in the end")
     scale: float = parameter(
-        20.0, unit="1", low=0.1, high=1e5, scale="log", doc="strain path after which 63 % of it is lost"
+        5.0, unit="1", low=0.1, high=1e5, scale="log", doc="strain path after which 63 % of it is lost"
     )
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:

@@ -32,10 +32,11 @@ def hold_coefficients(tau_s: FloatArray, dt_s: float) -> tuple[FloatArray, Float
     tau_s = np.atleast_1d(np.asarray(tau_s, dtype=np.float64))
     ratio = dt_s / np.maximum(tau_s, 1e-12 * dt_s)
     a = np.exp(-ratio)
-    # (1 - a) / ratio, and 1 minus it, without cancellation for slow filters
     mean = -np.expm1(-ratio) / ratio
-    b0 = np.where(ratio < 1e-3, ratio / 2 - ratio**2 / 6, 1 - mean)
-    return a, b0, 1 - a - b0
+    slow = ratio < 1e-3  # series instead of a difference of nearly equal numbers
+    b0 = np.where(slow, ratio / 2 - ratio**2 / 6, 1 - mean)
+    b1 = np.where(slow, ratio / 2 - ratio**2 / 3, mean - a)
+    return a, b0, b1
 
 
 def lowpass(x: FloatArray, tau_s: float, dt_s: float, start: float | None = None) -> FloatArray:

@@ -158,7 +158,7 @@ class ClampSlipOnce(Effect):
     look = "from one moment on everything looks as if the knit were a little longer"
 
     amount: float = parameter(0.01, unit="1", low=0, high=0.5, doc="slip, as strain")
-    when_s: float = parameter(300.0, unit="s", low=0.1, high=1e5, scale="log", doc="moment of the slip")
+    when_s: float = parameter(35.0, unit="s", low=0.1, high=1e5, scale="log", doc="moment of the slip")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         return {"strain": signals["strain"] - self.amount * (signals["time_s"] >= self.when_s)}

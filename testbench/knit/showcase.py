@@ -84,15 +84,17 @@ def _curves(model: KnitModel, time_s: FloatArray, strain: FloatArray) -> dict[st
 
 def visible(model: KnitModel, effect: Effect, time_s: FloatArray, strain: FloatArray, key: str) -> Effect:
     """The effect with its strength raised, within bounds, until the curve changes by `VISIBLE` of its span."""
-    if not effect.strength or isinstance(getattr(effect, effect.strength), tuple):
+    if not effect.strength:
         return effect
+    if isinstance(weights := getattr(effect, effect.strength), tuple):
+        return effect.replaced(**{effect.strength: tuple(0.4 * (-1) ** k for k in range(len(weights)))})
     extra = bounds_of(type(effect).model_fields[effect.strength])
     plain = _curves(_without_namesake(model, effect), time_s, strain)[key]
     effect = effect.initial_guess(_curves(model, time_s, strain), DT_S) if effect.nonlinear else effect
-    for _ in range(8):
+    for _ in range(12):
         changed = _curves(_with(model, effect), time_s, strain)[key]
         share = float(np.max(np.abs(changed - plain)) / np.ptp(plain))
-        strength = getattr(effect, effect.strength) * 1.5
+        strength = getattr(effect, effect.strength) * 1.6
         if share > VISIBLE or not extra["low"] <= strength <= extra["high"]:
             break
         effect = effect.replaced(**{effect.strength: strength})
@@ -109,7 +111,8 @@ def draw(cls: type[Effect], path: Path) -> None:
     minutes = case.time_s[-1] > 300
     time = case.time_s / 60 if minutes else case.time_s
     for axis, x in ((over_time, time), (over_strain, 100 * case.strain)):
-        axis.plot(x, case.without, color=GREY, lw=1.0, label="without")
+        if cls.strength:
+            axis.plot(x, case.without, color=GREY, lw=1.0, label="without")
         axis.plot(x, case.with_it, color=BLUE, lw=1.1, label="with " + cls.name)
         axis.spines[["top", "right"]].set_visible(False)
         axis.tick_params(labelsize=8)

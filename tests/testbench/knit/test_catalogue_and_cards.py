@@ -1,0 +1,231 @@
+"""The catalogue, cards, template and presets, and the command that shows them."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gcode.support.errors import UserError
+from testbench.cli import main
+from testbench.knit import laws
+from testbench.knit.card import card_text, catalogue_markdown, catalogue_text, doc_sections
+from testbench.knit.catalogue import load_catalogue, model_from_dict
+from testbench.knit.effect import bounds_of
+from testbench.knit.laws import check
+from testbench.knit.model import inputs
+from testbench.knit.presets import names, preset
+from testbench.knit.showcase import VISIBLE, draw, showcase
+from testbench.knit.template import write_template
+
+CATALOGUE = load_catalogue()
+NAMED = [
+    "stress_relaxation",
+    "viscous_rate_stiffening",
+    "mullins_softening",
+    "permanent_set",
+    "cyclic_fatigue",
+    "jamming_stiffening",
+    "electrical_overshoot",
+    "contact_relaxation",
+    "contact_saturation",
+    "self_heating",
+    "temperature_drift",
+    "clamp_slip",
+    "actuator_backlash",
+    "channel_lag",
+    "adc_saturation",
+    "load_cell_creep",
+    "periodic_interference",
+]
+
+
+@pytest.mark.parametrize("name", NAMED)
+def test_named_effect_speaks_for_its_idea_first(name: str) -> None:
+    assert CATALOGUE.ideas()[name][0].name == name
+
+
+@pytest.mark.parametrize("name", CATALOGUE.effects)
+def test_card_shows_formula_parameters_and_source(name: str) -> None:
+    effect = CATALOGUE[name]
+    text = card_text(effect, CATALOGUE)
+    doc = doc_sections(effect)
+    assert doc.formula
+    assert doc.source
+    assert doc.valid
+    assert all(line in text for line in doc.formula.splitlines())
+    for key, field in effect.model_fields.items():
+        assert key in text
+        assert f"{bounds_of(field)['high']:g}" in text
+
+
+def test_list_and_docs_name_every_effect() -> None:
+    text, docs = catalogue_text(CATALOGUE), Path("docs/effects.md").read_text(encoding="utf-8")
+    for name in CATALOGUE.effects:
+        assert name in text
+        assert f"`{name}`" in docs, "run: testbench effects --markdown, and put the table into docs/effects.md"
+    assert catalogue_markdown(CATALOGUE).count("\n") == len(CATALOGUE.effects) + 1
+
+
+@pytest.mark.parametrize("name", [name for name in NAMED if not CATALOGUE[name].nonlinear])
+def test_showcase_shows_the_effect(name: str) -> None:
+    case = showcase(CATALOGUE[name])
+    assert np.max(np.abs(case.with_it - case.without)) > 0.5 * VISIBLE * np.ptp(case.without)
+
+
+def test_picture_is_a_png(tmp_path: Path) -> None:
+    draw(CATALOGUE["stress_relaxation"], tmp_path / "picture.png")
+    assert (tmp_path / "picture.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_template_obeys_the_laws_and_takes_part_in_a_model(tmp_path: Path) -> None:
+    write_template("my_effect", tmp_path / "mine.py")
+    catalogue = load_catalogue(tmp_path / "mine.py")
+    mine = catalogue["my_effect"]()
+    assert check(mine) == []
+    model = preset("pes") + mine
+    assert model_from_dict(model.to_dict(), catalogue).effects == model.effects
+
+
+@pytest.mark.parametrize("name", ["My", "two words", "class", "1st", ""])
+def test_template_needs_a_usable_name(name: str, tmp_path: Path) -> None:
+    with pytest.raises(UserError, match="must be like my_effect"):
+        write_template(name, tmp_path / "mine.py")
+
+
+def test_template_overwrites_nothing(tmp_path: Path) -> None:
+    (tmp_path / "mine.py").write_text("precious", encoding="utf-8")
+    with pytest.raises(UserError, match="exists already"):
+        write_template("my_effect", tmp_path / "mine.py")
+    assert (tmp_path / "mine.py").read_text(encoding="utf-8") == "precious"
+
+
+BROKEN = '''
+import numpy as np
+from testbench.knit.effect import Effect, Stage, parameter
+
+class Bad(Effect):
+    """Everything wrong.
+
+    G = ?
+
+    Source: none.
+    Valid: never.
+    """
+    name = "bad"
+    stage = Stage.ELECTRICAL
+    reads, writes = ("conductance_S",), ("conductance_S",)
+    strength = "gain"
+    look = "nothing good"
+    gain: float = parameter(0.1, unit="1", low=0, high=1, doc="gain")
+
+    def apply(self, signals, dt_s):
+        BODY
+'''
+
+
+@pytest.mark.parametrize(
+    ("body", "complaint"),
+    [
+        ('signals["conductance_S"][:] = 1; return {"conductance_S": np.ones(3)}', "in place"),
+        ('return {"conductance_S": signals["conductance_S"]}', "returns an input array"),
+        ('return {"force_N": signals["conductance_S"] * 2}', "but declares"),
+        ('return {"conductance_S": signals["conductance_S"][1:] * 2}', "has shape"),
+        ('return {"conductance_S": np.log(self.gain * signals["conductance_S"] - 1)}', "not finite"),
+        ('return {"conductance_S": signals["conductance_S"] + 1e-6}', "although gain is 0"),
+        ('return {"conductance_S": signals["conductance_S"] * (1 + self.gain**2)}', "nonlinear = True"),
+        (
+            'return {"conductance_S": signals["conductance_S"] + self.gain * np.cumsum(signals["conductance_S"])}',
+            "sampling rate",
+        ),
+        (
+            'return {"conductance_S": signals["conductance_S"] * (1 + self.gain * signals["conductance_S"][-1])}',
+            "what happens later",
+        ),
+        ('return {"conductance_S": signals["strain"] * 2}', "KeyError"),
+    ],
+)
+@pytest.mark.filterwarnings("ignore:invalid value")
+def test_a_broken_effect_is_told_which_law_it_breaks(body: str, complaint: str, tmp_path: Path) -> None:
+    (tmp_path / "bad.py").write_text(BROKEN.replace("BODY", body), encoding="utf-8")
+    problems = check(load_catalogue(tmp_path / "bad.py")["bad"]())
+    assert any(complaint in problem for problem in problems), problems
+
+
+def test_an_effect_that_does_not_settle_on_finer_grids_is_caught(tmp_path: Path) -> None:
+    body = 'return {"conductance_S": signals["conductance_S"] + self.gain * np.random.default_rng(0).normal('
+    body += 'size=signals["conductance_S"].shape)}'
+    (tmp_path / "bad.py").write_text(BROKEN.replace("BODY", body), encoding="utf-8")
+    assert "does not settle" in laws.converges(load_catalogue(tmp_path / "bad.py")["bad"]())
+
+
+@pytest.mark.parametrize(
+    ("text", "complaint"),
+    [("import nothing_like_this", "cannot be loaded: ModuleNotFoundError"), ("x = 1", "no Effect class")],
+)
+def test_an_effects_file_that_cannot_be_used_is_named(text: str, complaint: str, tmp_path: Path) -> None:
+    (tmp_path / "mine.py").write_text(text, encoding="utf-8")
+    with pytest.raises(UserError, match=complaint):
+        load_catalogue(tmp_path / "mine.py")
+
+
+@pytest.mark.parametrize(
+    ("change", "complaint"),
+    [
+        ({"format": "other"}, "not a knitbench model"),
+        ({"version": 99}, "model version 99"),
+        ({"effects": [{"name": "x", "effect": "x", "parameters": {}}]}, "no effect called x"),
+        ({"effects": [{"name": "drift", "effect": "drift", "parameters": {"tau_s": -1}}]}, "drift: tau_s"),
+        ({"effects": [{"name": "drift", "effect": "drift", "parameters": {"colour": 1}}]}, "drift: colour"),
+        ({"effects": [{"name": "drift"}]}, "malformed"),
+    ],
+)
+def test_a_bad_model_is_refused_in_one_sentence(change: dict[str, object], complaint: str) -> None:
+    data = {**preset("pes").to_dict(), **change}
+    with pytest.raises(UserError, match=complaint):
+        model_from_dict(data, CATALOGUE, "model.json")
+
+
+@pytest.mark.parametrize("name", ["pes", "lycra"])
+def test_preset_is_a_plausible_knit(name: str) -> None:
+    """A few newtons at 30 %, some 100 kOhm, conductance rising with stretch, force with it."""
+    time_s = np.arange(0, 60, 0.05)
+    strain = 0.15 - 0.15 * np.cos(2 * np.pi * time_s / 6)
+    out = preset(name).simulate(inputs(time_s, strain), 0.05)
+    assert 1.5 < out["force_N"].max() < 10
+    assert 1e4 < np.median(1 / out["conductance_S"]) < 2e6
+    assert np.corrcoef(strain, out["conductance_S"])[0, 1] > 0.4
+    assert np.corrcoef(strain, out["force_N"])[0, 1] > 0.6
+
+
+def test_unknown_preset_lists_what_there_is() -> None:
+    assert names() == ["lycra", "pes"]
+    with pytest.raises(UserError, match="there are lycra, pes"):
+        preset("cotton")
+
+
+def test_command_lists_shows_draws_starts_and_checks(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["effects"]) == 0
+    assert main(["effects", "contact", "--plot"]) == 0
+    assert (tmp_path / "contact.png").is_file()
+    assert main(["effects", "--new", "mine"]) == 0
+    assert main(["effects", "--effects", "mine.py", "--check"]) == 0
+    assert "mine: obeys all laws" in capsys.readouterr().out
+    broken = (tmp_path / "mine.py").read_text().replace('signals["conductance_S"] *', "1e-6 +")
+    (tmp_path / "mine.py").write_text(broken)
+    assert main(["effects", "--effects", "mine.py", "--check", "mine"]) == 1
+    assert "although gain is 0" in capsys.readouterr().out
+
+
+def test_command_refuses_an_unknown_effect(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["effects", "magic"]) == 2
+    assert "no effect called magic" in capsys.readouterr().err
+
+
+def test_presets_are_written_as_models_of_this_version() -> None:
+    assert json.loads(json.dumps(preset("lycra").to_dict()))["version"] == 1

@@ -1,0 +1,98 @@
+"""Softening, jamming, slip and set against closed-form answers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from testbench.knit.damage import CyclicFatigue, JammingStiffening, MullinsSoftening, MullinsSofteningDamage
+from testbench.knit.grip import (
+    ClampSlip,
+    ClampSlipOnce,
+    ClampSlipRepeated,
+    LeadscrewRipple,
+    PermanentSet,
+    PermanentSetRecovering,
+    Slack,
+)
+from testbench.knit.kernels import crossings, travelled
+
+UP = np.linspace(0, 0.3, 301)
+UP_DOWN_UP = np.concatenate([UP, UP[::-1][1:], UP[1:]])
+
+
+def factor(effect: MullinsSoftening | MullinsSofteningDamage | CyclicFatigue, strain: np.ndarray) -> np.ndarray:
+    return effect.apply({"strain": strain, "force_N": np.ones_like(strain)}, 0.05)["force_N"]
+
+
+def test_virgin_curve_is_not_softened_and_the_second_stretch_is() -> None:
+    soft = factor(MullinsSoftening(softening=0.3), UP_DOWN_UP)
+    np.testing.assert_array_equal(soft[:301], 1.0)
+    assert np.all(soft[301:900] < 1.0)
+    assert soft[-1] == pytest.approx(1.0)
+
+
+def test_damage_is_that_of_the_largest_stretch() -> None:
+    damaged = factor(MullinsSofteningDamage(softening=0.5, scale=0.3), UP_DOWN_UP)
+    np.testing.assert_allclose(damaged[300:], 1 - 0.5 * (1 - np.exp(-1)))
+
+
+def test_fatigue_counts_the_path_and_not_the_noise() -> None:
+    path = travelled(UP_DOWN_UP, 0.002)
+    assert path[-1] == pytest.approx(0.9, abs=0.01)
+    noise = np.random.default_rng(0).uniform(-0.0015, 0.0015, 10_000)
+    assert travelled(0.1 + noise, 0.002)[-1] < 0.002
+    tired = factor(CyclicFatigue(loss=0.4, scale=0.45), UP_DOWN_UP)
+    assert tired[-1] == pytest.approx(1 - 0.4 * (1 - np.exp(-2)), rel=0.01)
+
+
+def test_jamming_adds_its_stiffness_beyond_the_onset() -> None:
+    force = JammingStiffening(stiffness_N=50, onset=0.1, width=0.02).apply({"strain": UP, "force_N": 0 * UP}, 0.05)
+    force_N = force["force_N"]
+    assert force_N[99] == 0.0
+    assert (force_N[250] - force_N[200]) / 0.05 == pytest.approx(50.0)
+
+
+def test_quick_set_is_a_share_of_the_largest_stretch() -> None:
+    strain = PermanentSet(fraction=0.2, tau_s=0.01).apply({"strain": UP_DOWN_UP}, 1.0)["strain"]
+    assert strain[600] == pytest.approx(-0.2 * 0.3, rel=0.02)
+
+
+def test_recovering_set_of_a_hold_grows_exponentially() -> None:
+    t = np.arange(0, 1000, 0.5)
+    effect = PermanentSetRecovering(fraction=0.1, tau_s=100)
+    strain = effect.apply({"strain": np.where(t > 0, 0.2, 0.0)}, 0.5)["strain"]
+    np.testing.assert_allclose(0.2 - strain[1:], 0.02 * -np.expm1(-(t[1:] - 0.25) / 100), atol=1e-6)
+
+
+def test_slips_are_a_staircase_of_the_largest_stretch() -> None:
+    strain = ClampSlip(fraction=0.5, limit=0.1, step=0.1).apply({"strain": UP_DOWN_UP}, 0.05)["strain"]
+    lost = UP_DOWN_UP - strain
+    np.testing.assert_allclose(lost[[50, 150, 250, 600, 750]], [0, 0.05, 0.10, 0.15, 0.15], atol=1e-12)
+
+
+def test_each_pass_slips_once_more() -> None:
+    strain = ClampSlipRepeated(amount=0.01, limit=0.15).apply({"strain": UP_DOWN_UP}, 0.05)["strain"]
+    np.testing.assert_allclose((UP_DOWN_UP - strain)[[0, 300, 600, 900]], [0, 0.01, 0.01, 0.02], atol=1e-12)
+
+
+def test_a_pass_needs_a_return_before_it_counts_again() -> None:
+    wiggle = np.array([0.0, 0.21, 0.195, 0.21, 0.1, 0.21])
+    np.testing.assert_array_equal(crossings(wiggle, 0.2, 0.18), [0, 1, 1, 1, 1, 2])
+
+
+def test_single_slip_happens_at_its_moment() -> None:
+    time_s = np.arange(5.0)
+    strain = ClampSlipOnce(amount=0.1, when_s=3).apply({"time_s": time_s, "strain": np.ones(5)}, 1.0)["strain"]
+    np.testing.assert_allclose(strain, [1, 1, 1, 0.9, 0.9])
+
+
+def test_slack_is_taken_up_first() -> None:
+    strain = Slack(slack=0.1).apply({"strain": np.array([-0.05, 0.0, 0.05, 0.1, 0.3])}, 1.0)["strain"]
+    np.testing.assert_allclose(strain, [-0.05, 0, 0, 0, 0.2])
+
+
+def test_ripple_repeats_with_the_pitch() -> None:
+    strain = LeadscrewRipple(amplitude=0.01, pitch=0.1).apply({"strain": UP}, 1.0)["strain"]
+    error = strain - UP
+    np.testing.assert_allclose(error[[0, 100, 200, 25]], [0, 0, 0, 0.01], atol=1e-12)

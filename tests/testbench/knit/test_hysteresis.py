@@ -1,0 +1,64 @@
+"""Rate-independent memory: play, stop and Bouc-Wen loops."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from testbench.knit.grip import ActuatorBacklash
+from testbench.knit.hysteresis import Hysteresis, HysteresisBoucWen, mean_slip
+from testbench.knit.kernels import bouc_wen, play
+
+# 0 -> 1 -> -1 -> 1
+LOOP = np.concatenate([np.linspace(0, 1, 501), np.linspace(1, -1, 1001)[1:], np.linspace(-1, 1, 1001)[1:]])
+
+
+def test_play_operator_follows_at_a_distance_and_waits_after_a_reversal() -> None:
+    y = play(LOOP, np.array([0.25]))[0]
+    assert y[500] == pytest.approx(0.75)
+    standing = (LOOP[500:1500] > 0.5) & (np.arange(1000) < 250)
+    assert np.all(y[500:1500][standing] == y[500])
+    assert y[1500] == pytest.approx(-0.75)
+
+
+def test_play_loop_area_is_twice_the_gap_times_the_travel() -> None:
+    """A play of half width r, driven between -1 and 1, encloses 2 r * 2 (1 - r)."""
+    r = 0.25
+    y = play(LOOP, np.array([r]))[0]
+    x, y = LOOP[500:], y[500:]
+    x, y = np.concatenate([x, [1.0]]), np.concatenate([y, [y[0]]])
+    area = abs(np.sum(0.5 * (y[1:] + y[:-1]) * np.diff(x)))
+    assert area == pytest.approx(2 * r * 2 * (1 - r), rel=1e-6)
+
+
+def test_backlash_of_a_gap_is_a_play_of_half_of_it() -> None:
+    strain = ActuatorBacklash(gap=0.1).apply({"strain": LOOP}, 0.05)["strain"]
+    assert LOOP[500] - strain[500] == pytest.approx(0.05)
+
+
+@pytest.mark.parametrize("effect", [Hysteresis(friction_N=0.4, threshold=0.01), HysteresisBoucWen(friction_N=0.4)])
+def test_fully_slipping_friction_is_plus_and_minus_its_value(effect: Hysteresis | HysteresisBoucWen) -> None:
+    force = effect.apply({"strain": LOOP, "force_N": np.zeros_like(LOOP)}, 0.05)["force_N"]
+    assert force[1500] == pytest.approx(-0.4, rel=1e-6)
+    assert force[-1] == pytest.approx(0.4, rel=1e-6)
+
+
+def test_friction_does_not_know_the_speed() -> None:
+    slow = mean_slip(LOOP, 0.05)
+    fast = mean_slip(LOOP[::10], 0.05)
+    np.testing.assert_allclose(fast, slow[::10], atol=1e-12)
+
+
+def test_friction_returns_to_where_it_was_after_a_small_inner_loop() -> None:
+    """Return-point memory (Madelung): an inner loop leaves no trace."""
+    inner = np.concatenate([LOOP[:501], np.linspace(1, 0.8, 101)[1:], np.linspace(0.8, 1, 101)[1:]])
+    slip = mean_slip(inner, 0.05)
+    assert slip[-1] == pytest.approx(slip[500], abs=1e-12)
+
+
+def test_bouc_wen_without_skew_is_dahl_friction() -> None:
+    """z = sgn - (sgn - z0) exp(-|x - x0| / threshold) along each monotonic branch."""
+    z = bouc_wen(LOOP, 0.1, 0.0)
+    np.testing.assert_allclose(z[:501], -np.expm1(-LOOP[:501] / 0.1), atol=1e-9)
+    back = LOOP[500:1501]
+    np.testing.assert_allclose(z[500:1501], -1 + (1 + z[500]) * np.exp((back - 1) / 0.1), atol=1e-9)

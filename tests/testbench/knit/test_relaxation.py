@@ -1,0 +1,110 @@
+"""Relaxation and viscosity against closed-form answers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from testbench.knit import spectra
+from testbench.knit.filters import hold_coefficients, lowpass, memory, rate
+from testbench.knit.relaxation import (
+    StressRelaxation,
+    StressRelaxationLog,
+    StressRelaxationPower,
+    StressRelaxationSpectrum,
+    ViscousRateStiffening,
+    ViscousRateStiffeningEyring,
+)
+
+DT_S = 0.05
+T = np.arange(0, 200, DT_S)
+RAMP_S = 5.0
+STEP = np.minimum(T / DT_S, 1.0)  # reaches 1 within one sample
+RAMP_AND_HOLD = np.minimum(T / RAMP_S, 1.0)
+
+
+@pytest.mark.parametrize("tau_s", [0.3, 7.0, 90.0])
+def test_prony_term_after_a_ramp_follows_the_textbook(tau_s: float) -> None:
+    """During the ramp t/T - g (t - tau (1 - e^-t/tau)) / T; in the hold an exponential decay to 1 - g."""
+    g = 0.4
+    force = StressRelaxation(fraction=g, tau_s=tau_s).apply({"force_N": RAMP_AND_HOLD}, DT_S)["force_N"]
+    ramping = (T - g * (T - tau_s * -np.expm1(-T / tau_s))) / RAMP_S
+    since = np.maximum(T - RAMP_S, 0.0)
+    holding = 1 - g + g * tau_s / RAMP_S * -np.expm1(-RAMP_S / tau_s) * np.exp(-since / tau_s)
+    np.testing.assert_allclose(force, np.where(T <= RAMP_S, ramping, holding), atol=1e-12)
+
+
+def test_power_law_relaxation_after_a_step_is_the_power_law() -> None:
+    n, tau_s = 0.2, 3.0
+    force = StressRelaxationPower(exponent=n, tau_s=tau_s).apply({"force_N": STEP}, DT_S)["force_N"]
+    np.testing.assert_allclose(force[5:], (1 + (T[5:] - DT_S / 2) / tau_s) ** -n, atol=2e-4)
+
+
+def test_logarithmic_relaxation_after_a_step_loses_the_same_per_decade() -> None:
+    force = StressRelaxationLog(per_decade=0.06, tau_s=1.0).apply({"force_N": STEP}, DT_S)["force_N"]
+    at = np.searchsorted(T, [1.0, 19.0, 199.0])
+    np.testing.assert_allclose(force[at], 1 - 0.06 * np.log10(1 + T[at] - DT_S / 2), atol=2e-4)
+
+
+def test_box_spectrum_loses_its_whole_fraction_in_the_end() -> None:
+    t = np.arange(0, 3000, 0.5)
+    effect = StressRelaxationSpectrum(fraction=0.3, shortest_s=1, longest_s=50)
+    force = effect.apply({"force_N": np.minimum(t, 1.0)}, 0.5)["force_N"]
+    assert force[-1] == pytest.approx(0.7, abs=1e-9)
+    assert np.all(np.diff(force[10:]) <= 1e-15)
+
+
+def test_spectra_are_their_kernels() -> None:
+    """ln(1 + t/tau) and 1 - (1 + t/tau)^-n, rebuilt from their exponentials."""
+    t = np.geomspace(0.01, 3e3, 50)[:, None]
+    for (times, weights), kernel in (
+        (spectra.logarithm(2.0), np.log1p(t[:, 0] / 2)),
+        (spectra.power(2.0, 0.3), 1 - (1 + t[:, 0] / 2) ** -0.3),
+    ):
+        np.testing.assert_allclose(-np.expm1(-t / times) @ weights, kernel, atol=5e-4)
+
+
+def test_lowpass_of_a_ramp_lags_by_its_time_constant() -> None:
+    y = lowpass(3 * T, 4.0, DT_S)
+    np.testing.assert_allclose(y, 3 * (T - 4.0 * -np.expm1(-T / 4.0)), atol=1e-11)
+
+
+def test_lowpass_without_a_time_constant_is_the_signal() -> None:
+    np.testing.assert_allclose(lowpass(RAMP_AND_HOLD, 0.0, DT_S), RAMP_AND_HOLD, atol=1e-12)
+
+
+def test_lowpass_can_start_cold() -> None:
+    np.testing.assert_allclose(lowpass(np.ones_like(T), 10.0, DT_S, start=0.0), -np.expm1(-T / 10), atol=1e-12)
+
+
+def test_slow_filters_keep_their_precision() -> None:
+    """b0 of a filter a billion times slower than the sampling is dt / (2 tau), not rounding noise."""
+    _, b0, b1 = hold_coefficients(np.array([1e9]), 1.0)
+    np.testing.assert_allclose([b0[0], b1[0]], 0.5e-9, rtol=1e-8)
+
+
+def test_memory_of_one_term_is_the_lowpass() -> None:
+    x = np.sin(T)
+    np.testing.assert_allclose(
+        memory(x, np.array([6.0]), np.array([2.0]), DT_S), 2 * lowpass(x, 6.0, DT_S), atol=1e-12
+    )
+
+
+def test_rate_of_a_ramp_is_its_slope() -> None:
+    np.testing.assert_allclose(rate(0.02 * T, DT_S)[40:], 0.02, rtol=1e-6)
+
+
+@pytest.mark.parametrize(("speed", "exponent", "expected"), [(0.1, 1.0, 0.5), (0.2, 1.0, 1.0), (0.4, 0.5, 1.0)])
+def test_dashpot_force_grows_with_a_power_of_the_rate(speed: float, exponent: float, expected: float) -> None:
+    effect = ViscousRateStiffening(force_at_rate_N=0.5, exponent=exponent)
+    force = effect.apply({"strain": speed * T, "force_N": np.zeros_like(T)}, DT_S)["force_N"]
+    assert force[-1] == pytest.approx(expected)
+
+
+def test_eyring_force_adds_the_same_for_every_tenfold_rate() -> None:
+    effect = ViscousRateStiffeningEyring(force_per_efold_N=0.1, rate0_per_s=1e-4)
+    forces = [
+        effect.apply({"strain": speed * T, "force_N": np.zeros_like(T)}, DT_S)["force_N"][-1]
+        for speed in (0.01, 0.1, 1.0)
+    ]
+    np.testing.assert_allclose(np.diff(forces), 0.1 * np.log(10), rtol=1e-3)

@@ -1,0 +1,130 @@
+"""Overshoot, heat and read-out against closed-form answers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from testbench.knit.heat import SelfHeating, SelfHeatingCurrent, TemperatureDrift, ThermalSoftening
+from testbench.knit.readout import (
+    AdcSaturation,
+    AdcSaturationForce,
+    AdcSaturationHigh,
+    ChannelLag,
+    ChannelLagDelay,
+    LoadCellCreep,
+    LoadCellZeroDrift,
+    PeriodicInterference,
+    strongest_frequency_Hz,
+)
+from testbench.knit.transient import (
+    ElectricalOvershoot,
+    ElectricalOvershootMagnitude,
+    ElectricalOvershootReversal,
+    RateResistance,
+    ShoulderPeak,
+)
+
+DT_S = 0.05
+T = np.arange(0, 100, DT_S)
+ONE = np.ones_like(T)
+UP_HOLD_DOWN = 0.2 * np.interp(T, [0, 10, 40, 50], [0, 1, 1, 0])
+
+
+def log_change(effect: object, strain: np.ndarray = UP_HOLD_DOWN) -> np.ndarray:
+    signals = {"strain": strain, "conductance_S": ONE, "time_s": T}
+    return np.log(effect.apply(signals, DT_S)["conductance_S"])  # type: ignore[attr-defined]
+
+
+def test_overshoot_after_a_ramp_decays_with_its_time_constant() -> None:
+    change = log_change(ElectricalOvershoot(gain=2.0, tau_s=4.0))
+    peak = 2.0 * 0.02 * 4.0 * -np.expm1(-10 / 4.0)  # gain * rate * tau * (1 - e^-T/tau)
+    at = np.searchsorted(T, [10.0, 14.0])
+    np.testing.assert_allclose(change[at], [peak, peak / np.e], rtol=1e-6)
+
+
+def test_overshoot_of_the_magnitude_has_the_same_sign_both_ways() -> None:
+    change = log_change(ElectricalOvershootMagnitude(gain=1.0, tau_s=2.0))
+    up, down = change[np.searchsorted(T, [10.0, 50.0])]
+    assert up == pytest.approx(down, rel=1e-3)
+    assert up == pytest.approx(0.02 * 2.0, rel=0.02)
+
+
+def test_reversal_transient_does_not_know_the_speed() -> None:
+    fast = log_change(ElectricalOvershootReversal(gain=0.1), 0.05 * np.abs((T + 10) % 20 - 10))
+    slow = log_change(ElectricalOvershootReversal(gain=0.1), 0.01 * np.abs((T + 10) % 20 - 10))
+    np.testing.assert_allclose(np.ptp(fast), np.ptp(slow), rtol=0.1)
+
+
+def test_shoulder_is_on_the_way_back_only() -> None:
+    change = log_change(ShoulderPeak(gain=-1.0, tau_s=5.0))
+    assert np.all(np.abs(change[T < 40]) < 1e-12)
+    assert change[np.searchsorted(T, 50.0)] == pytest.approx(-0.02 * 5.0 * -np.expm1(-10 / 5.0), rel=1e-3)
+
+
+def test_rate_shift_is_gone_when_the_motion_stops() -> None:
+    change = log_change(RateResistance(gain=0.5))
+    assert change[np.searchsorted(T, 9.0)] == pytest.approx(0.5 * 0.02 / 0.1, rel=1e-4)
+    assert abs(change[np.searchsorted(T, 12.0)]) < 1e-6
+
+
+@pytest.mark.parametrize("cls", [SelfHeating, SelfHeatingCurrent])
+def test_self_heating_starts_cold_and_ends_at_its_coefficient(
+    cls: type[SelfHeating] | type[SelfHeatingCurrent],
+) -> None:
+    change = log_change(cls(coefficient=-0.1, tau_s=8.0))
+    np.testing.assert_allclose(change, 0.1 * np.expm1(-T / 8.0), atol=1e-12)
+
+
+def test_measured_temperature_is_used_where_there_is_one() -> None:
+    effect = TemperatureDrift(coefficient_per_K=0.02, lag_s=0.1, period_s=400)
+    signals = {"time_s": T, "conductance_S": ONE}
+    measured = effect.apply({**signals, "temperature_C": 20 + 0.1 * T}, DT_S)["conductance_S"]
+    assert np.log(measured[-1]) == pytest.approx(0.02 * 0.1 * (T[-1] - 0.1), rel=1e-6)
+    unmeasured = np.log(effect.apply(signals, DT_S)["conductance_S"])
+    np.testing.assert_allclose(unmeasured, 0.02 * np.sin(2 * np.pi * T / 400), atol=1e-12)
+
+
+def test_force_follows_the_temperature_only_where_it_was_measured() -> None:
+    effect = ThermalSoftening(softening_per_K=0.01)
+    np.testing.assert_array_equal(effect.apply({"force_N": ONE}, DT_S)["force_N"], ONE)
+    warm = effect.apply({"force_N": ONE, "temperature_C": 20 + T}, DT_S)["force_N"]
+    np.testing.assert_allclose(warm, 1 - 0.01 * T)
+
+
+def test_lag_and_delay_shift_a_ramp_by_their_times() -> None:
+    for effect in (ChannelLag(tau_s=1.5), ChannelLagDelay(delay_s=1.5)):
+        read = effect.apply({"conductance_S": T}, DT_S)["conductance_S"]
+        np.testing.assert_allclose(read[400:], T[400:] - 1.5, atol=1e-5)
+
+
+def test_converters_clip_at_their_ends() -> None:
+    values = np.array([1.0, 2.0, 3.0])
+    top = AdcSaturation(floor_ohm=0.5).apply({"conductance_S": values}, 1.0)["conductance_S"]
+    bottom = AdcSaturationHigh(floor_S=2.5).apply({"conductance_S": values}, 1.0)["conductance_S"]
+    force = AdcSaturationForce(inverse_range_per_N=0.5).apply({"force_N": values}, 1.0)["force_N"]
+    np.testing.assert_allclose([top, bottom, force], [[1, 2, 2], [2.5, 2.5, 3], [1, 2, 2]])
+
+
+def test_clipping_starts_a_fit_near_the_ends_of_the_data() -> None:
+    measured = {"conductance_S": np.linspace(1, 2, 101), "force_N": np.linspace(0, 4, 101)}
+    assert AdcSaturation().initial_guess(measured, 1.0).model_dump()["floor_ohm"] == pytest.approx(1 / 1.95)
+    assert AdcSaturationHigh().initial_guess(measured, 1.0).model_dump()["floor_S"] == pytest.approx(1.05)
+    guess = AdcSaturationForce().initial_guess(measured, 1.0).model_dump()
+    assert guess["inverse_range_per_N"] == pytest.approx(1 / 3.8)
+
+
+def test_creeping_reading_ends_at_its_fraction_and_zero_drift_at_its_shift() -> None:
+    t = np.arange(0, 1000, 0.5)
+    crept = LoadCellCreep(fraction=0.05, tau_s=20).apply({"force_N": np.minimum(t, 2.0)}, 0.5)["force_N"]
+    assert crept[-1] == pytest.approx(2.1)
+    drifted = LoadCellZeroDrift(drift_N=0.3, tau_s=20).apply({"force_N": np.zeros_like(t), "time_s": t}, 0.5)
+    assert drifted["force_N"][-1] == pytest.approx(0.3)
+
+
+def test_the_line_in_the_spectrum_is_found() -> None:
+    rng = np.random.default_rng(0)
+    signal = np.cumsum(rng.normal(0, 0.02, len(T))) + 0.1 * np.sin(2 * np.pi * 3.3 * T)
+    assert strongest_frequency_Hz(signal, DT_S) == pytest.approx(3.3, abs=0.02)
+    guess = PeriodicInterference().initial_guess({"conductance_S": np.exp(signal)}, DT_S)
+    assert guess.model_dump()["frequency_Hz"] == pytest.approx(3.3, abs=0.02)
