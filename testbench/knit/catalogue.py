@@ -59,6 +59,7 @@ BUILT_IN = {
     "contact_saturation_hard": "testbench.knit.pressure:ContactSaturationHard",
     "contact_hysteresis": "testbench.knit.pressure:ContactHysteresis",
     "piezoresistance": "testbench.knit.piezoresistance:Piezoresistance",
+    "yarn_elongation": "testbench.knit.piezoresistance:YarnElongation",
     "piezoresistance_tunnelling": "testbench.knit.piezoresistance:PiezoresistanceTunnelling",
     "piezoresistance_percolation": "testbench.knit.piezoresistance:PiezoresistancePercolation",
     "electrical_overshoot": "testbench.knit.transient:ElectricalOvershoot",

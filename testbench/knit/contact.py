@@ -20,7 +20,8 @@ class Contact(Effect):
 
     P = preload + contact force. `contact_resistance` gathers resistivity rho, hardness H and number n of contacts.
 
-    Source: Holm, Electric Contacts (1967), Eq. 4.10; Zhang et al., Measurement 44 (2011), knitted sensors.
+    Source: Holm, Electric Contacts (1967); that contacts rule the first stretch of weft-knitted sensors: J. Eng.
+    Fibers Fabr. 15 (2020), doi:10.1177/1558925020969475.
     Valid: plastic contacts (square root); conductance rises with stretch.
     """
 

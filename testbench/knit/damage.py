@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
+from testbench.knit.effect import Effect, FloatArray, Signals, Stage, bounds_of, parameter
 from testbench.knit.filters import DEAD_BAND_STRAIN
 
 
@@ -16,7 +16,7 @@ class MullinsSoftening(Effect):
     w stands for the strain energy, w_max for its largest value so far; on the virgin curve w = w_max and nothing
     happens.
 
-    Source: Ogden & Roxburgh, Proc. R. Soc. A 455 (1999) 2861, Eq. 41, doi:10.1098/rspa.1999.0431, with the energy
+    Source: Ogden & Roxburgh, Proc. R. Soc. A 455 (1999) 2861, doi:10.1098/rspa.1999.0431, with the energy
     of a linear spring.
     Valid: the first few stretches; no healing.
     """
@@ -68,6 +68,17 @@ class MullinsSofteningDamage(Effect):
         top = np.maximum(running_max(signals["strain"]), 0.0)
         damage = -np.expm1(-(top - top[0]) / self.scale) * np.exp(-top[0] / self.scale)
         return {"force_N": signals["force_N"] * (1 - self.softening * damage)}
+
+
+def share_of_strain(effect: Effect, signals: Signals, **shares: float) -> Effect:
+    """Parameters set to these shares of the largest measured strain, within their bounds."""
+    if "strain" not in signals:
+        return effect
+    top, values = float(np.max(signals["strain"])), {}
+    for key, share in shares.items():
+        extra = bounds_of(type(effect).model_fields[key])
+        values[key] = min(max(share * top, extra["low"]), extra["high"])
+    return effect.replaced(**values)
 
 
 def cycled_strain(signals: Signals) -> FloatArray:
@@ -150,6 +161,9 @@ class JammingStiffening(Effect):
         beyond = np.maximum(signals["strain"] - self.onset, 0.0)
         within = np.minimum(beyond, self.width)
         return {"force_N": signals["force_N"] + self.stiffness_N * (beyond - within + within**2 / (2 * self.width))}
+
+    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
+        return share_of_strain(self, signals, onset=0.7, width=0.1)
 
 
 class JammingStiffeningPower(Effect):

@@ -144,7 +144,11 @@ class Effect(BaseModel):
         return []
 
     def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
-        """A start for a fit, made from measured ``force_N``, ``conductance_S`` and ``strain``."""
+        """A start for a fit, made from measured ``force_N``, ``conductance_S`` and ``strain``.
+
+        Sets parameters whose scale only the data know: a clipping level, an onset of strain, a frequency. Signals
+        that were not measured may be missing. The default start keeps the default parameters.
+        """
         return self
 
     def model_post_init(self, _context: Any) -> None:

@@ -29,8 +29,11 @@ class Drift(Effect):
     tau_s: float = parameter(10.0, unit="s", low=0.1, high=1e5, scale="log", doc="when the drift sets in")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        decades = np.log1p(signals["time_s"] / self.tau_s) / np.log(10)
-        return {"conductance_S": signals["conductance_S"] * 10 ** (self.per_decade * decades)}
+        return {
+            "conductance_S": shifted(
+                signals["conductance_S"], self.per_decade * np.log1p(signals["time_s"] / self.tau_s)
+            )
+        }
 
 
 class DriftExponential(Effect):
@@ -62,7 +65,7 @@ class DriftPower(Effect):
 
     ln G += per_hour * (t / 1 h)^exponent
 
-    Source: Crank, The Mathematics of Diffusion (1975), section 4.3 (exponent 1/2: uptake of moisture at short times).
+    Source: Crank, The Mathematics of Diffusion (1975), ch. 4 (exponent 1/2: uptake of moisture at short times).
     Valid: far from the end of the process.
     """
 

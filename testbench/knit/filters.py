@@ -49,12 +49,10 @@ def lowpass(x: FloatArray, tau_s: float, dt_s: float, start: float | None = None
     start : float, optional
         ``y`` at the first sample; the rest value ``x[0]`` when not given.
     """
-    from scipy.signal import lfilter
+    from testbench.knit.kernels import first_order
 
     a, b0, b1 = (float(c[0]) for c in hold_coefficients(np.array([tau_s]), dt_s))
-    start = float(x[0]) if start is None else start
-    y, _ = lfilter([b0, b1], [1.0, -a], x, zi=[start - b0 * x[0]])
-    return np.asarray(y, dtype=np.float64)
+    return first_order(np.ascontiguousarray(x), a, b0, b1, float(x[0]) if start is None else start)
 
 
 def rate(x: FloatArray, dt_s: float) -> FloatArray:

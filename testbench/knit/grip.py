@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from testbench.knit.damage import cycled_strain, share_of_strain
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 from testbench.knit.filters import lowpass
 
@@ -80,8 +81,6 @@ class PermanentSetWorked(Effect):
     scale: float = parameter(20.0, unit="1", low=0.1, high=1e5, scale="log", doc="strain path for 63 % of it")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        from testbench.knit.damage import cycled_strain
-
         return {"strain": signals["strain"] + self.amount * np.expm1(-cycled_strain(signals) / self.scale)}
 
 
@@ -112,6 +111,9 @@ class ClampSlip(Effect):
         slips = np.maximum(steps, 0.0)
         return {"strain": signals["strain"] - self.fraction * self.step * (slips - slips[0])}
 
+    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
+        return share_of_strain(self, signals, limit=0.6, step=0.12)
+
 
 class ClampSlipRepeated(Effect):
     """Each time the stretch passes the grip's limit, the fabric slips by the same amount.
@@ -138,6 +140,9 @@ class ClampSlipRepeated(Effect):
 
         passes = crossings(signals["strain"], self.limit, self.limit - 0.02)
         return {"strain": signals["strain"] - self.amount * passes}
+
+    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
+        return share_of_strain(self, signals, limit=0.7)
 
 
 class ClampSlipOnce(Effect):

@@ -12,10 +12,9 @@ SPREAD = np.geomspace(0.15, 2.5, 6)
 
 def mean_slip(x: FloatArray, threshold: float) -> FloatArray:
     """Mean of the slip elements' relative deflections, in [-1, 1]: -1 or 1 when all slip, 0 at the start."""
-    from testbench.knit.kernels import play
+    from testbench.knit.kernels import mean_stop
 
-    r = threshold * SPREAD
-    return np.asarray(((x - play(x, r)) / r[:, None]).mean(axis=0))
+    return mean_stop(x, threshold * SPREAD)
 
 
 class Hysteresis(Effect):

@@ -237,6 +237,17 @@ def knows_no_future(effect: Effect) -> str:
     return ""
 
 
+def starts_a_fit(effect: Effect) -> str:
+    """`initial_guess` gives an effect of the same kind, from all measured channels, or from any one alone."""
+    signals = example_signals(0.05)
+    channels = ("force_N", "conductance_S")
+    for measured in (channels, channels[:1], channels[1:]):
+        known = {key: signals[key] for key in ("time_s", "strain_nominal", "strain", *measured)}
+        if type(effect.initial_guess(known, 0.05)) is not type(effect):
+            return f"initial_guess from {' and '.join(measured)} returns another kind of effect"
+    return ""
+
+
 def survives_json(effect: Effect) -> str:
     """Parameters written as JSON and read again give the same effect."""
     again = type(effect).model_validate(json.loads(json.dumps(effect.model_dump(mode="json"), allow_nan=False)))
@@ -253,6 +264,7 @@ LAWS: tuple[Law, ...] = (
     converges,
     ignores_sampling_rate,
     knows_no_future,
+    starts_a_fit,
     survives_json,
 )
 

@@ -1,13 +1,16 @@
-"""Laws for sensors whose resistance rises with stretch: carbon-filled and silver-coated composites.
+"""Sensors whose resistance rises with stretch: carbon-filled and silver-coated composites, straightened yarn.
 
-They take the place of `contact` in a model: they need no force, and make the conductance from the strain.
+The laws take the place of `contact` in a model: they need no force, and make the conductance from the strain.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
+from testbench.knit.contact import positive_part
+from testbench.knit.damage import share_of_strain
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
+from testbench.knit.filters import shifted
 
 CAP = 60.0  # e^60 is beyond all resistances; it keeps a wild fit finite
 
@@ -52,12 +55,41 @@ class Piezoresistance(Effect):
         return guess_rest_ohm(self, signals)
 
 
+class YarnElongation(Effect):
+    """Once the loops are straight the conductive yarn itself is stretched: its resistance rises.
+
+    ln G -= gauge * s,   s = ((e - onset) + sqrt((e - onset)^2 + 4 width^2)) / 2 minus its value at e = 0
+
+    Source: J. Eng. Fibers Fabr. 15 (2020), doi:10.1177/1558925020969475 (contacts rule the first stretch of
+    weft-knitted sensors, the length of the yarn the later one).
+    Valid: conductance rises first and bends down at high strain.
+    """
+
+    name = "yarn_elongation"
+    stage = Stage.ELECTRICAL
+    reads, writes = ("strain", "conductance_S"), ("conductance_S",)
+    strength = "gauge"
+    look = "conductance turns round and falls again at high strain, force does not"
+
+    gauge: float = parameter(1.0, unit="1", low=0, high=50, doc="gauge factor of the straightened yarn")
+    onset: float = parameter(0.2, unit="1", low=0.01, high=2, scale="log", doc="strain where the loops are straight")
+    width: float = parameter(0.02, unit="1", low=1e-3, high=0.3, scale="log", doc="strain over which it sets in")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        rest = positive_part(np.array([-self.onset]), self.width)
+        stretched = positive_part(signals["strain"] - self.onset, self.width) - rest
+        return {"conductance_S": shifted(signals["conductance_S"], -self.gauge * stretched)}
+
+    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
+        return share_of_strain(self, signals, onset=0.6, width=0.1)
+
+
 class PiezoresistanceTunnelling(Effect):
     """Electrons tunnel between filler particles whose gaps widen in proportion to the strain.
 
     R = rest * (1 + e) * exp(barrier * e)
 
-    Source: Simmons, J. Appl. Phys. 34 (1963) 1793 (tunnelling); Zhang et al., J. Appl. Polym. Sci. 59 (1996) 1689
+    Source: Simmons, J. Appl. Phys. 34 (1963) 1793 (tunnelling); Zhang et al., J. Polym. Sci. B 38 (2000) 2739
     (gap in proportion to strain).
     Valid: filled well above the percolation threshold; barrier = gap at rest times 2 sqrt(2 m phi) / hbar.
     """

@@ -108,8 +108,8 @@ class ContactSaturation(Effect):
 
     P = P_0 / (1 + (inverse_limit |P_0|)^hardness)^(1 / hardness)
 
-    Source: Zhang et al., Measurement 44 (2011) (knitted sensors stop responding when all contacts are made); the
-    bend is the usual smooth minimum.
+    Source: Greenwood & Williamson, Proc. R. Soc. A 295 (1966) 300 (no more contacts than asperities); the bend is
+    the usual smooth minimum.
     Valid: 1 / inverse_limit is the pressing force that the contacts can use at most.
     """
 
@@ -196,3 +196,9 @@ class ContactHysteresis(Effect):
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         pressing_N = signals["contact_force_N"]
         return {"contact_force_N": pressing_N + self.friction_N * mean_slip(pressing_N, self.threshold_N)}
+
+    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
+        force_N = signals.get("force_N")
+        if force_N is None:
+            return self
+        return self.replaced(threshold_N=min(max(0.05 * float(np.ptp(force_N)), 1e-3), 100.0))

@@ -103,6 +103,8 @@ class AdcSaturation(Effect):
         return {"conductance_S": np.minimum(signals["conductance_S"], top_S)}
 
     def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
+        if "conductance_S" not in signals:
+            return self
         return self.replaced(floor_ohm=float(1 / np.quantile(signals["conductance_S"], 0.95)))
 
     def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
@@ -132,6 +134,8 @@ class AdcSaturationHigh(Effect):
         return {"conductance_S": np.maximum(signals["conductance_S"], self.floor_S)}
 
     def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
+        if "conductance_S" not in signals:
+            return self
         return self.replaced(floor_S=float(np.quantile(signals["conductance_S"], 0.05)))
 
     def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
@@ -162,6 +166,8 @@ class AdcSaturationForce(Effect):
         return {"force_N": np.minimum(signals["force_N"], top_N)}
 
     def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
+        if "force_N" not in signals:
+            return self
         return self.replaced(inverse_range_per_N=1 / max(float(np.quantile(signals["force_N"], 0.95)), 1e-3))
 
     def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
@@ -265,6 +271,8 @@ class PeriodicInterference(Effect):
         return {"conductance_S": signals["conductance_S"] * (1 + self.amplitude * wave)}
 
     def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
+        if "conductance_S" not in signals:
+            return self
         return self.replaced(frequency_Hz=strongest_frequency_Hz(np.log(signals["conductance_S"]), dt_s))
 
     def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
@@ -297,6 +305,8 @@ class PeriodicInterferenceForce(Effect):
         return {"force_N": signals["force_N"] + self.amplitude_N * wave}
 
     def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
+        if "force_N" not in signals:
+            return self
         return self.replaced(frequency_Hz=strongest_frequency_Hz(signals["force_N"], dt_s))
 
     def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:

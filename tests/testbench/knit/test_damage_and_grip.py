@@ -96,3 +96,11 @@ def test_ripple_repeats_with_the_pitch() -> None:
     strain = LeadscrewRipple(amplitude=0.01, pitch=0.1).apply({"strain": UP}, 1.0)["strain"]
     error = strain - UP
     np.testing.assert_allclose(error[[0, 100, 200, 25]], [0, 0, 0, 0.01], atol=1e-12)
+
+
+def test_onsets_start_a_fit_inside_the_strain_that_was_reached() -> None:
+    measured = {"strain": UP_DOWN_UP}
+    assert JammingStiffening().initial_guess(measured, 1.0).model_dump()["onset"] == pytest.approx(0.21)
+    assert ClampSlip().initial_guess(measured, 1.0).model_dump()["limit"] == pytest.approx(0.18)
+    assert ClampSlipRepeated().initial_guess(measured, 1.0).model_dump()["limit"] == pytest.approx(0.21)
+    assert JammingStiffening().initial_guess({}, 1.0) == JammingStiffening()
