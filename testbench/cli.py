@@ -12,6 +12,7 @@ COMMANDS: tuple[str, ...] = (
     "rig",
     "verify",
     "align",
+    "dataset",
     "import",
     "effects",
     "fit",

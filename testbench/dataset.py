@@ -1,0 +1,225 @@
+"""Thousands of campaigns from one file: sensors x programs x seeds, fanned out over processes.
+
+A campaign is one task. It is written whole or not at all and carries its own checksums, so a killed run is resumed
+by starting it again: what verifies is never redone.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import shutil
+from argparse import Namespace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gcode.support.errors import UserError, first_problem
+from gcode.support.files import make_folder, read_json, sha256_of, write_json, write_text
+from testbench import manifest
+from testbench.campaign import Plan, matches, simulate_campaign, vacant
+from testbench.dataset_spec import DatasetSpec, TrajectoryWish
+from testbench.knit.catalogue import load_catalogue, model_from_dict
+from testbench.knit.model import KnitModel
+from testbench.knit.presets import preset
+from testbench.rig.instruments import Instruments
+from testbench.rig.motion import played
+from testbench.rig.simulated import Motion
+
+INDEX, PROGRAMS = "dataset.json", "programs"
+
+
+@dataclass(frozen=True)
+class Task:
+    """One campaign to be made: small, so that it travels to any worker."""
+
+    folder: Path
+    program: Path
+    sensor: str
+    model: dict[str, Any]
+    gauge_length_mm: float
+    seed: int
+    instruments: Instruments
+
+    def plan(self) -> Plan:
+        """As the campaign's manifest will say it."""
+        model = model_from_dict(self.model, load_catalogue(), self.sensor)
+        return Plan(self.program, model, self.gauge_length_mm, self.seed, self.sensor, self.instruments)
+
+
+def tasks_of(spec: DatasetSpec, base: Path, out: Path) -> list[Task]:
+    """All campaigns of a data set; programs that have to be planned are written to ``out/programs`` first.
+
+    Raises
+    ------
+    UserError
+        If a sensor, a program or a varied parameter is not there: before anything runs, not after an hour.
+    """
+    models = {sensor: _model(sensor, base) for sensor in spec.sensors}
+    programs = _planned(spec, base, out) if spec.trajectory else _found(spec.programs, base)
+    for program in programs:
+        _motion(program, spec.gauge_length_mm)
+    made = []
+    for (sensor, model), program, seed in product(models.items(), programs, spec.seeds):
+        name = f"{Path(sensor).stem}-{program.stem}-{seed:05d}"
+        drawn = varied(model, spec.vary, seed).to_dict()
+        folder = out.absolute() / name
+        made.append(Task(folder, program, sensor, drawn, spec.gauge_length_mm, seed, spec.instruments))
+    if len({task.folder for task in made}) < len(made):
+        raise UserError("two campaigns would have the same folder; give sensors and programs different file names")
+    return made
+
+
+def varied(model: KnitModel, ranges: dict[str, tuple[float, float]], seed: int) -> KnitModel:
+    """The model with the parameters in `ranges` drawn uniformly, by `seed`; each by its own stream."""
+    drawn = {}
+    for address, (low, high) in ranges.items():
+        stream = np.random.default_rng([seed, *address.encode()])
+        drawn[address] = float(stream.uniform(low, high))
+    try:
+        return model.with_parameters(drawn) if drawn else model
+    except ValueError as error:
+        raise UserError(f"vary, seed {seed}: {first_problem(error)}") from None
+
+
+def make(task: Task) -> bool:
+    """Make one campaign; False if it was there and intact already."""
+    plan = task.plan()
+    if _there(task.folder, plan):
+        return False
+    vacant(task.folder, overwrite=True)
+    try:
+        simulate_campaign(plan, task.folder, _motion(task.program, task.gauge_length_mm))
+    except OSError:
+        # A scheduler may give a task to two workers when it believes the first one dead.
+        if not _there(task.folder, plan):
+            raise
+    return True
+
+
+def run(
+    tasks: Sequence[Task], backend: str = "loky", workers: int = -1, step: Callable[[], None] = lambda: None
+) -> tuple[int, int]:
+    """Make all campaigns; return how many were made and how many were there already.
+
+    Parameters
+    ----------
+    tasks : sequence of Task
+    backend : {"loky", "dask"}
+        Processes of this machine, or the Dask client that is active.
+    workers : int
+        Processes; -1 is one for each core.
+    step : callable
+        Called after each campaign.
+    """
+    from joblib import Parallel, delayed, parallel_config
+
+    with parallel_config(
+        backend=backend, n_jobs=workers, **({"inner_max_num_threads": 1} if backend == "loky" else {})
+    ):
+        made = 0
+        for was_made in Parallel(return_as="generator_unordered")(delayed(make)(task) for task in tasks):
+            made += was_made
+            step()
+    return made, len(tasks) - made
+
+
+def write_index(out: Path, spec: Path, tasks: Sequence[Task]) -> None:
+    """Copy the spec and list the campaigns, with the checksum of each one's manifest."""
+    write_text(out / "dataset.toml", spec.read_text(encoding="utf-8"))
+    entries = []
+    for task in tasks:
+        campaign, _ = manifest.read_manifest(task.folder)
+        entries.append(
+            {
+                "campaign": task.folder.name,
+                "sensor": task.sensor,
+                "program": task.program.name,
+                "seed": task.seed,
+                "samples": campaign.counts["samples"],
+                "manifest_sha256": sha256_of(task.folder / manifest.NAME),
+            }
+        )
+    write_json(out / INDEX, {"format": "knitbench-dataset", "version": 1, "campaigns": entries})
+
+
+class OneAtATime:
+    """Holds a folder for one `dataset` command, and clears away the drafts of killed workers.
+
+    Raises
+    ------
+    UserError
+        If another one is at work there.
+    """
+
+    def __init__(self, out: Path) -> None:
+        self._out = out
+        self._handle = os.open(out / ".lock", os.O_RDWR | os.O_CREAT, 0o644)
+
+    def __enter__(self) -> OneAtATime:
+        try:
+            fcntl.flock(self._handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            os.close(self._handle)
+            raise UserError(f"{self._out}: another `testbench dataset` is at work in this folder") from None
+        for draft in self._out.glob(".*.*/campaign"):
+            shutil.rmtree(draft.parent, ignore_errors=True)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        (self._out / ".lock").unlink(missing_ok=True)
+        os.close(self._handle)
+
+
+def _there(folder: Path, plan: Plan) -> bool:
+    try:
+        return matches(folder, plan)
+    except UserError:
+        return False
+
+
+@lru_cache(maxsize=4)
+def _motion(program: Path, gauge_length_mm: float) -> Motion:
+    return played(program, gauge_length_mm)[0]
+
+
+def _model(sensor: str, base: Path) -> KnitModel:
+    if not sensor.endswith(".json"):
+        return preset(sensor)
+    return model_from_dict(read_json(base / sensor, "model"), load_catalogue(), sensor)
+
+
+def _found(patterns: Sequence[str], base: Path) -> list[Path]:
+    found: list[Path] = []
+    for pattern in patterns:
+        paths = sorted(base.glob(pattern)) if not Path(pattern).is_absolute() else [Path(pattern)]
+        if not paths or not all(path.is_file() for path in paths):
+            raise UserError(f"{base / pattern}: no such program; make one with `gcode generate`")
+        found += (path.absolute() for path in paths)
+    return found
+
+
+def _planned(spec: DatasetSpec, base: Path, out: Path) -> list[Path]:
+    folder = make_folder(out / PROGRAMS).absolute()
+    assert spec.trajectory is not None
+    return list(_programs(spec.trajectory, spec.gauge_length_mm, base, folder))
+
+
+def _programs(wish: TrajectoryWish, gauge_length_mm: float, base: Path, folder: Path) -> Iterator[Path]:
+    from gcode.output import make as make_program
+    from gcode.request import spec_from
+
+    unchanged = dict.fromkeys(("v_max", "a_max", "x_min", "x_max", "machine_acceleration"))
+    file = base / wish.spec if wish.spec else None
+    source = spec_from(Namespace(preset=wish.preset, spec=file, duration_s=wish.duration_s, **unchanged))
+    for seed in wish.seeds:
+        path = folder / f"{source.name}-{seed:05d}.tap"
+        text = make_program(source, seed, gauge_length_mm).program
+        if not path.is_file() or path.read_text(encoding="utf-8") != text:
+            write_text(path, text)
+        yield path
