@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from gcode.support import console
 
-COMMANDS: tuple[str, ...] = ("generate", "check", "play")
+COMMANDS: tuple[str, ...] = ("generate", "check", "play", "fit")
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcode.limits import drive_within, excess
-from gcode.protocol import Frame, Path, join, way
+from gcode.limits import drive_within
+from gcode.path import Frame, Path, join, way
+from gcode.statistics import accelerations, speeds
 from gcode.support.errors import UserError
-from gcode.trajectory import POSITION_DECIMALS, Limits, Trajectory, TrajectorySpec, sampled
+from gcode.trajectory import Limits, Trajectory, TrajectorySpec, position_decimals, sampled
 
 MAX_SAMPLES = 20_000_000
-# Finite differences of positions rounded to 0.1 um, and the executed motion's own deviations, need some room.
+# Finite differences of rounded positions, and the executed motion's own deviations, need some room.
 _MARGINS = (0.95, 0.9, 0.8, 0.6)
 
 
@@ -29,7 +30,7 @@ def plan(spec: TrajectorySpec, seed: int, gauge_length_mm: float) -> Trajectory:
     Returns
     -------
     Trajectory
-        Starts and ends at machine position 0, sampled at ``spec.rate_hz``, rounded to 0.1 um.
+        Starts and ends at machine position 0, sampled at ``spec.rate_hz``, rounded to the program's decimals.
 
     Raises
     ------
@@ -37,29 +38,34 @@ def plan(spec: TrajectorySpec, seed: int, gauge_length_mm: float) -> Trajectory:
         If the gauge length or the seed is unusable, or the limits cannot be met.
     """
     check_request(spec, seed, gauge_length_mm)
-    path = whole_path(spec, seed, gauge_length_mm)
-    check_travel(path, spec.limits)
     problem = None
     for margin in _MARGINS:
-        trajectory = _within(path, spec, margin)
+        trajectory = _within(spec, seed, gauge_length_mm, margin)
         problem = excess(trajectory.position_mm, spec.rate_hz, spec.limits)
         if problem is None:
             return trajectory
     raise UserError(f"limits: {problem}; raise the limit or ask for a slower motion")
 
 
-def _within(path: Path, spec: TrajectorySpec, margin: float) -> Trajectory:
-    motion = drive_within(path, spec.limits.v_max_mm_per_s, spec.limits.a_max_mm_per_s2 * margin)
+def _within(spec: TrajectorySpec, seed: int, gauge_length_mm: float, margin: float) -> Trajectory:
+    decimals = position_decimals(spec.rate_hz)
+    v_max = max(spec.limits.v_max_mm_per_s - 10.0**-decimals * spec.rate_hz, 0.9 * spec.limits.v_max_mm_per_s)
+    a_max = spec.limits.a_max_mm_per_s2 * margin
+    path = whole_path(spec, seed, gauge_length_mm, v_max, a_max)
+    check_travel(path, spec.limits)
+    motion = drive_within(path, v_max, a_max)
     samples = int(np.ceil(motion.end_s * spec.rate_hz - 1e-6)) + 1
     position = motion.position_at(np.arange(samples) / spec.rate_hz)
-    return sampled(np.round(position, POSITION_DECIMALS) + 0.0, spec.rate_hz)
+    return sampled(np.round(position, decimals) + 0.0, spec.rate_hz)
 
 
-def whole_path(spec: TrajectorySpec, seed: int, gauge_length_mm: float) -> Path:
+def whole_path(
+    spec: TrajectorySpec, seed: int, gauge_length_mm: float, v_max_mm_per_s: float, a_max_mm_per_s2: float
+) -> Path:
     """All pieces from machine position 0 and back to it, with an approach to each piece that starts elsewhere."""
     paths, here = [Path(np.zeros(1), np.zeros(0))], 0.0
     for index, piece in enumerate(spec.pieces):
-        frame = Frame(gauge_length_mm, spec.offset_mm, spec.rate_hz, np.random.SeedSequence([seed, index]))
+        frame = Frame(gauge_length_mm, spec.offset_mm, spec.rate_hz, (seed, index), v_max_mm_per_s, a_max_mm_per_s2)
         if index == 0 and spec.offset_mm:
             paths.append(way([here, spec.offset_mm], spec.approach_mm_per_s))
             here = spec.offset_mm
@@ -91,3 +97,19 @@ def check_travel(path: Path, limits: Limits) -> None:
             f"travel: this motion needs {low:.4g} to {high:.4g} mm, the machine allows {limits.x_min_mm:g} to "
             f"{limits.x_max_mm:g} mm; lower the strain, the gauge length or the offset"
         )
+
+
+def excess(position_mm: np.ndarray, rate_hz: float, limits: Limits) -> str | None:
+    """Say which limit a sampled motion exceeds, where and by how much; None if it keeps them all."""
+    for name, unit, values, limit in (
+        ("speed", "mm/s", np.abs(speeds(position_mm, rate_hz)), limits.v_max_mm_per_s),
+        ("acceleration", "mm/s2", np.abs(accelerations(position_mm, rate_hz)), limits.a_max_mm_per_s2),
+        ("position", "mm", position_mm, limits.x_max_mm),
+        ("position", "mm", -position_mm, -limits.x_min_mm),
+    ):
+        if values.size and values.max() > limit + 1e-9:
+            at = int(values.argmax())
+            return (
+                f"{name} {abs(values[at]):.4g} {unit} at {at / rate_hz:.2f} s passes the limit {abs(limit):g} {unit}"
+            )
+    return None

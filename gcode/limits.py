@@ -5,10 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from gcode.motion import Blocks, Motion, drive
-from gcode.protocol import Path
-from gcode.statistics import accelerations, speeds
+from gcode.path import Path
 from gcode.support.errors import UserError
-from gcode.trajectory import Limits
 
 MAX_STRETCH = 2.0  # a plan that the limits make longer than this is no longer the plan that was asked for
 
@@ -40,19 +38,3 @@ def drive_within(path: Path, v_max_mm_per_s: float, a_max_mm_per_s2: float) -> M
             f"from {wanted:.4g} s to {motion.end_s:.4g} s; raise them, or ask for a slower or smaller motion"
         )
     return motion
-
-
-def excess(position_mm: np.ndarray, rate_hz: float, limits: Limits) -> str | None:
-    """Say which limit a sampled motion exceeds, where and by how much; None if it keeps them all."""
-    for name, unit, values, limit in (
-        ("speed", "mm/s", np.abs(speeds(position_mm, rate_hz)), limits.v_max_mm_per_s),
-        ("acceleration", "mm/s2", np.abs(accelerations(position_mm, rate_hz)), limits.a_max_mm_per_s2),
-        ("position", "mm", position_mm, limits.x_max_mm),
-        ("position", "mm", -position_mm, -limits.x_min_mm),
-    ):
-        if values.size and values.max() > limit + 1e-9:
-            at = int(values.argmax())
-            return (
-                f"{name} {abs(values[at]):.4g} {unit} at {at / rate_hz:.2f} s passes the limit {abs(limit):g} {unit}"
-            )
-    return None

@@ -1,11 +1,12 @@
 """The Mach4 dialect, written. The reader is `gcode.reader`; nothing else knows the dialect.
 
-Every block carries a G1, a position and a feed: Mach4 readers differ in what is modal, explicit words never hurt.
-Positions have 4 decimals (3 distort the acceleration), feeds 2 (0 would give F0).
+Every block carries a G1, a position and a feed: readers differ in what is modal, explicit words never hurt.
+Positions have at least 4 decimals (3 distort the acceleration), feeds at least 2 (0 would give F0).
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -14,14 +15,37 @@ from gcode.compensate import compensated_speeds, rounded_feeds
 from gcode.header import header_lines
 from gcode.reader import parse_program, read_program
 from gcode.support.errors import UserError
-from gcode.trajectory import POSITION_DECIMALS, Trajectory
+from gcode.trajectory import Trajectory, position_decimals
 
 __all__ = ["parse_program", "read_program", "write_program"]
 
 FeedMode = Literal["G94", "G93"]
 SAFE_START = "G0 G90 G54 G17 G40 G49 G80"
 LEAST_DWELL_S = 0.25  # a shorter standstill is carried into the next move's time
-LEAST_FEED = 0.01
+
+
+@dataclass(frozen=True)
+class _Moves:
+    """Blocks of a program: lengths in ticks of the last decimal, samples each stands for, whether it is a dwell."""
+
+    ticks: np.ndarray
+    steps: np.ndarray
+    dwell: np.ndarray
+    start_ticks: int
+    decimals: int
+    rate_hz: float
+
+    @property
+    def length_mm(self) -> np.ndarray:
+        return self.ticks / 10**self.decimals
+
+    @property
+    def duration_s(self) -> np.ndarray:
+        return self.steps / self.rate_hz
+
+    @property
+    def position_mm(self) -> np.ndarray:
+        return (self.start_ticks + np.cumsum(self.ticks)) / 10**self.decimals
 
 
 def write_program(
@@ -37,7 +61,7 @@ def write_program(
     Parameters
     ----------
     trajectory : Trajectory
-        Uniformly sampled; positions are rounded to 4 decimals.
+        Uniformly sampled; positions are rounded to 4 decimals (more above 50 Hz).
     header : dict or None
         What the header comments shall say, ``{"name": "paper-1", "seed": 51}``; nested values are flattened.
     feed_mode : {'G94', 'G93'}
@@ -51,68 +75,61 @@ def write_program(
     -------
     str
         The program; `gcode.reader.read_program` gives the trajectory back exactly.
+
+    Raises
+    ------
+    UserError
+        If the trajectory never moves, or a header value cannot be a comment.
     """
-    rate_hz = trajectory.rate_hz
-    length, steps, dwell = _moves(trajectory.position_mm, rate_hz)
-    if not len(length):
-        raise UserError("program: the trajectory never moves, there is nothing to write")
-    speed = _speeds(length, steps / rate_hz, machine_acceleration_mm_per_s2, v_max_mm_per_s)
-    about: dict[str, Any] = {"rate_hz": rate_hz}
+    moves = _moves(trajectory)
+    speed = np.minimum(np.abs(moves.length_mm) / moves.duration_s, v_max_mm_per_s)
+    about: dict[str, Any] = {"rate_hz": moves.rate_hz}
     if machine_acceleration_mm_per_s2 is not None:
         about["machine_acceleration_mm_per_s2"] = machine_acceleration_mm_per_s2
-    start = float(np.round(trajectory.position_mm[0], POSITION_DECIMALS))
+        speed = compensated_speeds(moves.length_mm, moves.duration_s, machine_acceleration_mm_per_s2, v_max_mm_per_s)
     lines = [*header_lines({**about, **(header or {})}), SAFE_START, "G21", feed_mode, "G64"]
-    if start:
-        lines.append(f"G0 X{start:.{POSITION_DECIMALS}f}")
-    lines += _body(start, length, steps, dwell, speed, feed_mode, rate_hz)
-    return "\n".join([*lines, "M30", ""])
+    if moves.start_ticks:
+        lines.append(f"G0 X{moves.start_ticks / 10**moves.decimals:.{moves.decimals}f}")
+    return "\n".join([*lines, *_body(moves, speed, feed_mode), "M30", ""])
 
 
-def _moves(position_mm: np.ndarray, rate_hz: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Blocks as (length in units of the last decimal, steps, is a dwell); no move has length zero."""
-    ticks = np.rint(np.asarray(position_mm) * 10**POSITION_DECIMALS).astype(np.int64)
-    moved = np.flatnonzero(np.diff(ticks))
-    ends = np.concatenate((moved, [len(ticks) - 2])) if len(moved) else moved
-    blocks: list[tuple[int, int, bool]] = []
-    waited = np.diff(ends, prepend=-1) - 1
-    least = LEAST_DWELL_S * rate_hz
-    for index, wait in zip(moved.tolist(), waited.tolist(), strict=False):
-        if wait >= least:
-            blocks.append((0, wait, True))
-            wait = 0
-        blocks.append((int(ticks[index + 1] - ticks[index]), wait + 1, False))
-    if len(moved) and moved[-1] < len(ticks) - 2:
-        blocks.append((0, len(ticks) - 2 - int(moved[-1]), True))
-    columns = np.array(blocks, dtype=np.int64).reshape(-1, 3)
-    return columns[:, 0], columns[:, 1], columns[:, 2].astype(bool)
+def _moves(trajectory: Trajectory) -> _Moves:
+    """Blocks without moves of length zero: a standstill is a dwell, or time carried into the next move."""
+    rate_hz = round(trajectory.rate_hz, 6)
+    decimals = position_decimals(rate_hz)
+    ticks = np.rint(np.asarray(trajectory.position_mm) * 10**decimals).astype(np.int64)
+    delta = np.diff(ticks)
+    moved = np.flatnonzero(delta)
+    if not len(moved):
+        raise UserError("program: the trajectory never moves, there is nothing to write")
+    waited = np.diff(moved, prepend=-1) - 1
+    stands = waited >= LEAST_DWELL_S * rate_hz
+    # Each move is one block, with a dwell block before it where the axis stood still long enough.
+    rows = np.arange(len(moved)) + np.cumsum(stands)
+    tail = len(delta) - 1 - int(moved[-1])
+    size = len(moved) + int(stands.sum()) + (tail > 0)
+    length, steps, dwell = np.zeros(size, np.int64), np.zeros(size, np.int64), np.ones(size, bool)
+    length[rows], dwell[rows] = delta[moved], False
+    steps[rows] = np.where(stands, 1, waited + 1)
+    steps[rows[stands] - 1] = waited[stands]
+    if tail:
+        steps[-1] = tail
+    return _Moves(length, steps, dwell, int(ticks[0]), decimals, rate_hz)
 
 
-def _speeds(length: np.ndarray, duration_s: np.ndarray, acceleration: float | None, v_max: float) -> np.ndarray:
-    length_mm = length / 10**POSITION_DECIMALS
-    if acceleration is None:
-        return np.minimum(np.abs(length_mm) / duration_s, v_max)
-    return compensated_speeds(length_mm, duration_s, acceleration, v_max)
-
-
-def _body(
-    start: float,
-    length: np.ndarray,
-    steps: np.ndarray,
-    dwell: np.ndarray,
-    speed: np.ndarray,
-    feed_mode: FeedMode,
-    rate_hz: float,
-) -> list[str]:
-    position = start + np.cumsum(length) / 10**POSITION_DECIMALS + 0.0
+def _body(moves: _Moves, speed: np.ndarray, feed_mode: FeedMode) -> list[str]:
     per_minute = 60.0 * speed
     if feed_mode == "G93":
-        per_minute = per_minute / np.where(dwell, 1.0, np.abs(length) / 10**POSITION_DECIMALS)
-    feeds = rounded_feeds(np.maximum(per_minute, LEAST_FEED), steps / rate_hz).tolist()
+        per_minute = per_minute / np.where(moves.dwell, 1.0, np.abs(moves.length_mm))
+    slow = per_minute[~moves.dwell].min() < 1.0
+    x_format, f_format = f".{moves.decimals}f", ".4f" if slow else ".2f"
+    feeds = rounded_feeds(np.where(moves.dwell, 1.0, per_minute), moves.duration_s, 4 if slow else 2)
+    columns = zip(moves.position_mm.tolist(), moves.steps.tolist(), moves.dwell.tolist(), feeds.tolist(), strict=True)
     lines = []
-    for x, k, still, feed in zip(position.tolist(), steps.tolist(), dwell.tolist(), feeds, strict=True):
+    for x, steps, still, feed in columns:
         if still:
-            lines.append(f"G4 P{k / rate_hz:.4f}")
+            lines.append(f"G4 P{steps / moves.rate_hz:.4f}")
         else:
-            note = "" if k == 1 else f" (STEPS {k})"
-            lines.append(f"G1 X{x:.{POSITION_DECIMALS}f} F{feed:.2f}{note}")
+            note = "" if steps == 1 else f" (STEPS {steps})"
+            lines.append(f"G1 X{x + 0.0:{x_format}} F{feed:{f_format}}{note}")
     return lines

@@ -51,12 +51,16 @@ def perlin_signal(
     would be stepped after hours.
     """
     check_noise_parameters(cells_per_s, octaves, persistence)
+    return perlin_walk(np.asarray(time_s, dtype=float) * cells_per_s, seed, octaves, persistence)
+
+
+def perlin_walk(cells: np.ndarray, seed: Any, octaves: int, persistence: float) -> np.ndarray:
+    """Perlin noise along a walk: `cells` (n,) says how many lattice cells of the first octave lie behind."""
     starts = np.random.default_rng(seed).uniform(0.0, LATTICE, size=(octaves, 2))
-    total = np.zeros(len(time_s))
+    total = np.zeros(len(cells))
     amplitudes = persistence ** np.arange(octaves)
     for octave in range(octaves):
-        travelled = np.asarray(time_s, dtype=float) * (cells_per_s * LACUNARITY**octave * _ALONG)
-        total += amplitudes[octave] * _walk(travelled, *starts[octave])
+        total += amplitudes[octave] * _walk(cells * (LACUNARITY**octave * _ALONG), *starts[octave])
     return total / amplitudes.sum()
 
 

@@ -13,8 +13,8 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from gcode.motion import Motion, drive
+from gcode.pieces import Positive
 from gcode.program import Program
-from gcode.protocol import Positive
 from gcode.support.errors import UserError
 from gcode.trajectory import Trajectory, sampled
 

@@ -1,4 +1,4 @@
-"""The pieces of a designed experiment: noise, hold, ramp, triangle, staircase, rate sweep, return to zero, multisine.
+"""The designed pieces of an experiment: hold, ramp, triangle, staircase, rate sweep, return to zero, multisine.
 
 Pieces speak of strain (percent of the gauge length) and of speed (mm/s). They are chained with ``+``::
 
@@ -10,114 +10,27 @@ limits of the machine are applied later, to the whole chain at once (`gcode.limi
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from gcode.perlin import MAX_OCTAVES, perlin_signal
+from gcode.natural import Noise
+from gcode.path import Frame, Path, join, rest, way
+from gcode.pieces import Count, Duration, Percent, Piece, Positive, RangedPiece, Rest
 
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-Duration = Annotated[float, Field(gt=0, le=48 * 3600, allow_inf_nan=False)]
-Percent = Annotated[float, Field(ge=-100, le=1000, allow_inf_nan=False)]
-Count = Annotated[int, Field(ge=1, le=100_000)]
-SOFT_FROM = 0.9  # noise beyond this part of the half range is bent smoothly, so that it never passes the end
-
-
-@dataclass(frozen=True)
-class Frame:
-    """What a piece must know to become millimetres.
-
-    `offset_mm` is the pre-tension offset: the machine position of zero strain. `seed` is for this piece alone.
-    """
-
-    gauge_length_mm: float
-    offset_mm: float
-    rate_hz: float
-    seed: Any
-
-    def mm(self, strain_percent: Any) -> Any:
-        """Machine position (mm) of a strain in percent."""
-        return self.offset_mm + np.multiply(strain_percent, self.gauge_length_mm / 100.0)
-
-
-class Path(NamedTuple):
-    """n + 1 positions and the n durations between them. Equal positions in a row mean standing still."""
-
-    position_mm: np.ndarray
-    duration_s: np.ndarray
-
-
-class Piece(BaseModel):
-    """One piece of a protocol. Subclasses say where to be and when, from the position they are entered at."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-    def path(self, start_mm: float, frame: Frame) -> Path:
-        """The piece's path; its first position may differ from `start_mm`, then an approach is put before it."""
-        raise NotImplementedError
-
-    def __add__(self, other: Piece | Protocol) -> Protocol:
-        return Protocol(pieces=(self,)) + other
-
-
-class _Ranged(Piece):
-    low_percent: Percent = 0.0
-    high_percent: Percent = 30.0
-
-    @model_validator(mode="after")
-    def _ordered(self) -> Any:
-        if not self.low_percent < self.high_percent:
-            raise ValueError(
-                f"low_percent must be below high_percent, got {self.low_percent:g} and {self.high_percent:g}"
-            )
-        return self
-
-
-class Noise(_Ranged):
-    """Pseudo-natural motion: Perlin noise over a strain range.
-
-    `peak` is the noise level that reaches the ends of the range (a smaller one moves more). `min_speed_mm_per_s` is
-    the least feed of a point-to-point move: where the noise is slower the points are reached early, which turns
-    the soft reversals of the noise into the brisk ones of the paper's trajectories.
-    """
-
-    kind: Literal["noise"] = "noise"
-    duration_s: Duration = 1380.0
-    cells_per_s: Positive = 0.32
-    octaves: int = Field(2, ge=1, le=MAX_OCTAVES)
-    persistence: float = Field(0.15, gt=0, le=1)
-    peak: float = Field(0.7, ge=0.1, le=2.0)
-    min_speed_mm_per_s: float = Field(0.0, ge=0, allow_inf_nan=False)
-
-    def path(self, start_mm: float, frame: Frame) -> Path:
-        # The minimum speed shortens the run, so the source is longer than asked for and cut to length.
-        source_s, path = self.duration_s, None
-        while path is None or path.duration_s.sum() < self.duration_s:
-            source_s *= 1.15
-            path = self._whole(source_s, frame)
-        keep = int(np.searchsorted(np.cumsum(path.duration_s), self.duration_s - 1e-9)) + 1
-        return Path(path.position_mm[: keep + 1], path.duration_s[:keep])
-
-    def _whole(self, source_s: float, frame: Frame) -> Path:
-        time_s = np.arange(int(np.ceil(source_s * frame.rate_hz)) + 1) / frame.rate_hz
-        signal = perlin_signal(time_s, frame.seed, self.cells_per_s, self.octaves, self.persistence)
-        middle = (self.low_percent + self.high_percent) / 2
-        half = (self.high_percent - self.low_percent) / 2
-        position = frame.mm(middle + half * bend(signal / self.peak))
-        step = np.abs(np.diff(position))
-        duration = np.full(len(step), 1.0 / frame.rate_hz)
-        if self.min_speed_mm_per_s > 0:
-            duration = np.minimum(duration, step / self.min_speed_mm_per_s)
-        return Path(position, duration)
-
-
-def bend(level: np.ndarray) -> np.ndarray:
-    """Keep a level within -1 to 1: unchanged up to SOFT_FROM, then smoothly (C2) towards the end."""
-    size, room = np.abs(level), 1.0 - SOFT_FROM
-    beyond = SOFT_FROM + room * np.tanh(np.maximum(size - SOFT_FROM, 0.0) / room)
-    return np.sign(level) * np.minimum(size, beyond)
+__all__ = [
+    "AnyPiece",
+    "Hold",
+    "Multisine",
+    "Noise",
+    "Protocol",
+    "Ramp",
+    "RateSweep",
+    "ReturnToZero",
+    "Staircase",
+    "Triangle",
+]
 
 
 class Hold(Piece):
@@ -146,23 +59,23 @@ class ReturnToZero(Piece):
 
     kind: Literal["return_to_zero"] = "return_to_zero"
     speed_mm_per_s: Positive = 1.0
-    rest_s: float = Field(0.0, ge=0, le=48 * 3600)
+    rest_s: Rest = 0.0
 
     def path(self, start_mm: float, frame: Frame) -> Path:
         return way([start_mm, frame.mm(0.0)], self.speed_mm_per_s, self.rest_s)
 
 
-class Triangle(_Ranged):
+class Triangle(RangedPiece):
     """Go up and down between two strains at a constant speed, with rests at zero strain's end if wanted."""
 
     kind: Literal["triangle"] = "triangle"
     speed_mm_per_s: Positive
     cycles: Count = 1
-    rest_s: float = Field(0.0, ge=0, le=48 * 3600)
+    rest_s: Rest = 0.0
 
     def path(self, start_mm: float, frame: Frame) -> Path:
         low, high = frame.mm(self.low_percent), frame.mm(self.high_percent)
-        cycle = join(way([low, high, low], self.speed_mm_per_s), _rest(low, self.rest_s))
+        cycle = join(way([low, high, low], self.speed_mm_per_s), rest(low, self.rest_s))
         return join(*[cycle] * self.cycles)
 
 
@@ -180,13 +93,13 @@ class Staircase(Piece):
         return join(*steps)
 
 
-class RateSweep(_Ranged):
+class RateSweep(RangedPiece):
     """The same triangle at one speed after the other."""
 
     kind: Literal["rate_sweep"] = "rate_sweep"
     speeds_mm_per_s: tuple[Positive, ...] = Field(min_length=1)
     cycles: Count = 1
-    rest_s: float = Field(0.0, ge=0, le=48 * 3600)
+    rest_s: Rest = 0.0
 
     def path(self, start_mm: float, frame: Frame) -> Path:
         shared = {"low_percent": self.low_percent, "high_percent": self.high_percent, "rest_s": self.rest_s}
@@ -194,7 +107,7 @@ class RateSweep(_Ranged):
         return join(*(triangle.path(start_mm, frame) for triangle in triangles))
 
 
-class Multisine(_Ranged):
+class Multisine(RangedPiece):
     """A sum of sines that fills the range, with phases drawn from the seed."""
 
     kind: Literal["multisine"] = "multisine"
@@ -222,24 +135,6 @@ class Multisine(_Ranged):
         level = (signal - lowest) / max(highest - lowest, 1e-12)
         position = frame.mm(self.low_percent + (self.high_percent - self.low_percent) * level)
         return Path(position, np.full(steps, 1.0 / frame.rate_hz))
-
-
-def way(stops_mm: list[float], speed_mm_per_s: float, rest_s: float = 0.0) -> Path:
-    """Straight moves through `stops_mm` at one speed, then a rest; moves of no length are left out."""
-    stops = np.array(stops_mm, dtype=float)
-    stops = stops[np.concatenate(([True], np.abs(np.diff(stops)) > 1e-9))]
-    moves = Path(stops, np.abs(np.diff(stops)) / speed_mm_per_s)
-    return join(moves, _rest(stops[-1], rest_s))
-
-
-def _rest(at_mm: float, rest_s: float) -> Path:
-    return Path(np.full(2, at_mm), np.array([rest_s])) if rest_s > 0 else Path(np.array([at_mm]), np.zeros(0))
-
-
-def join(*paths: Path) -> Path:
-    """Chain paths whose ends meet."""
-    positions = [paths[0].position_mm, *(path.position_mm[1:] for path in paths[1:])]
-    return Path(np.concatenate(positions), np.concatenate([path.duration_s for path in paths]))
 
 
 AnyPiece = Annotated[

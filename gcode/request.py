@@ -1,27 +1,15 @@
-"""From options or a TOML file to a TrajectorySpec."""
+"""From the options of the command line to a TrajectorySpec."""
 
 from __future__ import annotations
 
-import tomllib
-from pathlib import Path
 from typing import Any
 
 from gcode.presets import preset
 from gcode.support.errors import UserError
+from gcode.toml_spec import read_spec
 from gcode.trajectory import TrajectorySpec
 
 _LIMITS = {"v_max": "v_max_mm_per_s", "a_max": "a_max_mm_per_s2", "x_min": "x_min_mm", "x_max": "x_max_mm"}
-
-
-def read_spec(path: str | Path) -> TrajectorySpec:
-    """Read a spec from TOML; every fault names the file and the field."""
-    try:
-        data = tomllib.loads(Path(path).read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise UserError(f"{path}: not valid TOML: {error}") from error
-    except OSError as error:
-        raise UserError(f"{path}: cannot read this spec: {error.strerror or error}") from error
-    return TrajectorySpec.model_validate(data)
 
 
 def spec_from(args: Any) -> TrajectorySpec:

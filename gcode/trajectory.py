@@ -9,12 +9,16 @@ from typing import Annotated
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from gcode.protocol import AnyPiece, Positive, Protocol
+from gcode.pieces import Positive
+from gcode.protocol import AnyPiece, Protocol
 from gcode.statistics import MotionStatistics, motion_statistics
 from gcode.support import files
 from gcode.support.errors import UserError
 
-POSITION_DECIMALS = 4
+
+def position_decimals(rate_hz: float) -> int:
+    """Decimals of a position: 4 up to 50 Hz; more at higher rates, where rounding would look like acceleration."""
+    return 4 if rate_hz <= 50 else 5 if rate_hz <= 150 else 6
 
 
 class Limits(BaseModel):
@@ -104,7 +108,7 @@ class Trajectory:
         columns = np.column_stack((self.time_s, self.position_mm))
         with files.atomic_path(path) as temporary, temporary.open("w", encoding="ascii", newline="\n") as out:
             out.write("time_s,position_mm\n")
-            np.savetxt(out, columns, fmt=("%.4f", f"%.{POSITION_DECIMALS}f"), delimiter=",")
+            np.savetxt(out, columns, fmt=("%.4f", f"%.{position_decimals(self.rate_hz)}f"), delimiter=",")
 
 
 def read_csv(path: str | FilePath) -> Trajectory:

@@ -1,0 +1,65 @@
+"""``gcode fit``: find a spec with given statistics."""
+
+from __future__ import annotations
+
+import argparse
+
+SUMMARY = "find a spec whose executed motion has given means and SDs of speed and acceleration"
+EXAMPLE = "gcode fit --v-mean 0.943 --v-sd 0.593 --a-mean 1.397 --a-sd 1.303 -o mine.toml"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("--v-mean", type=float, required=True, metavar="MM/S", help="mean of |v|")
+    parser.add_argument("--v-sd", type=float, required=True, metavar="MM/S", help="standard deviation of |v|")
+    parser.add_argument("--a-mean", type=float, required=True, metavar="MM/S2", help="mean of |a|")
+    parser.add_argument("--a-sd", type=float, required=True, metavar="MM/S2", help="standard deviation of |a|")
+    parser.add_argument("--rate-hz", type=float, default=20.0, help="rate at which they are taken (default 20)")
+    parser.add_argument("--v-max", type=float, metavar="MM/S", help="speed limit; default 5 times --v-mean")
+    parser.add_argument("--a-max", type=float, metavar="MM/S2", help="acceleration limit; default 14 times --a-mean")
+    parser.add_argument("--gauge-length-mm", type=float, default=25.0, help="default 25")
+    parser.add_argument("--low-percent", type=float, default=0.0, help="strain range, lower end (default 0)")
+    parser.add_argument("--high-percent", type=float, default=30.0, help="strain range, upper end (default 30)")
+    parser.add_argument("-o", "--output", metavar="TOML", help="write the spec here instead of printing it")
+
+
+def run(args: argparse.Namespace) -> None:
+    """Fit, print how near it came, and write the spec."""
+    from gcode.fit import SHAPES, fit
+    from gcode.support import files
+    from gcode.support.console import Progress
+    from gcode.target import Target
+    from gcode.toml_spec import spec_to_toml
+    from gcode.trajectory import Limits
+
+    target = Target(
+        v_mean_mm_per_s=args.v_mean,
+        v_sd_mm_per_s=args.v_sd,
+        a_mean_mm_per_s2=args.a_mean,
+        a_sd_mm_per_s2=args.a_sd,
+        rate_hz=args.rate_hz,
+    )
+    limits = Limits(
+        v_max_mm_per_s=5.0 * args.v_mean if args.v_max is None else args.v_max,
+        a_max_mm_per_s2=14.0 * args.a_mean if args.a_max is None else args.a_max,
+    )
+    result = fit(
+        target,
+        limits,
+        gauge_length_mm=args.gauge_length_mm,
+        low_percent=args.low_percent,
+        high_percent=args.high_percent,
+        on_shape=Progress("fit", len(SHAPES)).step,
+    )
+    text = spec_to_toml(result.spec)
+    if args.output:
+        files.write_text(args.output, text)
+    else:
+        print(text)
+    print("statistic              wanted   mean off   worst of 4 new seeds")
+    for name, mean in result.mean.items():
+        print(f"{name:18s} {getattr(target, name):10.4g} {mean:+9.1%} {result.worst[name]:12.1%}")
+    verdict = "near: every mean is within 3 %" if result.near else "not near: this target is out of reach within 3 %"
+    print(f"{verdict} (gauge length {args.gauge_length_mm:g} mm)")
+    if args.output:
+        print(args.output)

@@ -1,0 +1,47 @@
+"""TrajectorySpec to TOML and back, so that a spec can be kept, edited and shared."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from gcode.support.errors import UserError, first_problem
+from gcode.trajectory import TrajectorySpec
+
+
+def read_spec(path: str | Path) -> TrajectorySpec:
+    """Read a spec; every fault names the file and the field."""
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise UserError(f"{path}: cannot read this spec: {getattr(error, 'strerror', None) or error}") from error
+    try:
+        return TrajectorySpec.model_validate(tomllib.loads(text))
+    except tomllib.TOMLDecodeError as error:
+        raise UserError(f"{path}: not valid TOML: {error}") from error
+    except ValidationError as error:
+        raise UserError(f"{path}: {first_problem(error)}") from error
+
+
+def spec_to_toml(spec: TrajectorySpec) -> str:
+    """The spec as TOML text; `read_spec` gives an equal spec."""
+    data = spec.model_dump(mode="json", exclude_none=True)
+    pieces = data.pop("pieces")
+    lines = _table(data, "")
+    for piece in pieces:
+        lines += ["", "[[pieces]]", *_table(piece, "pieces.")]
+    return "\n".join(lines) + "\n"
+
+
+def _table(data: dict[str, Any], prefix: str) -> list[str]:
+    plain = {key: value for key, value in data.items() if not isinstance(value, dict)}
+    # JSON's numbers, strings and lists of numbers are TOML too.
+    lines = [f"{key} = {json.dumps(value)}" for key, value in plain.items()]
+    for key, value in data.items():
+        if isinstance(value, dict):
+            lines += ["", f"[{prefix}{key}]", *_table(value, f"{prefix}{key}.")]
+    return lines
