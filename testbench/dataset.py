@@ -12,7 +12,7 @@ import shutil
 from argparse import Namespace
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -24,7 +24,7 @@ from gcode.support.files import make_folder, read_json, sha256_of, write_json, w
 from testbench import manifest
 from testbench.campaign import Plan, matches, simulate_campaign, vacant
 from testbench.dataset_spec import DatasetSpec, TrajectoryWish
-from testbench.knit.catalogue import load_catalogue, model_from_dict
+from testbench.knit.catalogue import Catalogue, load_catalogue, model_from_dict
 from testbench.knit.model import KnitModel
 from testbench.knit.presets import preset
 from testbench.rig.instruments import Instruments
@@ -48,7 +48,7 @@ class Task:
 
     def plan(self) -> Plan:
         """As the campaign's manifest will say it."""
-        model = model_from_dict(self.model, load_catalogue(), self.sensor)
+        model = model_from_dict(self.model, _catalogue(), self.sensor)
         return Plan(self.program, model, self.gauge_length_mm, self.seed, self.sensor, self.instruments)
 
 
@@ -183,6 +183,11 @@ def _there(folder: Path, plan: Plan) -> bool:
         return False
 
 
+@cache
+def _catalogue() -> Catalogue:
+    return load_catalogue()
+
+
 @lru_cache(maxsize=4)
 def _motion(program: Path, gauge_length_mm: float) -> Motion:
     return played(program, gauge_length_mm)[0]
@@ -191,7 +196,7 @@ def _motion(program: Path, gauge_length_mm: float) -> Motion:
 def _model(sensor: str, base: Path) -> KnitModel:
     if not sensor.endswith(".json"):
         return preset(sensor)
-    return model_from_dict(read_json(base / sensor, "model"), load_catalogue(), sensor)
+    return model_from_dict(read_json(base / sensor, "model"), _catalogue(), sensor)
 
 
 def _found(patterns: Sequence[str], base: Path) -> list[Path]:

@@ -11,6 +11,7 @@ import platform
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -71,6 +72,12 @@ class Campaign:
 
 def software_versions() -> dict[str, str]:
     """Versions that a simulation's last digit may depend on."""
+    return dict(_software_versions())
+
+
+@cache
+def _software_versions() -> dict[str, str]:
+    # Looked up once: it reads the metadata of every installed distribution.
     return {
         "knitbench": knitbench_version(),
         "python": platform.python_version(),
