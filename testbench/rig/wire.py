@@ -1,6 +1,6 @@
 """The wire protocol K1: one line a sample, bytes in and samples out. See docs/wire.md.
 
-    $K1,5f3a9c01,1042,3500123,1203456,405600123,2345678*8c4d12ab
+    $K1,5f3a9c01,1042,3500123,1203456,405600123,2345678*dd01a044
 
 ``$``, then comma-separated fields, then ``*`` and the CRC-32 of everything between ``$`` and ``*``. All numbers are
 integers, so that a microcontroller needs no floating-point printing and a reading survives to its last digit.
