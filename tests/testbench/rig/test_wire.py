@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import zlib
+from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
@@ -28,6 +29,11 @@ LINE = encode(Sample(0x5F3A9C01, 1042, 3500123, 1203456, 405600123, 2345678))
 def test_the_documented_example_is_what_encode_writes():
     body = b"K1,5f3a9c01,1042,3500123,1203456,405600123,2345678"
     assert b"$%b*%08x\n" % (body, zlib.crc32(body)) == LINE
+
+
+def test_the_documents_show_a_true_line():
+    text = (Path(__file__).parents[3] / "docs" / "wire.md").read_text()
+    assert LINE.decode().strip() in text
 
 
 @settings(derandomize=True, max_examples=200, deadline=None)
