@@ -78,9 +78,7 @@ def large_import(folder: Path, rows: int) -> None:
     imported = import_csv(path, wish)
     import_s = time.perf_counter() - start_s
     size_MB = path.stat().st_size / 1e6
-    print(
-        f"import: {len(imported.recording)} rows, {size_MB:.0f} MB: {import_s:.1f} s, {rows / import_s / 1e6:.1f} M rows/s"
-    )
+    print(f"import: {len(imported.recording)} rows, {size_MB:.0f} MB: {import_s:.1f} s, {rows / import_s:.2g} rows/s")
 
 
 def main() -> None:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gcode.support.errors import UserError
+from testbench.recording_files import in_words
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -140,7 +141,7 @@ def read_foreign(
     except pd.errors.EmptyDataError:
         frame = pd.DataFrame()
     except (pd.errors.ParserError, UnicodeError) as error:
-        raise UserError(f"{path}: not a readable CSV: {str(error).strip()}") from None
+        raise UserError(f"{path}: {in_words(error)}; check the export, or name --separator") from None
     rows = np.arange(len(frame)) + layout.header_row + 1
     blank = frame.isna().all(axis=1).to_numpy()
     frame, rows = frame[~blank], rows[~blank]

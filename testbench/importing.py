@@ -14,6 +14,7 @@ from gcode.support.files import make_folder, sha256_of
 from testbench.foreign import layout_of, read_foreign
 from testbench.manifest import Campaign, software_versions, write_manifest
 from testbench.recording import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE, TIME, Recording
+from testbench.recording_checks import such
 from testbench.recording_files import write_recording_csv
 
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0}
@@ -195,8 +196,8 @@ def _usable(
             first = int(np.flatnonzero(~fine)[0])
             want = "positive and finite" if name == RESISTANCE else "a finite number"
             raise UserError(
-                f"{path}: row {rows[first]}: {name} must be {want}, got {values[first]:g}, "
-                f"{int((~fine).sum())} such rows; --drop-bad leaves them out"
+                f"{path}: row {rows[first]}: {name} must be {want}, got {values[first]:g} "
+                f"({such(int((~fine).sum()))}); --drop-bad leaves them out"
             )
         good &= fine
     return good

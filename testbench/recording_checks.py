@@ -51,7 +51,7 @@ def _check_finite(source: str, name: str, values: np.ndarray) -> None:
     if bad.size:
         row = int(bad[0]) + HEADER_ROWS
         raise UserError(
-            f"{source}: row {row}: {name} is {values[bad[0]]}, {bad.size} such rows; "
+            f"{source}: row {row}: {name} is {values[bad[0]]} ({such(bad.size)}); "
             "`testbench import --drop-bad` leaves them out"
         )
 
@@ -61,6 +61,11 @@ def _check_positive(source: str, name: str, values: np.ndarray) -> None:
     if bad.size:
         row = int(bad[0]) + HEADER_ROWS
         raise UserError(
-            f"{source}: row {row}: {name} must be positive, got {values[bad[0]]:g}, {bad.size} such rows; "
+            f"{source}: row {row}: {name} must be positive, got {values[bad[0]]:g} ({such(bad.size)}); "
             "`testbench import --drop-bad` leaves them out"
         )
+
+
+def such(count: int) -> str:
+    """``1 such row``, ``2 such rows``."""
+    return f"{count} such row{'s' if count > 1 else ''}"

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import csv
 import io
+import re
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from gcode.support.errors import UserError
 from gcode.support.files import atomic_path
-from testbench.recording import DISPLACEMENT, FORCE, RESISTANCE, TIME, Recording
+from testbench.recording import DISPLACEMENT, FORCE, RESISTANCE, TIME, UNITS, Recording
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 ORDER = (TIME, DISPLACEMENT, FORCE, RESISTANCE)
 DECIMALS = {TIME: 6, DISPLACEMENT: 6, FORCE: 6, RESISTANCE: 3}
@@ -72,20 +77,55 @@ def read_columns(path: Path, growing: bool = False) -> dict[str, np.ndarray]:
     import pandas as pd
 
     try:
+        _check_head(path)
         frame = pd.read_csv(_whole_lines(path) if growing else path, skipinitialspace=True, low_memory=False)
     except pd.errors.EmptyDataError:
         raise UserError(f"{path}: the file is empty") from None
     except (pd.errors.ParserError, UnicodeError) as error:
-        raise UserError(f"{path}: not a readable CSV: {str(error).strip()}; try `testbench import`") from None
+        raise UserError(f"{path}: {in_words(error)}; mend it, or try `testbench import`") from None
     except OSError as error:
         raise UserError(f"{path}: cannot read it: {error.strerror or error}") from None
-    if frame.shape[1] == 1 and ";" in str(frame.columns[0]):
-        raise UserError(f"{path}: semicolons between the columns; turn it into a recording with `testbench import`")
-    if not isinstance(frame.index, pd.RangeIndex):
-        raise UserError(
-            f"{path}: its rows have more cells than its header; turn it into a recording with `testbench import`"
-        )
-    return {str(name).strip(): _numbers(path, str(name), frame[name]) for name in frame.columns}
+    names = [name for name in frame.columns if not _is_remark(frame, name)]
+    return {str(name).strip(): _numbers(path, str(name), frame[name]) for name in names}
+
+
+def _check_head(path: Path) -> None:
+    """Refuse what pandas would read as something else: other separators, repeated names, rows with more cells."""
+    with path.open(encoding="utf-8-sig", newline="") as stream:
+        header, first = stream.readline().rstrip("\r\n"), stream.readline().rstrip("\r\n")
+    for separator, what in ((";", "semicolons"), ("\t", "tabs")):
+        if separator in header and "," not in header:
+            raise UserError(f"{path}: {what} between the columns; turn it into a recording with `testbench import`")
+    names = [name.strip() for name in header.split(",")]
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise UserError(f"{path}: row 1 names the column {twice!r} twice; name each column once")
+    cells = len(next(csv.reader([first]), []))
+    if cells > len(names):
+        seen = f"row 2 has {cells} cells, the header {len(names)}"
+        raise UserError(f"{path}: {seen}; turn it into a recording with `testbench import`")
+
+
+def _is_remark(frame: pd.DataFrame, name: str) -> bool:
+    """Whether a column is text from top to bottom, and no channel of ours."""
+    column = frame[name]
+    return str(name).strip() not in UNITS and column.dtype.kind not in "fiub" and _all_text(column)
+
+
+def _all_text(column: pd.Series) -> bool:
+    import pandas as pd
+
+    return bool(pd.to_numeric(column, errors="coerce").isna().all())
+
+
+def in_words(error: Exception) -> str:
+    """What pandas or the decoder objects to, without their jargon."""
+    found = re.search(r"Expected (\d+) fields in line (\d+), saw (\d+)", str(error))
+    if found:
+        return f"row {found[2]} has {found[3]} cells, the rows above {found[1]}"
+    if isinstance(error, UnicodeError):
+        return "not plain (UTF-8) text"
+    return f"not a readable CSV ({str(error).strip()})"
 
 
 def _whole_lines(path: Path) -> io.BytesIO:

@@ -97,7 +97,10 @@ BAD = [
     ("t,x,F,R\n", "nothing below the header in row 1"),
     ("t,x,F,R\n0,0,0,1\n", "needs at least 2"),
     (GOOD.replace("F", "force"), r"no column 'F' in its first 4 lines; row 1 has: t, x, force, R"),
-    (GOOD.replace("0.2,900", "nan,900"), r"row 3: force_N must be a finite number, got nan, 1 such rows; --drop-bad"),
+    (
+        GOOD.replace("0.2,900", "nan,900"),
+        r"row 3: force_N must be a finite number, got nan \(1 such row\); --drop-bad",
+    ),
     (GOOD.replace("0.2,900", "inf,900"), r"row 3: force_N must be a finite number, got inf"),
     (GOOD.replace("0.2,900", ",900"), r"row 3: force_N must be a finite number"),
     (GOOD.replace("0.2,900", "--,900"), r"row 3: F must be a number, got '--'; --drop-bad"),
