@@ -9,13 +9,14 @@ from typing import Any, Literal
 import numpy as np
 
 from testbench.discrepancy.baseline import SHAPES, starting_baseline, with_shapes
+from testbench.discrepancy.contest import Bases, Contest, challengers, leftover, reranked
 from testbench.discrepancy.errors import noise_floors
 from testbench.discrepancy.evidence import Evidence, Weighing, weigh
 from testbench.discrepancy.fit import Fit, fit
 from testbench.discrepancy.ladder import held_errors, ladder_step
 from testbench.discrepancy.measurement import Measurement, split
 from testbench.discrepancy.model_file import ModelFile, fit_summary
-from testbench.discrepancy.screen import FLEXIBLE, STIFF, collect
+from testbench.discrepancy.screen import collect
 from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.knit.model import KnitModel
 from testbench.recording import Recording
@@ -26,7 +27,7 @@ Progress = Callable[[str], None]
 # Set on simulated sensors whose physics is written apart from this model (benchmarks/bench_diagnosis.py).
 GAIN_TO_NAME = 0.12  # an idea must gain this much to be called missing
 GAIN_OF_STRUCTURE = 0.12  # a free-form map must gain this much to be called structure
-SHARE_EXPLAINED = 0.5  # of that structure, an idea must explain this share
+LEFT_UNEXPLAINED = 0.5  # an idea that leaves more than this share of the error above the noise is a stand-in
 TIE = 0.08  # ideas closer than this cannot be told apart
 REFITS = 10
 
@@ -43,6 +44,8 @@ class Diagnosis:
         Ideas that this pair of recordings cannot tell from the first; empty where the first stands alone.
     base_misfits : tuple of str
         Shapes that the base law needs: its own misfit, whatever else is missing.
+    left : float
+        Share of the held-out error above the noise floor that the best idea leaves.
     before, after : ModelFile
         The baseline, and with what was found put in and refitted.
     error_before, error_after, noise_floor : dict of channel to float
@@ -53,6 +56,7 @@ class Diagnosis:
     weighing: Weighing
     tied: tuple[str, ...]
     base_misfits: tuple[str, ...]
+    left: float
     before: ModelFile
     after: ModelFile
     error_before: Mapping[str, float]
@@ -71,6 +75,7 @@ class Diagnosis:
                 for channel, coordinate, gain in self.weighing.depends_on
             ],
             "ceiling_gain": self.weighing.ceiling,
+            "left_unexplained": self.left,
             "error_before": dict(self.error_before),
             "error_after": dict(self.error_after),
             "noise_floor": dict(self.noise_floor),
@@ -127,32 +132,31 @@ def diagnose(
     stiff = fit(model or starting_baseline(calibration, catalogue), [calibration])
     tell("fitting the shape of the base laws")
     flexible = fit(with_shapes(stiff.model, calibration, catalogue), [calibration], max_iterations=REFITS)
-    weighing = weigh(collect(flexible, calibration, held, catalogue, tell))
-    return _concluded(weighing, stiff, flexible, calibration, held, tell)
+    weighing = weigh(collect(flexible, stiff.model, calibration, held, catalogue, tell))
+    return _concluded(weighing, Bases(stiff, flexible), calibration, held, tell)
 
 
 def _concluded(
-    weighing: Weighing, stiff: Fit, flexible: Fit, calibration: Measurement, held: Measurement, tell: Progress
+    weighing: Weighing, bases: Bases, calibration: Measurement, held: Measurement, tell: Progress
 ) -> Diagnosis:
-    verdict = verdict_of(weighing)
-    best = weighing.ranking[0] if weighing.ranking else None
-    named = best if verdict == "missing" else None
-    mode = named.mode if named else weighing.base_mode
-    before = _step_file(stiff, None, "baseline", calibration, held)
-    start = _bent(stiff.model, flexible.model, mode)
-    misfits = tuple(name for name in start if name in SHAPES and name not in stiff.model)
+    floors = noise_floors(held)
+    before = _step_file(bases.stiff, None, "baseline", calibration, held)
+    contest = Contest(bases, calibration, held, tell)
+    base = contest.base()
+    entrants = {entry.idea: contest.enter(entry) for entry in challengers(weighing)}
+    weighing = reranked(weighing, base, list(entrants.values()))
+    best = entrants.get(weighing.ranking[0].idea) if weighing.ranking else None
+    left = leftover(base.held, best.held if best else base.held, floors)
+    verdict = verdict_of(weighing, left)
+    winner = best if verdict == "missing" and best else base
+    misfits = tuple(name for name in winner.fit.model if name in SHAPES and name not in bases.stiff.model)
     after = before
     if misfits:
-        tell(f"refitting with {', '.join(misfits)}")
-        bent = fit(start, [calibration], max_iterations=REFITS)
-        start = bent.model
-        after = _step_file(bent, after, "+ " + ", ".join(misfits), calibration, held)
-    if named:
-        tell(f"putting in {named.form} and refitting")
-        found = fit(start.plus(named.candidate.at(named.coefficient)), [calibration], max_iterations=2 * REFITS)
-        after = _step_file(found, after, f"+ {named.form}", calibration, held)
+        after = _step_file(bases.flexible, after, "+ shape freedom", calibration, held)
+    if winner is best and best is not None:
+        after = _step_file(best.fit, after, f"+ {best.name}", calibration, held)
     errors = (held_errors(before.model, held), held_errors(after.model, held))
-    return Diagnosis(verdict, weighing, _tied(weighing, verdict), misfits, before, after, *errors, noise_floors(held))
+    return Diagnosis(verdict, weighing, _tied(weighing, verdict), misfits, left, before, after, *errors, floors)
 
 
 def _silent(_text: str) -> None:
@@ -168,22 +172,13 @@ def _step_file(
     return ModelFile(result.model, calibration.recording.gauge_length_mm, *names, fit_summary(result), history)
 
 
-def _bent(stiff: KnitModel, flexible: KnitModel, mode: str) -> KnitModel:
-    """The base with the shapes that `mode` allows."""
-    if mode == STIFF:
-        return stiff
-    if mode == FLEXIBLE:
-        return flexible
-    return flexible.without(mode.removeprefix("without "))
-
-
-def verdict_of(weighing: Weighing) -> Verdict:
-    """Missing, nothing missing, or unknown, from the gains."""
+def verdict_of(weighing: Weighing, left: float) -> Verdict:
+    """Missing, nothing missing, or unknown, from the gains and from what is left over."""
     gain = weighing.ranking[0].gain if weighing.ranking else 0.0
     structured = weighing.ceiling > GAIN_OF_STRUCTURE
-    if gain > GAIN_TO_NAME and not (structured and gain < SHARE_EXPLAINED * weighing.ceiling):
+    if gain > GAIN_TO_NAME and left < LEFT_UNEXPLAINED:
         return "missing"
-    return "unknown" if structured else "nothing_missing"
+    return "unknown" if structured or gain > GAIN_TO_NAME else "nothing_missing"
 
 
 def _tied(weighing: Weighing, verdict: Verdict) -> tuple[str, ...]:

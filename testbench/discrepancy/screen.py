@@ -87,6 +87,7 @@ WHITE_STRIDE, PLAIN_STRIDE, WHITENING_STRIDE = 2, 4, 5
 
 def collect(
     fitted: Fit,
+    unbent: KnitModel,
     calibration: Measurement,
     held: Measurement,
     catalogue: Catalogue,
@@ -94,13 +95,20 @@ def collect(
 ) -> dict[str, Traces]:
     """Simulate every candidate on both recordings and form the inner products.
 
+    Parameters
+    ----------
+    fitted : Fit
+        The base with its shape freedom.
+    unbent : KnitModel
+        The base without it: where imitable effects show what they would do.
+
     Returns
     -------
     dict of {"white", "plain"} to Traces
         The same evidence weighed twice. Whitened, noise of any colour counts for what it is, and quick effects stand
         out; plain, what matters is how much of the error goes away, and slow effects are not taken for slow noise.
     """
-    parts = [_Columns(fitted.model, fitted.parameters, measurement) for measurement in (calibration, held)]
+    parts = [_Columns(fitted.model, fitted.parameters, one, unbent) for one in (calibration, held)]
     kept: list[Candidate] = []
     for idea, forms in candidate_ideas(catalogue, fitted.model).items():
         if progress:
@@ -145,16 +153,25 @@ def _joined(columns: Mapping[str, Rows], free: FreeColumns) -> dict[str, Rows]:
 class _Columns:
     """Residual, sensitivities and traces of one measurement."""
 
-    def __init__(self, model: KnitModel, parameters: Sequence[FreeParameter], measurement: Measurement) -> None:
-        self.model, self.measurement = model, measurement
-        self.cache = SimulationCache()
+    def __init__(
+        self,
+        model: KnitModel,
+        parameters: Sequence[FreeParameter],
+        measurement: Measurement,
+        unbent: KnitModel | None = None,
+    ) -> None:
+        self.model, self.unbent, self.measurement = model, unbent or model, measurement
+        self.caches = {False: SimulationCache(), True: SimulationCache()}
+        self.plain = measurement.modelled(self.unbent)
         self.modelled, self.jacobian = sensitivities(model, parameters, measurement, SimulationCache())
         self.state = model.simulate(measurement.signals, measurement.dt_s)
         self.residual = {c: measurement.measured[c] - self.modelled[c] for c in measurement.channels}
         self.traces: list[dict[str, FloatArray]] = []
 
     def trace(self, candidate: Candidate) -> dict[str, FloatArray] | None:
-        return trace(candidate, self.model, self.measurement, self.modelled, self.cache)
+        alone = candidate.effect.imitable
+        model, base = (self.unbent, self.plain) if alone else (self.model, self.modelled)
+        return trace(candidate, model, self.measurement, base, self.caches[alone])
 
     def rows(self) -> dict[str, Rows]:
         """Residual, sensitivities and traces of each channel."""
@@ -182,7 +199,7 @@ def _whitening(part: _Columns, white: bool) -> tuple[dict[str, FloatArray], dict
     return filters, scale
 
 
-STIFF, FLEXIBLE = "stiff", "flexible"
+STIFF, FLEXIBLE, WITHOUT_SLIP = "stiff", "flexible", "without any slip"
 # What an effect that is free in every recording must do better to be preferred to one that is not.
 PRICE_PER_RECORDING = 0.1
 
@@ -218,6 +235,9 @@ def modes(traces: Traces) -> dict[str, np.ndarray]:
     found = {STIFF: ~np.isin(owners, shapes), FLEXIBLE: np.ones(len(owners), bool)}
     for shape in shapes:
         found[f"without {shape}"] = owners != shape
+    slips = (owners == "hysteresis_shape") | np.array([".slip_" in address for address in traces.addresses])
+    if slips.any():
+        found[WITHOUT_SLIP] = ~slips
     return found
 
 

@@ -151,6 +151,7 @@ class JammingStiffening(Effect):
     stage = Stage.MECHANICS
     reads, writes = ("strain", "force_N"), ("force_N",)
     strength = "stiffness_N"
+    imitable = True
     look = "above a certain strain the force suddenly rises much faster"
 
     stiffness_N: float = parameter(20.0, unit="N", low=0, high=1e4, doc="extra force per unit strain when jammed")
@@ -180,6 +181,7 @@ class JammingStiffeningPower(Effect):
     stage = Stage.MECHANICS
     reads, writes = ("strain", "force_N"), ("force_N",)
     strength = "force_at_30_percent_N"
+    imitable = True
     look = "the last third of the stretch is much stiffer than the first two"
 
     force_at_30_percent_N: float = parameter(0.5, unit="N", low=0, high=1e3, doc="extra force at 30 % strain")

@@ -102,6 +102,9 @@ class Effect(BaseModel):
     nonlinear : bool
         The response has a threshold (a gap, a clipping level), so a small strength says little about a large one:
         try a grid of magnitudes instead of a finite difference at zero.
+    imitable : bool
+        A freely bending base law could imitate the effect (it depends on the present strain alone, or on direction
+        alone); the diagnosis then compares it with the base law unbent.
     per_recording : tuple of str
         Parameters that belong to one recording, not to the sensor (the phase of a hum): each has its own.
     """
@@ -117,6 +120,7 @@ class Effect(BaseModel):
     look: ClassVar[str] = ""
     optional_reads: ClassVar[tuple[str, ...]] = ()
     nonlinear: ClassVar[bool] = False
+    imitable: ClassVar[bool] = False
     per_recording: ClassVar[tuple[str, ...]] = ()
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:

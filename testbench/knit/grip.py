@@ -183,6 +183,7 @@ class ActuatorBacklash(Effect):
     reads, writes = ("strain",), ("strain",)
     strength = "gap"
     nonlinear = True
+    imitable = True
     look = "after each reversal force and conductance stand still for a fixed displacement"
 
     gap: float = parameter(0.004, unit="1", low=0, high=0.2, doc="full gap, as strain (divide mm by gauge length)")

@@ -118,6 +118,7 @@ class ContactSaturation(Effect):
     reads, writes = ("contact_force_N",), ("contact_force_N",)
     strength = "inverse_limit_per_N"
     nonlinear = True
+    imitable = True
     look = "conductance bends to a plateau at high force, force does not"
 
     inverse_limit_per_N: float = parameter(
@@ -156,6 +157,7 @@ class ContactSaturationHard(Effect):
     reads, writes = ("contact_force_N",), ("contact_force_N",)
     strength = "inverse_limit_per_N"
     nonlinear = True
+    imitable = True
     look = "conductance stops rising at a certain force, force does not"
 
     inverse_limit_per_N: float = parameter(

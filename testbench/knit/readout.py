@@ -94,6 +94,7 @@ class AdcSaturation(Effect):
     reads, writes = ("conductance_S",), ("conductance_S",)
     strength = "floor_ohm"
     nonlinear = True
+    imitable = True
     look = "conductance is cut off flat at the top, at exactly one value"
 
     floor_ohm: float = parameter(1e4, unit="ohm", low=0, high=1e12, doc="smallest resistance that can be read")
@@ -126,6 +127,7 @@ class AdcSaturationHigh(Effect):
     reads, writes = ("conductance_S",), ("conductance_S",)
     strength = "floor_S"
     nonlinear = True
+    imitable = True
     look = "conductance is cut off flat at the bottom, at exactly one value"
 
     floor_S: float = parameter(1e-6, unit="S", low=0, high=1e6, doc="smallest conductance that can be read")
@@ -140,6 +142,37 @@ class AdcSaturationHigh(Effect):
 
     def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
         return [{"floor_S": float(np.quantile(signals["conductance_S"], 1 - q))} for q in NEAR_THE_TOP]
+
+
+class AdcSaturationSoft(Effect):
+    """The amplifier before the converter bends as it nears its rail.
+
+    G = top * s / (1 + s^hardness)^(1 / hardness),   s = G / top,   top = 1 / floor
+
+    Source: output swing near the rail, as amplifier data sheets plot it; `adc_saturation` with a rounded corner.
+    Valid: hardness well above 4: the bend is confined to the last part of the range.
+    """
+
+    name = "adc_saturation_soft"
+    idea = "adc_saturation"
+    stage = Stage.READOUT
+    reads, writes = ("conductance_S",), ("conductance_S",)
+    strength = "floor_ohm"
+    nonlinear = True
+    imitable = True
+    look = "conductance flattens out within the last few per cent below one value"
+
+    floor_ohm: float = parameter(1e4, unit="ohm", low=0, high=1e12, doc="smallest resistance that can be read")
+    hardness: float = parameter(15.0, unit="1", low=4, high=100, scale="log", doc="sharpness of the corner")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        conductance = signals["conductance_S"]
+        load = np.log(np.maximum(conductance * self.floor_ohm, 1e-12))
+        return {"conductance_S": conductance * np.exp(-np.logaddexp(0.0, self.hardness * load) / self.hardness)}
+
+    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+        tops_S = [float(np.quantile(signals["conductance_S"], q)) for q in NEAR_THE_TOP]
+        return [{"floor_ohm": 1 / top_S, "hardness": hardness} for top_S in tops_S for hardness in (8.0, 20.0, 50.0)]
 
 
 class AdcSaturationForce(Effect):
@@ -157,6 +190,7 @@ class AdcSaturationForce(Effect):
     reads, writes = ("force_N",), ("force_N",)
     strength = "inverse_range_per_N"
     nonlinear = True
+    imitable = True
     look = "force is cut off flat at the top, at exactly one value"
 
     inverse_range_per_N: float = parameter(0.3, unit="1/N", low=0, high=1e4, doc="inverse of the largest reading")
@@ -331,4 +365,23 @@ def strongest_frequency_Hz(x: FloatArray, dt_s: float) -> float:
     allowed = (frequency > 0.02) & (frequency < 20)
     if not allowed.any():
         return 1.0
-    return float(frequency[allowed][np.argmax(contrast[allowed])])
+    return _refined(x - x.mean(), dt_s, float(frequency[allowed][np.argmax(contrast[allowed])]))
+
+
+def _refined(x: FloatArray, dt_s: float, near_Hz: float) -> float:
+    """The frequency at which the power is largest, within one bin of the spectrum around `near_Hz`.
+
+    A bin is one cycle a recording; a frequency off by half a bin is out of phase at both ends.
+    """
+    from scipy.optimize import minimize_scalar
+
+    t = np.arange(len(x)) * dt_s
+    bin_Hz = 1 / (len(x) * dt_s)
+
+    def minus_power(hz: float) -> float:
+        return -abs(np.exp(-2j * np.pi * hz * t) @ x)
+
+    fine = np.linspace(near_Hz - bin_Hz, near_Hz + bin_Hz, 9)
+    best = fine[np.argmin([minus_power(hz) for hz in fine])]
+    step = bin_Hz / 4
+    return float(minimize_scalar(minus_power, bounds=(best - step, best + step), method="bounded").x)

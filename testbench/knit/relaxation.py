@@ -189,6 +189,55 @@ class ViscousRateStiffeningLog(Effect):
         return {"force_N": signals["force_N"] * (1 + self.gain * decades)}
 
 
+class ViscousRateStiffeningPower(Effect):
+    """The whole force grows with a power of the strain rate.
+
+    F *= 1 + gain * sgn(e') * (|e'| / 0.1 per s)^exponent
+
+    Source: Cowper & Symonds, Brown University Applied Mathematics Report 28 (1957); exponent = 1/q there.
+    Valid: rates within a few decades; releasing lowers the force as stretching raises it.
+    """
+
+    name = "viscous_rate_stiffening_power"
+    idea = "viscous_rate_stiffening"
+    stage = Stage.MECHANICS
+    reads, writes = ("strain", "force_N"), ("force_N",)
+    strength = "gain"
+    look = "the faster, the stiffer, in proportion to the force; strongest change at slow rates"
+
+    gain: float = parameter(0.1, unit="1", low=0, high=3, doc="relative force added at a strain rate of 0.1 / s")
+    exponent: float = parameter(0.4, unit="1", low=0.1, high=1.5, scale="log", doc="power of the rate")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        speed = rate(signals["strain"], dt_s) / 0.1
+        raised = np.sign(speed) * np.abs(speed) ** self.exponent
+        return {"force_N": signals["force_N"] * (1 + self.gain * raised)}
+
+
+class ViscousRateStiffeningMagnitude(Effect):
+    """The whole force grows with a power of the speed, whichever way the knit moves.
+
+    F *= 1 + gain * (|e'| / 0.1 per s)^exponent
+
+    Source: as `viscous_rate_stiffening_power`, written for the magnitude of the rate.
+    Valid: as there.
+    """
+
+    name = "viscous_rate_stiffening_magnitude"
+    idea = "viscous_rate_stiffening"
+    stage = Stage.MECHANICS
+    reads, writes = ("strain", "force_N"), ("force_N",)
+    strength = "gain"
+    look = "the faster, the stiffer, stretching and releasing alike"
+
+    gain: float = parameter(0.1, unit="1", low=0, high=3, doc="relative force added at a strain rate of 0.1 / s")
+    exponent: float = parameter(0.4, unit="1", low=0.1, high=1.5, scale="log", doc="power of the rate")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        speed = np.abs(rate(signals["strain"], dt_s)) / 0.1
+        return {"force_N": signals["force_N"] * (1 + self.gain * speed**self.exponent)}
+
+
 class ViscousRateStiffeningRelative(Effect):
     """A dashpot that stiffens with the load: viscous force in proportion to the elastic one.
 

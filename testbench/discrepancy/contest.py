@@ -1,0 +1,140 @@
+"""The contest: the ideas that screened best are put in, refitted in full, and judged on both recordings."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from testbench.discrepancy.baseline import SHAPES
+from testbench.discrepancy.errors import rms_errors
+from testbench.discrepancy.evidence import Evidence, Weighing
+from testbench.discrepancy.fit import Fit, fit
+from testbench.discrepancy.ladder import held_errors
+from testbench.discrepancy.measurement import Measurement
+from testbench.discrepancy.screen import FLEXIBLE, STIFF, WITHOUT_SLIP
+from testbench.knit.model import KnitModel
+
+ENTRANTS = 3
+WORTH_A_REFIT = 0.4  # of the best gain
+LEAST_GAIN = 0.02
+REFIT_ITERATIONS = 12
+SHAPES_MUST_PAY = 0.02  # in ln(RMS), for the flexible base to be kept
+
+
+@dataclass(frozen=True)
+class Bases:
+    """The base fitted stiff, and with its shape freedom."""
+
+    stiff: Fit
+    flexible: Fit
+
+    def bent(self, mode: str) -> KnitModel:
+        """The base with the shapes that `mode` allows."""
+        if mode == STIFF:
+            return self.stiff.model
+        if mode == FLEXIBLE:
+            return self.flexible.model
+        if mode == WITHOUT_SLIP:
+            return _without_slip(self.flexible.model)
+        return self.flexible.model.without(mode.removeprefix("without "))
+
+
+def _without_slip(model: KnitModel) -> KnitModel:
+    """The model without hysteresis_shape and without slip in contact_shape."""
+    if "hysteresis_shape" in model:
+        model = model.without("hysteresis_shape")
+    if "contact_shape" in model:
+        contact = model["contact_shape"]
+        none = {key: (0.0,) * len(getattr(contact, key)) for key in ("slip_weights", "slip_growth")}
+        model = model.replacing("contact_shape", contact.replaced(**none))
+    return model
+
+
+@dataclass(frozen=True)
+class Entrant:
+    """A refitted model and its errors.
+
+    Attributes
+    ----------
+    name : str
+        Catalogue effect that was put in; empty for the base alone.
+    idea : str
+    fit : Fit
+    score : float
+        Mean of ln(RMS) over channels and over both recordings; lower is better.
+    held : dict of channel to float
+        Held-out RMS.
+    """
+
+    name: str
+    idea: str
+    fit: Fit
+    score: float
+    held: Mapping[str, float]
+
+
+class Contest:
+    """Refits entrants on the calibration recording and scores them on both."""
+
+    def __init__(
+        self,
+        bases: Bases,
+        calibration: Measurement,
+        held: Measurement,
+        tell: Callable[[str], None],
+    ) -> None:
+        self.bases, self.calibration, self.held, self.tell = bases, calibration, held, tell
+
+    def base(self) -> Entrant:
+        """The base alone: flexible where that pays, stiff elsewhere."""
+        stiff, flexible = (self._scored("", "", one) for one in (self.bases.stiff, self.bases.flexible))
+        return flexible if flexible.score < stiff.score - SHAPES_MUST_PAY else stiff
+
+    def enter(self, entry: Evidence) -> Entrant:
+        """Put an idea's best form in and refit; the base bends freely, unless it would imitate the idea."""
+        self.tell(f"putting in {entry.form} and refitting")
+        effect = entry.candidate.at(entry.coefficient)
+        modes = {entry.mode} if effect.imitable else {entry.mode if entry.mode == STIFF else FLEXIBLE, FLEXIBLE}
+        entrants = []
+        for mode in sorted(modes):
+            start = self.bases.bent(mode).plus(effect)
+            result = fit(start, [self.calibration], max_iterations=REFIT_ITERATIONS)
+            entrants.append(self._scored(entry.form, entry.idea, result))
+        return min(entrants, key=lambda one: one.score + (SHAPES_MUST_PAY if _bends(one) else 0.0))
+
+    def _scored(self, name: str, idea: str, result: Fit) -> Entrant:
+        held = held_errors(result.model, self.held)
+        both = [rms_errors(result.model, self.calibration), held]
+        score = float(np.mean([np.log(value) for errors in both for value in errors.values()]))
+        return Entrant(name, idea, result, score, held)
+
+
+def _bends(entrant: Entrant) -> bool:
+    return any(name in SHAPES for name in entrant.fit.model)
+
+
+def challengers(weighing: Weighing) -> list[Evidence]:
+    """The ideas worth a refit: the best, and those that come near."""
+    if not weighing.ranking:
+        return []
+    least = max(LEAST_GAIN, WORTH_A_REFIT * weighing.ranking[0].gain)
+    return [entry for entry in weighing.ranking[:ENTRANTS] if entry.gain >= least]
+
+
+def reranked(weighing: Weighing, base: Entrant, entrants: Sequence[Entrant]) -> Weighing:
+    """The ranking with the refits taken in: half the screening's gain, half the refit's."""
+    refit = {entrant.idea: 2 * (base.score - entrant.score) for entrant in entrants}
+    first = [replace(e, gain=0.5 * e.gain + 0.5 * refit[e.idea]) for e in weighing.ranking if e.idea in refit]
+    rest = [entry for entry in weighing.ranking if entry.idea not in refit]
+    return replace(weighing, ranking=(*sorted(first, key=lambda e: -e.gain), *rest))
+
+
+def leftover(before: Mapping[str, float], after: Mapping[str, float], floors: Mapping[str, float]) -> float:
+    """Share of the error above the noise floor (squared, channels together) that is still there."""
+    return _excess(after, floors) / max(_excess(before, floors), 1e-12)
+
+
+def _excess(errors: Mapping[str, float], floors: Mapping[str, float]) -> float:
+    return sum(max((value / max(floors[channel], 1e-300)) ** 2 - 1, 0.0) for channel, value in errors.items())
