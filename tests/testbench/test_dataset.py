@@ -78,10 +78,10 @@ def test_a_trajectory_table_plans_its_programs(tmp_path):
     (tmp_path / "knit.json").write_text(json.dumps(baseline().to_dict()))
     path = tmp_path / "set.toml"
     path.write_text(
-        'sensors=["knit.json"]\nseeds=[1]\n[trajectory]\npreset="paper-1"\nseeds="51-52"\nduration_s=20\n'
+        'sensors=["knit.json"]\nseeds=[1]\n[trajectory]\npreset="paper-1"\nseeds="52-53"\nduration_s=60\n'
     )
     made = tasks_of(read_spec(path), tmp_path, tmp_path / "out")
-    assert [task.program.name for task in made] == ["paper-1-00051.tap", "paper-1-00052.tap"]
+    assert [task.program.name for task in made] == ["paper-1-00052.tap", "paper-1-00053.tap"]
     assert made[0].program.read_text() != made[1].program.read_text()
 
 
