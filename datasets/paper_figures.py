@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -92,27 +92,28 @@ def smoothing_bank(conductance_S: FloatArray) -> FloatArray:
     return np.column_stack(columns)
 
 
-def learned(recordings: list[Recording], target: str, network_starts: int = 0) -> float:
+def learned(recordings: list[Recording], banks: list[FloatArray], target: str, network_starts: int = 0) -> float:
     """Held-out r2, mean over A and B, of what a learner makes of T.
 
     Parameters
     ----------
     recordings : list of Recording
         T, A, B.
+    banks : list of ndarray, each shape (n, 7)
+        Their `smoothing_bank`.
     target : {"force_N", "strain"}
     network_starts : int
         0: a quadratic ridge regression on the bank, a quick stand-in that follows the network's score closely.
         Else the paper's network (4, 2, 2), best of so many starts by training loss (single starts are often dead).
     """
-    bank = [smoothing_bank(r.conductance_S) for r in recordings]
     truth = [getattr(r, target) for r in recordings]
     mean, spread = truth[0].mean(), truth[0].std()
     truth = [(y - mean) / spread for y in truth]
     if network_starts:
-        network = _network(bank[0][::EVERY], truth[0][::EVERY], network_starts)
-        return float(np.mean([r2(y, network.predict(x)) for x, y in zip(bank[1:], truth[1:], strict=True)]))
-    weights = _quadratic(bank[0][::EVERY], truth[0][::EVERY])
-    predictions = [_monomials(x[::EVERY]) @ weights for x in bank[1:]]
+        network = _network(banks[0][::EVERY], truth[0][::EVERY], network_starts)
+        return float(np.mean([r2(y, network.predict(x)) for x, y in zip(banks[1:], truth[1:], strict=True)]))
+    weights = _quadratic(banks[0][::EVERY], truth[0][::EVERY])
+    predictions = [_monomials(x[::EVERY]) @ weights for x in banks[1:]]
     return float(np.mean([r2(y[::EVERY], p) for y, p in zip(truth[1:], predictions, strict=True)]))
 
 
@@ -126,7 +127,7 @@ def _quadratic(x: FloatArray, y: FloatArray) -> FloatArray:
     return np.linalg.solve(m.T @ m + 3 * np.eye(m.shape[1]), m.T @ y)
 
 
-def _network(x: FloatArray, y: FloatArray, starts: int):  # type: ignore[no-untyped-def]
+def _network(x: FloatArray, y: FloatArray, starts: int) -> Any:
     from sklearn.neural_network import MLPRegressor
 
     networks = [

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from paper_figures import PUBLISHED, campaign, drift, learned, r2_before
+from paper_figures import PUBLISHED, campaign, drift, learned, r2_before, smoothing_bank
 from scipy.optimize import least_squares
 
 from gcode.support.files import write_json
@@ -23,8 +23,8 @@ from testbench.knit.effect import FloatArray, bounds_of
 from testbench.knit.model import KnitModel
 
 PRESETS = Path(__file__).parents[1] / "testbench" / "knit" / "presets"
-TUNING_SEEDS, CHECK_SEEDS = (0, 1, 2), tuple(range(10, 16))
-NETWORK_STARTS = 5
+TUNING_SEEDS, CHECK_SEEDS = tuple(range(20, 26)), tuple(range(10, 16))
+NETWORK_STARTS = 3
 SHIFT = 10.0  # least_squares takes difference steps relative to the variable, which must not be zero then
 
 # What is not tuned. The stiffness gives 3 to 5 N at 30 %; offset_N is the pretension in the clamps.
@@ -42,7 +42,15 @@ COMMON: dict[str, dict[str, float]] = {
 }
 START = {
     "pes": COMMON,
-    "lycra": {**COMMON, "elasticity": {"stiffness_N": 8, "curvature": 1.5, "offset_N": 0.6}},
+    # With elastane: straighter and stiffer; its yarns stick and relax more, so displacement tells less about force.
+    "lycra": {
+        **COMMON,
+        "elasticity": {"stiffness_N": 8, "curvature": 1.5, "offset_N": 0.6},
+        "hysteresis": {"friction_N": 0.6, "threshold": 0.02, "growth": 4},
+        "stress_relaxation": {"fraction": 0.3, "tau_s": 12},
+        "contact_relaxation": {"fraction": 0.5, "tau_s": 15},
+        "electrical_overshoot_magnitude": {"gain": 2.5, "tau_s": 6},
+    },
 }
 # Address: standard deviation of the prior; of the logarithm for parameters with a log scale.
 FREE = {
@@ -90,8 +98,9 @@ def figures(model: KnitModel, seeds: tuple[int, ...], network_starts: int = 0) -
         recordings = campaign(model, seed)
         rows["force_before"].append([r2_before(r.force_N, r.conductance_S) for r in recordings])
         rows["displacement_before"].append([r2_before(r.strain, r.conductance_S) for r in recordings])
-        rows["force_after"].append(learned(recordings, "force_N", network_starts))
-        rows["displacement_after"].append(learned(recordings, "strain", network_starts))
+        banks = [smoothing_bank(r.conductance_S) for r in recordings]
+        rows["force_after"].append(learned(recordings, banks, "force_N", network_starts))
+        rows["displacement_after"].append(learned(recordings, banks, "strain", network_starts))
         rows["drift"].append(drift(recordings))
         rows["low_N"].append(min(r.force_N.min() for r in recordings))
         rows["high_N"].append(max(r.force_N.max() for r in recordings))
@@ -113,17 +122,17 @@ def misfit(name: str, model: KnitModel, offsets: dict[str, float]) -> list[float
 
 
 def tune(name: str) -> KnitModel:
-    """Tune one preset in three rounds; after each the stand-in's offset from the network is measured anew."""
+    """Tune one preset in two rounds; after each the stand-in's offset from the network is measured anew."""
     model, steps = start_model(name), np.zeros(len(FREE))
-    offsets = {"force_after": -0.03, "displacement_after": 0.0}
-    for turn in range(3):
+    offsets = {"force_after": -0.02, "displacement_after": -0.01}
+    for turn in range(2):
         found = least_squares(
             lambda x, offsets=offsets: np.array(
                 [*misfit(name, moved(model, x - SHIFT), offsets), *(0.3 * (x - SHIFT))]
             ),
             steps + SHIFT,
             diff_step=0.02 / SHIFT,
-            max_nfev=20 if turn == 0 else 8,
+            max_nfev=15 if turn == 0 else 5,
         )
         steps = found.x - SHIFT
         quick = figures(moved(model, steps), TUNING_SEEDS)

@@ -87,7 +87,7 @@ def visible(model: KnitModel, effect: Effect, time_s: FloatArray, strain: FloatA
     if not effect.strength:
         return effect
     if isinstance(weights := getattr(effect, effect.strength), tuple):
-        return effect.replaced(**{effect.strength: tuple(0.4 * (-1) ** k for k in range(len(weights)))})
+        return effect.replaced(**{effect.strength: tuple(0.6 * np.sin(np.linspace(0, 6, len(weights))))})
     extra = bounds_of(type(effect).model_fields[effect.strength])
     plain = _curves(_without_namesake(model, effect), time_s, strain)[key]
     effect = effect.initial_guess(_curves(model, time_s, strain), DT_S) if effect.nonlinear else effect
