@@ -38,7 +38,7 @@ setup: $(VENV)/.run ## the environment alone (.venv)
 setup-dev: $(VENV)/.dev
 
 demo: $(VENV)/.run ## the main job, end to end: plan, run, compensate, diagnose, report
-	@$(BIN)/python -m testbench.demo -o $(DEMO)
+	@$(BIN)/python datasets/demo.py -o $(DEMO)
 
 test: $(VENV)/.dev ## the default tests
 	@$(PYTEST) -n 2 $(ARGS)

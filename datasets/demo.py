@@ -1,0 +1,130 @@
+"""The main job, end to end: plan, run, compensate, understand, report.
+
+Run by ``make demo``. Everything it does is a command that a user can give too; each is printed before it runs.
+What is there and verifies is not made again.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import shlex
+import sys
+import time
+from pathlib import Path
+
+import compensation.cli
+import gcode.cli
+import testbench.cli
+
+MAINS = {"gcode": gcode.cli.main, "testbench": testbench.cli.main, "compensation": compensation.cli.main}
+TRAJECTORIES = (("paper-1", 51), ("paper-2", 52), ("paper-3", 53))
+SENSORS = ("pes", "lycra")
+GAUGE_LENGTH_MM = 25
+HIDDEN = ("--effect", "stress_relaxation", "--world", "mismatched", "--strength", "5", "--seed", "7")
+
+
+def do(*words: object, may_fail: bool = False) -> int:
+    """Print a command and run it in this process; stop the demo if it fails."""
+    line = [str(word) for word in words]
+    print(f"\n$ {shlex.join(line)}", flush=True)
+    code = MAINS[line[0]](line[1:])
+    if code and not may_fail:
+        sys.exit(code)
+    return code
+
+
+def heading(number: int, text: str) -> None:
+    """Say which step begins."""
+    print(f"\n=== {number}. {text}", flush=True)
+
+
+def plan(folder: Path) -> list[Path]:
+    """Three 23 min trajectories with the paper's statistics, as Mach4 programs."""
+    programs = []
+    for preset, seed in TRAJECTORIES:
+        program = folder / preset / "program.tap"
+        if program.exists() and gcode.cli.main(["check", str(program), "--json", "--quiet"]) == 0:
+            print(f"  {program} is there and checks out")
+        else:
+            do("gcode", "generate", "--preset", preset, "--seed", seed, "--gauge-length-mm", GAUGE_LENGTH_MM,
+               "-o", program.parent)  # fmt: skip
+        programs.append(program)
+    return programs
+
+
+def run(folder: Path, programs: list[Path]) -> dict[str, list[Path]]:
+    """Six simulated campaigns: two sensors, three trajectories."""
+    campaigns: dict[str, list[Path]] = {sensor: [] for sensor in SENSORS}
+    for sensor in SENSORS:
+        for number, program in enumerate(programs, 1):
+            campaign = folder / f"{sensor}-{number}"
+            if campaign.exists() and do("testbench", "verify", campaign, may_fail=True) == 0:
+                pass
+            else:
+                do("testbench", "run", "--sensor", sensor, "--program", program, "--seed", number, "-o", campaign,
+                   "--overwrite")  # fmt: skip
+            campaigns[sensor].append(campaign)
+    return campaigns
+
+
+def compensate(folder: Path, campaigns: dict[str, list[Path]]) -> Path:
+    """Train on the first recording of each sensor, score on the other two; print the paper's table beside ours."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for sensor, (first, *others) in campaigns.items():
+        for target in ("force", "displacement"):
+            name = folder / f"{sensor}-{target}"
+            do("compensation", "train", first, "--target", target, "-o", f"{name}.json")
+            do("compensation", "score", f"{name}.json", first, *others, "--json", f"{name}-score.json")
+    return folder / f"{SENSORS[0]}-force-score.json"
+
+
+def understand(folder: Path) -> Path:
+    """A sensor with a hidden effect: where the baseline fails, what is missing, and the fall of the error."""
+    folder.mkdir(parents=True, exist_ok=True)
+    if not (folder / "recordings").exists():
+        do("testbench", "hide", *HIDDEN, "-o", folder)
+    recordings = folder / "recordings"
+    pair = (recordings / "calibration.csv", "--held-out", recordings / "held_out.csv")
+    gauge = ("--gauge-length-mm", json.loads((folder / "sealed" / "truth.json").read_text())["gauge_length_mm"])
+    do("testbench", "fit", *pair, *gauge, "-o", folder / "baseline.json")
+    do("testbench", "compare", recordings / "held_out.csv", *gauge, "--model", folder / "baseline.json")
+    do("testbench", "diagnose", *pair, *gauge, "--json", folder / "diagnosis.json", "-o", folder / "model.json")
+    do("testbench", "ladder", folder / "model.json")
+    truth = json.loads((folder / "sealed" / "truth.json").read_text())
+    print(f"\n  the seal opened: hidden was {', '.join(entry['effect'] for entry in truth['effects'])}")
+    return folder
+
+
+def report(out: Path, hidden: Path, score: Path) -> Path:
+    """One self-contained page."""
+    page = out / "report.html"
+    gauge = json.loads((hidden / "sealed" / "truth.json").read_text())["gauge_length_mm"]
+    recordings = hidden / "recordings"
+    do("testbench", "report", "--recording", recordings / "calibration.csv", "--held-out", recordings / "held_out.csv",
+       "--gauge-length-mm", gauge, "--model", hidden / "model.json", "--diagnosis", hidden / "diagnosis.json",
+       "--compensator", score, "-o", page)  # fmt: skip
+    return page
+
+
+def main() -> None:
+    """Run all five steps."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("-o", "--output", type=Path, default=Path("demo-output"))
+    out: Path = parser.parse_args().output
+    began = time.monotonic()
+    heading(1, "plan: three 23 min trajectories, 0-30 % strain")
+    programs = plan(out / "trajectories")
+    heading(2, "run: two sensors on the simulated rig, six campaigns")
+    campaigns = run(out / "campaigns", programs)
+    heading(3, "compensate: train on the first recording of each sensor, score on the other two")
+    score = compensate(out / "compensators", campaigns)
+    heading(4, "understand: a sensor with a hidden effect")
+    hidden = understand(out / "hidden-effect")
+    heading(5, "report")
+    page = report(out, hidden, score)
+    print(f"\ndone in {time.monotonic() - began:.0f} s; open {page}")
+
+
+if __name__ == "__main__":
+    main()
