@@ -100,8 +100,8 @@ def report(out: Path, hidden: Path, score: Path) -> Path:
     """One self-contained page."""
     page = out / "report.html"
     gauge = json.loads((hidden / "sealed" / "truth.json").read_text())["gauge_length_mm"]
-    recordings = hidden / "recordings"
-    do("testbench", "report", "--recording", recordings / "calibration.csv", "--held-out", recordings / "held_out.csv",
+    calibration, held = (hidden / "recordings" / f"{name}.csv" for name in ("calibration", "held_out"))
+    do("testbench", "report", "--recording", calibration, "--held-out", held,
        "--gauge-length-mm", gauge, "--model", hidden / "model.json", "--diagnosis", hidden / "diagnosis.json",
        "--compensator", score, "-o", page)  # fmt: skip
     return page
