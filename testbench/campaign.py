@@ -24,7 +24,6 @@ from testbench.rig.sink import CSV, EVENTS, Sink
 from testbench.rig.stream import Intake
 
 PROGRAM = "program.tap"
-Pace = Callable[[Iterable[bytes]], Iterable[Part]]
 
 
 @dataclass(frozen=True)
@@ -99,13 +98,9 @@ def matches(folder: Path, plan: Plan) -> bool:
 
 
 def simulate_campaign(
-    plan: Plan,
-    folder: Path,
-    motion: Motion,
-    report: Callable[[Status], None] = lambda status: None,
-    pace: Pace = in_memory,
+    plan: Plan, folder: Path, motion: Motion, report: Callable[[Status], None] = lambda status: None
 ) -> Status:
-    """Run `plan` on the simulated rig and write its campaign folder, whole or not at all.
+    """Run `plan` on the simulated rig at once and write its campaign folder, whole or not at all.
 
     Parameters
     ----------
@@ -116,21 +111,55 @@ def simulate_campaign(
         What the controller makes of the plan's program.
     report : callable
         Called with the progress.
-    pace : callable
-        Makes a link of the rig's lines; the default delivers them at once.
     """
     make_folder(folder.parent)
     with tempfile.TemporaryDirectory(dir=folder.parent, prefix=f".{folder.name}.") as scratch:
         draft = make_folder(Path(scratch) / "campaign")
         shutil.copyfile(plan.program, draft / PROGRAM)
-        intake, sink = Intake(), Sink(draft)
-        try:
-            recorder = Recorder(intake, sink, plan.gauge_length_mm, duration_s=motion.duration_s, report=report)
-            status = recorder.run(pace(plan.rig(motion).lines()))
-        finally:
-            sink.close()
-        finish(draft, plan.gauge_length_mm, "simulated", status.state, plan.recipe(), intake)
+        status = _fill(draft, plan, motion, report, in_memory)
         draft.replace(folder)
+    return status
+
+
+def simulate_live(
+    plan: Plan,
+    folder: Path,
+    motion: Motion,
+    report: Callable[[Status], None] = lambda status: None,
+    pace: Callable[[Iterable[bytes]], Iterable[Part]] = in_memory,
+    stopped: Callable[[], bool] = lambda: False,
+) -> Status:
+    """Run `plan` as `simulate_campaign` does, but in its place, to be read while it grows.
+
+    Parameters
+    ----------
+    pace : callable
+        Makes a link of the rig's lines, for instance `testbench.rig.links.real_time`.
+    stopped : callable
+        Whether to end early.
+    """
+    make_folder(folder)
+    shutil.copyfile(plan.program, folder / PROGRAM)
+    begun = Campaign(plan.gauge_length_mm, "simulated", manifest.IN_PROGRESS, plan.recipe(), {}, software_versions())
+    write_manifest(folder, begun, [CSV, PROGRAM, EVENTS])
+    return _fill(folder, plan, motion, report, pace, stopped)
+
+
+def _fill(
+    folder: Path,
+    plan: Plan,
+    motion: Motion,
+    report: Callable[[Status], None],
+    pace: Callable[[Iterable[bytes]], Iterable[Part]],
+    stopped: Callable[[], bool] = lambda: False,
+) -> Status:
+    intake, sink = Intake(), Sink(folder)
+    try:
+        recorder = Recorder(intake, sink, plan.gauge_length_mm, duration_s=motion.duration_s, report=report)
+        status = recorder.run(pace(plan.rig(motion).lines()), stopped)
+    finally:
+        sink.close()
+    finish(folder, plan.gauge_length_mm, "simulated", status.state, plan.recipe(), intake)
     return status
 
 

@@ -30,27 +30,32 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    from testbench.campaign import Plan, matches, simulate_campaign, vacant
+    import sys
+
+    from testbench.campaign import Plan, matches, simulate_campaign, simulate_live, vacant
     from testbench.rig.links import real_time
     from testbench.rig.motion import played
     from testbench.rig.progress import json_lines, terminal
-    from testbench.rig.recorder import in_memory
+    from testbench.rig.signals import stop_signals
     from testbench.sensors import existing_file, sensor_model
 
+    say = sys.stderr if args.progress_json else sys.stdout
     folder, program = Path(args.campaign), existing_file(args.program, "program; make one with `gcode generate`")
     model, sensor = sensor_model(args)
     motion, gauge_length_mm = played(program, args.gauge_length_mm)
     plan = Plan(program, model, gauge_length_mm, args.seed, sensor, instruments_of(args))
     if matches(folder, plan):
-        print(f"{folder}: already there and intact; not run again")
+        print(f"{folder}: already there and intact; not run again", file=say)
         return 0
     vacant(folder, args.overwrite)
     report = json_lines() if args.progress_json else terminal(f"run {folder.name}")
-    status = simulate_campaign(plan, folder, motion, report, real_time if args.real_time else in_memory)
-    if not args.progress_json:
-        print(
-            f"{folder}: {status.samples} samples in {motion.duration_s:.0f} s of motion, {sensor}, seed {args.seed}"
-        )
+    if args.real_time:
+        with stop_signals() as stopped:
+            status = simulate_live(plan, folder, motion, report, real_time, stopped)
+    else:
+        status = simulate_campaign(plan, folder, motion, report)
+    done = f"{status.samples} samples in {status.time_s:.0f} s of motion, {sensor}, seed {args.seed}"
+    print(f"{folder}: {done}", file=say)
     return 0
 
 
