@@ -13,6 +13,7 @@ from testbench.report.comparison_figures import CHANNEL_TITLES, Overlay, model_c
 from testbench.report.downsample import window
 from testbench.report.recording_figures import line
 
+NAMED_STEPS = 3
 UNITS = {"force": "N", "conductance": "ln S"}
 
 
@@ -86,20 +87,21 @@ def _rungs(steps: Sequence[Step], channel: str, column: int, current: int) -> li
     ]
 
 
-def _label_steps(axes: dict[str, Any], column: int, steps: Sequence[Step]) -> None:
+def _label_steps(axes: dict[str, Any], column: int, steps: Sequence[Step], room: bool = True) -> None:
+    """Names under the bars; numbers where there is no `room` for names (the bar tells its name when pointed at)."""
     axes[style.axis_key("xaxis", column)] |= {
         "tickvals": list(range(len(steps))),
-        "ticktext": [_wrapped(step.label) for step in steps],
+        "ticktext": [_wrapped(step.label) for step in steps] if room else [str(n) for n in range(len(steps))],
         "showgrid": False,
         "range": [-0.6, len(steps) - 0.4],
     }
 
 
 def _wrapped(label: str) -> str:
-    """Long names on two lines, broken at an underscore."""
-    if len(label) <= 14:
-        return label
+    """Words instead of underscores; long names on two lines."""
     words = label.replace("_", " ").split(" ")
+    if len(label) <= 14:
+        return " ".join(words)
     half = max(1, round(len(words) / 2))
     return " ".join(words[:half]) + "<br>" + " ".join(words[half:])
 
@@ -196,5 +198,5 @@ def _glance_axes(
             range=[0, 1.2 * max(step.errors[channel] for step in steps)],
         ),
     }
-    _label_steps(axes, right, steps)
+    _label_steps(axes, right, steps, room=len(steps) <= NAMED_STEPS)
     return axes

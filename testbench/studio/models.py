@@ -1,16 +1,19 @@
-"""The model of a campaign: where it is kept, and fitting its baseline."""
+"""The model of a campaign: where it is kept, what it was judged on, and the commands that change it."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from nicegui import ui
 
+from gcode.support.files import read_json
 from testbench.studio.jobs import Job, State
 from testbench.studio.studio import Studio
 from testbench.studio.widgets import attempt, job_card, subheading
 
 LAST_THIRD = "the last third of this recording"
+Commands = Sequence[tuple[str, Sequence[str]]]  # title and command line
 
 
 def model_path(studio: Studio, c: str) -> Path:
@@ -19,7 +22,7 @@ def model_path(studio: Studio, c: str) -> Path:
 
 
 def held_out_choices(studio: Studio, c: str) -> list[str]:
-    """Campaigns of the same gauge length, which errors may be judged on."""
+    """The last third, and campaigns of the same gauge length, which errors may be judged on."""
     own = studio.workspace.campaign(c)
     others = [
         other.name
@@ -29,13 +32,64 @@ def held_out_choices(studio: Studio, c: str) -> list[str]:
     return [LAST_THIRD, *others]
 
 
+def held_out_of(studio: Studio, c: str) -> str:
+    """What the model of a campaign was judged on, so that its next step is judged on the same."""
+    source = Path(str(read_json(model_path(studio, c), "model").get("held_out", "")))
+    folder = source.parent if source.name == "recording.csv" else source
+    for name in held_out_choices(studio, c)[1:]:
+        if studio.workspace.campaign(name).folder == folder:
+            return name
+    return LAST_THIRD
+
+
 def held_out_arguments(studio: Studio, held: str) -> list[str]:
     """``--held-out FOLDER``, or nothing for the last third."""
     return [] if held == LAST_THIRD else ["--held-out", str(studio.workspace.campaign(held).folder)]
 
 
-def add_fit_form(studio: Studio, c: str, then: str) -> None:
-    """Offer to fit the baseline; go to the address `then` when it is done."""
+def add_command(studio: Studio, c: str, effect: str) -> tuple[str, list[str]]:
+    """Put `effect` into the model of a campaign and refit."""
+    model = str(model_path(studio, c))
+    argv = ["testbench", "add", effect, "--model", model, "--fit", str(studio.workspace.campaign(c).folder)]
+    argv += held_out_arguments(studio, held_out_of(studio, c)) + studio.effects_arguments()
+    return f"Adding {effect} and refitting", [*argv, "-o", model]
+
+
+def undo_command(studio: Studio, c: str) -> tuple[str, list[str]]:
+    """Take the last step of the ladder back."""
+    model = str(model_path(studio, c))
+    return "Taking the last step back", [
+        "testbench",
+        "add",
+        "--undo",
+        "--model",
+        model,
+        *studio.effects_arguments(),
+        "-o",
+        model,
+    ]
+
+
+def run_in_turn(studio: Studio, key: str, commands: Commands, holder: ui.column, done: Callable[[], None]) -> None:
+    """Run commands one after the other, each with its card; `done` when the last has ended well."""
+    (title, argv), *rest = commands
+    job = studio.jobs.start(key, title, argv)
+
+    def ended(finished: Job) -> None:
+        if finished.state is not State.DONE:
+            return
+        if rest:
+            run_in_turn(studio, key, rest, holder, done)
+        else:
+            done()
+
+    holder.clear()
+    with holder:
+        job_card(studio, job, ended)
+
+
+def add_fit_form(studio: Studio, c: str) -> None:
+    """Offer to fit the baseline; build the page anew when it is done."""
     studio.workspace.campaign(c)
     with ui.column().classes("card gap-3"):
         subheading(
@@ -48,25 +102,13 @@ def add_fit_form(studio: Studio, c: str, then: str) -> None:
         held.style("min-width:300px")
         holder = ui.column().classes("w-full")
 
-        def ended(job: Job) -> None:
-            if job.state is State.DONE:
-                ui.navigate.to(then)
-
-        def show(job: Job) -> None:
-            holder.clear()
-            with holder:
-                job_card(studio, job, ended)
-
         def start() -> None:
-            folder = studio.workspace.campaign(c).folder
-            argv = ["testbench", "fit", str(folder), *held_out_arguments(studio, held.value)]
-            show(
-                studio.jobs.start(
-                    f"model:{c}", f"Fitting the baseline to {c}", [*argv, "-o", str(model_path(studio, c))]
-                )
-            )
+            argv = ["testbench", "fit", str(studio.workspace.campaign(c).folder)]
+            argv += held_out_arguments(studio, str(held.value)) + studio.effects_arguments()
+            command = (f"Fitting the baseline to {c}", [*argv, "-o", str(model_path(studio, c))])
+            run_in_turn(studio, f"model:{c}", [command], holder, ui.navigate.reload)
 
         ui.button("Fit the baseline", icon="tune", on_click=lambda: attempt(start)).props("unelevated")
         running = studio.jobs.find(f"model:{c}")
         if running and running.running:
-            show(running)
+            run_in_turn(studio, running.key, [(running.title, running.argv)], holder, ui.navigate.reload)

@@ -7,7 +7,17 @@ from importlib.resources import files
 
 from nicegui import ui
 
-from testbench.studio.pages import campaigns, compare, compensate, importing, plan, record, recording
+from testbench.studio.pages import (
+    campaigns,
+    compare,
+    compensate,
+    importing,
+    ladder,
+    missing,
+    plan,
+    record,
+    recording,
+)
 from testbench.studio.studio import Studio
 
 NAVIGATION = (
@@ -23,6 +33,8 @@ PAGES: dict[str, Callable] = {
     "/record": record.page,
     "/recording": recording.page,
     "/compare": compare.page,
+    "/missing": missing.page,
+    "/ladder": ladder.page,
     "/compensate": compensate.page,
 }
 # Two rows of knit stitches: the face side of a plain jersey, drawn as the V that everybody knows.

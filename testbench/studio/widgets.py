@@ -18,12 +18,14 @@ from testbench.studio.jobs import Job, State
 from testbench.studio.studio import Studio
 
 T = TypeVar("T")
-Redraw = Callable[[float | None, float | None], style.Figure]
+Drawn = Callable[[float | None, float | None], style.Figure]
 
 LATER_S = 0.3
 TABS = (
     ("/recording", "Recording"),
     ("/compare", "Compare"),
+    ("/missing", "Missing effect"),
+    ("/ladder", "Error ladder"),
     ("/compensate", "Compensate"),
 )
 
@@ -128,6 +130,12 @@ def plot(figure: style.Figure, caption: str = "") -> ui.plotly:
     return element
 
 
+def redraw(element: ui.plotly, figure: style.Figure) -> None:
+    """Put another figure in a plot's place."""
+    element.style(f"height:{figure['layout']['height']}px")
+    element.update_figure(float32({**figure, "config": style.CONFIG}))
+
+
 def float32(value: Any) -> Any:
     """A figure with its arrays in single precision: half the bytes, and no digit lost that a pixel shows."""
     if isinstance(value, dict):
@@ -150,20 +158,20 @@ def later(build: Callable[[], None]) -> None:
     ui.timer(LATER_S, fill, once=True)
 
 
-def zooming_plot(redraw: Redraw, caption: str = "") -> ui.plotly:
+def zooming_plot(drawn: Drawn, caption: str = "") -> ui.plotly:
     """A plot over time that is drawn again at full detail for the stretch that is zoomed into.
 
     Parameters
     ----------
-    redraw : callable
+    drawn : callable
         Start and end in seconds (None: all) to a figure.
     """
-    element = plot(redraw(None, None), caption)
+    element = plot(drawn(None, None), caption)
 
     def relayout(event: events.GenericEventArguments) -> None:
         span = zoomed_span(event.args)
         if span is not None:
-            element.update_figure(float32({**redraw(*span), "config": style.CONFIG}))
+            redraw(element, drawn(*span))
 
     element.on("plotly_relayout", relayout)
     return element
@@ -197,7 +205,8 @@ def job_card(studio: Studio, job: Job, on_end: Callable[[Job], Awaitable[None] |
 
     async def look() -> None:
         if job.running:
-            note.set_text(" · ".join(part for part in (f"{job.elapsed_s:.0f} s", job.note) if part))
+            said = job.note or (job.errors[-1] if job.errors else "")
+            note.set_text(" · ".join(part for part in (f"{job.elapsed_s:.0f} s", said) if part))
         if job.version == seen["version"] and job.running:
             return
         seen["version"] = job.version

@@ -39,7 +39,7 @@ async def page(studio: Studio, c: str = "", on: str = "") -> None:
     """Model of campaign `c` over its own recording, or over that of campaign `on`."""
     campaign_head(c, "/compare")
     if not model_path(studio, c).is_file():
-        add_fit_form(studio, c, address("/compare", c=c))
+        add_fit_form(studio, c)
         return
     _choose(studio, c, on)
     view = await aside(_compare, studio, c, on or c)

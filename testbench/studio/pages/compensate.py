@@ -76,12 +76,7 @@ def _trained(studio: Studio, c: str, target: str, judged: list[str], job: Job, h
     argv += ["-o", str(score_path(studio, c, target))]
     scoring = studio.jobs.start(f"score:{c}:{target}", "Scoring", argv)
     with holder:
-        job_card(studio, scoring, lambda ended: _again(c, target, ended))
-
-
-def _again(c: str, target: str, job: Job) -> None:
-    if job.state is State.DONE:
-        ui.navigate.to(address("/compensate", c=c, target=target, at=str(int(job.started_s))))
+        job_card(studio, scoring, lambda ended: ui.navigate.reload() if ended.state is State.DONE else None)
 
 
 def _show(studio: Studio, c: str, target: str, score: dict[str, Any]) -> None:

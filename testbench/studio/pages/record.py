@@ -16,7 +16,7 @@ from testbench.studio.jobs import Job, State
 from testbench.studio.live import Follower
 from testbench.studio.pages.plan import PROGRAMS, SENSORS
 from testbench.studio.studio import Studio
-from testbench.studio.widgets import address, aside, attempt, float32, guarded, heading, plot, trouble
+from testbench.studio.widgets import address, aside, attempt, guarded, heading, plot, redraw, trouble
 
 KEY = "record"
 SIMULATED = "the simulated rig"
@@ -131,9 +131,7 @@ class _Live:
         self.facts.set_content(_facts(self.job.latest))
         self.bar.set_value(self.job.share or 0.0)
         if fresh:
-            figure = live(self._channels())
-            self.plot.style(f"height:{figure['layout']['height']}px")
-            self.plot.update_figure(float32({**figure, "config": style.CONFIG}))
+            redraw(self.plot, live(self._channels()))
         if not self.job.running:
             self._ended()
 

@@ -29,6 +29,14 @@ def campaign_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return root
 
 
+@pytest.fixture(scope="session")
+def fitted_model(campaign_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The baseline fitted to ``sleeve``."""
+    path = tmp_path_factory.mktemp("model") / "model.json"
+    assert main(["fit", str(campaign_folder / "sleeve"), "-o", str(path)]) == 0
+    return path
+
+
 @pytest.fixture
 def studio(campaign_folder: Path, tmp_path: Path) -> Studio:
     """A studio over its own copy of the campaigns."""

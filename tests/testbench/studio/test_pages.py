@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import json
+import os
+import shutil
+from pathlib import Path
+
 import pytest
 from nicegui import ui
 from nicegui.testing import User
 
 import tests.testbench.report.samples as samples
+from testbench.studio import models
 from testbench.studio.columns import guess, guess_unit
 from testbench.studio.studio import Studio
 from testbench.studio.widgets import address, zoomed_span
@@ -22,8 +28,6 @@ async def test_campaigns_are_listed_with_their_verdict(user: User) -> None:
 
 
 async def test_an_empty_folder_invites(user: User, studio: Studio) -> None:
-    import shutil
-
     shutil.rmtree(studio.workspace.root / "sleeve")
     await user.open("/")
     await user.should_see("Nothing here yet")
@@ -63,12 +67,68 @@ async def test_training_is_offered_for_each_target(user: User) -> None:
 
 
 async def test_a_score_is_shown_with_its_figures(user: User, studio: Studio) -> None:
-    import json
-
     (studio.workspace.results("sleeve") / "force.score.json").write_text(json.dumps(samples.score()))
     await user.open("/compensate?c=sleeve")
     await user.should_see("Export for the chip")
     await user.should_see("pes-A (held-out)")
+
+
+@pytest.fixture
+def fitted(studio: Studio, fitted_model: Path) -> Studio:
+    """The studio with a model for ``sleeve``."""
+    shutil.copy(fitted_model, studio.workspace.results("sleeve") / "model.json")
+    return studio
+
+
+def with_diagnosis(studio: Studio, verdict: str = "missing") -> None:
+    history = json.loads((studio.workspace.results("sleeve") / "model.json").read_text())["history"]
+    data = samples.diagnosis(verdict) | {"history": history}
+    (studio.workspace.results("sleeve") / "diagnosis.json").write_text(json.dumps(data))
+
+
+@pytest.mark.parametrize("path", ["/compare?c=sleeve", "/ladder?c=sleeve", "/missing?c=sleeve"])
+async def test_a_fitted_campaign_opens_every_step(user: User, fitted: Studio, path: str) -> None:
+    await user.open(path)
+    words = {"/compare": "Where it fails", "/ladder": "Through the history", "/missing": "Find what is missing"}
+    await user.should_see(words[path.partition("?")[0]], retries=50)
+
+
+async def test_candidates_are_ranked_and_ties_are_said(user: User, fitted: Studio) -> None:
+    with_diagnosis(fitted)
+    await user.open("/missing?c=sleeve")
+    await user.should_see("The model is missing stress relaxation")
+    await user.should_see("1. stress relaxation")
+    await user.should_see("2. load cell creep")
+    await user.should_see("tied")
+
+
+async def test_looking_at_a_candidate_shows_its_prediction(user: User, fitted: Studio) -> None:
+    with_diagnosis(fitted)
+    await user.open("/missing?c=sleeve&pick=load_cell_creep")
+    await user.should_see("Add load cell creep", retries=100)
+    await user.should_see("lie on the dashed line")
+
+
+async def test_an_old_diagnosis_is_called_old(user: User, fitted: Studio) -> None:
+    with_diagnosis(fitted)
+    os.utime(fitted.workspace.results("sleeve") / "diagnosis.json", (1, 1))
+    await user.open("/missing?c=sleeve")
+    await user.should_see("The model has changed since this diagnosis.")
+
+
+async def test_the_next_step_is_judged_on_what_the_first_was(fitted: Studio) -> None:
+    assert models.held_out_of(fitted, "sleeve") == models.LAST_THIRD
+    title, argv = models.add_command(fitted, "sleeve", "stress_relaxation")
+    assert title == "Adding stress_relaxation and refitting"
+    assert argv[:3] == ["testbench", "add", "stress_relaxation"]
+    assert "--held-out" not in argv
+    data = json.loads(models.model_path(fitted, "sleeve").read_text())
+    shutil.copytree(fitted.workspace.root / "sleeve", fitted.workspace.root / "other")
+    data["held_out"] = str(fitted.workspace.root / "other" / "recording.csv")
+    models.model_path(fitted, "sleeve").write_text(json.dumps(data))
+    assert models.held_out_of(fitted, "sleeve") == "other"
+    _, argv = models.add_command(fitted, "sleeve", "stress_relaxation")
+    assert argv[argv.index("--held-out") + 1] == str(fitted.workspace.root / "other")
 
 
 async def test_recording_needs_a_program_first(user: User) -> None:

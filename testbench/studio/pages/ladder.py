@@ -1,0 +1,157 @@
+"""The error ladder: how the error fell step by step; a slider through the history, undo, report."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from nicegui import ui
+
+from testbench.discrepancy.model_file import ModelFile
+from testbench.report import ladder_figures as figures
+from testbench.report.comparison_figures import busiest_window
+from testbench.report.sections import fall_in_words
+from testbench.report.story import GLANCE_S
+from testbench.report.words import spoken
+from testbench.studio import models
+from testbench.studio.jobs import Job, State
+from testbench.studio.studio import Studio
+from testbench.studio.widgets import (
+    address,
+    aside,
+    attempt,
+    campaign_head,
+    facts,
+    guarded,
+    job_card,
+    plot,
+    redraw,
+    subheading,
+)
+
+
+@guarded
+async def page(studio: Studio, c: str = "", step: int = -1) -> None:
+    """The ladder of campaign `c`, looked at on `step`."""
+    campaign_head(c, "/ladder")
+    if not models.model_path(studio, c).is_file():
+        models.add_fit_form(studio, c)
+        return
+    await _Ladder(studio, c).build(step)
+
+
+class _Ladder:
+    """One model file on the page."""
+
+    def __init__(self, studio: Studio, c: str) -> None:
+        from testbench.discrepancy.model_file import load_model_file
+        from testbench.report.overlays import steps_of
+
+        self.studio, self.c = studio, c
+        self.file: ModelFile = load_model_file(models.model_path(studio, c), studio.catalogue())
+        self.steps = steps_of(self.file.history)
+
+    async def build(self, step: int) -> None:
+        """Figures, slider, buttons."""
+        last = len(self.steps) - 1
+        step = last if not 0 <= step <= last else step
+        self.facts = ui.column().classes("w-full")
+        self.ladder = plot(
+            figures.ladder(self.steps, step), "Held-out error after each step; dashed: the noise floor."
+        )
+        with ui.column().classes("card gap-1"):
+            subheading("Through the history", "Move along the steps; the pictures follow.")
+            self.slider = ui.slider(min=0, max=max(last, 1), step=1, value=step).props(
+                "label snap markers aria-label='Step of the ladder'"
+            )
+            self.slider.set_enabled(last > 0)
+        self.slider.on_value_change(lambda event: self._go(int(event.value)))
+        self._tell(step)
+        self._buttons(last)
+        self.glance = plot(
+            await aside(self._glance, step), "A minute of held-out samples, where the first model is worst."
+        )
+
+    def _tell(self, step: int) -> None:
+        chosen = self.steps[step]
+        pairs = [
+            ("this step" if step else "the first model", spoken(chosen.label)),
+        ]
+        pairs += [
+            (f"held-out {channel}", f"{error:.3g} {figures.UNITS[channel]}")
+            for channel, error in chosen.errors.items()
+        ]
+        pairs += [
+            (f"times the noise floor ({channel})", f"{chosen.errors[channel] / floor:.1f} x")
+            for channel, floor in chosen.noise_floor.items()
+            if floor > 0
+        ]
+        if step:
+            pairs.append(("against the first model", fall_in_words(self.steps[0], chosen)))
+        self.facts.clear()
+        with self.facts:
+            facts(pairs)
+
+    async def _go(self, step: int) -> None:
+        step = min(step, len(self.steps) - 1)
+        self._tell(step)
+        redraw(self.ladder, figures.ladder(self.steps, step))
+        redraw(self.glance, await aside(self._glance, step))
+        ui.navigate.history.replace(address("/ladder", c=self.c, step=str(step)))
+
+    def _glance(self, step: int) -> dict:
+        """The first model and that of `step` over the held-out samples."""
+        from testbench.discrepancy.measurement import split
+        from testbench.knit.catalogue import model_from_dict
+        from testbench.report.overlays import overlay_of
+
+        held = models.held_out_of(self.studio, self.c)
+        other = None if held == models.LAST_THIRD else self.studio.workspace.recording(held)
+        _, judged = split(self.studio.workspace.recording(self.c), other)
+        catalogue = self.studio.catalogue()
+        shown = {
+            self.steps[number].label: model_from_dict(self.file.history[number]["model"], catalogue, "history")
+            for number in sorted({0, step})
+        }
+        both = overlay_of(judged, shown, free_offset=True).within(judged.counts)
+        return figures.at_a_glance(both, self.steps[: step + 1], busiest_window(both, GLANCE_S))
+
+    def _buttons(self, last: int) -> None:
+        holder = ui.column().classes("w-full")
+        with ui.row():
+            undo = ui.button("Undo the last step", icon="undo", on_click=lambda: attempt(lambda: self._undo(holder)))
+            undo.props("outline").set_enabled(last > 0)
+            ui.button(
+                "What is missing now?", icon="search", on_click=lambda: ui.navigate.to(address("/missing", c=self.c))
+            ).props("unelevated")
+            ui.button("Report", icon="description", on_click=lambda: attempt(lambda: self._report(holder))).props(
+                "outline"
+            )
+            path = models.model_path(self.studio, self.c)
+            ui.button("Model as JSON", icon="download", on_click=lambda: ui.download(path)).props("outline")
+
+    def _undo(self, holder: ui.column) -> None:
+        command = models.undo_command(self.studio, self.c)
+        models.run_in_turn(self.studio, f"model:{self.c}", [command], holder, ui.navigate.reload)
+
+    def _report(self, holder: ui.column) -> None:
+        folder = self.studio.workspace.results(self.c)
+        output = folder / "report.html"
+        argv = ["testbench", "report", "--recording", str(self.studio.workspace.campaign(self.c).folder)]
+        argv += models.held_out_arguments(self.studio, models.held_out_of(self.studio, self.c))
+        argv += ["--model", str(models.model_path(self.studio, self.c)), *self.studio.effects_arguments()]
+        argv += _if_there("--compensator", folder / "force.score.json")
+        job = self.studio.jobs.start(
+            f"report:{self.c}", f"Writing the report of {self.c}", [*argv, "-o", str(output)]
+        )
+
+        def ended(finished: Job) -> None:
+            if finished.state is State.DONE:
+                ui.download(output, f"{self.c.replace('/', '-')}-report.html")
+
+        holder.clear()
+        with holder:
+            job_card(self.studio, job, ended)
+
+
+def _if_there(option: str, path: Path) -> list[str]:
+    return [option, str(path)] if path.is_file() else []

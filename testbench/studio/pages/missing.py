@@ -1,0 +1,183 @@
+"""Missing effect: ask, see the candidates with their evidence, look at one's prediction, add it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from nicegui import ui
+
+from testbench.report import diagnosis_figures as figures
+from testbench.report.build import read_diagnosis
+from testbench.report.words import base_in_words, spoken, verdict_in_words
+from testbench.studio import models
+from testbench.studio.studio import Studio
+from testbench.studio.widgets import (
+    address,
+    aside,
+    attempt,
+    campaign_head,
+    guarded,
+    plot,
+    subheading,
+    trouble,
+    zooming_plot,
+)
+
+if TYPE_CHECKING:
+    from testbench.discrepancy.contribution import Contribution
+
+SHOWN = 8
+
+
+def diagnosis_path(studio: Studio, c: str) -> Path:
+    """Where the diagnosis of a campaign is kept."""
+    return studio.workspace.results(c) / "diagnosis.json"
+
+
+@guarded
+async def page(studio: Studio, c: str = "", pick: str = "") -> None:
+    """The diagnosis of campaign `c`; `pick` is the candidate that is looked at."""
+    campaign_head(c, "/missing")
+    if not models.model_path(studio, c).is_file():
+        models.add_fit_form(studio, c)
+        return
+    path = diagnosis_path(studio, c)
+    _ask(studio, c, known=path.is_file())
+    if path.is_file():
+        diagnosis = read_diagnosis(str(path))
+        if path.stat().st_mtime < models.model_path(studio, c).stat().st_mtime:
+            trouble("The model has changed since this diagnosis.", "Ask again to see what is missing now.")
+        await _answer(studio, c, diagnosis, pick)
+
+
+def _ask(studio: Studio, c: str, known: bool) -> None:
+    key = f"diagnose:{c}"
+
+    def start() -> None:
+        argv = ["testbench", "diagnose", str(studio.workspace.campaign(c).folder)]
+        argv += ["--model", str(models.model_path(studio, c)), *studio.effects_arguments()]
+        argv += models.held_out_arguments(studio, models.held_out_of(studio, c))
+        command = (f"Looking for what is missing in {c}", [*argv, "--json", str(diagnosis_path(studio, c))])
+        models.run_in_turn(studio, key, [command], holder, ui.navigate.reload)
+
+    button = ui.button("Ask again" if known else "Find what is missing", icon="search")
+    button.on_click(lambda: attempt(start)).props("outline" if known else "unelevated")
+    holder = ui.column().classes("w-full")
+    running = studio.jobs.find(key)
+    if running and running.running:
+        models.run_in_turn(studio, key, [(running.title, running.argv)], holder, ui.navigate.reload)
+
+
+async def _answer(studio: Studio, c: str, diagnosis: Mapping[str, Any], pick: str) -> None:
+    with ui.column().classes("card gap-2"):
+        ui.label(verdict_in_words(diagnosis)).classes("verdict")
+        base = base_in_words(diagnosis)
+        if base:
+            ui.label(base).classes("quiet")
+    ranking = diagnosis["ranking"][:SHOWN]
+    if not ranking:
+        return
+    plot(
+        figures.candidates(diagnosis),
+        "What each effect would take off the held-out error; whiskers: two ways of weighing; dashed: what a "
+        "free-form map of the residual finds.",
+    )
+    chosen = next((entry for entry in ranking if entry["form"] == pick), ranking[0])
+    _Candidates(studio, c, diagnosis).build(ranking, chosen)
+
+
+class _Candidates:
+    """The list at the left, the one that is looked at on the right."""
+
+    def __init__(self, studio: Studio, c: str, diagnosis: Mapping[str, Any]) -> None:
+        self.studio, self.c, self.diagnosis = studio, c, diagnosis
+        self.cards: dict[str, ui.element] = {}
+
+    def build(self, ranking: list[Mapping[str, Any]], chosen: Mapping[str, Any]) -> None:
+        """Lay out the list and the detail."""
+        with ui.element("div").classes("split"):
+            with ui.column().classes("gap-2"):
+                subheading("Candidates", "Choose one to see what it would add.")
+                for number, entry in enumerate(ranking, 1):
+                    self._card(number, entry)
+            self.detail = ui.column().classes("gap-3 w-full")
+        ui.timer(0.05, partial(self._look, chosen), once=True)
+
+    def _card(self, number: int, entry: Mapping[str, Any]) -> None:
+        removed = figures.removed_percent(entry["gain"])
+        card = ui.element("button").classes("candidate").on("click", lambda: self._look(entry))
+        self.cards[entry["form"]] = card
+        with card:
+            with ui.row().classes("items-center justify-between w-full no-wrap"):
+                ui.label(f"{number}. {spoken(entry['effect'])}").style("font-weight:600")
+                if entry["tied_for_first"]:
+                    ui.label("tied").classes("tag bad")
+                else:
+                    ui.label(f"{removed:.0f} %").classes("quiet")
+            with ui.element("div").classes("meter"):
+                ui.element("div").style(f"width:{max(removed, 0):.1f}%")
+
+    async def _look(self, entry: Mapping[str, Any]) -> None:
+        for form, card in self.cards.items():
+            card.classes(
+                add="chosen" if form == entry["form"] else "", remove="" if form == entry["form"] else "chosen"
+            )
+        ui.navigate.history.replace(address("/missing", c=self.c, pick=entry["form"]))
+        await attempt(lambda: self._show(entry))
+
+    async def _show(self, entry: Mapping[str, Any]) -> None:
+        look, shown = await aside(predicted, self.studio, self.c, self.diagnosis, entry)
+        self.detail.clear()
+        with self.detail:
+            with ui.row().classes("items-center justify-between w-full"):
+                subheading(spoken(entry["form"]), look)
+                ui.button(
+                    f"Add {spoken(entry['form'])}", icon="add", on_click=lambda: attempt(lambda: self._add(entry))
+                ).props("unelevated color=accent")
+            self.holder = ui.column().classes("w-full")
+            caption = (
+                "Held-out samples, without what the base laws could take up: what the model leaves, and what "
+                "this effect would add."
+            )
+            zooming_plot(partial(figures.prediction, shown.time_s, shown.residual, shown.added), caption)
+            caption = "An effect that is really there predicts its own size: its points lie on the dashed line."
+            plot(figures.slope(shown.residual, shown.added), caption)
+
+    def _add(self, entry: Mapping[str, Any]) -> None:
+        have = models.model_path(self.studio, self.c).read_text(encoding="utf-8")
+        shapes = [name for name in self.diagnosis.get("base_misfits", []) if f'"{name}"' not in have]
+        commands = [models.add_command(self.studio, self.c, name) for name in (*shapes, entry["form"])]
+        done = partial(ui.navigate.to, address("/ladder", c=self.c))
+        models.run_in_turn(self.studio, f"model:{self.c}", commands, self.holder, done)
+
+
+def predicted(
+    studio: Studio, c: str, diagnosis: Mapping[str, Any], entry: Mapping[str, Any]
+) -> tuple[str, Contribution]:
+    """What a candidate looks like in data, and what it would add on the held-out samples.
+
+    Raises
+    ------
+    UserError
+        If the diagnosis names an effect that is not in the catalogue any more.
+    """
+    from testbench.discrepancy.contribution import contribution
+    from testbench.discrepancy.measurement import split
+    from testbench.knit.catalogue import model_from_dict
+
+    catalogue = studio.catalogue()
+    held = models.held_out_of(studio, c)
+    other = None if held == models.LAST_THIRD else studio.workspace.recording(held)
+    _, judged = split(studio.workspace.recording(c), other)
+    effect = catalogue[entry["form"]].model_validate(entry["start"])
+    without = model_from_dict(_before(diagnosis), catalogue, "diagnosis")
+    return effect.look, contribution(without, effect, judged)
+
+
+def _before(diagnosis: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The model that the candidates were weighed against: the last one before an effect was put in."""
+    history = diagnosis["history"]
+    return history[-2 if diagnosis["verdict"] == "missing" and len(history) > 1 else -1]["model"]
