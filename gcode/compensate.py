@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcode.motion import Blocks, drive
+from gcode.motion import Blocks, block_ends
 
 ITERATIONS = 40
 _GAIN = 0.5  # part of a block's accumulated lateness that it tries to make up for
@@ -40,14 +40,14 @@ def compensated_speeds(
     planned_end, dwell = np.cumsum(duration_s), np.where(moving, 0.0, duration_s)
     speed, best, least = nominal, nominal, np.inf
     for turn in range(iterations):
-        motion = drive(Blocks(length_mm, speed, dwell), acceleration_mm_per_s2)
-        late = motion.block_end_s - planned_end
+        ends = block_ends(Blocks(length_mm, speed, dwell), acceleration_mm_per_s2)
+        late = ends - planned_end
         worst = float(np.abs(late).max())
         if worst < least:
             best, least = speed, worst
         if worst < 1e-4:
             break
-        took = np.diff(motion.block_end_s, prepend=0.0)
+        took = np.diff(ends, prepend=0.0)
         before = np.concatenate(([0.0], late[:-1]))
         make_up = _GAIN * before if turn >= _SETTLE else np.zeros_like(before)
         aim = np.clip(duration_s - make_up, 0.5 * duration_s, 1.5 * duration_s)

@@ -130,26 +130,43 @@ def _can_stop(level: np.ndarray, gain: np.ndarray, look_ahead: int | None) -> np
     return least
 
 
-def _phases(blocks: Blocks, junction: np.ndarray, acceleration: float, start_mm: float) -> Motion:
-    """Speed up, cruise, slow down: three phases a block, some of them empty."""
-    distance, direction = np.abs(blocks.length_mm), np.sign(blocks.length_mm)
+def block_ends(blocks: Blocks, acceleration_mm_per_s2: float) -> np.ndarray:
+    """When each block ends (s), driven with full sight: `drive` without its phases."""
+    junction = junction_speeds(blocks, acceleration_mm_per_s2)
+    _, durations = _profile(blocks, junction, acceleration_mm_per_s2)
+    return np.cumsum(durations.sum(axis=1))
+
+
+def _profile(blocks: Blocks, junction: np.ndarray, acceleration: float) -> tuple[np.ndarray, np.ndarray]:
+    """Peak speed (n,) of each block, and durations (n, 3) of its speeding up, cruising and slowing down."""
+    distance = np.abs(blocks.length_mm)
     entry, leave = junction[:-1], junction[1:]
     # With tiny blocks rounding can leave a peak a hair below the ends' speeds; never below, or times turn negative.
     peak = np.minimum(blocks.speed_mm_per_s, np.sqrt((entry**2 + leave**2) / 2 + acceleration * distance))
-    peak = np.maximum(peak, np.maximum(entry, leave))
-    up, down = (peak - entry) / acceleration, (peak - leave) / acceleration
-    rest = distance - (entry + peak) / 2 * up - (leave + peak) / 2 * down
-    cruise = np.maximum(rest, 0.0) / np.where(peak > 0, peak, np.inf)
-    cruise = np.where(distance > 0, cruise, blocks.dwell_s)
-    duration = np.column_stack((up, cruise, down))
-    speed = np.column_stack((entry, peak, peak)) * direction[:, None]
-    push = np.column_stack((direction, np.zeros_like(direction), -direction)) * acceleration
+    np.maximum(peak, np.maximum(entry, leave), out=peak)
+    duration = np.empty((len(distance), 3))
+    duration[:, 0] = (peak - entry) / acceleration
+    duration[:, 2] = (peak - leave) / acceleration
+    cruised = distance - (entry + peak) / 2 * duration[:, 0] - (leave + peak) / 2 * duration[:, 2]
+    cruise = np.maximum(cruised, 0.0) / np.where(peak > 0, peak, np.inf)
+    duration[:, 1] = np.where(distance > 0, cruise, blocks.dwell_s)
+    return peak, duration
+
+
+def _phases(blocks: Blocks, junction: np.ndarray, acceleration: float, start_mm: float) -> Motion:
+    """Speed up, cruise, slow down: three phases a block, some of them empty. Filled in place: a day is long."""
+    peak, duration = _profile(blocks, junction, acceleration)
+    direction = np.sign(blocks.length_mm)
+    size = len(direction)
+    speed, push, position = np.empty((size, 3)), np.zeros((size, 3)), np.empty((size, 3))
+    speed[:, 0] = junction[:-1] * direction
+    speed[:, 1] = speed[:, 2] = peak * direction
+    push[:, 0], push[:, 2] = direction * acceleration, -direction * acceleration
+    position[:, 0] = start_mm
+    position[1:, 0] += np.cumsum(blocks.length_mm)[:-1]
+    position[:, 1] = position[:, 0] + (speed[:, 0] + speed[:, 1]) / 2 * duration[:, 0]
+    position[:, 2] = position[:, 1] + speed[:, 1] * duration[:, 1]
     ends = np.cumsum(duration.ravel())
-    begins = np.concatenate(([0.0], ends[:-1]))
-    block_start = start_mm + np.concatenate(([0.0], np.cumsum(blocks.length_mm)[:-1]))
-    after_up = (entry + peak) / 2 * up * direction
-    after_cruise = after_up + peak * cruise * direction
-    position = block_start[:, None] + np.column_stack((np.zeros_like(direction), after_up, after_cruise))
-    return Motion(
-        begins, position.ravel(), speed.ravel(), push.ravel(), float(ends[-1]), np.ascontiguousarray(ends[2::3])
-    )
+    block_end, end = ends[2::3].copy(), float(ends[-1])
+    begins = np.subtract(ends, duration.ravel(), out=ends)
+    return Motion(begins, position.ravel(), speed.ravel(), push.ravel(), end, block_end)

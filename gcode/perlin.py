@@ -17,6 +17,7 @@ from gcode.support.errors import UserError
 LATTICE = 256  # period of the package's permutation table, in cells
 LACUNARITY = 2.0
 MAX_OCTAVES = 8
+_CHUNK = 100_000  # a day at once would hold millions of Python floats
 _SLOPE = (np.sqrt(5.0) - 1.0) / 2.0
 _ALONG = 1.0 / np.hypot(1.0, _SLOPE)
 
@@ -65,9 +66,12 @@ def perlin_walk(cells: np.ndarray, seed: Any, octaves: int, persistence: float) 
 
 
 def _walk(travelled: np.ndarray, start_x: float, start_y: float) -> np.ndarray:
-    xs = (travelled + start_x) % LATTICE
-    ys = (travelled * _SLOPE + start_y) % LATTICE
-    return np.fromiter(map(pnoise2, xs.tolist(), ys.tolist()), dtype=float, count=len(xs))
+    level = np.empty(len(travelled))
+    for begin in range(0, len(travelled), _CHUNK):
+        part = travelled[begin : begin + _CHUNK]
+        xs, ys = (part + start_x) % LATTICE, (part * _SLOPE + start_y) % LATTICE
+        level[begin : begin + _CHUNK] = np.fromiter(map(pnoise2, xs.tolist(), ys.tolist()), float, len(part))
+    return level
 
 
 def check_noise_parameters(cells_per_s: float, octaves: int, persistence: float) -> None:
