@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcode.limits import drive_within
+from gcode.bounds import Limits, excesses
+from gcode.limits import drive_within, sampled_positions
 from gcode.path import Frame, Path, join, way
-from gcode.statistics import accelerations, speeds
 from gcode.support.errors import UserError
-from gcode.trajectory import Limits, Trajectory, TrajectorySpec, position_decimals, sampled
+from gcode.trajectory import Trajectory, TrajectorySpec, position_decimals, sampled
 
 MAX_SAMPLES = 20_000_000
 # Finite differences of rounded positions, and the executed motion's own deviations, need some room.
@@ -38,13 +38,12 @@ def plan(spec: TrajectorySpec, seed: int, gauge_length_mm: float) -> Trajectory:
         If the gauge length or the seed is unusable, or the limits cannot be met.
     """
     check_request(spec, seed, gauge_length_mm)
-    problem = None
     for margin in _MARGINS:
         trajectory = _within(spec, seed, gauge_length_mm, margin)
-        problem = excess(trajectory.position_mm, spec.rate_hz, spec.limits)
-        if problem is None:
+        beyond = excesses(trajectory.position_mm, spec.rate_hz, spec.limits)
+        if not beyond:
             return trajectory
-    raise UserError(f"limits: {problem}; raise the limit or ask for a slower motion")
+    raise UserError(f"limits: {beyond[0].at(spec.rate_hz)}; raise the limit or ask for a slower motion")
 
 
 def _within(spec: TrajectorySpec, seed: int, gauge_length_mm: float, margin: float) -> Trajectory:
@@ -54,8 +53,8 @@ def _within(spec: TrajectorySpec, seed: int, gauge_length_mm: float, margin: flo
     path = whole_path(spec, seed, gauge_length_mm, v_max, a_max)
     check_travel(path, spec.limits)
     motion = drive_within(path, v_max, a_max)
-    samples = int(np.ceil(motion.end_s * spec.rate_hz - 1e-6)) + 1
-    position = motion.position_at(np.arange(samples) / spec.rate_hz)
+    j_max = None if spec.limits.j_max_mm_per_s3 is None else spec.limits.j_max_mm_per_s3 * margin
+    position = sampled_positions(motion, spec.rate_hz, a_max, j_max)
     return sampled(np.round(position, decimals) + 0.0, spec.rate_hz)
 
 
@@ -97,19 +96,3 @@ def check_travel(path: Path, limits: Limits) -> None:
             f"travel: this motion needs {low:.4g} to {high:.4g} mm, the machine allows {limits.x_min_mm:g} to "
             f"{limits.x_max_mm:g} mm; lower the strain, the gauge length or the offset"
         )
-
-
-def excess(position_mm: np.ndarray, rate_hz: float, limits: Limits) -> str | None:
-    """Say which limit a sampled motion exceeds, where and by how much; None if it keeps them all."""
-    for name, unit, values, limit in (
-        ("speed", "mm/s", np.abs(speeds(position_mm, rate_hz)), limits.v_max_mm_per_s),
-        ("acceleration", "mm/s2", np.abs(accelerations(position_mm, rate_hz)), limits.a_max_mm_per_s2),
-        ("position", "mm", position_mm, limits.x_max_mm),
-        ("position", "mm", -position_mm, -limits.x_min_mm),
-    ):
-        if values.size and values.max() > limit + 1e-9:
-            at = int(values.argmax())
-            return (
-                f"{name} {abs(values[at]):.4g} {unit} at {at / rate_hz:.2f} s passes the limit {abs(limit):g} {unit}"
-            )
-    return None

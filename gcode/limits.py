@@ -1,4 +1,8 @@
-"""Velocity and acceleration limits: slow down locally where a path asks for too much, keep the stroke exact."""
+"""Limits applied: slow down locally where a path asks for too much speed or acceleration; keep the stroke exact.
+
+Jerk is limited by a running mean over the motion's time. A mean over T turns an acceleration of at most a into a
+jerk of at most 2 a / T and passes neither limit already kept; it costs a T^2 / 24 of stroke at a sharp reversal.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +13,8 @@ from gcode.path import Path
 from gcode.support.errors import UserError
 
 MAX_STRETCH = 2.0  # a plan that the limits make longer than this is no longer the plan that was asked for
+LONGEST_MEAN_S = 5.0
+_FINE = 16  # points of the running mean per sample
 
 
 def path_blocks(path: Path, v_max_mm_per_s: float) -> Blocks:
@@ -34,7 +40,29 @@ def drive_within(path: Path, v_max_mm_per_s: float, a_max_mm_per_s2: float) -> M
     wanted = float(path.duration_s.sum())
     if motion.end_s > MAX_STRETCH * wanted + 10.0:
         raise UserError(
-            f"limits: v max {v_max_mm_per_s:g} mm/s and a max {a_max_mm_per_s2:g} mm/s2 would stretch this motion "
-            f"from {wanted:.4g} s to {motion.end_s:.4g} s; raise them, or ask for a slower or smaller motion"
+            f"limits: v max {v_max_mm_per_s:.4g} mm/s and a max {a_max_mm_per_s2:.4g} mm/s2 would stretch this "
+            f"motion from {wanted:.4g} s to {motion.end_s:.4g} s; raise them, or ask for a slower or smaller motion"
         )
     return motion
+
+
+def sampled_positions(
+    motion: Motion, rate_hz: float, a_max_mm_per_s2: float, j_max_mm_per_s3: float | None
+) -> np.ndarray:
+    """Positions at `rate_hz` from start to end, with the jerk limited if a limit is given."""
+    if j_max_mm_per_s3 is None:
+        samples = int(np.ceil(motion.end_s * rate_hz - 1e-6)) + 1
+        return motion.position_at(np.arange(samples) / rate_hz)
+    mean_s = 2.0 * a_max_mm_per_s2 / j_max_mm_per_s3
+    if mean_s > LONGEST_MEAN_S:
+        raise UserError(
+            f"limits: j max {j_max_mm_per_s3:g} mm/s3 is too low for a max {a_max_mm_per_s2:.4g} mm/s2 (at least "
+            f"{2.0 * a_max_mm_per_s2 / LONGEST_MEAN_S:.3g}); raise it or lower a max"
+        )
+    fine_hz = rate_hz * _FINE
+    width = int(np.ceil(mean_s * fine_hz)) + 1
+    samples = int(np.ceil((motion.end_s + width / fine_hz) * rate_hz)) + 1
+    times = (np.arange((samples - 1) * _FINE + width) - (width - 1)) / fine_hz
+    total = np.concatenate(([0.0], np.cumsum(motion.position_at(times))))
+    first = np.arange(samples) * _FINE
+    return (total[first + width] - total[first]) / width

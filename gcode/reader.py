@@ -25,6 +25,8 @@ _COMMENT = re.compile(r"\(([^()]*)\)")
 _WORD = re.compile(r"\s*([A-Z])\s*([+-]?(?:\d+\.?\d*|\.\d+))(?![\d.])")
 _KEY = re.compile(r"([A-Z0-9_.]+): (.*)")
 _INCH = 25.4
+_MODAL_GROUPS = ({0.0, 1.0, 4.0}, {20.0, 21.0}, {90.0, 91.0}, {93.0, 94.0}, {61.0, 64.0})
+_WHOLE_DWELL = re.compile(r"G0*4(?![\d.]).*P\s*(\d{3,})(?![\d.])")
 _IGNORED_G = {17.0, 40.0, 49.0, 54.0, 55.0, 56.0, 57.0, 58.0, 59.0, 80.0}
 _IGNORED_M = {0.0, 1.0, 3.0, 4.0, 5.0, 7.0, 8.0, 9.0, 48.0, 49.0}
 _END_M = {2.0, 30.0}
@@ -34,16 +36,20 @@ class _Rows:
     """Blocks as typed columns: a day's program has 1.7 million of them."""
 
     def __init__(self) -> None:
-        self.columns = (array("q"), array("d"), array("d"), array("d"), array("q"), array("b"))
-        self._append = tuple(column.append for column in self.columns)
+        self.line, self.steps, self.stop = array("q"), array("q"), array("b")
+        self.x_mm, self.feed_mm_per_s, self.dwell_s = array("d"), array("d"), array("d")
 
     def __len__(self) -> int:
-        return len(self.columns[0])
+        return len(self.line)
 
     def add(self, line: int, x_mm: float, feed_mm_per_s: float, dwell_s: float, steps: int, stop: bool) -> None:
         """Append one block."""
-        for append, value in zip(self._append, (line, x_mm, feed_mm_per_s, dwell_s, steps, stop), strict=True):
-            append(value)  # type: ignore[operator]
+        self.line.append(line)
+        self.x_mm.append(x_mm)
+        self.feed_mm_per_s.append(feed_mm_per_s)
+        self.dwell_s.append(dwell_s)
+        self.steps.append(steps)
+        self.stop.append(stop)
 
 
 @dataclass
@@ -96,7 +102,7 @@ def parse_program(text: str) -> Program:
             break
         line = line.rstrip("\r\n")
         match = _OWN_MOVE.fullmatch(line)
-        if match and not state.incremental and state.unit == 1.0:
+        if match and not state.incremental and state.unit == 1.0 and float(match[2]) > 0:
             state.motion, state.feed = 1.0, float(match[2])
             _move(state, number, float(match[1]), True, int(match[3] or 1))
         else:
@@ -107,14 +113,14 @@ def parse_program(text: str) -> Program:
 
 
 def _program(state: _State) -> Program:
-    line, position, feed, dwell, steps, exact_stop = (np.array(column) for column in state.rows.columns)
+    rows = state.rows
     return Program(
-        line=line,
-        position_mm=position,
-        feed_mm_per_s=feed,
-        dwell_s=dwell,
-        steps=steps,
-        exact_stop=exact_stop.astype(bool),
+        line=np.array(rows.line),
+        position_mm=np.array(rows.x_mm),
+        feed_mm_per_s=np.array(rows.feed_mm_per_s),
+        dwell_s=np.array(rows.dwell_s),
+        steps=np.array(rows.steps),
+        exact_stop=np.array(rows.stop, dtype=bool),
         header=state.header,
         problems=state.problems,
     )
@@ -130,6 +136,10 @@ def _line(state: _State, number: int, line: str) -> None:
         if not state.rows and (match := _KEY.fullmatch(comment.strip())):
             state.header[match[1].lower()] = match[2].lower()
     code = _COMMENT.sub(" ", line).split(";")[0].strip().upper()
+    if not line.isascii():
+        return refuse("the line holds characters that are not ASCII; controllers choke on them")
+    if match := _WHOLE_DWELL.search(code):
+        refuse(f"G4 P{match[1]} looks like milliseconds; P is in seconds (write P{match[1]}.0 if it is meant)")
     if "(" in code or ")" in code:
         return refuse("a comment is not closed, or comments are nested")
     if code in ("", "%"):
@@ -164,6 +174,8 @@ def _words(code: str) -> list[tuple[str, float]] | str:
 def _block(state: _State, number: int, words: list[tuple[str, float]]) -> None:
     refuse = _refuser(state, number)
     values: dict[str, float] = {}
+    if clash := _clash(words):
+        return refuse(clash)
     for letter, value in words:
         if problem := _word(state, values, letter, value):
             return refuse(problem)
@@ -176,6 +188,15 @@ def _block(state: _State, number: int, words: list[tuple[str, float]]) -> None:
     if "X" in values:
         x = values["X"] * state.unit
         _move(state, number, state.x + x if state.incremental else x, "F" in values, 1)
+    return None
+
+
+def _clash(words: list[tuple[str, float]]) -> str | None:
+    """Two words of one modal group in a line: an interpreter takes either, or stops."""
+    codes = {value for letter, value in words if letter == "G"}
+    for group in _MODAL_GROUPS:
+        if len(codes & group) > 1:
+            return " and ".join(f"G{code:g}" for code in sorted(codes & group)) + " exclude each other in one line"
     return None
 
 
@@ -201,7 +222,8 @@ def _g(state: _State, code: float) -> str | None:
     elif code in (90.0, 91.0):
         state.incremental = code == 91.0
     elif code in (93.0, 94.0):
-        state.inverse_time, state.feed = code == 93.0, None
+        if state.inverse_time != (code == 93.0):
+            state.inverse_time, state.feed = code == 93.0, None
     elif code in (61.0, 64.0):
         state.exact_stop = code == 61.0
         if state.exact_stop:

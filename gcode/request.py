@@ -9,7 +9,13 @@ from gcode.support.errors import UserError
 from gcode.toml_spec import read_spec
 from gcode.trajectory import TrajectorySpec
 
-_LIMITS = {"v_max": "v_max_mm_per_s", "a_max": "a_max_mm_per_s2", "x_min": "x_min_mm", "x_max": "x_max_mm"}
+_LIMITS = {
+    "v_max": "v_max_mm_per_s",
+    "a_max": "a_max_mm_per_s2",
+    "j_max": "j_max_mm_per_s3",
+    "x_min": "x_min_mm",
+    "x_max": "x_max_mm",
+}
 
 
 def spec_from(args: Any) -> TrajectorySpec:

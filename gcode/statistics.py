@@ -47,6 +47,11 @@ def accelerations(position_mm: np.ndarray, rate_hz: float) -> np.ndarray:
     return np.diff(position_mm, 2) * rate_hz**2
 
 
+def jerks(position_mm: np.ndarray, rate_hz: float) -> np.ndarray:
+    """Signed jerk (mm/s3) from third differences; length n - 3."""
+    return np.diff(position_mm, 3) * rate_hz**3
+
+
 def motion_statistics(position_mm: np.ndarray, rate_hz: float) -> MotionStatistics:
     """Statistics of positions sampled uniformly at `rate_hz`."""
     position = np.asarray(position_mm, dtype=float)

@@ -9,6 +9,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
+from gcode.bounds import Limits
 from gcode.pieces import Positive
 from gcode.protocol import AnyPiece, Protocol
 from gcode.statistics import MotionStatistics, motion_statistics
@@ -19,17 +20,6 @@ from gcode.support.errors import UserError
 def position_decimals(rate_hz: float) -> int:
     """Decimals of a position: 4 up to 50 Hz; more at higher rates, where rounding would look like acceleration."""
     return 4 if rate_hz <= 50 else 5 if rate_hz <= 150 else 6
-
-
-class Limits(BaseModel):
-    """What the executed motion must not exceed, as sampled at the trajectory's rate."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-    v_max_mm_per_s: Positive = 10.0
-    a_max_mm_per_s2: Positive = 20.0
-    x_min_mm: float = Field(-1000.0, allow_inf_nan=False)
-    x_max_mm: float = Field(1000.0, allow_inf_nan=False)
 
 
 class TrajectorySpec(BaseModel):

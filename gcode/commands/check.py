@@ -7,6 +7,8 @@ import argparse
 SUMMARY = "check a program against limits; exit 0 if it may run, 1 if not"
 EXAMPLE = "gcode check run-1/program.tap --v-max 5 --a-max 20 --x-min 0 --x-max 7.5"
 
+SHOWN = 20
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
@@ -17,8 +19,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--x-max", type=float, required=True, metavar="MM", help="soft limit, upper end")
     parser.add_argument("--rate-hz", type=float, default=20.0, help="rate of the finite differences (default 20)")
     parser.add_argument(
-        "--machine-acceleration", type=float, metavar="MM/S2", help="the controller's; default 5 times --a-max"
+        "--machine-acceleration",
+        type=float,
+        metavar="MM/S2",
+        help="default: the header's, else 5 a-max",
     )
+    parser.add_argument("--j-max", type=float, metavar="MM/S3", help="jerk limit (default: none)")
+    parser.add_argument("--rapid", type=float, metavar="MM/S", help="speed of G0 moves; without it they are refused")
+    parser.add_argument("--max-dwell-s", type=float, help="longest dwell; default 120 in files that others made")
     parser.add_argument("--json", action="store_true", help="print the result as JSON")
 
 
@@ -31,16 +39,31 @@ def run(args: argparse.Namespace) -> int:
     from gcode.reader import parse_program, read_text
     from gcode.trajectory import Limits
 
-    limits = Limits(v_max_mm_per_s=args.v_max, a_max_mm_per_s2=args.a_max, x_min_mm=args.x_min, x_max_mm=args.x_max)
+    limits = Limits(
+        v_max_mm_per_s=args.v_max,
+        a_max_mm_per_s2=args.a_max,
+        j_max_mm_per_s3=args.j_max,
+        x_min_mm=args.x_min,
+        x_max_mm=args.x_max,
+    )
     machine = None
     if args.machine_acceleration is not None:
         machine = Machine(acceleration_mm_per_s2=args.machine_acceleration)
-    result = check_program(parse_program(read_text(args.program)), limits, args.rate_hz, machine)
+    result = check_program(
+        parse_program(read_text(args.program)),
+        limits,
+        args.rate_hz,
+        machine,
+        rapid_mm_per_s=args.rapid,
+        longest_dwell_s=args.max_dwell_s,
+    )
     if args.json:
         print(json.dumps(result.as_json(), indent=2))
         return 0 if result.ok else 1
-    for problem in result.problems:
+    for problem in result.problems[:SHOWN]:
         print(f"{args.program}: {problem}")
+    if len(result.problems) > SHOWN:
+        print(f"... and {len(result.problems) - SHOWN} more (all of them with --json)")
     if result.statistics:
         print("\n".join(result.statistics.lines()))
     print("ok: this program may run" if result.ok else f"refused: {len(result.problems)} problem(s)")

@@ -19,10 +19,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--feed-mode", choices=("G94", "G93"), help="feed per minute (default) or inverse time")
     parser.add_argument("--v-max", type=float, metavar="MM/S", help="speed limit")
     parser.add_argument("--a-max", type=float, metavar="MM/S2", help="acceleration limit")
+    parser.add_argument("--j-max", type=float, metavar="MM/S3", help="jerk limit (default: none)")
     parser.add_argument("--x-min", type=float, metavar="MM", help="machine travel, lower end")
     parser.add_argument("--x-max", type=float, metavar="MM", help="machine travel, upper end")
     parser.add_argument("--duration-s", type=float, help="duration of the (one) noise piece")
     parser.add_argument("--machine-acceleration", type=float, metavar="MM/S2", help="default: 5 a-max")
+    parser.add_argument("--plot", action="store_true", help="write trajectory.png too")
     parser.add_argument("-o", "--output", required=True, metavar="DIR", help="folder to write to")
 
 
@@ -42,6 +44,10 @@ def run(args: argparse.Namespace) -> None:
             raise UserError("--seed and --gauge-length-mm are needed, e.g. --seed 51 --gauge-length-mm 25")
         made = make(spec_from(args), args.seed, args.gauge_length_mm, args.feed_mode or "G94")
     paths = made.write(args.output)
+    if args.plot:
+        from gcode.plot import write_plot
+
+        paths.append(write_plot(made, paths[0].with_suffix(".png")))
     print(f"{made.spec.name}, seed {made.seed}, gauge length {made.gauge_length_mm:g} mm, as executed:")
     print("\n".join(made.statistics.lines()))
     for path in paths:
