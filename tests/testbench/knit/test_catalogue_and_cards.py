@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,7 @@ from testbench.knit.card import card_text, catalogue_markdown, catalogue_text, d
 from testbench.knit.catalogue import load_catalogue, model_from_dict
 from testbench.knit.effect import bounds_of
 from testbench.knit.laws import check
-from testbench.knit.model import inputs
+from testbench.knit.model import KnitModel, inputs
 from testbench.knit.presets import names, preset
 from testbench.knit.showcase import VISIBLE, draw, showcase
 from testbench.knit.template import write_template
@@ -61,12 +62,16 @@ def test_card_shows_formula_parameters_and_source(name: str) -> None:
         assert f"{bounds_of(field)['high']:g}" in text
 
 
-def test_list_and_docs_name_every_effect() -> None:
-    text, docs = catalogue_text(CATALOGUE), Path("docs/effects.md").read_text(encoding="utf-8")
-    for name in CATALOGUE.effects:
-        assert name in text
-        assert f"`{name}`" in docs, "run: testbench effects --markdown, and put the table into docs/effects.md"
+def test_list_names_every_effect() -> None:
+    text = catalogue_text(CATALOGUE)
+    assert all(name in text for name in CATALOGUE.effects)
     assert catalogue_markdown(CATALOGUE).count("\n") == len(CATALOGUE.effects) + 1
+
+
+def test_docs_name_the_named_effects_and_no_effect_that_is_gone() -> None:
+    table = Path("docs/effects.md").read_text(encoding="utf-8").partition("| effect |")[2]
+    listed = set(re.findall(r"`(\w+)` \| (?:kinematics|mechanics|pressure|contact|electrical|readout)", table))
+    assert set(NAMED) <= listed <= set(CATALOGUE.effects)
 
 
 @pytest.mark.parametrize("name", [name for name in NAMED if not CATALOGUE[name].nonlinear])
@@ -169,6 +174,31 @@ def test_an_effects_file_that_cannot_be_used_is_named(text: str, complaint: str,
     (tmp_path / "mine.py").write_text(text, encoding="utf-8")
     with pytest.raises(UserError, match=complaint):
         load_catalogue(tmp_path / "mine.py")
+
+
+class BrokenPlugIn:
+    name = "their_effect"
+
+    def load(self) -> None:
+        raise ImportError("their library is missing")
+
+
+def test_a_broken_plug_in_is_listed_and_stops_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("testbench.knit.catalogue.entry_points", lambda group: [BrokenPlugIn()])
+    catalogue = load_catalogue()
+    assert catalogue.broken == {"their_effect": "ImportError: their library is missing"}
+    assert "broken: their_effect: ImportError: their library is missing" in catalogue_text(catalogue)
+    assert "contact" in catalogue.effects
+
+
+def test_a_sensor_whose_conductance_falls_needs_no_force() -> None:
+    time_s = np.arange(0, 20, 0.05)
+    strain = 0.15 - 0.15 * np.cos(time_s)
+    effects = CATALOGUE.effects
+    model = KnitModel.of(effects["piezoresistance"](), effects["shoulder_peak"](), effects["drift"]())
+    out = model.simulate(inputs(time_s, strain), 0.05)
+    assert np.corrcoef(strain, out["conductance_S"])[0, 1] < -0.9
+    assert "force_N" not in out
 
 
 @pytest.mark.parametrize(
