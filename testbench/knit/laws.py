@@ -226,7 +226,7 @@ def ignores_sampling_rate(effect: Effect) -> str:
 
 
 def knows_no_future(effect: Effect) -> str:
-    """What comes later does not change what was (a shape of one whole recording, `per_recording`, may know its length)."""
+    """What comes later does not change what was (a `per_recording` shape may know how long it is)."""
     if effect.per_recording:
         return ""
     signals = example_signals(0.05)
