@@ -108,9 +108,15 @@ def _decimal(lines: list[str], separator: str) -> str:
 
 
 def read_foreign(
-    path: Path, layout: Layout, wanted: Sequence[str]
+    path: Path, layout: Layout, wanted: Sequence[str], dates: Sequence[str] = ()
 ) -> tuple[np.ndarray, dict[str, np.ndarray], list[str]]:
     """The wanted columns as numbers.
+
+    Parameters
+    ----------
+    path, layout, wanted
+    dates : sequence of str
+        Those of the wanted columns that are dates and times; they become seconds since the first one.
 
     Returns
     -------
@@ -150,9 +156,10 @@ def read_foreign(
     numbers, notes = {}, []
     for name in wanted:
         cells = frame[layout.names.index(name)]
-        numbers[name], note = _numeric(cells, layout.decimal)
+        kind = "a date and time" if name in dates else "a number"
+        numbers[name], note = _seconds(cells) if name in dates else _numeric(cells, layout.decimal)
         if note is not None:
-            notes.append(f"row {rows[note]}: {name} must be a number, got {str(cells.iloc[note])!r}")
+            notes.append(f"row {rows[note]}: {name} must be {kind}, got {str(cells.iloc[note])!r}")
     return rows, numbers, notes
 
 
@@ -166,3 +173,12 @@ def _numeric(cells: pd.Series, decimal: str) -> tuple[np.ndarray, int | None]:
         wrong = np.flatnonzero((cells.isna() & before.notna()).to_numpy())
         return cells.to_numpy(dtype=np.float64, na_value=np.nan), int(wrong[0]) if wrong.size else None
     return cells.to_numpy(dtype=np.float64), None
+
+
+def _seconds(cells: pd.Series) -> tuple[np.ndarray, int | None]:
+    import pandas as pd
+
+    when = pd.to_datetime(cells.astype("string").str.strip(), errors="coerce", format="mixed", utc=True)
+    wrong = np.flatnonzero((when.isna() & cells.notna()).to_numpy())
+    since = (when - when.min()).dt.total_seconds()
+    return since.to_numpy(dtype=np.float64, na_value=np.nan), int(wrong[0]) if wrong.size else None

@@ -41,6 +41,8 @@ class Wish:
     ----------
     time : Source or None
         None with `rate_hz` where the file has no time column.
+    time_is_date : bool
+        The time column holds dates and times.
     displacement or strain : Source
         One of the two.
     resistance, conductance, relative, relative_change : Source
@@ -64,6 +66,7 @@ class Wish:
     relative: Source | None = None
     relative_change: Source | None = None
     temperature: Source | None = None
+    time_is_date: bool = False
     r0_ohm: float = 1.0
     sort: bool = False
     drop_bad: bool = False
@@ -114,7 +117,8 @@ def import_csv(path: Path, wish: Wish) -> Imported:
     sources = wish.sources()
     names = list(dict.fromkeys(source.column for source in sources.values()))
     layout = layout_of(path, names, wish.separator, wish.decimal)
-    rows, columns, notes = read_foreign(path, layout, names)
+    dates = [wish.time.column] if wish.time and wish.time_is_date else []
+    rows, columns, notes = read_foreign(path, layout, names, dates)
     rows, columns, notes = _without_units_row(rows, columns, notes)
     if notes and not wish.drop_bad:
         raise UserError(f"{path}: {notes[0]}; --drop-bad leaves such rows out")

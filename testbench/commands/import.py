@@ -44,7 +44,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _add_units(parser: argparse.ArgumentParser) -> None:
     # The keys of the tables in testbench.importing; that module is too heavy for --help.
-    parser.add_argument("--time-unit", choices=["s", "ms", "us", "min", "h"], default="s")
+    parser.add_argument("--time-unit", choices=["s", "ms", "us", "min", "h", "date"], default="s")
     parser.add_argument("--displacement-unit", choices=["mm", "um", "cm", "m", "in"], default="mm")
     parser.add_argument("--strain-unit", choices=["1", "%"], default="1")
     parser.add_argument("--force-unit", choices=["N", "mN", "cN", "kN", "gf", "kgf", "lbf"], default="N")
@@ -90,7 +90,8 @@ def wish_of(args: argparse.Namespace):
 
     return units.Wish(
         gauge_length_mm=args.gauge_length_mm,
-        time=source(args.time, units.TIME_UNITS[args.time_unit]),
+        time=source(args.time, units.TIME_UNITS.get(args.time_unit, 1.0)),
+        time_is_date=args.time_unit == "date",
         rate_hz=args.rate_hz,
         displacement=source(args.displacement, units.LENGTH_UNITS[args.displacement_unit]),
         strain=source(args.strain, units.STRAIN_UNITS[args.strain_unit]),

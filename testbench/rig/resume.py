@@ -37,7 +37,7 @@ class Left:
     bad : Counter
         Rejected lines by reason.
     displacements_nm : list of (time_us, displacement_nm)
-        To find the first movement again.
+        Of every row: to find the first movement again, and how many rows came since an event.
     """
 
     channels: tuple[str, ...] | None
@@ -64,17 +64,17 @@ def mend(folder: Path, wall_s: float) -> Left:
     while rows and not _ROW.fullmatch(rows[-1]):
         rows.pop()  # a power cut may leave blocks of zeros
     _cut(folder / CSV, lines[:1] + rows)
-    events = [_event(folder / EVENTS, line) for line in _cut(folder / EVENTS, _whole_lines(folder / EVENTS))]
     bad = _cut(folder / BAD, _whole_lines(folder / BAD))
     names = tuple(lines[0].decode().split(",")[1:]) if lines else None
     column = names.index(DISPLACEMENT) + 1 if names else 0
     cells = [row.split(b",") for row in rows]
+    last_time_us = _fixed(cells[-1][0]) if cells else None
     return Left(
         names,
         len(rows),
-        _fixed(cells[-1][0]) if cells else None,
+        last_time_us,
         idle_s,
-        [event for event in events if event],
+        _mended_events(folder / EVENTS, -1 if last_time_us is None else last_time_us),
         Counter(line.partition(b"\t")[0].decode("latin-1") for line in bad),
         [(_fixed(row[0]), _fixed(row[column])) for row in cells],
     )
@@ -88,9 +88,12 @@ def continued(left: Left, now_s: float) -> Intake:
     stamps = [event for event in left.events if "micros" in event]
     if left.last_time_us is not None and stamps:
         stamp = stamps[-1]
-        since_us = left.last_time_us - round(stamp["time_s"] * 1e6)
-        micros = (stamp["micros"] + since_us) % MICROS_WRAP
-        intake.anchor = Anchor(int(stamp["boot"], 16), micros, left.last_time_us, now_s - left.idle_s)
+        stamp_us = _time_us(stamp)
+        micros = (stamp["micros"] + left.last_time_us - stamp_us) % MICROS_WRAP
+        # Every loss leaves an event, so the rows since the last one have no number missing.
+        since = sum(time_us > stamp_us for time_us, _ in left.displacements_nm)
+        anchor = Anchor(int(stamp["boot"], 16), micros, left.last_time_us, now_s - left.idle_s)
+        intake.continue_from(anchor, stamp["sequence"] + since)
     elif left.last_time_us is not None:
         raise UserError(f"{EVENTS} does not say which device clock {CSV} was recorded by; start a new recording")
     return intake
@@ -117,6 +120,20 @@ def _cut(path: Path, lines: list[bytes]) -> list[bytes]:
         if path.stat().st_size != size:
             os.truncate(path, size)
     return lines
+
+
+def _mended_events(path: Path, last_time_us: int) -> list[dict[str, Any]]:
+    """Events up to the last row; those of a row that was not written yet will come again with that row."""
+    lines = _whole_lines(path)
+    events = [_event(path, line) for line in lines]
+    while events and _time_us(events[-1]) > last_time_us:
+        events.pop()
+    _cut(path, lines[: len(events)])
+    return events
+
+
+def _time_us(event: dict[str, Any]) -> int:
+    return round(event["time_s"] * 1e6)
 
 
 def _event(path: Path, line: bytes) -> dict[str, Any]:

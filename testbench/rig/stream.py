@@ -74,7 +74,7 @@ class Intake:
     channels : tuple of str or None
         Pinned by the first accepted sample (or by the file that is resumed).
     anchor : Anchor or None
-        The last accepted sample; set it to continue a recording.
+        The last accepted sample; see `continue_from`.
     accepted, lost : int
         Lines accepted; lines that the sequence numbers prove were sent and never came.
     bad : Counter
@@ -92,6 +92,10 @@ class Intake:
     _buffer: LineBuffer = field(default_factory=LineBuffer)
     _fresh: bool = True
     _away: bool = False
+
+    def continue_from(self, anchor: Anchor, sequence: int) -> None:
+        """Go on after a sample that an earlier recorder accepted; what came between is a gap."""
+        self.anchor, self._sequence, self._away = anchor, sequence, True
 
     def feed(self, data: bytes, host_s: float) -> Iterator[Item]:
         """Rows, rejected lines and events in `data`, which came at `host_s` (monotonic seconds)."""

@@ -91,6 +91,15 @@ def test_force_or_resistance_may_be_absent_and_time_may_be_a_rate(tmp_path):
     assert recording.time_s.tolist() == [0, 0.25, 0.5]
 
 
+def test_dates_and_times_become_seconds(tmp_path):
+    stamps = ["2026-03-01 23:59:59.9", "2026-03-02 00:00:00", "2026-03-02T00:00:00.250"]
+    text = GOOD.replace("\n0,0.0", f"\n{stamps[0]},0.0").replace("0.1,0.5", f"{stamps[1]},0.5")
+    text = text.replace("0.2,1.0", f"{stamps[2]},1.0")
+    assert imported(tmp_path, text, time_is_date=True).time_s.tolist() == pytest.approx([0, 0.1, 0.35])
+    with pytest.raises(UserError, match="row 4: t must be a date and time, got 'noon'"):
+        imported(tmp_path, text.replace(stamps[2], "noon"), time_is_date=True)
+
+
 BAD = [
     ("", "the file is empty"),
     ("   \n\n", "the file is empty"),

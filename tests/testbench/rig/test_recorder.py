@@ -209,6 +209,14 @@ def test_killed_anywhere_it_goes_on_where_it_was(job, tmp_path):
         assert "resume" in [event["event"] for event in events(folder)]
 
 
+def test_what_was_missed_while_the_recorder_was_dead_is_counted(job, tmp_path):
+    lines = bench_lines(job)
+    recorded(job, tmp_path / "c", [Chunk(0, b"".join(lines[:20] + lines[25:50]))], stopped=lambda: True)
+    status = record(job_of(tmp_path / "c"), tmp_path / "c", in_memory(lines[90:]), resume=True)
+    assert status.lost == 5 + 40
+    assert [event["lost"] for event in events(tmp_path / "c") if event["event"] == "gap"] == [40]
+
+
 def test_a_power_cut_that_left_zeros_is_mended(job, tmp_path):
     recorded(job, tmp_path / "c", in_memory(bench_lines(job)))
     path = tmp_path / "c" / "recording.csv"

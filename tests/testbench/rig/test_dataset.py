@@ -17,19 +17,10 @@ from testbench.dataset_spec import read_spec
 from testbench.knit.catalogue import baseline
 from testbench.manifest import problems
 from testbench.recording import read_recording
-from tests.testbench.rig.devices import CHILDREN, command, until
+from tests.testbench.rig.devices import command, until
 from tests.testbench.rig.rigs import program
 
 SPEC = 'sensors = ["knit.json"]\nprograms = ["two_*.tap"]\nseeds = "1-{last}"\n'
-
-
-@pytest.fixture(autouse=True)
-def _no_child_survives():
-    yield
-    for child in CHILDREN:
-        child.kill()
-        child.communicate()
-    CHILDREN.clear()
 
 
 def written(folder: Path, last: int = 3, more: str = "") -> Path:
