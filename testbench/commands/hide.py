@@ -1,0 +1,65 @@
+"""``testbench hide``: make a case for the diagnosis, its truth sealed."""
+
+from __future__ import annotations
+
+import argparse
+
+SUMMARY = "make two recordings of a sensor with an effect hidden in it, the truth sealed apart"
+EXAMPLE = "testbench hide --effect stress_relaxation --strength 5 --seed 3 -o case"
+
+WORLDS_HELP = (
+    "matched, mismatched (all laws differ from the catalogue's), other_elasticity, bouc_wen, other_contact, "
+    "other_drift or carbon_black"
+)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of ``testbench hide``."""
+    parser.add_argument(
+        "--effect",
+        metavar="NAME",
+        help="an effect of the catalogue, none, unknown, or several joined by commas (drawn from the seed, and not told)",
+    )
+    parser.add_argument(
+        "--strength",
+        type=float,
+        default=5.0,
+        help="RMS of what the baseline cannot absorb, over the noise floor (%(default)g)",
+    )
+    parser.add_argument("--seed", type=int, help="sensor, motion and noise; the same seed, the same files (random)")
+    parser.add_argument("--world", default="matched", metavar="WORLD", help=f"{WORLDS_HELP} (%(default)s)")
+    parser.add_argument("--minutes", type=float, default=23.0, help="length of each recording [min] (%(default)g)")
+    parser.add_argument("--rate-hz", type=float, default=40.0, help="mean sampling rate [Hz] (%(default)g)")
+    parser.add_argument("--noise", default="any", help="white, ar1, pink or any of them by seed (%(default)s)")
+    parser.add_argument(
+        "--protocol",
+        default="perlin",
+        help="motion: perlin, holds, triangles, return_to_zero or mix (%(default)s)",
+    )
+    parser.add_argument("--force-only", action="store_true", help="record no resistance")
+    parser.add_argument("-o", "--output", required=True, metavar="DIR", help="a new folder for the case")
+
+
+def run(args: argparse.Namespace) -> None:
+    """Make the case and write it, telling nothing of what is in it."""
+    import secrets
+
+    from testbench.recording import FORCE, RESISTANCE
+    from testbench.worlds import make_case
+    from testbench.worlds.files import write_case
+
+    seed = secrets.randbelow(2**31) if args.seed is None else args.seed
+    case = make_case(
+        args.effect,
+        args.strength,
+        args.world,
+        seed,
+        args.minutes,
+        args.rate_hz,
+        args.noise,
+        protocol=args.protocol,
+        channels=(FORCE,) if args.force_only else (FORCE, RESISTANCE),
+    )
+    folder = write_case(args.output, case)
+    print(f"{folder}/recordings: two recordings of {args.minutes:g} min; see {folder}/README.txt")
+    print(f"{folder}/sealed/truth.json: what is hidden; open it after your diagnosis")
