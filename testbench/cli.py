@@ -17,6 +17,7 @@ COMMANDS: tuple[str, ...] = (
     "effects",
     "fit",
     "compare",
+    "hide",
     "diagnose",
     "add",
     "ladder",

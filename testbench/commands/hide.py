@@ -18,7 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--effect",
         metavar="NAME",
-        help="an effect of the catalogue, none, unknown, or several joined by commas (drawn from the seed, and not told)",
+        help="an effect of the catalogue, none, unknown, or several with commas (drawn by seed, and not told)",
     )
     parser.add_argument(
         "--strength",

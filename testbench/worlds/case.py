@@ -85,6 +85,8 @@ def make_case(
     UserError
         For an unknown name or an impossible number.
     """
+    if seed < 0:
+        raise UserError(f"seed: must be 0 or a positive whole number, got {seed}")
     _check(world, noise, protocol, channels, strength=strength, minutes=minutes, rate_hz=rate_hz)
     base = draw_world(world, _rng(seed, "base", world))
     bench = _Bench(base, seed, minutes, rate_hz, noise, protocol)
@@ -229,6 +231,8 @@ def _names(effect: str | None, seed: int) -> list[str]:
     names = [name.strip() for name in effect.split(",")]
     if names == ["none"]:
         return []
+    if "none" in names:
+        raise UserError(f"effect: none cannot be joined with others, got {effect!r}")
     names = [str(rng.choice(OUTSIDE)) if name == "unknown" else name for name in names]
     for name in names:
         if name not in FORMS:

@@ -51,7 +51,7 @@ def clip_force(s: Scene, a: float, p: Shape) -> None:
 def amplifier(s: Scene, a: float, p: Shape) -> None:
     low, high = s.ln_g.min(), s.ln_g.max()
     swing = high - low
-    rail, width = high - 0.5 * a * swing, p["width"] * swing
+    rail, width = high - 0.5 * a * swing, p["width"] * swing * a / (a + 0.02)
     s.ln_g = s.ln_g - width * np.logaddexp(0, (s.ln_g - rail) / width)
 
 

@@ -69,7 +69,7 @@ def bouc_wen(x: FloatArray, reach: float, asymmetry: float, power: float) -> Flo
 
 @njit("float64[:](float64[:], float64[:], float64, float64)", cache=True, nogil=True)
 def oscillator(t: FloatArray, x: FloatArray, frequency_hz: float, damping: float) -> FloatArray:
-    """Damped oscillator driven by `x` (unit static gain), by its exact answer to a step held over each sample."""
+    """Damped oscillator of unit static gain, exact for `x` held at the mean of each two samples between them."""
     y = np.empty_like(x)
     w = 2 * np.pi * frequency_hz
     wd = w * np.sqrt(1 - damping * damping)
@@ -79,8 +79,9 @@ def oscillator(t: FloatArray, x: FloatArray, frequency_hz: float, damping: float
         h = t[i] - t[i - 1]
         decay = np.exp(-damping * w * h)
         c, s = np.cos(wd * h), np.sin(wd * h)
-        u = position - x[i]
-        position = x[i] + decay * (u * (c + damping * w / wd * s) + velocity / wd * s)
+        held = 0.5 * (x[i] + x[i - 1])
+        u = position - held
+        position = held + decay * (u * (c + damping * w / wd * s) + velocity / wd * s)
         velocity = decay * (velocity * (c - damping * w / wd * s) - u * w * w / wd * s)
         y[i] = position
     return y
@@ -143,7 +144,8 @@ def seconds_near(t: FloatArray, x: FloatArray, width: float) -> FloatArray:
     out = np.empty_like(x)
     anchor, since = x[0], t[0]
     for i in range(len(x)):
-        if abs(x[i] - anchor) > width:
-            anchor, since = x[i], t[i]
+        while abs(x[i] - anchor) > width:
+            anchor += width if x[i] > anchor else -width
+            since = t[i]
         out[i] = t[i] - since
     return out
