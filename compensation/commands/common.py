@@ -1,0 +1,77 @@
+"""Arguments and phrases that several sub-commands share."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from testbench.recording import Recording
+
+
+def add_recordings(parser: argparse.ArgumentParser) -> None:
+    """The positional recordings and their gauge length."""
+    parser.add_argument("recordings", nargs="+", metavar="CAMPAIGN", help="campaign folder or recording CSV")
+    parser.add_argument(
+        "--gauge-length-mm", type=float, metavar="MM", help="for a bare CSV: unstretched length between the clamps"
+    )
+
+
+def read_all(args: argparse.Namespace) -> list[Recording]:
+    """Every recording named on the command line."""
+    from testbench.recording import read_recording
+
+    return [read_recording(path, args.gauge_length_mm) for path in args.recordings]
+
+
+def score_table(scores: dict[str, Any]) -> str:
+    """The table that `train` and `score` print."""
+    unit = scores["compensator"]["unit"]
+    lines = [
+        f"{'recording':40} {'role':9} {'r2 raw':>7} {'rho2':>6} {'r2 after':>8} {'95 %':>15} {'gain':>6} {unit:>8}"
+    ]
+    for row in scores["recordings"]:
+        low, high = row["r2_after_interval"]
+        lines.append(
+            f"{_short(row['source']):40} {row['role']:9} {row['r2_before']:7.3f} {row['rho2_before']:6.3f} "
+            f"{row['r2_after']:8.3f} {f'{low:.3f}..{high:.3f}':>15} {row['gain']:6.3f} {row['rms_error']:8.4f}"
+        )
+    summary = scores["summary"]
+    criterion = f", E = {summary['E']:.4f}" if summary["E"] is not None else ""
+    lines.append(f"mean over {summary['recordings']} {summary['over']}: r2 {summary['r2_after']:.3f}{criterion}")
+    lines.append(
+        "r2 raw: conductance and target standardised per recording (the paper's); rho2: the best straight line; "
+        f"95 %: bootstrap over 60 s blocks; {unit}: RMS error"
+    )
+    return "\n".join(lines)
+
+
+def _short(source: str, width: int = 40) -> str:
+    source = source.removesuffix("/recording.csv")
+    return source if len(source) <= width else "..." + source[-(width - 3) :]
+
+
+def parse_sizes(text: str) -> tuple[int, ...]:
+    """Hidden layers from ``4,2,2``."""
+    from gcode.support.errors import UserError
+
+    try:
+        sizes = tuple(int(part) for part in text.split(","))
+    except ValueError:
+        sizes = ()
+    if not sizes or min(sizes) < 1:
+        raise UserError(f"--hidden must be positive numbers with commas, such as 4,2,2; got {text!r}")
+    return sizes
+
+
+def finish(args: argparse.Namespace, scores: dict[str, Any], note: str) -> int:
+    """Print the score, as a table or JSON, and draw it where asked."""
+    import json
+
+    if args.plot:
+        from compensation.pictures import draw_scores
+
+        draw_scores(scores, args.plot)
+        note = f"{note}\nwrote {args.plot}".strip()
+    print(json.dumps(scores) if args.json else "\n".join(filter(None, [score_table(scores), note])))
+    return 0

@@ -1,0 +1,35 @@
+"""``compensation score``: how well a compensator does on other recordings."""
+
+from __future__ import annotations
+
+import argparse
+
+from compensation.commands.common import add_recordings
+
+SUMMARY = "Score a compensator on recorded campaigns."
+EXAMPLE = "compensation score pes.compensator.json campaigns/pes-A campaigns/pes-B --plot pes.png"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("compensator", metavar="COMPENSATOR", help="file written by `compensation train`")
+    add_recordings(parser)
+    parser.add_argument("--json", action="store_true", help="print the whole score, traces included, as JSON")
+    parser.add_argument("-o", "--output", metavar="FILE", help="write the score as JSON, for report and studio")
+    parser.add_argument("--plot", metavar="PNG", help="write a picture: F, G and p over time, zooms, scatter")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Score, print, and write what was asked for."""
+    import json
+
+    from compensation.commands.common import finish, read_all
+    from compensation.compensator_files import load
+    from compensation.scorecard import score_recordings
+    from gcode.support.files import write_text
+
+    scores = score_recordings(load(args.compensator), read_all(args))
+    scores["compensator"]["file"] = args.compensator
+    if args.output:
+        write_text(args.output, json.dumps(scores, allow_nan=False) + "\n")
+    return finish(args, scores, f"wrote {args.output}" if args.output else "")

@@ -1,0 +1,65 @@
+"""``compensation train``: fit scaler, bank and network on one or more recordings."""
+
+from __future__ import annotations
+
+import argparse
+
+from compensation.commands.common import add_recordings
+
+SUMMARY = "Train a compensator on recorded campaigns."
+EXAMPLE = "compensation train campaigns/pes-T --target force -o pes.compensator.json"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    add_recordings(parser)
+    parser.add_argument("--target", choices=("force", "displacement"), required=True, help="what to predict")
+    parser.add_argument("-o", "--output", required=True, metavar="FILE", help="compensator to write (JSON)")
+    parser.add_argument(
+        "--hidden", default="4,2,2", metavar="A,B,..", help="hidden layers (default 4,2,2: the paper)"
+    )
+    parser.add_argument("--factor", type=float, default=2.5, metavar="A", help="smoothing factors A^-i (default 2.5)")
+    parser.add_argument("--count", type=int, default=7, metavar="N", help="number of smoothing filters (default 7)")
+    parser.add_argument("--l2", type=float, default=1e-4, help="L2 penalty: MLPRegressor's alpha (default 1e-4)")
+    parser.add_argument(
+        "--restarts", type=int, default=5, metavar="K", help="keep the best of K starts (the paper: 1)"
+    )
+    parser.add_argument("--seed", type=int, default=0, help="seed of the first start (default 0)")
+    parser.add_argument("--irregular", action="store_true", help="use the samples at their own times: no resampling")
+    parser.add_argument(
+        "--per-recording", action="store_true", help="standardise each recording by itself (needs all of it)"
+    )
+    parser.add_argument("--engine", default="sklearn", help="sklearn (the reference)")
+    parser.add_argument("--json", action="store_true", help="print the training score as JSON")
+    parser.add_argument("--plot", metavar="PNG", help="write a picture of the training score")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Train, save, and show the score on the training recordings."""
+    from compensation.commands.common import finish, parse_sizes, read_all
+    from compensation.compensator_files import save
+    from compensation.scorecard import score_recordings
+    from compensation.training import Options, train
+    from gcode.support.console import Progress
+
+    options = Options(
+        sizes=parse_sizes(args.hidden),
+        factor=args.factor,
+        count=args.count,
+        l2=args.l2,
+        seed=args.seed,
+        restarts=args.restarts,
+        irregular=args.irregular,
+        per_recording=args.per_recording,
+        engine=args.engine,
+    )
+    recordings = read_all(args)
+    progress = Progress("training", args.restarts)
+    compensator = train(recordings, args.target, options, progress.step)
+    save(args.output, compensator)
+    recipe = compensator.recipe
+    note = (
+        f"hidden layers {tuple(recipe['sizes'])}, {compensator.parameter_count} parameters, seed {recipe['seed']}, "
+        f"{recipe['dead_networks']} of {recipe['restarts']} starts dead\nwrote {args.output}"
+    )
+    return finish(args, score_recordings(compensator, recordings), note)

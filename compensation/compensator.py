@@ -1,0 +1,118 @@
+"""The compensator: conductance in, force or displacement out; what `train` saves and everything else reads."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compensation.ema import smooth, smooth_irregular
+from compensation.network import Network
+from compensation.preprocessing import TARGETS, Series
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Scaling:
+    """Affine standardisation: ``(value - mean) / scale``."""
+
+    mean: float
+    scale: float
+
+    @classmethod
+    def of(cls, values: FloatArray) -> Scaling:
+        """Mean and population standard deviation of `values`."""
+        return cls(float(np.mean(values)), float(np.std(values)))
+
+    def apply(self, values: FloatArray) -> FloatArray:
+        """Standardise."""
+        return (values - self.mean) / self.scale
+
+    def invert(self, values: FloatArray) -> FloatArray:
+        """Back to physical units."""
+        return values * self.scale + self.mean
+
+
+@dataclass(frozen=True)
+class Compensator:
+    """Scaler, exponential-smoothing bank and one or more networks whose mean is the answer.
+
+    Attributes
+    ----------
+    target : {"force", "displacement"}
+    rate_hz : float
+        Rate the smoothing factors refer to.
+    alphas : ndarray, shape (k,)
+        Smoothing factors.
+    scaling_in, scaling_out : Scaling
+        Of the conductance (S) and of the target (N or mm), fitted on the training recording.
+    networks : tuple of Network
+        Each takes the k smoothed values; the prediction is their mean.
+    irregular : bool
+        True: samples are used at the times they were taken. False: resample to `rate_hz` first (the paper).
+    start : {"paper", "causal"}
+        See `compensation.ema.smooth`.
+    per_recording : bool
+        True: each recording is standardised by its own mean and spread, as if it were known as a whole.
+    sign : float
+        +1 where conductance rises with the target, -1 where it falls; used for the raw baseline only.
+    recipe : mapping
+        How it was trained.
+    """
+
+    target: str
+    rate_hz: float
+    alphas: FloatArray
+    scaling_in: Scaling
+    scaling_out: Scaling
+    networks: tuple[Network, ...]
+    irregular: bool = False
+    start: str = "paper"
+    per_recording: bool = False
+    sign: float = 1.0
+    recipe: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def unit(self) -> str:
+        """Unit of the prediction."""
+        return TARGETS[self.target][1]
+
+    @property
+    def resampling_hz(self) -> float | None:
+        """Rate a recording is resampled to before it is fed in; None where it is taken as sampled."""
+        return None if self.irregular else self.rate_hz
+
+    @property
+    def parameter_count(self) -> int:
+        """Weights and biases of all networks."""
+        return sum(network.parameter_count for network in self.networks)
+
+    def features(self, time_s: FloatArray, conductance_S: FloatArray) -> FloatArray:
+        """Smoothed, standardised conductance: shape (n, k)."""
+        scaling = Scaling.of(conductance_S) if self.per_recording else self.scaling_in
+        values = scaling.apply(np.asarray(conductance_S, dtype=np.float64))
+        if self.irregular:
+            return smooth_irregular(values, time_s, self.alphas, self.rate_hz, self.start)
+        return smooth(values, self.alphas, self.rate_hz, self.start)
+
+    def predict(self, time_s: FloatArray, conductance_S: FloatArray) -> FloatArray:
+        """Force (N) or displacement (mm) at each sample.
+
+        Parameters
+        ----------
+        time_s, conductance_S : ndarray, each shape (n,)
+            One whole recording, from its first sample. Uniform at `rate_hz` unless `irregular`.
+        """
+        features = self.features(time_s, conductance_S)
+        return self.scaling_out.invert(np.mean([network(features) for network in self.networks], axis=0))
+
+    def predict_series(self, series: Series) -> FloatArray:
+        """Prediction for one recording, in the target's unit."""
+        if not self.per_recording:
+            return self.predict(series.time_s, series.conductance_S)
+        output = self.scaling_out.apply(self.predict(series.time_s, series.conductance_S))
+        return Scaling.of(series.truth).invert(output)

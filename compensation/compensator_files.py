@@ -1,0 +1,122 @@
+"""Saving and reading compensators: plain JSON, checked on the way in."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, PositiveFloat
+
+from compensation.compensator import Compensator, Scaling
+from compensation.network import Network
+from gcode.support.console import knitbench_version
+from gcode.support.errors import UserError, first_problem
+from gcode.support.files import read_json, write_json
+
+FORMAT, FORMAT_VERSION = "knitbench-compensator", 1
+
+
+class _Strict(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+
+class _Scaling(_Strict):
+    mean: FiniteFloat
+    scale: PositiveFloat
+
+
+class _Network(_Strict):
+    weights: list[list[list[FiniteFloat]]]
+    biases: list[list[FiniteFloat]]
+
+
+class _File(_Strict):
+    format: str
+    version: int
+    knitbench: str
+    target: str = Field(pattern="^(force|displacement)$")
+    rate_hz: PositiveFloat
+    alphas: list[FiniteFloat] = Field(min_length=1)
+    start: str = Field(pattern="^(paper|causal)$")
+    irregular: bool
+    per_recording: bool
+    sign: float
+    scaling_in: _Scaling
+    scaling_out: _Scaling
+    networks: list[_Network] = Field(min_length=1)
+    recipe: dict[str, Any]
+    sha256: str
+
+
+def save(path: str | Path, compensator: Compensator) -> None:
+    """Write a compensator as JSON, atomically, with a digest of its own content."""
+    data: dict[str, Any] = {
+        "format": FORMAT,
+        "version": FORMAT_VERSION,
+        "knitbench": knitbench_version(),
+        "target": compensator.target,
+        "rate_hz": compensator.rate_hz,
+        "alphas": compensator.alphas.tolist(),
+        "start": compensator.start,
+        "irregular": compensator.irregular,
+        "per_recording": compensator.per_recording,
+        "sign": compensator.sign,
+        "scaling_in": vars(compensator.scaling_in),
+        "scaling_out": vars(compensator.scaling_out),
+        "networks": [network.to_dict() for network in compensator.networks],
+        "recipe": dict(compensator.recipe),
+    }
+    write_json(path, data | {"sha256": _digest(data)})
+
+
+def load(path: str | Path) -> Compensator:
+    """Read a compensator.
+
+    Raises
+    ------
+    UserError
+        If the file is missing, foreign, of another version, malformed, or changed since it was saved.
+    """
+    data = read_json(path, "compensator")
+    if not isinstance(data, dict) or data.get("format") != FORMAT:
+        raise UserError(
+            f"{path}: not a compensator (its format must be {FORMAT!r}); make one with `compensation train`"
+        )
+    if data.get("version") != FORMAT_VERSION:
+        raise UserError(f"{path}: compensator version {data.get('version')!r}; this knitbench reads {FORMAT_VERSION}")
+    try:
+        checked = _File.model_validate(data)
+        networks = tuple(Network.from_lists(net.weights, net.biases) for net in checked.networks)
+    except ValueError as error:
+        raise UserError(f"{path}: not a usable compensator: {first_problem(error)}") from None
+    if any(len(net.weights[0]) != len(checked.alphas) for net in networks):
+        raise UserError(f"{path}: not a usable compensator: its network does not take {len(checked.alphas)} inputs")
+    if not all(0 < alpha <= 1 for alpha in checked.alphas):
+        raise UserError(f"{path}: not a usable compensator: each smoothing factor must be in (0, 1]")
+    if _digest({key: value for key, value in data.items() if key != "sha256"}) != checked.sha256:
+        raise UserError(f"{path}: the file was changed after it was saved (its checksum is wrong); train it again")
+    return _build(checked, networks)
+
+
+def _build(checked: _File, networks: tuple[Network, ...]) -> Compensator:
+    return Compensator(
+        target=checked.target,
+        rate_hz=checked.rate_hz,
+        alphas=np.asarray(checked.alphas),
+        scaling_in=Scaling(checked.scaling_in.mean, checked.scaling_in.scale),
+        scaling_out=Scaling(checked.scaling_out.mean, checked.scaling_out.scale),
+        networks=networks,
+        irregular=checked.irregular,
+        start=checked.start,
+        per_recording=checked.per_recording,
+        sign=checked.sign,
+        recipe=checked.recipe,
+    )
+
+
+def _digest(data: dict[str, Any]) -> str:
+    # Python writes floats shortest-exact, so content that is equal has an equal digest.
+    return hashlib.sha256(json.dumps(data, sort_keys=True, allow_nan=False).encode()).hexdigest()

@@ -1,0 +1,75 @@
+"""A small feed-forward network as plain arrays: what is saved, streamed and exported."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Network:
+    """A multilayer perceptron with relu hidden layers and a linear output.
+
+    Attributes
+    ----------
+    weights : tuple of ndarray
+        One a layer, each shape (inputs, outputs).
+    biases : tuple of ndarray
+        One a layer, each shape (outputs,).
+    """
+
+    weights: tuple[FloatArray, ...]
+    biases: tuple[FloatArray, ...]
+
+    @property
+    def sizes(self) -> tuple[int, ...]:
+        """Hidden layer sizes."""
+        return tuple(len(bias) for bias in self.biases[:-1])
+
+    @property
+    def parameter_count(self) -> int:
+        """Number of weights and biases."""
+        return sum(w.size for w in self.weights) + sum(b.size for b in self.biases)
+
+    def __call__(self, features: FloatArray) -> FloatArray:
+        """Output for each row of `features` (n, k): shape (n,)."""
+        values = features
+        for weight, bias in zip(self.weights[:-1], self.biases[:-1], strict=True):
+            values = np.maximum(values @ weight + bias, 0.0)
+        return (values @ self.weights[-1] + self.biases[-1])[:, 0]
+
+    def is_dead(self, features: FloatArray) -> bool:
+        """Whether the output is constant over `features`: every path to it is switched off."""
+        return bool(np.ptp(self(features)) < 1e-9)
+
+    def to_dict(self) -> dict:
+        """Plain lists, for JSON."""
+        return {"weights": [w.tolist() for w in self.weights], "biases": [b.tolist() for b in self.biases]}
+
+    @classmethod
+    def from_lists(cls, weights: Sequence, biases: Sequence) -> Network:
+        """Inverse of `to_dict`.
+
+        Raises
+        ------
+        ValueError
+            If the shapes do not form a network with one output, or a number is not finite.
+        """
+        w = tuple(np.asarray(matrix, dtype=np.float64) for matrix in weights)
+        b = tuple(np.asarray(vector, dtype=np.float64) for vector in biases)
+        if not w or len(w) != len(b):
+            raise ValueError("a network needs as many weight matrices as bias vectors, at least one")
+        for matrix, vector in zip(w, b, strict=True):
+            if matrix.ndim != 2 or vector.shape != matrix.shape[1:]:
+                raise ValueError(f"a layer has weights of shape {matrix.shape} and biases of shape {vector.shape}")
+            if not (np.isfinite(matrix).all() and np.isfinite(vector).all()):
+                raise ValueError("a weight or bias is not a finite number")
+        if any(left.shape[1] != right.shape[0] for left, right in pairwise(w)) or len(b[-1]) != 1:
+            raise ValueError("the layers do not fit together into one output")
+        return cls(w, b)

@@ -1,0 +1,79 @@
+"""A recording becomes the arrays that are learned from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcode.support.errors import UserError
+from testbench.recording import DISPLACEMENT, FORCE, RESISTANCE, Recording
+
+FloatArray = NDArray[np.float64]
+
+TARGETS = {"force": (FORCE, "N"), "displacement": (DISPLACEMENT, "mm")}
+MIN_DURATION_S = 10.0
+
+
+@dataclass(frozen=True)
+class Series:
+    """One recording as input and target.
+
+    Attributes
+    ----------
+    time_s, conductance_S, truth : ndarray, each shape (n,)
+        `truth` is the force (N) or the displacement (mm).
+    source : str
+        Where it came from.
+    """
+
+    time_s: FloatArray
+    conductance_S: FloatArray
+    truth: FloatArray
+    source: str
+
+    def __len__(self) -> int:
+        return len(self.time_s)
+
+
+def series_of(recording: Recording, target: str, rate_hz: float | None) -> Series:
+    """Input and target of a recording.
+
+    Parameters
+    ----------
+    recording : Recording
+    target : {"force", "displacement"}
+    rate_hz : float or None
+        Resample by linear interpolation to this rate (the paper: 20 Hz); None keeps the samples as they are.
+
+    Raises
+    ------
+    UserError
+        If a channel is missing, constant, or the recording is too short.
+    """
+    channel = target_channel(target)
+    for name in (RESISTANCE, channel):
+        if not recording.has(name):
+            have = ", ".join(recording.channels)
+            raise UserError(f"{recording.source}: no {name}, which --target {target} needs; it has {have}")
+    if recording.duration_s < MIN_DURATION_S:
+        raise UserError(
+            f"{recording.source}: {recording.duration_s:.1f} s long; "
+            f"a compensator needs at least {MIN_DURATION_S:.0f} s"
+        )
+    if rate_hz is not None:
+        # Resistance is what was measured: interpolate it, then invert, as the paper does.
+        recording = recording.resampled(rate_hz)
+    series = Series(recording.time_s, recording.conductance_S, recording[channel], recording.source)
+    for name, values in ((RESISTANCE, series.conductance_S), (channel, series.truth)):
+        if np.ptp(values) <= 1e-12 * np.abs(values).max():
+            raise UserError(f"{recording.source}: {name} is constant, so there is nothing to learn from it")
+    return series
+
+
+def target_channel(target: str) -> str:
+    """Channel of a target's name."""
+    if target not in TARGETS:
+        raise UserError(f"--target must be {' or '.join(TARGETS)}, got {target}")
+    return TARGETS[target][0]

@@ -1,0 +1,67 @@
+"""How well a prediction follows the truth: the paper's figures, and fairer ones beside them."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+BLOCK_S = 60.0
+
+
+def r2(truth: FloatArray, prediction: FloatArray) -> float:
+    """Coefficient of determination as the paper writes it.
+
+    ``1 - sum((X - Y)^2) / sum((X - mean(Y))^2)`` with X the truth and Y the prediction. The mean is that of Y, so the
+    value is never below `sklearn.metrics.r2_score` and equals it when both means agree.
+    """
+    truth, prediction = np.asarray(truth), np.asarray(prediction)
+    error = float(np.sum((truth - prediction) ** 2))
+    spread = float(np.sum((truth - prediction.mean()) ** 2))
+    return 1.0 - error / spread
+
+
+def standardised(values: FloatArray) -> FloatArray:
+    """Zero mean, unit variance (population), as scikit-learn's StandardScaler."""
+    return (values - values.mean()) / values.std()
+
+
+def r2_before(truth: FloatArray, conductance_S: FloatArray, sign: float = 1.0) -> float:
+    """The paper's score of the raw signal: both standardised over the recording; equals ``2 rho - 1``.
+
+    `sign` is -1 for a sensor whose conductance falls with stretch.
+    """
+    return r2(standardised(truth), sign * standardised(conductance_S))
+
+
+def rho_squared(truth: FloatArray, conductance_S: FloatArray) -> float:
+    """What the best straight line through the raw signal would score: the fairer baseline."""
+    return float(np.corrcoef(truth, conductance_S)[0, 1] ** 2)
+
+
+def error_of_two(r2_a: float, r2_b: float) -> float:
+    """The paper's selection criterion ``E = ((1 - r2_A)^2 + (1 - r2_B)^2) / 2`` over two test recordings."""
+    return ((1.0 - r2_a) ** 2 + (1.0 - r2_b) ** 2) / 2.0
+
+
+def block_interval(
+    truth: FloatArray, prediction: FloatArray, time_s: FloatArray, draws: int = 1000, seed: int = 0
+) -> tuple[float, float]:
+    """95 % interval of r2 from a bootstrap over blocks of 60 s.
+
+    Neighbouring samples are alike, so a bootstrap over single samples gives intervals several times too narrow.
+    """
+    blocks = ((time_s - time_s[0]) // BLOCK_S).astype(int)
+    starts = np.flatnonzero(np.diff(blocks, prepend=-1))
+    # Centred first: the sums of squares below would cancel badly far from zero.
+    truth, prediction = truth - truth.mean(), prediction - truth.mean()
+    sums = np.add.reduceat(
+        np.column_stack([np.ones_like(truth), truth, truth**2, prediction, (truth - prediction) ** 2]), starts
+    )
+    picks = np.random.default_rng(seed).integers(len(sums), size=(draws, len(sums)))
+    n, t, t2, p, e = np.moveaxis(sums[picks].sum(axis=1), 1, 0)
+    mean = p / n
+    values = 1.0 - e / (t2 - 2 * mean * t + n * mean**2)
+    low, high = np.quantile(values, [0.025, 0.975])
+    return float(low), float(high)

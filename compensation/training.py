@@ -1,0 +1,136 @@
+"""Training a compensator on one or more recordings."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compensation.compensator import Compensator, Scaling
+from compensation.ema import PAPER_COUNT, PAPER_FACTOR, PAPER_RATE_HZ, smoothing_factors
+from compensation.engines import DEFAULT_L2, Fit, engine
+from compensation.preprocessing import Series, series_of
+from compensation.score import r2
+from testbench.recording import Recording
+
+FloatArray = NDArray[np.float64]
+
+PAPER_SIZES = (4, 2, 2)
+
+
+@dataclass(frozen=True)
+class Options:
+    """Choices of a training run; the defaults are the paper's, with restarts.
+
+    Attributes
+    ----------
+    sizes : tuple of int
+        Hidden layers.
+    factor, count : float, int
+        Smoothing factors ``alpha_i = factor^-i``, i = 1..count.
+    l2 : float
+        MLPRegressor's ``alpha``.
+    seed : int
+        Seed of the first start; the others follow it.
+    restarts : int
+        Networks trained; the one with the best training score is kept. The paper: 1.
+    irregular : bool
+        Use the samples at their own times instead of resampling to 20 Hz.
+    per_recording : bool
+        Standardise each recording by itself (needs the whole recording).
+    engine : str
+    """
+
+    sizes: tuple[int, ...] = PAPER_SIZES
+    factor: float = PAPER_FACTOR
+    count: int = PAPER_COUNT
+    l2: float = DEFAULT_L2
+    seed: int = 0
+    restarts: int = 5
+    irregular: bool = False
+    per_recording: bool = False
+    engine: str = "sklearn"
+
+
+def train(
+    recordings: Sequence[Recording],
+    target: str,
+    options: Options | None = None,
+    progress: Callable[[str], None] = lambda note: None,
+) -> Compensator:
+    """Train a compensator; scalers and networks see these recordings only.
+
+    Parameters
+    ----------
+    recordings : sequence of Recording
+        Each starts with a fresh smoothing bank: no history leaks over a boundary.
+    target : {"force", "displacement"}
+    options : Options, optional
+    progress : callable
+        Told about each network that is done.
+    """
+    options = options or Options()
+    rate_hz = None if options.irregular else PAPER_RATE_HZ
+    return train_on_series([series_of(rec, target, rate_hz) for rec in recordings], target, options, progress)
+
+
+def train_on_series(
+    series: Sequence[Series],
+    target: str,
+    options: Options,
+    progress: Callable[[str], None] = lambda note: None,
+) -> Compensator:
+    """As `train`, on prepared series."""
+    blank = untrained(series, target, options)
+    features, truth = training_arrays(blank, series)
+    fits = []
+    for seed in range(options.seed, options.seed + max(options.restarts, 1)):
+        fits.append(engine(options.engine)(features, truth, options.sizes, seed, options.l2))
+        progress(f"seed {seed}: training r2 {r2(truth, fits[-1].network(features)):.4f}")
+    scores = [r2(truth, fit.network(features)) for fit in fits]
+    best = int(np.argmax(scores))
+    recipe = describe(series, options, fits, features) | {"seed": options.seed + best, "training_r2": scores[best]}
+    return replace(blank, networks=(fits[best].network,), recipe=recipe)
+
+
+def untrained(series: Sequence[Series], target: str, options: Options) -> Compensator:
+    """Scalers and bank without a network."""
+    conductance = np.concatenate([part.conductance_S for part in series])
+    truth = np.concatenate([part.truth for part in series])
+    return Compensator(
+        target=target,
+        rate_hz=PAPER_RATE_HZ,
+        alphas=smoothing_factors(options.factor, options.count),
+        scaling_in=Scaling.of(conductance),
+        scaling_out=Scaling.of(truth),
+        networks=(),
+        irregular=options.irregular,
+        per_recording=options.per_recording,
+        sign=float(np.sign(np.corrcoef(conductance, truth)[0, 1]) or 1.0),
+    )
+
+
+def training_arrays(blank: Compensator, series: Sequence[Series]) -> tuple[FloatArray, FloatArray]:
+    """Features (n, k) and standardised target (n,) of all recordings, one after the other."""
+    features = [blank.features(part.time_s, part.conductance_S) for part in series]
+    scalings = [Scaling.of(part.truth) if blank.per_recording else blank.scaling_out for part in series]
+    truth = [scaling.apply(part.truth) for scaling, part in zip(scalings, series, strict=True)]
+    return np.concatenate(features), np.concatenate(truth)
+
+
+def describe(series: Sequence[Series], options: Options, fits: Sequence[Fit], features: FloatArray) -> dict[str, Any]:
+    """What a reader of the saved file wants to know."""
+    return {
+        "trained_on": [part.source for part in series],
+        "samples": len(features),
+        "sizes": list(options.sizes),
+        "factor": options.factor,
+        "count": options.count,
+        "l2": options.l2,
+        "restarts": options.restarts,
+        "dead_networks": sum(fit.network.is_dead(features) for fit in fits),
+        "engine": options.engine,
+    }

@@ -1,0 +1,146 @@
+"""Training and scoring, from the command line and from Python."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from compensation import compensator_files
+from compensation.cli import main
+from compensation.scorecard import score_recordings
+from compensation.training import Options, train
+from gcode.support.errors import UserError
+from testbench.recording_files import write_recording_csv
+
+QUICK = Options(restarts=2)
+
+
+@pytest.fixture(scope="module")
+def compensator(recordings):
+    """Trained on the first recording."""
+    return train(recordings[:1], "force", QUICK)
+
+
+def test_held_out_recordings_gain(compensator, recordings):
+    scores = score_recordings(compensator, recordings)
+    assert [row["role"] for row in scores["recordings"]] == ["training", "held-out", "held-out"]
+    assert scores["summary"]["over"] == "held-out"
+    for row in scores["recordings"]:
+        assert row["r2_after"] > max(0.7, row["r2_before"])
+        assert row["gain"] == pytest.approx(row["r2_after"] - row["r2_before"])
+        assert set(row["trace"]) == {"time_s", "F", "G", "G_rescaled", "p"}
+        assert len(row["trace"]["p"]) <= 1500
+    json.dumps(scores, allow_nan=False)
+
+
+def test_saved_and_read_back_it_predicts_the_same(compensator, recordings, tmp_path):
+    compensator_files.save(tmp_path / "c.json", compensator)
+    again = compensator_files.load(tmp_path / "c.json")
+    recording = recordings[1].resampled(20.0)
+    np.testing.assert_array_equal(
+        again.predict(recording.time_s, recording.conductance_S),
+        compensator.predict(recording.time_s, recording.conductance_S),
+    )
+
+
+def test_the_test_recording_does_not_leak_into_the_scaler(compensator, recordings):
+    """A prediction is the same whatever comes later in the recording."""
+    recording = recordings[1].resampled(20.0)
+    whole = compensator.predict(recording.time_s, recording.conductance_S)
+    half = len(recording) // 2
+    part = compensator.predict(recording.time_s[:half], recording.conductance_S[:half])
+    np.testing.assert_array_equal(part, whole[:half])
+
+
+@pytest.mark.parametrize(
+    ("change", "match"),
+    [
+        ({"format": "other"}, "not a compensator"),
+        ({"version": 9}, "version 9"),
+        ({"rate_hz": -1.0}, "rate_hz"),
+        ({"sign": 0.5}, "changed after it was saved"),
+        ({"alphas": [0.5]}, "does not take 1 inputs"),
+        ({"extra": 1}, "extra"),
+        ({"networks": []}, "networks"),
+    ],
+)
+def test_tampered_files_are_refused(compensator, tmp_path, change, match):
+    path = tmp_path / "c.json"
+    compensator_files.save(path, compensator)
+    path.write_text(json.dumps(json.loads(path.read_text()) | change))
+    with pytest.raises(UserError, match=match):
+        compensator_files.load(path)
+
+
+@pytest.mark.parametrize("target", ["force", "displacement"])
+def test_command_line_trains_and_scores(recordings, tmp_path, capsys, target):
+    files = []
+    for index, recording in enumerate(recordings[:2]):
+        files.append(str(tmp_path / f"{index}.csv"))
+        write_recording_csv(files[-1], recording)
+    gauge = ["--gauge-length-mm", "25"]
+    out, picture, scores = (str(tmp_path / name) for name in ("c.json", "c.png", "s.json"))
+    assert main(["train", files[0], *gauge, "--target", target, "--restarts", "1", "-o", out]) == 0
+    assert "parameters" in capsys.readouterr().out
+    assert main(["score", out, files[1], *gauge, "--json", "-o", scores, "--plot", picture]) == 0
+    printed = json.loads(capsys.readouterr().out)
+    assert printed == json.loads((tmp_path / "s.json").read_text())
+    assert printed["compensator"]["unit"] == {"force": "N", "displacement": "mm"}[target]
+    assert (tmp_path / "c.png").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize(
+    ("words", "match"),
+    [
+        (["--hidden", "4,x"], "--hidden must be"),
+        (["--engine", "nope"], "--engine must be"),
+        (["--factor", "0.5"], "above 1"),
+    ],
+)
+def test_bad_choices_are_one_sentence_and_leave_no_file(recordings, tmp_path, capsys, words, match):
+    write_recording_csv(tmp_path / "r.csv", recordings[0])
+    base = ["train", str(tmp_path / "r.csv"), "--gauge-length-mm", "25", "--target", "force"]
+    assert main([*base, "-o", str(tmp_path / "c.json"), *words]) == 2
+    error = capsys.readouterr().err
+    assert match in error
+    assert error.count("\n") == 1
+    assert not (tmp_path / "c.json").exists()
+
+
+@pytest.mark.parametrize(
+    ("drop", "target", "match"),
+    [("resistance_ohm", "force", "no resistance_ohm"), ("force_N", "force", "no force_N, which --target force")],
+)
+def test_a_missing_channel_is_named(recordings, drop, target, match):
+    from dataclasses import replace
+
+    channels = {name: values for name, values in recordings[0].channels.items() if name != drop}
+    with pytest.raises(UserError, match=match):
+        train([replace(recordings[0], channels=channels)], target, QUICK)
+
+
+def test_constant_or_short_recordings_are_refused(recordings):
+    from dataclasses import replace
+
+    recording = recordings[0]
+    still = replace(recording, channels={**recording.channels, "force_N": np.full(len(recording), 2.0)})
+    with pytest.raises(UserError, match="force_N is constant"):
+        train([still], "force", QUICK)
+    with pytest.raises(UserError, match="at least 10 s"):
+        train([recording.between(0.0, 5.0)], "force", QUICK)
+
+
+@pytest.mark.real_data
+def test_the_measured_strip_whose_conductance_falls(real_folder):
+    from testbench.recording import read_recording
+
+    training, test = (
+        read_recording(real_folder / f"cb7.5_s2_multisine_{name}.csv", 40.0) for name in ("600s", "300s_a")
+    )
+    compensator = train([training], "force", Options(restarts=3))
+    assert compensator.sign == -1.0 or compensator.sign == 1.0
+    row = score_recordings(compensator, [test])["recordings"][0]
+    assert row["r2_before"] < 0.55
+    assert row["r2_after"] > 0.83
