@@ -24,6 +24,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--divider-ohm", type=positive, metavar="R", help="reference resistor (default 606000)")
     parser.add_argument("--rate-hz", type=positive, metavar="F", help="mean sampling rate (default 41.5)")
     parser.add_argument("--rate-sd-hz", type=positive, metavar="S", help="its spread (default 14.2)")
+    parser.add_argument(
+        "--room-swing-c",
+        type=positive,
+        metavar="T",
+        help="room temperature swings by T; adds temperature_C",
+    )
     parser.add_argument("--real-time", action="store_true", help="take as long as the real machine would")
     parser.add_argument("--progress-json", action="store_true", help="progress as JSON lines on stdout")
     parser.add_argument("--overwrite", action="store_true", help="replace another simulated campaign in that folder")
@@ -61,11 +67,12 @@ def run(args: argparse.Namespace) -> int:
 
 def instruments_of(args: argparse.Namespace):
     """The paper's instruments with what the command line changes."""
-    from testbench.rig.instruments import Divider, Instruments, SampleClock
+    from testbench.rig.instruments import Divider, Instruments, Room, SampleClock
 
     clock = {"rate_hz": args.rate_hz, "rate_sd_hz": args.rate_sd_hz}
     divider = {"reference_ohm": args.divider_ohm}
     return Instruments(
         clock=SampleClock(**{key: value for key, value in clock.items() if value is not None}),
         divider=Divider(**{key: value for key, value in divider.items() if value is not None}),
+        room=Room(swing_C=args.room_swing_c) if args.room_swing_c else None,
     )

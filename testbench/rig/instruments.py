@@ -16,12 +16,13 @@ from testbench.knit.effect import FloatArray
 
 
 class Truth(NamedTuple):
-    """True signals on a uniform grid, each shape (n,); `force_N` or `conductance_S` may be missing."""
+    """True signals on a uniform grid, each shape (n,); all but time and displacement may be missing."""
 
     time_s: FloatArray
     displacement_mm: FloatArray
     force_N: FloatArray | None
     conductance_S: FloatArray | None
+    temperature_C: FloatArray | None = None
 
 
 class _Settings(BaseModel):
@@ -115,13 +116,32 @@ class Encoder(_Settings):
         return np.rint(np.interp(times_s, truth.time_s, truth.displacement_mm) / self.count_mm) * self.count_mm
 
 
+class Room(_Settings):
+    """The air around the bench, going up and down as a heating does, and a thermometer of 1/16 degree in it."""
+
+    mean_C: float = 21.0
+    swing_C: float = Field(1.0, ge=0, description="amplitude")
+    period_s: float = Field(1800.0, gt=0)
+    step_C: float = Field(1 / 16, gt=0)
+
+    def temperature_C(self, time_s: FloatArray, rng: Generator) -> FloatArray:
+        """The true temperature; where in its cycle the run begins is left to chance."""
+        return self.mean_C + self.swing_C * np.sin(2 * np.pi * (time_s / self.period_s + rng.random()))
+
+    def read(self, truth: Truth, times_s: FloatArray) -> FloatArray:
+        """Temperature in degrees Celsius, in whole steps."""
+        assert truth.temperature_C is not None
+        return np.rint(np.interp(times_s, truth.time_s, truth.temperature_C) / self.step_C) * self.step_C
+
+
 class Instruments(_Settings):
-    """All instruments of a rig, with the settings of the paper's bench."""
+    """All instruments of a rig, with the settings of the paper's bench; it had no thermometer (`room`)."""
 
     clock: SampleClock = SampleClock()
     load_cell: LoadCell = LoadCell()
     divider: Divider = Divider()
     encoder: Encoder = Encoder()
+    room: Room | None = None
 
 
 def _conversions(end_s: float, rate_hz: float) -> FloatArray:

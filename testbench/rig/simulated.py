@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from itertools import repeat
+from typing import Any
 
 import numpy as np
 from numpy.random import default_rng
@@ -69,7 +71,10 @@ class SimulatedRig:
             If the model makes neither force nor conductance, or values that are not finite.
         """
         motion = self.motion
-        signals = inputs(motion.time_s, motion.displacement_mm / self.gauge_length_mm)
+        room, temperature_C = self.instruments.room, None
+        if room is not None:
+            temperature_C = room.temperature_C(motion.time_s, default_rng([self.seed, 1]))
+        signals = inputs(motion.time_s, motion.displacement_mm / self.gauge_length_mm, temperature_C)
         state = self.model.simulate(signals, float(motion.time_s[1] - motion.time_s[0]))
         force_N, conductance_S = state.get("force_N"), state.get("conductance_S")
         if force_N is None and conductance_S is None:
@@ -77,7 +82,7 @@ class SimulatedRig:
         for name, values in (("force_N", force_N), ("conductance_S", conductance_S)):
             if values is not None and not np.isfinite(values).all():
                 raise UserError(f"the model makes {name} that is not finite; check its parameters")
-        return Truth(motion.time_s, motion.displacement_mm, force_N, conductance_S)
+        return Truth(motion.time_s, motion.displacement_mm, force_N, conductance_S, temperature_C)
 
     def samples(self) -> Iterator[Sample]:
         """The device's samples, in order."""
@@ -88,21 +93,23 @@ class SimulatedRig:
         times_s = tools.clock.times(self.motion.duration_s, sampling)
         boot, micros = (int(number) for number in device.integers(0, MICROS_WRAP, 2))
         stamps = (np.rint(times_s * 1e6).astype(np.int64) + micros) % MICROS_WRAP
-        force = _whole(tools.load_cell.read(truth, times_s, force_noise), 1e6) if truth.force_N is not None else None
-        resistance = None
+        force = resistance = temperature = [None] * len(times_s)
+        if truth.force_N is not None:
+            force = _whole(tools.load_cell.read(truth, times_s, force_noise), 1e6)
         if truth.conductance_S is not None:
-            ohm = np.minimum(tools.divider.read(truth, times_s, divider_noise), OPEN_CIRCUIT_OHM)
-            resistance = _whole(ohm, 1e3)
+            ohm = tools.divider.read(truth, times_s, divider_noise)
+            resistance = _whole(np.minimum(ohm, OPEN_CIRCUIT_OHM), 1e3)
+        if tools.room is not None:
+            temperature = _whole(tools.room.read(truth, times_s), 1e3)
         displacement = _whole(tools.encoder.read(truth, times_s), 1e6)
-        nothing = [None] * len(times_s)
-        columns = zip(stamps.tolist(), force or nothing, resistance or nothing, displacement, strict=True)
-        for number, (stamp, force_uN, resistance_mohm, displacement_nm) in enumerate(columns):
-            yield Sample(boot, number, stamp, force_uN, resistance_mohm, displacement_nm)
+        numbers = range(len(times_s))
+        columns = (numbers, stamps.tolist(), force, resistance, displacement, temperature)
+        return map(Sample, repeat(boot), *columns)
 
     def lines(self) -> Iterator[bytes]:
         """The samples as lines of the wire protocol."""
         return map(encode, self.samples())
 
 
-def _whole(values: FloatArray, scale: float) -> list[int]:
+def _whole(values: FloatArray, scale: float) -> list[Any]:
     return np.rint(values * scale).astype(np.int64).tolist()

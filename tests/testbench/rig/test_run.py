@@ -75,6 +75,16 @@ def test_a_run_is_not_repeated_and_not_overwritten_unasked(words, tmp_path, caps
     assert recipe["instruments"]["divider"]["reference_ohm"] == 1000
 
 
+def test_a_thermometer_is_recorded_and_the_knit_feels_the_room(words, tmp_path):
+    assert cli.main([*words, "-o", str(tmp_path / "still")]) == 0
+    assert cli.main([*words, "--room-swing-c", "3", "-o", str(tmp_path / "room")]) == 0
+    still, room = read_recording(tmp_path / "still"), read_recording(tmp_path / "room")
+    assert not still.has("temperature_C")
+    assert (abs(room["temperature_C"] - 21) <= 3.04).all()
+    # The baseline knows no temperature: nothing else may change, noise included.
+    assert (room["force_N"] == still["force_N"]).all()
+
+
 def test_progress_as_json_ends_with_the_outcome(words, tmp_path, capsys):
     assert cli.main([*words, "--progress-json", "-o", str(tmp_path / "c")]) == 0
     lines = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
