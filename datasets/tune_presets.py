@@ -24,7 +24,7 @@ from testbench.knit.effect import FloatArray, bounds_of
 from testbench.knit.model import KnitModel
 
 PRESETS = Path(__file__).parents[1] / "testbench" / "knit" / "presets"
-TUNING_SEEDS, CHECK_SEEDS = tuple(range(8)), tuple(range(10, 16))
+TUNING_SEEDS, CHECK_SEEDS = tuple(range(6)), tuple(range(10, 16))
 NETWORK_STARTS = 3
 SHIFT = 10.0  # least_squares takes difference steps relative to the variable, which must not be zero then
 
@@ -151,7 +151,7 @@ def tune(name: str) -> KnitModel:
             ),
             steps + SHIFT,
             diff_step=0.02 / SHIFT,
-            max_nfev=6,
+            max_nfev=5,
         )
         steps = found.x - SHIFT
         quick = figures(moved(model, steps), TUNING_SEEDS)
