@@ -103,7 +103,7 @@ def hysteresis_loops(recording: Recording) -> style.Figure | None:
         {
             "type": "scatter",
             "mode": "lines",
-            "name": f"from {(recording.time_s[rows][0] - recording.time_s[0]) / 60:.1f} min",
+            "name": f"{(recording.time_s[rows][0] - recording.time_s[0]) / 60:.1f} min",
             "x": x[rows][:: every[rows.start]],
             "y": y[rows][:: every[rows.start]],
             "xaxis": style.x_ref(column),

@@ -11,6 +11,7 @@ from testbench.studio.pages import (
     campaigns,
     compare,
     compensate,
+    effects,
     importing,
     ladder,
     missing,
@@ -25,12 +26,14 @@ NAVIGATION = (
     ("/import", "upload_file", "Import a CSV"),
     ("/plan", "timeline", "Plan and run"),
     ("/record", "sensors", "Record"),
+    ("/effects", "functions", "Own effects"),
 )
 PAGES: dict[str, Callable] = {
     "/": campaigns.page,
     "/import": importing.page,
     "/plan": plan.page,
     "/record": record.page,
+    "/effects": effects.page,
     "/recording": recording.page,
     "/compare": compare.page,
     "/missing": missing.page,

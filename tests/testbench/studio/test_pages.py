@@ -131,6 +131,27 @@ async def test_the_next_step_is_judged_on_what_the_first_was(fitted: Studio) -> 
     assert argv[argv.index("--held-out") + 1] == str(fitted.workspace.root / "other")
 
 
+async def test_a_new_effect_starts_from_the_template_and_is_checked(user: User, studio: Studio) -> None:
+    await user.open("/effects")
+    user.find("Name of a new effect").type("My Effect")
+    user.find("Start from the template").click()
+    await user.should_see("lower case with underscores")
+    user.find("Name of a new effect").clear().type("my_effect")
+    user.find("Start from the template").click()
+    await user.should_see("done after", retries=150)
+    assert studio.effects_file is not None
+    assert studio.effects_arguments() == ["--effects", str(studio.effects_file)]
+    user.find("Save and check").click()
+    await user.should_see("my_effect: obeys all laws", retries=150)
+
+
+async def test_a_broken_effect_is_said_not_thrown(user: User, studio: Studio) -> None:
+    (studio.workspace.root / "effects.py").write_text("1 / 0\n")
+    await user.open("/effects")
+    user.find("Save and check").click()
+    await user.should_see("ZeroDivisionError", retries=150)
+
+
 async def test_recording_needs_a_program_first(user: User) -> None:
     await user.open("/record")
     await user.should_see("No program yet")

@@ -1,0 +1,77 @@
+"""Own effects: write one in the browser or in your editor, have it checked, use it like a built-in."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+
+from nicegui import ui
+
+from gcode.support.errors import UserError
+from gcode.support.files import write_text
+from testbench.studio.jobs import Job, State
+from testbench.studio.studio import OWN_EFFECTS, Studio
+from testbench.studio.widgets import attempt, guarded, heading, job_card
+
+
+@guarded
+def page(studio: Studio) -> None:
+    """The file of own effects in an editor; errors are shown beside it."""
+    under = f"One class each in {OWN_EFFECTS}, here or in your own editor. It takes part in every fit and diagnosis."
+    heading("Own effects", under)
+    _Editor(studio)
+
+
+class _Editor:
+    """Name, text, buttons, and what the check says."""
+
+    def __init__(self, studio: Studio) -> None:
+        self.studio, self.path = studio, studio.workspace.root / OWN_EFFECTS
+        with ui.column().classes("card gap-3"):
+            with ui.row().classes("items-center"):
+                self.name = ui.input("Name of a new effect", placeholder="my_effect").props("outlined dense")
+                self._button("Start from the template", "note_add", self._start).props("outline")
+                self._button("Save and check", "check", self._save).props("unelevated")
+                self._button("Read the file again", "refresh", self._read).props("flat")
+            self.text = ui.codemirror(_text(studio), language="Python", theme="basicLight")
+            self.text.classes("w-full").style("height:440px;border:1px solid var(--rule);border-radius:9px")
+        self.result = ui.column().classes("w-full")
+
+    def _button(self, label: str, icon: str, action: Callable[[], None]) -> ui.button:
+        return ui.button(label, icon=icon, on_click=lambda: attempt(action))
+
+    def _read(self) -> None:
+        self.text.set_value(_text(self.studio))
+
+    def _start(self) -> None:
+        name = self.name.value or ""
+        if not re.fullmatch(r"[a-z][a-z0-9_]*", name):
+            raise UserError(f"an effect's name is lower case with underscores, such as my_effect; got {name!r}")
+        if self.path.exists():
+            raise UserError(f"{self.path.name} is there already; write the new class below the others")
+        self._run(["testbench", "effects", "--new", name, "-o", str(self.path)], "Writing the template")
+
+    def _save(self) -> None:
+        if not self.text.value.strip():
+            raise UserError("there is nothing to check; start from the template, or write a class")
+        write_text(self.path, self.text.value)
+        argv = ["testbench", "effects", "--effects", str(self.path), "--check"]
+        self._run(argv, "Trying the laws that every effect obeys")
+
+    def _run(self, argv: list[str], title: str) -> None:
+        job = self.studio.jobs.start("effects", title, argv)
+        self.result.clear()
+        with self.result:
+            job_card(self.studio, job, self._told)
+
+    def _told(self, job: Job) -> None:
+        with self.result:
+            for line in job.lines:
+                ui.label(line).classes("mono")
+        if job.state is State.DONE:
+            self._read()
+
+
+def _text(studio: Studio) -> str:
+    path = studio.workspace.root / OWN_EFFECTS
+    return path.read_text(encoding="utf-8") if path.is_file() else ""
