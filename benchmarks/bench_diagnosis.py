@@ -1,0 +1,191 @@
+"""Hide effects in simulated sensors and see whether the diagnosis finds them.
+
+    python benchmarks/bench_diagnosis.py                                 a taste: 6 cases
+    python benchmarks/bench_diagnosis.py --quick                         every effect once in two worlds, at 5x
+    python benchmarks/bench_diagnosis.py --full --results r.jsonl -j 2   everything; resumes where it stopped
+    python benchmarks/bench_diagnosis.py --results r.jsonl --report      only the tables of what is there
+
+Strength is what the world's own base laws cannot absorb, over the noise floor (testbench/worlds/strength.py).
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from diagnosis_score import Row, score, tables
+from joblib import Parallel, delayed
+
+from testbench.knit.catalogue import Catalogue, load_catalogue
+from testbench.recording import Recording
+from testbench.worlds import CATALOGUE, make_case
+
+Diagnose = Callable[[Recording, Recording, Catalogue], Any]
+PAIRS = (
+    "stress_relaxation,channel_lag",
+    "permanent_set,electrical_overshoot",
+    "mullins_softening,self_heating",
+    "viscous_rate_stiffening,adc_saturation",
+    "clamp_slip,contact_relaxation",
+)
+
+
+@dataclass(frozen=True)
+class Job:
+    """One case to diagnose."""
+
+    effect: str
+    strength: float
+    world: str
+    seed: int
+    left_out: bool = False
+    minutes: float = 23.0
+    rate_hz: float = 40.0
+    noise: str = "any"
+
+    @property
+    def key(self) -> str:
+        """Names the case; rows of a results file are found again by it."""
+        return "/".join(str(value) for value in asdict(self).values())
+
+
+def jobs_of(
+    effects: Sequence[str], strengths: Sequence[float], worlds: Sequence[str], seeds: Sequence[int]
+) -> list[Job]:
+    """Every effect in turn, none, unknown, effects left out of the catalogue and pairs, evenly shuffled.
+
+    A run that is broken off has then seen a bit of everything.
+    """
+    jobs = []
+    for world in worlds:
+        for seed in seeds:
+            jobs += [Job(effect, s, world, seed) for effect in effects for s in strengths]
+            jobs += [Job("none", strengths[0], world, seed + k) for k in (0, 1000, 2000)]
+            jobs += [Job("unknown", s, world, seed + k) for s in strengths if s >= 5 for k in (0, 1000)]
+            jobs += [Job(PAIRS[seed % len(PAIRS)], s, world, seed) for s in strengths if s >= 5]
+            left_out = effects[seed * 7 % len(effects)]
+            jobs += [Job(left_out, s, world, seed, left_out=True) for s in strengths if s >= 5]
+    order = np.random.default_rng(0).permutation(len(jobs))
+    return [jobs[k] for k in order]
+
+
+def run_job(job: Job, diagnose: Diagnose) -> Row:
+    """Make the case, diagnose it, score it. A diagnosis that raises is a row too: it must not stop the others."""
+    case = make_case(job.effect, job.strength, job.world, job.seed, job.minutes, job.rate_hz, job.noise)
+    catalogue = load_catalogue()
+    ideas = {name: effect.idea or name for name, effect in catalogue.effects.items()}
+    if job.left_out:
+        catalogue.effects = {name: e for name, e in catalogue.effects.items() if ideas[name] != job.effect}
+    expected = "unknown" if job.left_out else case.truth["verdict"]
+    row: Row = {"key": job.key, **asdict(job), "noise_kind": case.truth["noise_kind"]}
+    start = time.perf_counter()
+    try:
+        said = diagnose(case.calibration, case.held_out, catalogue).to_dict()
+    except Exception as error:
+        return {**row, "error": f"{type(error).__name__}: {error}"}
+    row["seconds"] = time.perf_counter() - start
+    return row | score(case.truth, said, expected, ideas)
+
+
+def run_all(jobs: Sequence[Job], diagnose: Diagnose, results: Path | None, workers: int) -> list[Row]:
+    """Rows of all jobs; those that `results` has already are not run again."""
+    rows = {row["key"]: row for row in read_rows(results)}
+    todo = [job for job in jobs if job.key not in rows]
+    made: Iterator[Row] = Parallel(n_jobs=workers, return_as="generator_unordered")(
+        delayed(run_job)(job, diagnose) for job in todo
+    )
+    for count, row in enumerate(made, 1):
+        rows[row["key"]] = row
+        if results is not None:
+            append(results, row)
+        print(f"{count}/{len(todo)} {line_of(row)}", flush=True)
+    return [rows[job.key] for job in jobs]
+
+
+def line_of(row: Row) -> str:
+    """One case in one line."""
+    name = (
+        f"{row['effect']}{' (left out)' if row['left_out'] else ''} {row['strength']:g}x {row['world']} {row['seed']}"
+    )
+    if "error" in row:
+        return f"{name}: {row['error']}"
+    said = f"{row['verdict']}: {', '.join(row['ranked'][:3])}"
+    return f"{name} -> {said} | {row['before']:.2f} -> {row['after']:.2f} floors, {row['seconds']:.0f} s"
+
+
+def read_rows(results: Path | None) -> list[Row]:
+    """Rows of a results file; a line that a kill cut short is left out."""
+    rows = []
+    for line in results.read_text(encoding="utf-8").splitlines() if results is not None and results.exists() else ():
+        try:
+            rows.append(json.loads(line))
+        except json.JSONDecodeError:
+            continue
+    return rows
+
+
+def append(results: Path, row: Row) -> None:
+    """Add a row on a line of its own, even after a line that a kill cut short."""
+    with results.open("a+b") as stream:
+        if stream.tell() > 0:
+            stream.seek(-1, 2)
+            cut = stream.read(1) != b"\n"
+        else:
+            cut = False
+        stream.write(b"\n" * cut + json.dumps(row).encode() + b"\n")
+
+
+def the_diagnosis(calibration: Recording, held_out: Recording, catalogue: Catalogue) -> Any:
+    """The one of this repository."""
+    from testbench.discrepancy import diagnose
+
+    return diagnose(calibration, held_out, catalogue=catalogue)
+
+
+def arguments(argv: Sequence[str] | None) -> argparse.Namespace:
+    """What to run."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--quick", action="store_true", help="every effect once in two worlds, at 5x")
+    parser.add_argument("--full", action="store_true", help="every effect, strengths 2, 5, 15, two worlds, 5 seeds")
+    parser.add_argument("--effects", default=",".join(CATALOGUE), help="only these (commas between)")
+    parser.add_argument("--strengths", type=_numbers, help="such as 2,5,15")
+    parser.add_argument("--worlds", default="matched,mismatched", help="such as matched,mismatched,carbon_black")
+    parser.add_argument("--seeds", type=_range, help="such as 0:5")
+    parser.add_argument("--limit", type=int, help="stop after so many cases")
+    parser.add_argument("--results", type=Path, help="JSON lines to append to and to resume from")
+    parser.add_argument("--report", action="store_true", help="print the tables of --results and run nothing")
+    parser.add_argument("-j", "--jobs", type=int, default=1, help="processes")
+    return parser.parse_args(argv)
+
+
+def _numbers(text: str) -> list[float]:
+    return [float(part) for part in text.split(",")]
+
+
+def _range(text: str) -> list[int]:
+    start, _, end = text.partition(":")
+    return list(range(int(start), int(end))) if end else [int(start)]
+
+
+def main(argv: Sequence[str] | None = None) -> None:
+    """Run what was asked for and print the tables."""
+    args = arguments(argv)
+    if args.report:
+        print(tables(read_rows(args.results)))
+        return
+    strengths = args.strengths or ([2.0, 5.0, 15.0] if args.full else [5.0])
+    seeds = args.seeds or (list(range(5)) if args.full else [0])
+    jobs = jobs_of(args.effects.split(","), strengths, args.worlds.split(","), seeds)
+    taste = 6 if not (args.quick or args.full or args.seeds or args.strengths) else None
+    jobs = jobs[: args.limit or taste]
+    print("\n" + tables(run_all(jobs, the_diagnosis, args.results, args.jobs)))
+
+
+if __name__ == "__main__":
+    main()
