@@ -48,6 +48,9 @@ class Candidate:
         if is_vector(type(self.effect), self.effect.strength):
             return self.effect
         extra = bounds_of(type(self.effect).model_fields[self.effect.strength])
+        if self.effect.nonlinear:
+            # The trace of a threshold does not scale with it: stay near the point that was tried.
+            coefficient = float(np.clip(coefficient, 0.7, 1.4))
         value = float(np.clip(coefficient * self.strength, extra["low"], extra["high"]))
         return self.effect.replaced(**{self.effect.strength: value})
 

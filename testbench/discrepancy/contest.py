@@ -7,19 +7,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from testbench.discrepancy.baseline import SHAPES
+from testbench.discrepancy.baseline import SHAPES, with_shapes
 from testbench.discrepancy.errors import rms_errors
 from testbench.discrepancy.evidence import Evidence, Weighing
 from testbench.discrepancy.fit import Fit, fit
 from testbench.discrepancy.ladder import held_errors
 from testbench.discrepancy.measurement import Measurement
 from testbench.discrepancy.screen import FLEXIBLE, STIFF, WITHOUT_SLIP
+from testbench.knit.catalogue import Catalogue
 from testbench.knit.model import KnitModel
 
 ENTRANTS = 3
 WORTH_A_REFIT = 0.4  # of the best gain
 LEAST_GAIN = 0.02
-REFIT_ITERATIONS = 12
+REFIT_ITERATIONS = 8
+SETTLING_ITERATIONS = 20
+IMITATION_TOLERANCE = 0.3  # in ln(squared error)
 SHAPES_MUST_PAY = 0.02  # in ln(RMS), for the flexible base to be kept
 
 
@@ -83,9 +86,11 @@ class Contest:
         bases: Bases,
         calibration: Measurement,
         held: Measurement,
+        catalogue: Catalogue,
         tell: Callable[[str], None],
     ) -> None:
-        self.bases, self.calibration, self.held, self.tell = bases, calibration, held, tell
+        self.bases, self.calibration, self.held = bases, calibration, held
+        self.catalogue, self.tell = catalogue, tell
 
     def base(self) -> Entrant:
         """The base alone: flexible where that pays, stiff elsewhere."""
@@ -96,13 +101,31 @@ class Contest:
         """Put an idea's best form in and refit; the base bends freely, unless it would imitate the idea."""
         self.tell(f"putting in {entry.form} and refitting")
         effect = entry.candidate.at(entry.coefficient)
-        modes = {entry.mode} if effect.imitable else {entry.mode if entry.mode == STIFF else FLEXIBLE, FLEXIBLE}
+        modes = {entry.mode if entry.mode == STIFF else FLEXIBLE, FLEXIBLE}
+        if effect.imitable:
+            modes = {STIFF, entry.mode}
         entrants = []
         for mode in sorted(modes):
             start = self.bases.bent(mode).plus(effect)
             result = fit(start, [self.calibration], max_iterations=REFIT_ITERATIONS)
             entrants.append(self._scored(entry.form, entry.idea, result))
         return min(entrants, key=lambda one: one.score + (SHAPES_MUST_PAY if _bends(one) else 0.0))
+
+    def settled(self, entrant: Entrant) -> Entrant:
+        """The entrant, or the same idea reached another way, whichever does better.
+
+        A base that was free to bend before the idea came in has taken part of it over; here the idea settles on the
+        stiff base first, and the shapes take what is left.
+        """
+        form = entrant.name
+        effect = entrant.fit.model[form]
+        if effect.imitable or not _bends(entrant):
+            return entrant
+        self.tell(f"settling {form}")
+        alone = fit(self.bases.stiff.model.plus(effect), [self.calibration])
+        bent = with_shapes(alone.model, self.calibration, self.catalogue)
+        again = self._scored(form, entrant.idea, fit(bent, [self.calibration], max_iterations=SETTLING_ITERATIONS))
+        return min(entrant, again, key=lambda one: one.score)
 
     def _scored(self, name: str, idea: str, result: Fit) -> Entrant:
         held = held_errors(result.model, self.held)
@@ -126,14 +149,26 @@ def challengers(weighing: Weighing) -> list[Evidence]:
 def reranked(weighing: Weighing, base: Entrant, entrants: Sequence[Entrant]) -> Weighing:
     """The ranking with the refits taken in: half the screening's gain, half the refit's."""
     refit = {entrant.idea: 2 * (base.score - entrant.score) for entrant in entrants}
-    first = [replace(e, gain=0.5 * e.gain + 0.5 * refit[e.idea]) for e in weighing.ranking if e.idea in refit]
+    first = [replace(e, gain=_taken_in(e, refit[e.idea])) for e in weighing.ranking if e.idea in refit]
     rest = [entry for entry in weighing.ranking if entry.idea not in refit]
     return replace(weighing, ranking=(*sorted(first, key=lambda e: -e.gain), *rest))
+
+
+def _taken_in(entry: Evidence, refit_gain: float) -> float:
+    if entry.candidate.effect.imitable:
+        # It cannot beat the shape that imitates it, only match it with fewer numbers: that is in its gain already.
+        return entry.gain if refit_gain > -IMITATION_TOLERANCE else min(entry.gain, refit_gain)
+    return 0.5 * entry.gain + 0.5 * refit_gain
 
 
 def leftover(before: Mapping[str, float], after: Mapping[str, float], floors: Mapping[str, float]) -> float:
     """Share of the error above the noise floor (squared, channels together) that is still there."""
     return _excess(after, floors) / max(_excess(before, floors), 1e-12)
+
+
+def worst_over_noise(errors: Mapping[str, float], floors: Mapping[str, float]) -> float:
+    """Largest error over its noise floor among the channels."""
+    return max(value / max(floors[channel], 1e-300) for channel, value in errors.items())
 
 
 def _excess(errors: Mapping[str, float], floors: Mapping[str, float]) -> float:

@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 
 from testbench.discrepancy.baseline import SHAPES, starting_baseline, with_shapes
-from testbench.discrepancy.contest import Bases, Contest, challengers, leftover, reranked
+from testbench.discrepancy.contest import Bases, Contest, challengers, leftover, reranked, worst_over_noise
 from testbench.discrepancy.errors import noise_floors
 from testbench.discrepancy.evidence import Evidence, Weighing, weigh
 from testbench.discrepancy.fit import Fit, fit
@@ -25,9 +25,10 @@ Verdict = Literal["missing", "nothing_missing", "unknown"]
 Progress = Callable[[str], None]
 
 # Set on simulated sensors whose physics is written apart from this model (benchmarks/bench_diagnosis.py).
-GAIN_TO_NAME = 0.12  # an idea must gain this much to be called missing
+GAIN_TO_NAME = 0.06  # an idea must gain this much to be called missing
 GAIN_OF_STRUCTURE = 0.12  # a free-form map must gain this much to be called structure
-LEFT_UNEXPLAINED = 0.5  # an idea that leaves more than this share of the error above the noise is a stand-in
+LEFT_UNEXPLAINED = 0.15  # an idea that leaves more than this share of the error above the noise,
+OVER_NOISE = 2.5  # and more than this many noise floors, is a stand-in
 TIE = 0.08  # ideas closer than this cannot be told apart
 REFITS = 10
 
@@ -133,21 +134,29 @@ def diagnose(
     tell("fitting the shape of the base laws")
     flexible = fit(with_shapes(stiff.model, calibration, catalogue), [calibration], max_iterations=REFITS)
     weighing = weigh(collect(flexible, stiff.model, calibration, held, catalogue, tell))
-    return _concluded(weighing, Bases(stiff, flexible), calibration, held, tell)
+    return _concluded(weighing, Bases(stiff, flexible), calibration, held, catalogue, tell)
 
 
 def _concluded(
-    weighing: Weighing, bases: Bases, calibration: Measurement, held: Measurement, tell: Progress
+    weighing: Weighing,
+    bases: Bases,
+    calibration: Measurement,
+    held: Measurement,
+    catalogue: Catalogue,
+    tell: Progress,
 ) -> Diagnosis:
     floors = noise_floors(held)
     before = _step_file(bases.stiff, None, "baseline", calibration, held)
-    contest = Contest(bases, calibration, held, tell)
+    contest = Contest(bases, calibration, held, catalogue, tell)
     base = contest.base()
     entrants = {entry.idea: contest.enter(entry) for entry in challengers(weighing)}
     weighing = reranked(weighing, base, list(entrants.values()))
     best = entrants.get(weighing.ranking[0].idea) if weighing.ranking else None
-    left = leftover(base.held, best.held if best else base.held, floors)
-    verdict = verdict_of(weighing, left)
+    if best is not None and weighing.ranking[0].gain > GAIN_TO_NAME:
+        best = contest.settled(best)
+    reached = best.held if best else base.held
+    left = leftover(base.held, reached, floors)
+    verdict = verdict_of(weighing, left, worst_over_noise(reached, floors))
     winner = best if verdict == "missing" and best else base
     misfits = tuple(name for name in winner.fit.model if name in SHAPES and name not in bases.stiff.model)
     after = before
@@ -172,11 +181,12 @@ def _step_file(
     return ModelFile(result.model, calibration.recording.gauge_length_mm, *names, fit_summary(result), history)
 
 
-def verdict_of(weighing: Weighing, left: float) -> Verdict:
+def verdict_of(weighing: Weighing, left: float, over_noise: float) -> Verdict:
     """Missing, nothing missing, or unknown, from the gains and from what is left over."""
     gain = weighing.ranking[0].gain if weighing.ranking else 0.0
     structured = weighing.ceiling > GAIN_OF_STRUCTURE
-    if gain > GAIN_TO_NAME and left < LEFT_UNEXPLAINED:
+    stand_in = left > LEFT_UNEXPLAINED and over_noise > OVER_NOISE
+    if gain > GAIN_TO_NAME and not stand_in:
         return "missing"
     return "unknown" if structured or gain > GAIN_TO_NAME else "nothing_missing"
 

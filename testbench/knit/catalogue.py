@@ -28,6 +28,7 @@ BUILT_IN = {
     "electrical_hysteresis": "testbench.knit.electrical:ElectricalHysteresis",
     # kinematics
     "permanent_set": "testbench.knit.grip:PermanentSet",
+    "permanent_set_yield": "testbench.knit.grip:PermanentSetYield",
     "permanent_set_recovering": "testbench.knit.grip:PermanentSetRecovering",
     "permanent_set_worked": "testbench.knit.grip:PermanentSetWorked",
     "clamp_slip": "testbench.knit.grip:ClampSlip",
@@ -52,10 +53,12 @@ BUILT_IN = {
     "cyclic_fatigue": "testbench.knit.damage:CyclicFatigue",
     "cyclic_fatigue_log": "testbench.knit.damage:CyclicFatigueLog",
     "jamming_stiffening": "testbench.knit.damage:JammingStiffening",
+    "jamming_stiffening_locking": "testbench.knit.damage:JammingStiffeningLocking",
     "jamming_stiffening_power": "testbench.knit.damage:JammingStiffeningPower",
     # contact and electrical
     "contact_relaxation": "testbench.knit.pressure:ContactRelaxation",
     "contact_relaxation_spectrum": "testbench.knit.pressure:ContactRelaxationSpectrum",
+    "contact_relaxation_asymmetric": "testbench.knit.pressure:ContactRelaxationAsymmetric",
     "contact_creep": "testbench.knit.pressure:ContactCreep",
     "contact_saturation": "testbench.knit.pressure:ContactSaturation",
     "contact_saturation_hard": "testbench.knit.pressure:ContactSaturationHard",

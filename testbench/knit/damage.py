@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, bounds_of, parameter
@@ -190,3 +192,34 @@ class JammingStiffeningPower(Effect):
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         relative = np.maximum(signals["strain"], 0.0) / 0.3
         return {"force_N": signals["force_N"] + self.force_at_30_percent_N * relative**self.exponent}
+
+
+class JammingStiffeningLocking(Effect):
+    """Loops that lock: the force rises without bound towards a locking strain.
+
+    F += force * e^2 / (limit * (limit - e))
+
+    Source: finite extensibility, after Gent, Rubber Chem. Technol. 69 (1996) 59, written for strain.
+    Valid: below the locking strain; the last per cent before it is cut off.
+    """
+
+    name = "jamming_stiffening_locking"
+    idea = "jamming_stiffening"
+    stage = Stage.MECHANICS
+    reads, writes = ("strain", "force_N"), ("force_N",)
+    strength = "force_N"
+    imitable = True
+    look = "force rises ever more steeply towards one strain"
+
+    force_N: float = parameter(
+        0.5, unit="N", low=0, high=1e3, doc="force added at half the locking strain, times two"
+    )
+    limit: float = parameter(0.5, unit="1", low=0.05, high=5, scale="log", doc="locking strain")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        e = np.clip(signals["strain"] / self.limit, 0.0, 0.99)
+        return {"force_N": signals["force_N"] + self.force_N * e * e / (1 - e)}
+
+    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+        top = float(np.max(signals["strain"]))
+        return [{"limit": share * top} for share in (1.03, 1.1, 1.25, 1.5, 2.0) if share * top > 0.05]

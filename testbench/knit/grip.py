@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from testbench.knit.damage import cycled_strain, share_of_strain
@@ -35,6 +37,41 @@ class PermanentSet(Effect):
 
         followed = running_max(lowpass(signals["strain"], self.tau_s, dt_s))
         return {"strain": signals["strain"] - self.fraction * (followed - followed[0])}
+
+
+class PermanentSetYield(Effect):
+    """A set that begins only beyond an elastic limit.
+
+    e -= fraction * (max(m(t), limit) - max(m(0), limit)),   m = largest strain so far
+
+    Source: as `permanent_set`; the limit is the yield point of a crimped yarn.
+    Valid: no recovery within the recording.
+    """
+
+    name = "permanent_set_yield"
+    idea = "permanent_set"
+    stage = Stage.KINEMATICS
+    reads, writes = ("strain",), ("strain",)
+    strength = "fraction"
+    look = "force comes back to zero before the clamps do, but only after large stretches"
+
+    fraction: float = parameter(
+        0.2, unit="1", low=0, high=0.9, doc="share of the stretch beyond the limit that stays"
+    )
+    limit: float = parameter(0.05, unit="1", low=0.002, high=2, scale="log", doc="elastic limit, as strain")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        from testbench.knit.kernels import running_max
+
+        beyond = np.maximum(running_max(signals["strain"]) - self.limit, 0.0)
+        return {"strain": signals["strain"] - self.fraction * (beyond - beyond[0])}
+
+    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
+        return share_of_strain(self, signals, limit=0.3)
+
+    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+        top = float(np.max(signals["strain"]))
+        return [{"limit": max(share * top, 0.002)} for share in (0.05, 0.15, 0.3, 0.5, 0.7)]
 
 
 class PermanentSetRecovering(Effect):
@@ -102,7 +139,7 @@ class ClampSlip(Effect):
 
     fraction: float = parameter(0.3, unit="1", low=0, high=0.9, doc="slip per step of strain beyond the limit")
     limit: float = parameter(0.2, unit="1", low=0.01, high=2, scale="log", doc="strain that the grip just holds")
-    step: float = parameter(0.04, unit="1", low=0.005, high=0.5, scale="log", doc="strain between two slips")
+    step: float = parameter(0.04, unit="1", low=0.02, high=0.5, scale="log", doc="strain between two slips")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         from testbench.knit.kernels import running_max

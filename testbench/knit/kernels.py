@@ -226,3 +226,18 @@ def mean_stop(x: FloatArray, thresholds: FloatArray) -> FloatArray:
             played += share[k] * y[k]
         out[i] = total * x[i] - played
     return out
+
+
+@njit("float64[:](float64[:], float64, float64)", cache=True, nogil=True)
+def two_way_lowpass(x: FloatArray, keep_up: float, keep_down: float) -> FloatArray:
+    """First-order low-pass with one memory while it rises and another while it falls, at rest at ``x[0]``.
+
+    ``keep = exp(-dt / tau)`` for each way.
+    """
+    out = np.empty_like(x)
+    y = x[0]
+    for i in range(len(x)):
+        keep = keep_up if x[i] > y else keep_down
+        y = keep * y + (1.0 - keep) * x[i]
+        out[i] = y
+    return out

@@ -8,7 +8,7 @@ import numpy as np
 
 from testbench.knit import spectra
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
-from testbench.knit.filters import lowpass, memory
+from testbench.knit.filters import lowpass, memory, shifted
 from testbench.knit.hysteresis import mean_slip
 
 
@@ -61,6 +61,36 @@ class ContactRelaxationSpectrum(Effect):
         times, weights = spectra.box(self.shortest_s, self.longest_s)
         lost = memory(signals["contact_force_N"], times, self.fraction * weights, dt_s)
         return {"contact_force_N": signals["contact_force_N"] - lost}
+
+
+class ContactRelaxationAsymmetric(Effect):
+    """Contacts close quickly under load and part slowly when it goes.
+
+    ln G += gain_per_N * (y - P),   tau y' = P - y,   tau = tau_up where y rises, tau_down where it falls
+
+    Source: adhesion of contact spots on unloading, Johnson, Kendall & Roberts, Proc. R. Soc. A 324 (1971) 301; two
+    time constants as the simplest law.
+    Valid: small changes; tau_down above tau_up.
+    """
+
+    name = "contact_relaxation_asymmetric"
+    idea = "contact_relaxation"
+    stage = Stage.ELECTRICAL
+    reads, writes = ("contact_force_N", "conductance_S"), ("conductance_S",)
+    strength = "gain_per_N"
+    look = "conductance follows a pull at once and lags behind a release"
+
+    gain_per_N: float = parameter(0.1, unit="1/N", low=0, high=5, doc="change of ln G per newton of lag")
+    tau_up_s: float = parameter(1.0, unit="s", low=0.05, high=30, scale="log", doc="time in which contacts close")
+    tau_down_s: float = parameter(30.0, unit="s", low=1, high=1000, scale="log", doc="time in which contacts part")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        from testbench.knit.kernels import two_way_lowpass
+
+        pressing_N = signals["contact_force_N"]
+        keep_up, keep_down = np.exp(-dt_s / self.tau_up_s), np.exp(-dt_s / self.tau_down_s)
+        lag_N = two_way_lowpass(pressing_N, keep_up, keep_down) - pressing_N
+        return {"conductance_S": shifted(signals["conductance_S"], self.gain_per_N * lag_N)}
 
 
 class ContactCreep(Effect):
