@@ -64,7 +64,7 @@ def run(args: argparse.Namespace) -> int:
     write_import(imported, out)
     recording = imported.recording
     done = [
-        f"{number} rows {what}"
+        f"{number} row{'s' if number > 1 else ''} {what}"
         for number, what in (
             (imported.dropped, "left out"),
             (imported.moved, "put in order"),

@@ -24,6 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
+    import signal
     import sys
 
     from numpy.random import default_rng
@@ -42,6 +43,7 @@ def run(args: argparse.Namespace) -> int:
     motion, gauge_length_mm = played(existing_file(args.program, "program"), args.gauge_length_mm)
     lines = list(SimulatedRig(model, motion.held(HOLD_S), gauge_length_mm, args.seed).lines())
     port = PtyPort(args.link)
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # as Ctrl-C: the link must not stay behind
     try:
         print(port.name, flush=True)
         print("rig: the motion starts when the port is opened; Ctrl-C ends the rig", file=sys.stderr)
