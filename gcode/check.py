@@ -16,6 +16,7 @@ from gcode.statistics import MotionStatistics, motion_statistics
 from gcode.support.errors import UserError
 
 LONGEST_DWELL_S = 120.0  # in files that others made; a longer P is most likely milliseconds
+LONGEST_RUN_S = 14 * 86400.0  # nothing longer is played
 TOLERANCE_MM = 1e-6
 ACCELERATION_FACTOR = 5.0  # a controller faster than the limit shows whether the program itself asks for too much
 
@@ -107,8 +108,10 @@ def _machine(program: Program, limits: Limits, rapid_mm_per_s: float | None) -> 
 
 def _playable(program: Program) -> bool:
     moving = program.length_mm != 0
-    total_s = np.abs(program.length_mm[moving] / np.minimum(program.feed_mm_per_s[moving], 1e3)).sum()
-    return bool((program.feed_mm_per_s[moving] > 0).all()) and total_s + program.dwell_s.sum() < 14 * 86400
+    feed = np.minimum(program.feed_mm_per_s[moving], 1e3)
+    if not (feed > 0).all():
+        return False
+    return float(np.abs(program.length_mm[moving] / feed).sum() + program.dwell_s.sum()) < LONGEST_RUN_S
 
 
 def _first(mask: np.ndarray, program: Program, reason: Callable[[int], str]) -> list[Problem]:

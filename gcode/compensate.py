@@ -56,7 +56,7 @@ def compensated_speeds(
     return best
 
 
-def rounded_feeds(feed: np.ndarray, duration_s: np.ndarray, decimals: int = 2) -> np.ndarray:
+def rounded_feeds(feed: np.ndarray, duration_s: np.ndarray, highest: np.ndarray, decimals: int = 2) -> np.ndarray:
     """Round feeds, each so that the time its rounding costs or saves is paid back by the next ones.
 
     Plain rounding is biased here: positions are whole ticks, so nominal feeds are whole too, and the small
@@ -68,13 +68,16 @@ def rounded_feeds(feed: np.ndarray, duration_s: np.ndarray, decimals: int = 2) -
         Feeds, all above zero.
     duration_s : array (n,)
         Time of each block.
+    highest : array (n,)
+        No feed is rounded above these.
     decimals : int
         Decimals of the file.
     """
     quantum, owed = 10.0**-decimals, 0.0
     whole: list[int] = []
-    for wanted, seconds in zip((feed / quantum).tolist(), duration_s.tolist(), strict=True):
-        ticks = max(round(wanted * (1.0 + owed / seconds)), 1)
+    most = np.floor(np.minimum(highest / quantum, 1e15) * (1 + 1e-12)).tolist()
+    for wanted, seconds, limit in zip((feed / quantum).tolist(), duration_s.tolist(), most, strict=True):
+        ticks = max(min(round(wanted * (1.0 + owed / seconds)), int(limit)), 1)
         owed += seconds * (wanted / ticks - 1.0)
         whole.append(ticks)
     return np.array(whole, dtype=float) * quantum

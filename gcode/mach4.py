@@ -90,7 +90,7 @@ def write_program(
     lines = [*header_lines({**about, **(header or {})}), SAFE_START, "G21", feed_mode, "G64"]
     if moves.start_ticks:
         lines.append(f"G0 X{moves.start_ticks / 10**moves.decimals:.{moves.decimals}f}")
-    return "\n".join([*lines, *_body(moves, speed, feed_mode), "M30", ""])
+    return "\n".join([*lines, *_body(moves, speed, v_max_mm_per_s, feed_mode), "M30", ""])
 
 
 def _moves(trajectory: Trajectory) -> _Moves:
@@ -117,13 +117,14 @@ def _moves(trajectory: Trajectory) -> _Moves:
     return _Moves(length, steps, dwell, int(ticks[0]), decimals, rate_hz)
 
 
-def _body(moves: _Moves, speed: np.ndarray, feed_mode: FeedMode) -> list[str]:
-    per_minute = 60.0 * speed
+def _body(moves: _Moves, speed: np.ndarray, v_max: float, feed_mode: FeedMode) -> list[str]:
+    unit = np.full(len(speed), 60.0)
     if feed_mode == "G93":
-        per_minute = per_minute / np.where(moves.dwell, 1.0, np.abs(moves.length_mm))
+        unit = unit / np.where(moves.dwell, 1.0, np.abs(moves.length_mm))
+    per_minute = np.where(moves.dwell, 1.0, speed * unit)
     slow = per_minute[~moves.dwell].min() < 1.0
     x_format, f_format = f".{moves.decimals}f", ".4f" if slow else ".2f"
-    feeds = rounded_feeds(np.where(moves.dwell, 1.0, per_minute), moves.duration_s, 4 if slow else 2)
+    feeds = rounded_feeds(per_minute, moves.duration_s, v_max * unit, 4 if slow else 2)
     columns = zip(moves.position_mm.tolist(), moves.steps.tolist(), moves.dwell.tolist(), feeds.tolist(), strict=True)
     lines = []
     for x, steps, still, feed in columns:

@@ -17,7 +17,7 @@ def _spec(
     return TrajectorySpec(name=name, pieces=(noise,), limits=limits, approach_mm_per_s=wanted.v_mean_mm_per_s)
 
 
-_SLOW = Noise(octaves=2, persistence=0.12, cells_per_s=0.316, peak=0.70, min_speed_mm_per_s=0.2, pace_spread=0.1)
+_SLOW = Noise(octaves=2, persistence=0.12, cells_per_s=0.316, peak=0.7, min_speed_mm_per_s=0.2, pace_spread=0.1)
 _FAST = Noise(
     octaves=2,
     persistence=0.2,

@@ -35,7 +35,7 @@ def test_the_executed_motion_keeps_the_planned_time(name):
     executed = play(read_program(made.program), made.spec.rate_hz)
     size = min(len(executed.time_s), len(made.trajectory.time_s))
     assert abs(len(executed.time_s) - len(made.trajectory.time_s)) <= 1
-    assert np.abs(executed.position_mm[:size] - made.trajectory.position_mm[:size]).max() < 0.02
+    assert np.abs(executed.position_mm[:size] - made.trajectory.position_mm[:size]).max() < 0.05
 
 
 def test_the_file_alone_makes_itself_again_byte_for_byte():

@@ -1,0 +1,122 @@
+"""gcode check refuses, with line and reason, what a machine should not run; it accepts what others wrote well."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from gcode.bounds import Limits
+from gcode.check import check_program
+from gcode.output import make
+from gcode.planner import Machine, play
+from gcode.presets import preset
+from gcode.reader import parse_program, read_program
+from gcode.support.errors import UserError
+
+LIMITS = Limits(v_max_mm_per_s=5, a_max_mm_per_s2=20, x_min_mm=0, x_max_mm=10)
+START = "G90 G21 G94 G64\n"
+SOUND = START + "G1 X1.0 F6\nX2.0\nG4 P1.5\nG1 X0 F6\nM30\n"
+
+
+def reasons(body: str, limits: Limits = LIMITS) -> list[str]:
+    return [str(problem) for problem in check_program(parse_program(body), limits).problems]
+
+
+def test_a_sound_foreign_program_passes():
+    assert reasons(SOUND) == []
+
+
+@pytest.mark.parametrize(
+    ("body", "line", "reason"),
+    [
+        ("G1 X11 F6\nG1 X0 F6\nM30\n", 2, "leaves the soft limits"),
+        ("G1 X-1 F6\nM30\n", 2, "leaves the soft limits"),
+        ("G1 X1 F6\nG1 X9 F400\nM30\n", 3, "above v max"),
+        ("G1 X5 F280\nG1 X0 F280\nM30\n", 2, "acceleration"),
+        ("G1 X1\nM30\n", 2, "without a feed"),
+        ("G1 X1 F0\nM30\n", 2, "not above 0"),
+        ("G1 X1.0 F0.00\nM30\n", 2, "not above 0"),
+        ("G1 X1 F-5\nM30\n", 2, "not above 0"),
+        ("G1 X1 F6\nG4 P500\nM30\n", 3, "looks like milliseconds"),
+        ("G1 X1 F6\nG4 P1500.0\nM30\n", 3, "is this milliseconds"),
+        ("G1 X1 F6\nG4\nM30\n", 3, "needs P"),
+        ("G1 X1 F6\nG4 X2\nM30\n", 3, "not as X"),
+        ("G61\nG1 X1 F6\nM30\n", 2, "G61 stops"),
+        ("G1 XNAN F6\nM30\n", 2, "not a number"),
+        ("G1 X1E-1 F6\nM30\n", 2, "exponent"),
+        ("G1 X#1 F6\nM30\n", 2, "cannot read"),
+        ("G1 X1..2 F6\nM30\n", 2, "cannot read"),
+        ("G1 X1 Y1 F6\nM30\n", 2, "single-axis"),
+        ("G2 X1 F6\nM30\n", 2, "not understood"),
+        ("G1 X1 F6\nM99\nM30\n", 3, "M99"),
+        ("(open\nG1 X1 F6\nM30\n", 2, "not closed"),
+        (f"({'X' * 300})\nG1 X1 F6\nM30\n", 2, "characters long"),
+        ("G1 X1 F6 (µ)\nM30\n", 2, "not ASCII"),
+        ("G1 X1 F6\nG1 X1 F6\nM30\n", 3, "has no length"),
+        ("G0 G1 X1 F6\nM30\n", 2, "exclude each other"),
+        ("G0 X5\nM30\n", 2, "no known speed"),
+        ("G93\nG1 X1 F6\nX2\nM30\n", 4, "F of its own"),
+        ("G1 X1 F6\n", 2, "does not end with M30"),
+        ("M30\n", 1, "moves nothing"),
+    ],
+)
+def test_what_is_refused_says_line_and_reason(body, line, reason):
+    found = [text for text in reasons(START + body) if reason in text]
+    assert found
+    assert found[0].startswith(f"line {line}: ")
+
+
+def test_inches_and_incremental_moves_are_understood():
+    program = read_program("G91 G20 G94\nG1 X0.1 F1\nX0.1\nM30\n")
+    np.testing.assert_allclose(program.position_mm, [2.54, 5.08])
+    np.testing.assert_allclose(program.feed_mm_per_s, 25.4 / 60)
+
+
+def test_our_own_program_passes_at_its_limits_and_fails_below_them():
+    program = parse_program(make(preset("paper-1"), 51, 25.0).program)
+    assert check_program(program, Limits(v_max_mm_per_s=4.4, a_max_mm_per_s2=20, x_min_mm=0, x_max_mm=7.5)).ok
+    tight = Limits(v_max_mm_per_s=3, a_max_mm_per_s2=10, x_min_mm=0, x_max_mm=5)
+    text = " ".join(str(problem) for problem in check_program(program, tight).problems)
+    assert all(word in text for word in ("soft limits", "above v max", "executed speed", "executed acceleration"))
+
+
+def test_a_stated_rapid_speed_is_judged_like_a_feed():
+    program = parse_program(START + "G0 X5\nM30\n")
+    slow = Limits(v_max_mm_per_s=5, a_max_mm_per_s2=1000)
+    assert check_program(program, slow, rapid_mm_per_s=4.0).ok
+    assert not check_program(program, slow, rapid_mm_per_s=6.0).ok
+
+
+def test_reading_a_faulty_program_names_the_first_fault():
+    with pytest.raises(UserError, match=r"line 2: .*not above 0"):
+        read_program(START + "G1 X1 F0\nM30\n")
+
+
+def test_exact_stop_costs_time():
+    text = make(preset("paper-1").model_copy(update={"pieces": _short()}), 1, 25.0).program
+    free = play(parse_program(text))
+    stopped = play(parse_program(text.replace("\nG64\n", "\nG61\n")))
+    assert stopped.duration_s > 1.15 * free.duration_s
+
+
+def _short():
+    return (preset("paper-1").pieces[0].model_copy(update={"duration_s": 60.0, "target": None}),)
+
+
+def test_the_planner_keeps_planned_time_from_five_times_the_acceleration_on():
+    for factor in (5.0, 10.0):
+        spec = preset("paper-1").model_copy(update={"machine_acceleration_mm_per_s2": 20.0 * factor})
+        program = read_program(make(spec, 51, 25.0).program)
+        from gcode.planner import execute
+
+        ends = execute(program, Machine(acceleration_mm_per_s2=20.0 * factor)).block_end_s
+        assert np.abs(ends - np.cumsum(program.steps) / 20.0).max() < 0.1
+
+
+def test_without_compensation_the_machine_is_late():
+    from gcode.generate import plan
+    from gcode.mach4 import write_program
+
+    trajectory = plan(preset("paper-1"), 51, 25.0)
+    late = play(read_program(write_program(trajectory)), 20.0, Machine(acceleration_mm_per_s2=100.0))
+    assert late.duration_s - trajectory.duration_s > 1.0

@@ -1,0 +1,141 @@
+"""No limit is exceeded in the executed motion, whatever the spec; what cannot be met is refused in one sentence."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pydantic import ValidationError
+
+from gcode.bounds import Limits, excesses
+from gcode.generate import plan
+from gcode.output import make
+from gcode.planner import Machine, play
+from gcode.presets import preset
+from gcode.protocol import Hold, Multisine, Noise, Ramp, RateSweep, ReturnToZero, Staircase, Triangle
+from gcode.reader import read_program
+from gcode.support.errors import UserError
+from gcode.trajectory import TrajectorySpec
+
+speed = st.floats(0.05, 4.0)
+percent = st.floats(1.0, 60.0)
+noise = st.builds(
+    Noise,
+    duration_s=st.floats(2.0, 30.0),
+    cells_per_s=st.floats(0.05, 1.5),
+    octaves=st.integers(1, 3),
+    persistence=st.floats(0.1, 1.0),
+    high_percent=percent,
+    min_speed_mm_per_s=st.floats(0.0, 0.5),
+    pace_spread=st.floats(0.0, 1.0),
+)
+piece = st.one_of(
+    noise,
+    st.builds(Hold, duration_s=st.floats(0.01, 5.0)),
+    st.builds(Ramp, to_percent=percent, speed_mm_per_s=speed),
+    st.builds(ReturnToZero, speed_mm_per_s=speed, rest_s=st.floats(0.0, 2.0)),
+    st.builds(Triangle, high_percent=percent, speed_mm_per_s=speed, cycles=st.integers(1, 3)),
+    st.builds(
+        Staircase,
+        levels_percent=st.lists(percent, min_size=1, max_size=4).map(tuple),
+        speed_mm_per_s=speed,
+        hold_s=st.floats(0.1, 2.0),
+    ),
+    st.builds(RateSweep, high_percent=percent, speeds_mm_per_s=st.lists(speed, min_size=1, max_size=3).map(tuple)),
+    st.builds(
+        Multisine,
+        high_percent=percent,
+        duration_s=st.floats(1.0, 20.0),
+        frequencies_hz=st.lists(st.floats(0.02, 0.5), min_size=1, max_size=3).map(tuple),
+    ),
+)
+limits = st.builds(
+    Limits,
+    v_max_mm_per_s=st.floats(1.0, 10.0),
+    a_max_mm_per_s2=st.floats(5.0, 100.0),
+    j_max_mm_per_s3=st.one_of(st.none(), st.floats(100.0, 1000.0)),
+)
+spec = st.builds(
+    TrajectorySpec,
+    pieces=st.lists(piece, min_size=1, max_size=3).map(tuple),
+    limits=limits,
+    offset_mm=st.floats(-2.0, 2.0),
+    approach_mm_per_s=st.floats(0.1, 3.0),
+)
+
+
+@given(spec, st.integers(0, 1000), st.floats(5.0, 60.0), st.sampled_from(["G94", "G93"]))
+@settings(max_examples=60, derandomize=True, deadline=None)
+def test_any_spec_keeps_its_limits_as_executed_and_reads_back_exactly(spec, seed, gauge_length_mm, mode):
+    try:
+        made = make(spec, seed, gauge_length_mm, mode)
+    except UserError as error:
+        assert "limits" in str(error) or "never moves" in str(error)  # noqa: PT017
+        return
+    program = read_program(made.program)
+    executed = play(program, spec.rate_hz)
+    assert not excesses(executed.position_mm, spec.rate_hz, spec.limits, slack=1e-3)
+    np.testing.assert_allclose(program.planned().position_mm, made.trajectory.position_mm, atol=1e-9)
+
+
+def test_limits_hold_at_any_rate_on_a_controller_set_to_the_limit():
+    spec = preset("paper-1").model_copy(update={"machine_acceleration_mm_per_s2": 20.0})
+    fine = play(read_program(make(spec, 3, 25.0).program), 500.0, Machine(acceleration_mm_per_s2=20.0))
+    assert np.abs(np.diff(fine.position_mm, 2)).max() * 500.0**2 <= 20.0 * 1.001
+
+
+def test_limiting_is_local_and_keeps_the_stroke():
+    wild = TrajectorySpec(
+        pieces=(Noise(duration_s=300, cells_per_s=0.5),), limits=Limits(v_max_mm_per_s=50, a_max_mm_per_s2=500)
+    )
+    free = plan(wild, 1, 25.0)
+    tight = Limits(v_max_mm_per_s=0.5 * free.statistics().v_max_mm_per_s, a_max_mm_per_s2=20)
+    held = plan(wild.model_copy(update={"limits": tight}), 1, 25.0).statistics()
+    assert held.v_max_mm_per_s <= tight.v_max_mm_per_s
+    assert held.v_mean_mm_per_s > 0.9 * free.statistics().v_mean_mm_per_s
+    assert held.x_max_mm == pytest.approx(free.statistics().x_max_mm, rel=0.02)
+
+
+def test_a_jerk_limit_is_held():
+    spec = preset("paper-1")
+    spec = spec.model_copy(update={"limits": spec.limits.model_copy(update={"j_max_mm_per_s3": 150.0})})
+    executed = play(read_program(make(spec, 2, 25.0).program), 20.0)
+    assert np.abs(np.diff(executed.position_mm, 3)).max() * 8000 <= 150.0
+    free = play(read_program(make(preset("paper-1"), 2, 25.0).program), 20.0)
+    assert np.abs(np.diff(free.position_mm, 3)).max() * 8000 > 150.0
+
+
+@pytest.mark.parametrize(
+    ("gauge", "seed", "match"),
+    [(0.0, 1, "gauge length"), (-5.0, 1, "gauge length"), (np.nan, 1, "gauge length"), (25.0, -1, "seed")],
+)
+def test_an_impossible_request_is_refused(gauge, seed, match):
+    with pytest.raises(UserError, match=match):
+        plan(preset("paper-1"), seed, gauge)
+
+
+def test_strain_beyond_the_travel_is_refused():
+    spec = preset("paper-1").model_copy(update={"limits": Limits(x_min_mm=0, x_max_mm=5)})
+    with pytest.raises(UserError, match="travel: this motion needs"):
+        plan(spec, 1, 25.0)
+
+
+def test_limits_that_no_motion_can_meet_are_refused():
+    spec = TrajectorySpec(pieces=(Noise(duration_s=60),), limits=Limits(a_max_mm_per_s2=1e-4))
+    with pytest.raises(UserError, match="would stretch this motion"):
+        plan(spec, 1, 25.0)
+
+
+def test_a_target_that_the_limits_exclude_is_refused():
+    spec = preset("fast").model_copy(update={"limits": Limits(v_max_mm_per_s=2, a_max_mm_per_s2=5)})
+    with pytest.raises(UserError, match=r"limits: |target cannot be reached"):
+        plan(spec, 1, 25.0)
+
+
+@pytest.mark.parametrize(
+    "values", [{"v_max_mm_per_s": 0}, {"a_max_mm_per_s2": np.nan}, {"x_min_mm": 5, "x_max_mm": 1}]
+)
+def test_senseless_limits_are_refused(values):
+    with pytest.raises(ValidationError, match=next(iter(values))):
+        Limits(**values)
