@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path as FilePath
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from gcode.bounds import Limits
-from gcode.pieces import Positive
+from gcode.pieces import Piece, Positive
 from gcode.protocol import AnyPiece, Protocol
 from gcode.statistics import MotionStatistics, motion_statistics
 from gcode.support import files
@@ -59,9 +59,10 @@ class TrajectorySpec(BaseModel):
         return self.machine_acceleration_mm_per_s2 or 5.0 * self.limits.a_max_mm_per_s2
 
     @classmethod
-    def of(cls, protocol: Protocol, **settings: object) -> TrajectorySpec:
-        """A spec from a chained protocol: ``TrajectorySpec.of(Hold(...) + Noise(...), name="mine")``."""
-        return cls(pieces=protocol.pieces, **settings)
+    def of(cls, protocol: Protocol | Piece, **settings: Any) -> TrajectorySpec:
+        """A spec from a piece or a chain of them: ``TrajectorySpec.of(Hold(...) + Noise(...), name="mine")``."""
+        pieces: tuple[Any, ...] = protocol.pieces if isinstance(protocol, Protocol) else (protocol,)
+        return cls(pieces=pieces, **settings)
 
 
 @dataclass(frozen=True)

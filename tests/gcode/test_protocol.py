@@ -1,0 +1,124 @@
+"""Pieces do what their names say, chain with +, and survive TOML."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from gcode.generate import plan
+from gcode.header import flatten, header_lines, unflatten
+from gcode.presets import PRESETS, preset
+from gcode.protocol import Hold, Multisine, Noise, Protocol, Ramp, RateSweep, ReturnToZero, Staircase, Triangle
+from gcode.support.errors import UserError
+from gcode.toml_spec import read_spec, spec_to_toml
+from gcode.trajectory import Limits, TrajectorySpec
+
+ALL = (
+    Hold(duration_s=2)
+    + Ramp(to_percent=10, speed_mm_per_s=1)
+    + Triangle(high_percent=20, speed_mm_per_s=2, cycles=2)
+    + Staircase(levels_percent=(10, 20), speed_mm_per_s=1, hold_s=3)
+    + RateSweep(high_percent=10, speeds_mm_per_s=(0.5, 1))
+    + Multisine(duration_s=5, frequencies_hz=(0.1, 0.3), amplitudes=(1.0, 0.5))
+    + ReturnToZero(rest_s=1)
+    + Noise(duration_s=10)
+)
+
+
+def planned(protocol, **settings):
+    return plan(TrajectorySpec.of(protocol, **settings), 1, 50.0)
+
+
+def test_addition_chains_pieces_and_protocols():
+    a, b, c = ALL.pieces[:3]
+    assert (a + b + c).pieces == (a, b, c) == (a + (b + c)).pieces == (Protocol(pieces=(a,)) + (b + c)).pieces
+
+
+def test_a_triangle_reaches_its_strains_at_its_speed():
+    run = planned(Triangle(high_percent=20, speed_mm_per_s=2, cycles=3), limits=Limits(a_max_mm_per_s2=50))
+    assert run.position_mm.max() == pytest.approx(10.0, abs=0.01)
+    assert run.statistics().v_max_mm_per_s == pytest.approx(2.0, abs=0.01)
+    step = np.sign(np.diff(run.position_mm))
+    assert ((step[:-1] > 0) & (step[1:] < 0)).sum() == 3
+    assert run.duration_s == pytest.approx(3 * 2 * (5.0 + 2 / 50 / 0.95), abs=0.3)
+
+
+def test_a_staircase_holds_each_level():
+    run = planned(Staircase(levels_percent=(10, 20), speed_mm_per_s=1, hold_s=3))
+    for level in (5.0, 10.0):
+        assert (np.abs(run.position_mm - level) < 1e-6).sum() / 20 == pytest.approx(3.0, abs=0.2)
+
+
+def test_a_rate_sweep_goes_at_each_rate():
+    run = planned(RateSweep(high_percent=20, speeds_mm_per_s=(0.5, 2.0)))
+    speed = np.abs(np.diff(run.position_mm)) * 20
+    assert (np.abs(speed - 0.5) < 0.01).sum() / 20 == pytest.approx(40, rel=0.05)
+    assert (np.abs(speed - 2.0) < 0.01).sum() / 20 == pytest.approx(10, rel=0.05)
+
+
+def test_a_multisine_fills_its_range_and_holds_its_frequencies():
+    run = planned(Multisine(duration_s=200, frequencies_hz=(0.1, 0.25), low_percent=5, high_percent=15))
+    middle = run.position_mm[400:3600]
+    assert (middle.min(), middle.max()) == pytest.approx((2.5, 7.5), abs=0.2)
+    power = np.abs(np.fft.rfft((middle - middle.mean()) * np.hanning(len(middle))))
+    peaks = np.fft.rfftfreq(len(middle), 0.05)[np.argsort(power)[-6:]]
+    assert all(min(abs(peak - 0.1), abs(peak - 0.25)) < 0.02 for peak in peaks)
+
+
+def test_the_offset_is_approached_first_and_left_last():
+    run = planned(Hold(duration_s=2) + Triangle(speed_mm_per_s=1), offset_mm=1.5)
+    assert run.position_mm[0] == run.position_mm[-1] == 0.0
+    assert (np.abs(run.position_mm - 1.5) < 1e-6).sum() >= 40
+    assert run.position_mm.max() == pytest.approx(1.5 + 15.0, abs=0.01)
+
+
+def test_noise_lasts_as_long_as_asked_as_executed():
+    run = planned(Noise(duration_s=100, min_speed_mm_per_s=0.3))
+    start = abs(run.position_mm[:200]).max()
+    assert 100 < run.duration_s < 100 + 2 * (start + 16)
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_presets_survive_toml(name, tmp_path):
+    (tmp_path / "spec.toml").write_text(spec_to_toml(preset(name)))
+    assert read_spec(tmp_path / "spec.toml") == preset(name)
+
+
+def test_every_piece_survives_toml_and_the_header(tmp_path):
+    spec = TrajectorySpec.of(ALL, name="all", offset_mm=0.5)
+    (tmp_path / "spec.toml").write_text(spec_to_toml(spec))
+    assert read_spec(tmp_path / "spec.toml") == spec
+    flat = flatten({"spec": spec.model_dump(mode="json", exclude_none=True)})
+    assert TrajectorySpec.model_validate(unflatten(flat, "spec")) == spec
+
+
+def test_a_comment_that_would_break_the_file_is_refused():
+    for value in ("a" * 200, "nested (comment)"):
+        with pytest.raises(UserError, match="header: note"):
+            header_lines({"note": value})
+
+
+@pytest.mark.parametrize(
+    ("text", "match"),
+    [
+        ("pieces = 3", "spec.toml: pieces"),
+        ("[[pieces]]\nkind = 'dance'", "spec.toml: pieces.0"),
+        ("[[pieces]]\nkind = 'hold'\nduration_s = 1e9", "duration_s.*172800"),
+        ("[[pieces]]\nkind = 'hold'\nduration_s = nan", "duration_s.*finite"),
+        ("[[pieces]]\nkind = 'noise'\noctaves = 0", "octaves.*greater than or equal to 1"),
+        ("[[pieces]]\nkind = 'noise'\npersistence = 0.0", "persistence"),
+        ("[[pieces]]\nkind = 'noise'\nhigh_percent = -5.0", "low_percent must be below"),
+        ("[[pieces]]\nkind = 'noise'\nlacunarity = 0", "lacunarity"),
+        ("not toml", "not valid TOML"),
+    ],
+)
+def test_a_bad_spec_names_file_and_field(tmp_path, text, match):
+    (tmp_path / "spec.toml").write_text(text)
+    with pytest.raises(UserError, match=match):
+        read_spec(tmp_path / "spec.toml")
+
+
+def test_amplitudes_must_match_the_frequencies():
+    with pytest.raises(ValidationError, match="as many as frequencies_hz"):
+        Multisine(duration_s=1, frequencies_hz=(0.1, 0.2), amplitudes=(1.0,))
