@@ -40,13 +40,13 @@ def test_raw_signal_is_as_poor_as_published(name: str, figures: ModuleType) -> N
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["pes", "lycra"])
 def test_compensated_signal_is_as_good_as_published(name: str, figures: ModuleType) -> None:
-    """Mean held-out r2 of the paper's network over five campaigns."""
+    """Mean held-out r2 of the paper's network over three campaigns."""
     after: dict[str, list[float]] = {"force_N": [], "strain": []}
-    for seed in SEEDS:
+    for seed in SEEDS[:3]:
         recordings = figures.campaign(preset(name), seed)
         banks = [figures.smoothing_bank(r.conductance_S) for r in recordings]
         for target, values in after.items():
-            values.append(figures.learned(recordings, banks, target, network_starts=5))
+            values.append(figures.learned(recordings, banks, target, network_starts=3))
     published = figures.PUBLISHED[name]
     assert np.mean(after["force_N"]) == pytest.approx(published.force_after, abs=0.05)
     assert np.mean(after["strain"]) == pytest.approx(published.displacement_after, abs=0.05)
