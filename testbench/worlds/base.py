@@ -129,8 +129,10 @@ def _bouc_wen(p: Parameters, e: FloatArray) -> FloatArray:
 def _draw_hysteresis(family: str, stiffness: float, rng: np.random.Generator) -> Law:
     friction = stiffness * rng.uniform(0.015, 0.05)
     if family == "slip_elements":
-        widths = np.sort(np.exp(rng.uniform(np.log(0.004), np.log(0.06), 3)))
-        shares = rng.dirichlet([3, 3, 3]) * friction
+        # few elements make loops with corners, many make them round: laboratories see both
+        count = int(rng.choice([3, 6, 10]))
+        widths = np.sort(np.exp(rng.uniform(np.log(0.004), np.log(0.06), count)))
+        shares = rng.dirichlet([3.0] * count) * friction
         p = {f"width{k}": float(w) for k, w in enumerate(widths)}
         return Law(family, p | {f"friction{k}": float(s) for k, s in enumerate(shares)}, _slip_elements)
     p = {

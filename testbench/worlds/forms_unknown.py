@@ -57,9 +57,12 @@ def detachment(s: Scene, a: float, p: Shape) -> None:
     s.ln_g = s.ln_g - a * open_now
 
 
-@form("stitch_periodicity", "courses_pass_the_rib", "mechanics", 1.0, unknown=True, period=(0.02, 0.05))
-def stitch_periodicity(s: Scene, a: float, p: Shape) -> None:
-    s.force = s.force + 0.5 * a * s.top_N * np.sin(2 * np.pi * s.e / p["period"]) * np.clip(s.e / 0.1, 0, 1)
+@form("stitch_slip", "courses_slip_one_by_one", "mechanics", 1.0, unknown=True, period=(0.02, 0.05))
+def stitch_slip(s: Scene, a: float, p: Shape) -> None:
+    """Courses slip one after another, farther apart the more the knit is stretched, and only on the way out."""
+    outward = lowpass(s.t, (s.rate() > 0.002).astype(float), 0.3)
+    phase = 2 * np.pi * np.log1p(4 * np.maximum(s.e, 0)) / (4 * p["period"])
+    s.force = s.force + 0.5 * a * s.top_N * outward * np.sin(phase) * np.clip(s.e / 0.1, 0, 1)
 
 
 @form("gauge_factor_fades", "with_time", "electrical", 2.0, unknown=True, tau=(200, 1500))

