@@ -54,10 +54,12 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _teller(live: bool):
-    """Progress on stderr: one line redrawn where somebody watches, a line a step elsewhere."""
+    """Progress on stderr: one line redrawn where somebody watches, a line a stage elsewhere."""
     import sys
 
     def tell(text: str) -> None:
+        if not live and text.startswith("screening"):
+            return
         print(f"\r\x1b[K{text} ..." if live else f"{text} ...", end="" if live else "\n", file=sys.stderr, flush=True)
 
     return tell
