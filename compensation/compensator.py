@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,10 @@ from numpy.typing import NDArray
 from compensation.ema import smooth, smooth_irregular
 from compensation.network import Network
 from compensation.preprocessing import TARGETS, Series
+from gcode.support.errors import UserError
+
+if TYPE_CHECKING:
+    from compensation.streaming import CompensatorStream
 
 FloatArray = NDArray[np.float64]
 
@@ -109,6 +113,20 @@ class Compensator:
         """
         features = self.features(time_s, conductance_S)
         return self.scaling_out.invert(np.mean([network(features) for network in self.networks], axis=0))
+
+    def stream(self) -> CompensatorStream:
+        """A fresh running state; feed it with ``update(conductance_S, dt_s)``.
+
+        Raises
+        ------
+        UserError
+            If recordings are standardised by themselves: a stream does not know its own mean in advance.
+        """
+        from compensation.streaming import CompensatorStream
+
+        if self.per_recording:
+            raise UserError("a compensator trained with --per-recording needs the whole recording; train without it")
+        return CompensatorStream(self)
 
     def predict_series(self, series: Series) -> FloatArray:
         """Prediction for one recording, in the target's unit."""

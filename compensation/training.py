@@ -41,7 +41,7 @@ class Options:
         Use the samples at their own times instead of resampling to 20 Hz.
     per_recording : bool
         Standardise each recording by itself (needs the whole recording).
-    engine : str
+    engine : {"exact", "fast", "sklearn"}
     """
 
     sizes: tuple[int, ...] = PAPER_SIZES
@@ -52,7 +52,7 @@ class Options:
     restarts: int = 5
     irregular: bool = False
     per_recording: bool = False
-    engine: str = "sklearn"
+    engine: str = "exact"
 
 
 def train(

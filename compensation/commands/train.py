@@ -29,7 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--per-recording", action="store_true", help="standardise each recording by itself (needs all of it)"
     )
-    parser.add_argument("--engine", default="sklearn", help="sklearn (the reference)")
+    parser.add_argument("--engine", default="exact", help="exact (default), fast, or sklearn (the reference)")
     parser.add_argument("--json", action="store_true", help="print the training score as JSON")
     parser.add_argument("--plot", metavar="PNG", help="write a picture of the training score")
 

@@ -1,0 +1,42 @@
+"""``compensation export``: put a compensator on a chip or into another program."""
+
+from __future__ import annotations
+
+import argparse
+
+SUMMARY = "Export a compensator as a C header or an ONNX model."
+EXAMPLE = "compensation export pes.compensator.json --format c -o pes.h --name pes"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("compensator", metavar="COMPENSATOR", help="file written by `compensation train`")
+    parser.add_argument("--format", choices=("c", "onnx"), default="c", help="c: one header (default); onnx")
+    parser.add_argument("-o", "--output", required=True, metavar="FILE", help="file to write")
+    parser.add_argument("--name", default="knitbench", help="prefix of the C names (default knitbench)")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Write the file and say what it costs."""
+    from compensation.compensator_files import load
+    from compensation.export_c import c_header, code_bytes, cost
+    from gcode.support.files import write_text
+
+    compensator = load(args.compensator)
+    if args.format == "onnx":
+        from compensation.export_onnx import write_onnx
+
+        write_onnx(compensator, args.output)
+        print(
+            f"wrote {args.output}: one step; feed it {compensator.rate_hz:g} x dt as `steps` (0 for the first sample)"
+        )
+        return 0
+    header = c_header(compensator, args.name)
+    write_text(args.output, header)
+    needs, code = cost(compensator), code_bytes(header, args.name)
+    shown = f"{code} bytes of code by this machine's gcc -Os" if code else "code size unknown: no gcc here"
+    print(
+        f"wrote {args.output}: flash {needs.constants_bytes} bytes of constants + {shown}; "
+        f"RAM {needs.state_bytes} bytes of state, {needs.scratch_bytes} of stack for values; {needs.multiplies} multiplications a sample"
+    )
+    return 0
