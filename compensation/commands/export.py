@@ -35,8 +35,6 @@ def run(args: argparse.Namespace) -> int:
     write_text(args.output, header)
     needs, code = cost(compensator), code_bytes(header, args.name)
     shown = f"{code} bytes of code by this machine's gcc -Os" if code else "code size unknown: no gcc here"
-    print(
-        f"wrote {args.output}: flash {needs.constants_bytes} bytes of constants + {shown}; "
-        f"RAM {needs.state_bytes} bytes of state, {needs.scratch_bytes} of stack for values; {needs.multiplies} multiplications a sample"
-    )
+    print(f"wrote {args.output}: flash {needs.constants_bytes} bytes of constants + {shown}")
+    print(f"RAM {needs.state_bytes} bytes, {needs.scratch_bytes} of stack; {needs.multiplies} multiplies a sample")
     return 0
