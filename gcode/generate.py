@@ -15,7 +15,7 @@ MAX_SAMPLES = 20_000_000
 _MARGINS = (0.95, 0.9, 0.8, 0.6)
 
 
-def plan(spec: TrajectorySpec, seed: int, gauge_length_mm: float) -> Trajectory:
+def plan(spec: TrajectorySpec, seed: int, gauge_length_mm: float, *, reserve: float = 1.0) -> Trajectory:
     """Plan a trajectory.
 
     Parameters
@@ -26,6 +26,8 @@ def plan(spec: TrajectorySpec, seed: int, gauge_length_mm: float) -> Trajectory:
         0 or more; other seeds give independent trajectories of the same statistics.
     gauge_length_mm : float
         Length of the sample between the grips; strains are relative to it.
+    reserve : float
+        Part of the acceleration limit that the plan may use, at most 1; the rest is for the controller's deviations.
 
     Returns
     -------
@@ -39,7 +41,7 @@ def plan(spec: TrajectorySpec, seed: int, gauge_length_mm: float) -> Trajectory:
     """
     check_request(spec, seed, gauge_length_mm)
     for margin in _MARGINS:
-        trajectory = _within(spec, seed, gauge_length_mm, margin)
+        trajectory = _within(spec, seed, gauge_length_mm, margin * reserve)
         beyond = excesses(trajectory.position_mm, spec.rate_hz, spec.limits)
         if not beyond:
             return trajectory

@@ -10,14 +10,20 @@ from gcode.check import check_program
 from gcode.generate import plan
 from gcode.header import unflatten
 from gcode.mach4 import FeedMode, write_program
+from gcode.natural import Noise
 from gcode.planner import Machine, play
-from gcode.program import Program
+from gcode.program import Problem, Program
 from gcode.reader import read_program
 from gcode.statistics import MotionStatistics
 from gcode.support import files
 from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError
+from gcode.target import NAMES
 from gcode.trajectory import Trajectory, TrajectorySpec
+
+MISSED = 0.05  # relative deviation from a target that is worth a note
+LITTLE_USED = 0.85
+_RESERVES = (1.0, 0.85, 0.7, 0.5)  # tried in turn when the controller's deviations pass a limit
 
 
 @dataclass(frozen=True)
@@ -31,6 +37,24 @@ class Made:
     trajectory: Trajectory
     program: str
     statistics: MotionStatistics
+
+    def notes(self) -> list[str]:
+        """What a user should know: a target that is missed, a strain range that is hardly used."""
+        notes = []
+        for piece in self.spec.pieces:
+            if not isinstance(piece, Noise) or piece.target is None:
+                continue
+            if len(self.spec.pieces) == 1:
+                off = zip(NAMES, piece.target.deviations(self.statistics).tolist(), strict=True)
+                missed = ", ".join(f"{name} {value:+.0%}" for name, value in off if abs(value) > MISSED)
+                notes += [f"the target is missed at this gauge length and range: {missed}"] if missed else []
+            reached = (self.statistics.x_max_mm - self.spec.offset_mm) / self.gauge_length_mm * 100.0
+            if reached < LITTLE_USED * piece.high_percent:
+                notes.append(
+                    f"strain reaches {reached:.0f} % of {piece.high_percent:g} %: such speeds and accelerations need "
+                    "a smaller stroke; gcode fit finds others for this gauge length"
+                )
+        return notes
 
     def recipe(self) -> dict[str, Any]:
         """What `make` was called with, and the version that did it."""
@@ -66,21 +90,32 @@ def make(spec: TrajectorySpec, seed: int, gauge_length_mm: float, feed_mode: Fee
     UserError
         If the request cannot be planned, or the program does not pass its own check.
     """
-    trajectory = plan(spec, seed, gauge_length_mm)
+    for reserve in _RESERVES:
+        made, problems = _attempt(spec, seed, gauge_length_mm, feed_mode, reserve)
+        if not problems:
+            return made
+    raise UserError(f"limits: the program did not pass its own check, nothing was written: {problems[0]}")
+
+
+def _attempt(
+    spec: TrajectorySpec, seed: int, gauge_length_mm: float, feed_mode: FeedMode, reserve: float
+) -> tuple[Made, list[Problem]]:
+    """Plan and write once; what the check of the program finds."""
+    trajectory = plan(spec, seed, gauge_length_mm, reserve=reserve)
+    planned = trajectory.statistics()
     acceleration = spec.controller_acceleration_mm_per_s2
-    shared = {
-        "feed_mode": feed_mode,
-        "machine_acceleration_mm_per_s2": acceleration,
-        "v_max_mm_per_s": spec.limits.v_max_mm_per_s,
-    }
-    draft = Made(spec, seed, gauge_length_mm, feed_mode, trajectory, "", trajectory.statistics())
-    header = {**draft.recipe(), "statistics": _rounded(draft.statistics)}
-    text = write_program(trajectory, header={"program": spec.name, **header}, **shared)  # type: ignore[arg-type]
+    draft = Made(spec, seed, gauge_length_mm, feed_mode, trajectory, "", planned)
+    text = write_program(
+        trajectory,
+        header={"program": spec.name, **draft.recipe(), "statistics": _rounded(planned)},
+        feed_mode=feed_mode,
+        machine_acceleration_mm_per_s2=acceleration,
+        v_max_mm_per_s=spec.limits.v_max_mm_per_s,
+    )
     machine = Machine(acceleration_mm_per_s2=acceleration)
     result = check_program(read_program(text), spec.limits, spec.rate_hz, machine)
-    if not result.ok or result.statistics is None:
-        raise UserError(f"the program did not pass its own check, nothing was written: {result.problems[0]}")
-    return Made(spec, seed, gauge_length_mm, feed_mode, trajectory, text, result.statistics)
+    statistics = result.statistics or planned
+    return Made(spec, seed, gauge_length_mm, feed_mode, trajectory, text, statistics), result.problems
 
 
 def make_again(program: Program) -> Made:

@@ -50,5 +50,7 @@ def run(args: argparse.Namespace) -> None:
         paths.append(write_plot(made, paths[0].with_suffix(".png")))
     print(f"{made.spec.name}, seed {made.seed}, gauge length {made.gauge_length_mm:g} mm, as executed:")
     print("\n".join(made.statistics.lines()))
+    for note in made.notes():
+        print(f"note: {note}")
     for path in paths:
         print(path)

@@ -60,6 +60,14 @@ def test_the_program_alone_makes_all_files_again(folder, tmp_path):
         assert (tmp_path / name).read_bytes() == (folder / name).read_bytes()
 
 
+def test_a_gauge_length_that_the_target_does_not_suit_is_noted(tmp_path, capsys):
+    words = ["generate", "--preset", "paper-1", "--seed", "1", "--gauge-length-mm", "80", "-o", str(tmp_path)]
+    assert main(words) == 0
+    shown = capsys.readouterr().out
+    assert "note: the target is missed" in shown
+    assert "note: strain reaches" in shown
+
+
 @pytest.mark.slow
 def test_fit_finds_a_spec_that_generate_takes(tmp_path, capsys):
     wanted = ["--v-mean", "0.6", "--v-sd", "0.38", "--a-mean", "0.9", "--a-sd", "0.85"]
