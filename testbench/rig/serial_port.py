@@ -6,6 +6,7 @@ A thread of its own reads the port, so that a slow disk cannot make the operatin
 from __future__ import annotations
 
 import queue
+import re
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -139,4 +140,6 @@ class SerialLink:
 
 def _short(error: BaseException) -> str:
     text = str(getattr(error, "strerror", None) or error)
+    if system := re.search(r"\[Errno \d+\] ([^:'\"]+)", text):
+        return system[1].strip()
     return text.partition("(")[0].strip().rstrip(":") or type(error).__name__
