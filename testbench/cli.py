@@ -21,6 +21,7 @@ COMMANDS: tuple[str, ...] = (
     "diagnose",
     "add",
     "ladder",
+    "experiment",
     "report",
     "studio",
 )

@@ -1,0 +1,95 @@
+"""``testbench experiment``: the next trajectory, chosen to separate rival hypotheses."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING
+
+from testbench.commands._arguments import add_effects, add_held_out, load_recording, load_split
+
+if TYPE_CHECKING:
+    from testbench.discrepancy.experiment import Option
+
+SUMMARY = "propose the next trajectory: the one that separates two rival models best"
+EXAMPLE = "testbench experiment creep.json relaxation.json --strain-max 30 -o next-run --plot next-run.png"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("models", nargs="*", metavar="MODEL", help="two or more rival model.json")
+    parser.add_argument("--diagnosis", metavar="JSON", help="instead: the tied effects of this diagnosis ...")
+    parser.add_argument("--fit", metavar="RECORDING", help="... each put in and refitted on this recording")
+    add_held_out(parser)
+    add_effects(parser)
+    parser.add_argument("--v-max", type=float, default=10.0, metavar="MM/S", help="speed limit (default: 10)")
+    parser.add_argument("--a-max", type=float, default=20.0, metavar="MM/S2", help="acceleration limit (default: 20)")
+    parser.add_argument("--strain-max", type=float, default=30.0, metavar="%", help="largest strain (default: 30)")
+    parser.add_argument("--duration-s", type=float, default=600.0, metavar="S", help="length (default: 600)")
+    parser.add_argument("--seed", type=int, default=1, help="of the random protocols (default: 1)")
+    parser.add_argument("--temperature", action="store_true", help="the temperature will be measured too")
+    parser.add_argument("-o", "--output", metavar="DIR", help="write the best one's program and trajectory here")
+    parser.add_argument("--plot", metavar="FILE.png", help="draw the best one and what it would show")
+    parser.add_argument("--json", metavar="OUT", help="write the whole ranking here")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Weigh the protocols, print the ranking, write the winner."""
+    from gcode.support.files import write_json
+    from testbench.discrepancy.experiment import propose
+    from testbench.discrepancy.experiment_words import experiment_table
+    from testbench.discrepancy.protocols import Bounds
+
+    rivals, noise, gauge_length_mm, temperature = _rivals(args)
+    bounds = Bounds(args.v_max, args.a_max, args.strain_max, args.duration_s, gauge_length_mm)
+    options = propose(rivals, noise, bounds, args.seed, temperature, _tell)
+    _tell("")
+    print(experiment_table(rivals, options))
+    if args.json:
+        write_json(args.json, {"rivals": [r.name for r in rivals], "options": [o.to_dict() for o in options]})
+    if args.plot:
+        _draw(options, gauge_length_mm, args.plot)
+    if args.output:
+        for path in options[0].made.write(args.output):
+            print(path)
+    return 0
+
+
+def _draw(options: list[Option], gauge_length_mm: float, path: str) -> None:
+    from testbench.report.experiment_figures import experiment
+    from testbench.report.static import write_figure
+
+    best = options[0]
+    time_s, strain = best.made.trajectory.time_s, 100 * best.made.trajectory.position_mm / gauge_length_mm
+    left = {channel: (time_s[-len(values) :], values) for channel, values in best.hardest.left.items()}
+    evidence = [(option.name, option.hardest.log_odds) for option in options]
+    write_figure(experiment(evidence, time_s, strain, left), path)
+    print(f"picture: {path}")
+
+
+def _rivals(args: argparse.Namespace):
+    """Rivals, noise floors, gauge length and whether the temperature is measured."""
+    from gcode.support.errors import UserError
+    from testbench.discrepancy.rivals import rivals_from_diagnosis, rivals_from_files
+    from testbench.knit.catalogue import load_catalogue
+    from testbench.recording import TEMPERATURE
+
+    catalogue = load_catalogue(args.effects)
+    if args.diagnosis:
+        if args.models or not args.fit:
+            raise UserError("experiment: --diagnosis goes with --fit RECORDING and without MODEL files")
+        recording = load_recording(args.fit, args.gauge_length_mm)
+        calibration, held = load_split(args, args.fit)
+        rivals, noise = rivals_from_diagnosis(args.diagnosis, calibration, held, catalogue, _tell)
+        return rivals, noise, recording.gauge_length_mm, args.temperature or recording.has(TEMPERATURE)
+    if len(args.models) < 2:
+        raise UserError("experiment: give two rival MODEL files, or --diagnosis JSON --fit RECORDING")
+    rivals, noise, gauge_length_mm = rivals_from_files(args.models, catalogue)
+    return rivals, noise, args.gauge_length_mm or gauge_length_mm, args.temperature
+
+
+def _tell(text: str) -> None:
+    """Progress on stderr, where somebody watches."""
+    import sys
+
+    if sys.stderr.isatty():
+        print(f"\r\x1b[K{text}", end="", file=sys.stderr, flush=True)

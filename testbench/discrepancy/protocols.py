@@ -1,0 +1,283 @@
+"""Designed protocols within given limits: the menu from which the next experiment is chosen."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from gcode.natural import Noise
+from gcode.path import Frame, join
+from gcode.pieces import Piece
+from gcode.protocol import (
+    Hold,
+    Multisine,
+    Protocol,
+    Ramp,
+    RateSweep,
+    ReturnToZero,
+    Staircase,
+    Triangle,
+)
+from gcode.support.errors import UserError
+from gcode.trajectory import Limits, TrajectorySpec
+
+RATE_HZ = 20.0
+MIN_DURATION_S = 120.0
+APPROACHES_S = 12.0  # to the first position of a random motion, and back to zero at the end
+NOISE = "noise"  # the protocol that all others are measured against
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """What the machine and the sensor allow.
+
+    Attributes
+    ----------
+    v_max_mm_per_s, a_max_mm_per_s2 : float
+    strain_max_percent : float
+    duration_s : float
+        Of the whole run; every protocol takes as long, so that none wins by being longer.
+    gauge_length_mm : float
+    """
+
+    v_max_mm_per_s: float = 10.0
+    a_max_mm_per_s2: float = 20.0
+    strain_max_percent: float = 30.0
+    duration_s: float = 600.0
+    gauge_length_mm: float = 25.0
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            if not (np.isfinite(value) and value > 0):
+                raise UserError(f"{name}: must be a positive number, got {value:g}")
+
+    @property
+    def stroke_mm(self) -> float:
+        """Travel from zero to the largest strain."""
+        return self.strain_max_percent * self.gauge_length_mm / 100
+
+    @property
+    def fast_mm_per_s(self) -> float:
+        """Fastest useful speed: within the limit, and reached within a quarter of the stroke."""
+        reachable = float(np.sqrt(0.5 * self.stroke_mm * self.a_max_mm_per_s2))
+        return min(0.95 * self.v_max_mm_per_s, reachable)
+
+    def speed(self, stroke_s: float) -> float:
+        """Speed that takes `stroke_s` for the whole stroke, at most the fastest."""
+        return min(self.stroke_mm / stroke_s, self.fast_mm_per_s)
+
+
+def menu(bounds: Bounds, share: float = 1.0) -> dict[str, TrajectorySpec]:
+    """Every designed protocol by name, each as long as `bounds` says, the plain noise first.
+
+    Parameters
+    ----------
+    bounds : Bounds
+    share : float
+        Design for this share of the allowed speed and acceleration: some motions need room to be executed within.
+
+    Raises
+    ------
+    UserError
+        If the duration is too short for the designs, or longer than a day.
+    """
+    if not MIN_DURATION_S <= bounds.duration_s <= 24 * 3600:
+        raise UserError(
+            f"duration_s: an experiment takes {MIN_DURATION_S:.0f} s to 24 h, got {bounds.duration_s:g} s"
+        )
+    eased = replace(
+        bounds,
+        v_max_mm_per_s=share * bounds.v_max_mm_per_s,
+        a_max_mm_per_s2=share * bounds.a_max_mm_per_s2,
+    )
+    return {name: _spec(name, make(eased), bounds) for name, make in MENU.items()}
+
+
+def _spec(name: str, pieces: Sequence[Piece], bounds: Bounds) -> TrajectorySpec:
+    limits = Limits(v_max_mm_per_s=bounds.v_max_mm_per_s, a_max_mm_per_s2=bounds.a_max_mm_per_s2)
+    protocol = Protocol(pieces=tuple(pieces))
+    return TrajectorySpec.of(
+        protocol, name=name, limits=limits, rate_hz=RATE_HZ, approach_mm_per_s=bounds.speed(10.0)
+    )
+
+
+def filled(bounds: Bounds, blocks: Callable[[int], Sequence[Piece]]) -> list[Piece]:
+    """As many blocks as fit into the duration, then a rest.
+
+    Parameters
+    ----------
+    blocks : callable
+        Pieces of the block of this number; each block starts and ends at zero strain.
+    """
+    frame = Frame(bounds.gauge_length_mm, 0.0, RATE_HZ, (0,), bounds.v_max_mm_per_s, bounds.a_max_mm_per_s2)
+    pieces: list[Piece] = [Hold(duration_s=5.0)]
+    left_s = bounds.duration_s - 5.0
+    number = 0
+    while True:
+        block = blocks(number)
+        takes_s = _seconds(block, frame)
+        if takes_s > left_s and number:
+            break
+        pieces += block
+        left_s, number = left_s - takes_s, number + 1
+    return [*pieces, Hold(duration_s=left_s)] if left_s > 1 else pieces
+
+
+def _seconds(block: Sequence[Piece], frame: Frame) -> float:
+    """How long a block takes, with what the acceleration limit costs at each corner."""
+    paths, here = [], 0.0
+    for piece in block:
+        paths.append(piece.path(here, frame))
+        here = float(paths[-1].position_mm[-1])
+    whole = join(*paths)
+    moving = np.abs(np.diff(whole.position_mm)) > 1e-9
+    speed = np.abs(np.diff(whole.position_mm))[moving] / np.maximum(whole.duration_s[moving], 1e-9)
+    return float(whole.duration_s.sum() + np.sum(speed) / frame.a_max_mm_per_s2)
+
+
+def _noise(bounds: Bounds) -> list[Piece]:
+    """Like the paper's slow random motion."""
+    return [_random(bounds, _pace(bounds, 0.316))]
+
+
+def _fast_noise(bounds: Bounds) -> list[Piece]:
+    shape = _pace(bounds, 0.63) | {"persistence": 0.2, "pace_spread": 0.9}
+    return [_random(bounds, shape)]
+
+
+def _random(bounds: Bounds, shape: Mapping[str, float | int]) -> Noise:
+    data = {"duration_s": bounds.duration_s - APPROACHES_S, "high_percent": bounds.strain_max_percent, **shape}
+    return Noise.model_validate(data)
+
+
+def _pace(bounds: Bounds, cells_per_s: float) -> dict[str, float | int]:
+    # Noise crosses about the whole stroke in a cell: slower cells where the speed limit would not allow it.
+    slowest = 0.5 * bounds.fast_mm_per_s / bounds.stroke_mm
+    return {"octaves": 2, "persistence": 0.12, "cells_per_s": min(cells_per_s, slowest), "peak": 0.7}
+
+
+def _slow_triangle(bounds: Bounds) -> list[Piece]:
+    speed = min(bounds.speed(25.0), bounds.fast_mm_per_s)
+    return filled(bounds, lambda _: [Triangle(high_percent=bounds.strain_max_percent, speed_mm_per_s=speed)])
+
+
+def _fast_triangle(bounds: Bounds) -> list[Piece]:
+    fast = bounds.fast_mm_per_s
+    return filled(bounds, lambda _: [Triangle(high_percent=bounds.strain_max_percent, speed_mm_per_s=fast)])
+
+
+def _rate_sweep(bounds: Bounds) -> list[Piece]:
+    """Every speed for about as long: one slow triangle, many fast ones."""
+    speeds = np.geomspace(bounds.speed(min(40.0, bounds.duration_s / 20)), bounds.fast_mm_per_s, 5)
+    cycles = [max(round(float(speed / speeds[0])), 1) for speed in speeds]
+    rounds = [
+        RateSweep(high_percent=bounds.strain_max_percent, speeds_mm_per_s=(float(speed),), cycles=count, rest_s=2.0)
+        for speed, count in zip(speeds, cycles, strict=True)
+    ]
+    return filled(bounds, lambda number: [rounds[number % len(rounds)]])
+
+
+def _staircase(bounds: Bounds) -> list[Piece]:
+    levels = bounds.strain_max_percent * np.array([0.2, 0.4, 0.6, 0.8, 1.0, 0.8, 0.6, 0.4, 0.2, 0.0])
+    hold_s = float(np.clip(bounds.duration_s / 2.2 / len(levels), 5, 120))
+    steps = Staircase(levels_percent=tuple(levels.tolist()), speed_mm_per_s=bounds.fast_mm_per_s, hold_s=hold_s)
+    return filled(bounds, lambda _: [steps])
+
+
+def _long_hold(bounds: Bounds) -> list[Piece]:
+    """Fast up, hold long, fast back, rest as long: relaxation on the way, recovery afterwards."""
+    hold_s, fast = (bounds.duration_s - 10.0) * 0.45, bounds.fast_mm_per_s
+    up = Ramp(to_percent=bounds.strain_max_percent, speed_mm_per_s=fast)
+    return filled(bounds, lambda _: [up, Hold(duration_s=hold_s), ReturnToZero(speed_mm_per_s=fast, rest_s=hold_s)])
+
+
+def _return_to_zero(bounds: Bounds) -> list[Piece]:
+    """Stretches of many heights, a rest at zero after each."""
+    heights = bounds.strain_max_percent * np.array([1.0, 0.4, 0.8, 0.2, 0.6])
+    fast = bounds.fast_mm_per_s
+
+    def block(number: int) -> list[Piece]:
+        up = Ramp(to_percent=float(heights[number % len(heights)]), speed_mm_per_s=fast)
+        return [up, Hold(duration_s=5.0), ReturnToZero(speed_mm_per_s=fast, rest_s=20.0)]
+
+    return filled(bounds, block)
+
+
+def _growing(bounds: Bounds) -> list[Piece]:
+    """Triangles that grow to the full strain over the run."""
+    speed = bounds.speed(8.0)
+    mean_s = 2 * 0.6 * bounds.stroke_mm / speed
+    count = max(int(bounds.duration_s / mean_s), 2)
+
+    def block(number: int) -> list[Piece]:
+        share = min(0.2 + 0.8 * number / (count - 1), 1.0)
+        return [Triangle(high_percent=share * bounds.strain_max_percent, speed_mm_per_s=speed)]
+
+    return filled(bounds, block)
+
+
+def _new_heights(bounds: Bounds) -> list[Piece]:
+    """Each new height three times, with a rest, then small triangles again: what a first time leaves behind."""
+    speed = bounds.speed(6.0)
+    sizes = np.linspace(0.3, 1.0, 6)
+
+    def block(number: int) -> list[Piece]:
+        top = float(sizes[min(number, len(sizes) - 1)]) * bounds.strain_max_percent
+        small = 0.3 * bounds.strain_max_percent
+        return [
+            Triangle(high_percent=top, speed_mm_per_s=speed, cycles=3),
+            Hold(duration_s=15.0),
+            Triangle(high_percent=small, speed_mm_per_s=speed, cycles=4),
+            Hold(duration_s=15.0),
+        ]
+
+    return filled(bounds, block)
+
+
+def _bursts(bounds: Bounds) -> list[Piece]:
+    """Fast work and rests in turn: what comes from the motion goes with it, what comes from the room stays."""
+    fast = bounds.fast_mm_per_s
+    rest_s = float(np.clip(bounds.duration_s / 8, 10, 150))
+    cycles = max(round(rest_s * fast / (2 * bounds.stroke_mm)), 1)
+    work = Triangle(high_percent=bounds.strain_max_percent, speed_mm_per_s=fast, cycles=cycles)
+    return filled(bounds, lambda _: [work, Hold(duration_s=rest_s)])
+
+
+def _multisine(bounds: Bounds) -> list[Piece]:
+    """Slow to fast sines whose speeds are alike."""
+    top_hz = bounds.fast_mm_per_s / (np.pi * bounds.stroke_mm)
+    frequencies = np.geomspace(max(top_hz / 30, 2 / bounds.duration_s), top_hz, 6)
+    return [
+        Hold(duration_s=5.0),
+        Multisine(
+            duration_s=bounds.duration_s - 5.0 - APPROACHES_S,
+            high_percent=bounds.strain_max_percent,
+            frequencies_hz=tuple(frequencies.tolist()),
+            amplitudes=tuple(np.sqrt(frequencies[0] / frequencies).tolist()),
+        ),
+    ]
+
+
+def _mix(bounds: Bounds) -> list[Piece]:
+    """A third of noise, a third of steps with holds, a third of returns to zero."""
+    third = replace(bounds, duration_s=bounds.duration_s / 3)
+    return [*_noise(third), *_staircase(third), *_return_to_zero(third)]
+
+
+MENU: dict[str, Callable[[Bounds], list[Piece]]] = {
+    NOISE: _noise,
+    "fast-noise": _fast_noise,
+    "slow-triangle": _slow_triangle,
+    "fast-triangle": _fast_triangle,
+    "rate-sweep": _rate_sweep,
+    "staircase": _staircase,
+    "long-hold": _long_hold,
+    "return-to-zero": _return_to_zero,
+    "growing-amplitude": _growing,
+    "new-heights": _new_heights,
+    "bursts-and-rests": _bursts,
+    "multisine": _multisine,
+    "mix": _mix,
+}

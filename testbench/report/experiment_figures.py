@@ -1,0 +1,97 @@
+"""Figure of a proposed experiment: every protocol's worth, the best one's motion, and what it would show."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from testbench.report import style
+from testbench.report.recording_figures import line
+
+FloatArray = NDArray[np.float64]
+
+LEAST = 0.1  # evidence below this is drawn as this: a logarithmic axis has no zero
+DECISIVE = 5.0
+COLOURS = {"force": style.FORCE, "conductance": style.CONDUCTANCE}
+
+
+def experiment(
+    evidence: Sequence[tuple[str, float]],
+    time_s: FloatArray,
+    strain_percent: FloatArray,
+    left: Mapping[str, tuple[FloatArray, FloatArray]],
+) -> style.Figure:
+    """Ranking, motion, and what the wrong model leaves.
+
+    Parameters
+    ----------
+    evidence : sequence of (str, float)
+        Protocols with their expected log odds, the best first.
+    time_s, strain_percent : ndarray, shape (n,)
+        Motion of the best.
+    left : mapping of channel to (time in s, misfit over the noise floor), each shape (m,)
+        What the wrong model cannot imitate of the right one.
+    """
+    places = np.arange(len(evidence))
+    bars = {
+        "type": "bar",
+        "orientation": "h",
+        "x": [max(value, LEAST) for _, value in evidence],
+        "y": places,
+        "width": 0.62,
+        "marker": {"color": [style.BLUE] + [style.FAINT] * (len(evidence) - 1)},
+        "hovertemplate": "%{x:.3g}<extra></extra>",
+    }
+    motion = line(time_s, strain_percent, style.STRAIN, "strain", 1)
+    misfits = [line(t, values, COLOURS[channel], channel, 2) for channel, (t, values) in left.items()]
+    for trace in (motion, *misfits):
+        trace["xaxis"] = "x2"
+    for trace in misfits:
+        trace["showlegend"] = True
+    names = [name.replace("-", " ") for name, _ in evidence]
+    top = max(max(value for _, value in evidence), 10 * DECISIVE)
+    axes: dict[str, Any] = {
+        "xaxis": style.axis(
+            "Expected evidence against the wrong model (log odds)",
+            type="log",
+            anchor="y",
+            range=[float(np.log10(LEAST)), float(np.log10(top * 1.5))],
+        ),
+        "yaxis": style.axis(
+            "",
+            anchor="x",
+            domain=[0.56, 1.0],
+            tickvals=places.tolist(),
+            ticktext=names,
+            range=[len(names) - 0.5, -0.5],
+            showgrid=False,
+        ),
+        "xaxis2": style.axis("Time / s", anchor="y3"),
+        "yaxis2": style.axis("Strain / %", anchor="x2", domain=[0.25, 0.44]),
+        "yaxis3": style.axis("Left over / noise", anchor="x2", domain=[0.0, 0.21]),
+    }
+    legend = {"orientation": "h", "x": 1, "xanchor": "right", "y": 0.44, "yanchor": "bottom"}
+    return style.figure(
+        [bars, motion, *misfits],
+        height=760,
+        margin={"l": 130, "r": 20, "t": 26, "b": 44},
+        shapes=[_decisive()],
+        legend=legend,
+        **axes,
+    )
+
+
+def _decisive() -> dict:
+    return {
+        "type": "line",
+        "xref": "x",
+        "yref": "paper",
+        "x0": DECISIVE,
+        "x1": DECISIVE,
+        "y0": 0.56,
+        "y1": 1,
+        "line": {"color": style.VERMILION, "width": 1, "dash": "dash"},
+    }
