@@ -24,15 +24,15 @@ def experiment_table(rivals: Sequence[Rival], options: Sequence[Option]) -> str:
     lines = [
         f"rivals: {' against '.join(rival.name for rival in rivals)}",
         "",
-        f"{'protocol':<20}{'minutes':>8}{'left over':>11}{'log odds':>11}{'x noise':>9}   {'it will':<14}{'seen in':<13}",
+        f"{'protocol':<20}{'minutes':>8}{'left over':>11}{'log odds':>11}{'x noise':>9}   {'it will':<14}seen in",
     ]
     reference = max(_noise(options).hardest.log_odds, 1e-6)
     for option in options:
         shown = option.hardest
-        lines.append(
-            f"{option.name:<20}{option.made.trajectory.duration_s / 60:>8.1f}{shown.noise_units:>9.2f} n"
-            f"{shown.log_odds:>11.3g}{shown.log_odds / reference:>9.3g}   {option.grade:<14}{channel_name(shown.channel):<13}"
-        )
+        numbers = f"{shown.noise_units:>9.2f} n{shown.log_odds:>11.3g}{shown.log_odds / reference:>9.3g}"
+        minutes = option.made.trajectory.duration_s / 60
+        words = f"{option.grade:<14}{channel_name(shown.channel)}"
+        lines.append(f"{option.name:<20}{minutes:>8.1f}{numbers}   {words}")
     lines += [
         "",
         "left over: RMS that the wrong model cannot imitate, over what a fit leaves anyway (n)",
