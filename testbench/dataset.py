@@ -9,7 +9,6 @@ from __future__ import annotations
 import fcntl
 import os
 import shutil
-from argparse import Namespace
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache
@@ -217,11 +216,17 @@ def _planned(spec: DatasetSpec, base: Path, out: Path) -> list[Path]:
 
 def _programs(wish: TrajectoryWish, gauge_length_mm: float, base: Path, folder: Path) -> Iterator[Path]:
     from gcode.output import make as make_program
-    from gcode.request import spec_from
+    from gcode.presets import preset as motion_preset
+    from gcode.toml_spec import read_spec
 
-    unchanged = dict.fromkeys(("v_max", "a_max", "x_min", "x_max", "machine_acceleration"))
-    file = base / wish.spec if wish.spec else None
-    source = spec_from(Namespace(preset=wish.preset, spec=file, duration_s=wish.duration_s, **unchanged))
+    source = motion_preset(wish.preset) if wish.preset else read_spec(base / str(wish.spec))
+    if wish.duration_s is not None:
+        data = source.model_dump()
+        noises = [piece for piece in data["pieces"] if piece["kind"] == "noise"]
+        if len(noises) != 1:
+            raise UserError(f"trajectory: duration_s needs a spec with one noise piece, this one has {len(noises)}")
+        noises[0]["duration_s"] = wish.duration_s
+        source = type(source).model_validate(data)
     for seed in wish.seeds:
         path = folder / f"{source.name}-{seed:05d}.tap"
         text = make_program(source, seed, gauge_length_mm).program

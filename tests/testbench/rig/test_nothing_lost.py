@@ -61,7 +61,9 @@ def killed_again_and_again(folder: Path, device: Device, wish: Path, kills: int,
         begun_s = time.monotonic()
         resume = ["--resume"] if (folder / "datapackage.json").exists() else []
         child = recorder(folder, device.port.name, wish, *resume)
-        time.sleep(chance.uniform(0.0, 2.5))
+        if chance.random() < 0.8:  # else it dies somewhere in its start
+            until(device.port.has_reader, child)
+        time.sleep(chance.uniform(0.0, 1.5))
         killed_s = time.monotonic()
         child.kill()
         child.communicate()
@@ -78,7 +80,8 @@ def killed_again_and_again(folder: Path, device: Device, wish: Path, kills: int,
 
 def finished_well(folder: Path, device: Device, wish: Path) -> None:
     before = len(rows_of(folder))
-    child = recorder(folder, device.port.name, wish, "--resume")
+    resume = ["--resume"] if (folder / "datapackage.json").exists() else []
+    child = recorder(folder, device.port.name, wish, *resume)
     until(lambda: len(rows_of(folder)) > before + 50, child)
     child.send_signal(signal.SIGINT)
     out, err = child.communicate(timeout=30)
