@@ -15,6 +15,7 @@ from testbench.report.recording_figures import line
 
 FloatArray = NDArray[np.float64]
 SHOWN = 8
+VISIBLE_PERCENT = 1.0
 SCATTER_BINS = 24
 
 
@@ -32,6 +33,7 @@ def candidates(diagnosis: Mapping[str, Any]) -> style.Figure:
         The JSON of ``testbench diagnose``.
     """
     ranking = diagnosis["ranking"][:SHOWN]
+    shapes, notes = _ceiling(diagnosis)
     places = np.arange(len(ranking))
     removed = np.array([removed_percent(entry["gain"]) for entry in ranking])
     ends = np.array([sorted(removed_percent(gain) for gain in entry["gains"].values()) for entry in ranking])
@@ -61,8 +63,8 @@ def candidates(diagnosis: Mapping[str, Any]) -> style.Figure:
         [bar],
         height=70 + 34 * max(len(ranking), 2),
         margin={"l": 190, "r": 20, "t": 26, "b": 44},
-        shapes=_ceiling(diagnosis),
-        annotations=_ceiling_note(diagnosis),
+        shapes=shapes,
+        annotations=notes,
         **axes,
     )
 
@@ -74,25 +76,24 @@ def _colour(diagnosis: Mapping[str, Any], number: int) -> str:
     return style.SKY
 
 
-def _ceiling(diagnosis: Mapping[str, Any]) -> list[dict[str, Any]]:
+def _ceiling(diagnosis: Mapping[str, Any]) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+    """A dashed line, and its name, at what a free-form map of the residual takes away, where it takes any."""
     place = removed_percent(diagnosis.get("ceiling_gain", 0.0))
+    if place < VISIBLE_PERCENT:
+        return [], []
     look = {"color": style.INK, "width": 1.4, "dash": "dash"}
-    return [{"type": "line", "xref": "x", "yref": "paper", "x0": place, "x1": place, "y0": 0, "y1": 1, "line": look}]
-
-
-def _ceiling_note(diagnosis: Mapping[str, Any]) -> list[dict[str, Any]]:
-    return [
-        {
-            "text": "what a free-form map finds",
-            "x": removed_percent(diagnosis.get("ceiling_gain", 0.0)),
-            "y": 1.0,
-            "xref": "x",
-            "yref": "paper",
-            "yanchor": "bottom",
-            "showarrow": False,
-            "font": {"size": 11, "color": style.INK},
-        }
-    ]
+    shape = {"type": "line", "xref": "x", "yref": "paper", "x0": place, "x1": place, "y0": 0, "y1": 1, "line": look}
+    note = {
+        "text": "a free-form map",
+        "x": place,
+        "y": 1.0,
+        "xref": "x",
+        "yref": "paper",
+        "yanchor": "bottom",
+        "showarrow": False,
+        "font": {"size": 11, "color": style.INK},
+    }
+    return [shape], [note]
 
 
 def dependence(diagnosis: Mapping[str, Any]) -> style.Figure | None:

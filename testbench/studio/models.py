@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from nicegui import ui
@@ -53,6 +54,28 @@ def add_command(studio: Studio, c: str, effect: str) -> tuple[str, list[str]]:
     argv = ["testbench", "add", effect, "--model", model, "--fit", str(studio.workspace.campaign(c).folder)]
     argv += held_out_arguments(studio, held_out_of(studio, c)) + studio.effects_arguments()
     return f"Adding {effect} and refitting", [*argv, "-o", model]
+
+
+def diagnosed_path(studio: Studio, c: str) -> Path:
+    """The model that a diagnosis ends with: what it found is put in and refitted already."""
+    return studio.workspace.results(c) / "diagnosed.json"
+
+
+def adopt_diagnosed(studio: Studio, c: str) -> None:
+    """Put the steps of the diagnosis on top of the campaign's own ladder.
+
+    Raises
+    ------
+    UserError
+        If either model file is missing or damaged.
+    """
+    from testbench.discrepancy.model_file import load_model_file
+
+    catalogue = studio.catalogue()
+    mine = load_model_file(model_path(studio, c), catalogue)
+    found = load_model_file(diagnosed_path(studio, c), catalogue)
+    # The diagnosis's first step is the model that it started from, which is the last of this ladder.
+    replace(found, history=(*mine.history, *found.history[1:])).save(model_path(studio, c))
 
 
 def undo_command(studio: Studio, c: str) -> tuple[str, list[str]]:

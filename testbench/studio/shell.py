@@ -53,21 +53,19 @@ def frame(studio: Studio) -> None:
     """Build the frame for one browser tab."""
     ui.add_css(files("testbench.studio").joinpath("theme.css").read_text("utf-8"))
     ui.colors(primary="#0072B2", secondary="#5b6875", accent="#D55E00", positive="#00795a", negative="#b03a00")
-    with ui.left_drawer(value=None, fixed=True).props("width=214 breakpoint=1023 show-if-above") as drawer:
-        _side(studio)
-    with ui.header().classes("items-center q-py-sm lt-md"):
-        ui.button(icon="menu", on_click=drawer.toggle).props("flat dense aria-label='Menu'")
-        ui.html(LOGO, sanitize=False)
-        ui.label("knitbench").classes("brand")
-    ui.sub_pages(dict(PAGES), data={"studio": studio}).classes("w-full")
+    with ui.element("div").classes("frame"):
+        with ui.element("aside").classes("side"):
+            _side(studio)
+        with ui.element("main").classes("w-full").style("min-width:0"):
+            ui.sub_pages(dict(PAGES), data={"studio": studio}).classes("w-full")
 
 
 def _side(studio: Studio) -> None:
-    with ui.row().classes("items-center gap-2 q-mb-md"):
+    with ui.row().classes("items-center gap-2 no-wrap"):
         ui.html(LOGO, sanitize=False)
         ui.label("knitbench").classes("brand")
     links: dict[str, ui.link] = {}
-    with ui.element("nav").classes("nav w-full").props("aria-label='Main'"):
+    with ui.element("nav").classes("nav").props("aria-label='Main'"):
         for path, icon, title in NAVIGATION:
             with ui.link(target=path) as links[path]:
                 ui.icon(icon, size="20px")
@@ -81,6 +79,6 @@ def _side(studio: Studio) -> None:
     router = ui.context.client.sub_pages_router
     mark(router.current_path)
     router.on_path_changed(mark)
-    with ui.column().classes("gap-0 q-mt-lg"):
+    with ui.column().classes("gap-0 where"):
         ui.label("Working in").classes("quiet text-xs")
-        ui.label(str(studio.workspace.root)).classes("mono")
+        ui.label(studio.workspace.root.name or "/").classes("mono").tooltip(str(studio.workspace.root))

@@ -60,7 +60,8 @@ def _ask(studio: Studio, c: str, known: bool) -> None:
         argv = ["testbench", "diagnose", str(studio.workspace.campaign(c).folder)]
         argv += ["--model", str(models.model_path(studio, c)), *studio.effects_arguments()]
         argv += models.held_out_arguments(studio, models.held_out_of(studio, c))
-        command = (f"Looking for what is missing in {c}", [*argv, "--json", str(diagnosis_path(studio, c))])
+        argv += ["--json", str(diagnosis_path(studio, c)), "-o", str(models.diagnosed_path(studio, c))]
+        command = (f"Looking for what is missing in {c}", argv)
         models.run_in_turn(studio, key, [command], holder, ui.navigate.reload)
 
     button = ui.button("Ask again" if known else "Find what is missing", icon="search")
@@ -147,11 +148,21 @@ class _Candidates:
             plot(figures.slope(shown.residual, shown.added), caption)
 
     def _add(self, entry: Mapping[str, Any]) -> None:
+        done = partial(ui.navigate.to, address("/ladder", c=self.c))
+        if self._is_put_in_already(entry):
+            models.adopt_diagnosed(self.studio, self.c)
+            done()
+            return
         have = models.model_path(self.studio, self.c).read_text(encoding="utf-8")
         shapes = [name for name in self.diagnosis.get("base_misfits", []) if f'"{name}"' not in have]
         commands = [models.add_command(self.studio, self.c, name) for name in (*shapes, entry["form"])]
-        done = partial(ui.navigate.to, address("/ladder", c=self.c))
         models.run_in_turn(self.studio, f"model:{self.c}", commands, self.holder, done)
+
+    def _is_put_in_already(self, entry: Mapping[str, Any]) -> bool:
+        """Whether the diagnosis ended with a model that has this effect, of the model as it is now."""
+        found, mine = (path(self.studio, self.c) for path in (models.diagnosed_path, models.model_path))
+        named = self.diagnosis["verdict"] == "missing" and entry["form"] == self.diagnosis["ranking"][0]["form"]
+        return named and found.is_file() and found.stat().st_mtime >= mine.stat().st_mtime
 
 
 def predicted(

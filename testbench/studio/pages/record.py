@@ -114,6 +114,8 @@ class _Live:
             self.stop = ui.button("Stop", icon="stop", on_click=self._stop)
             self.stop.props("unelevated color=accent size=lg")
         head.style("position:sticky;top:8px;z-index:5")  # the stop stays within reach
+        self.news = ui.label().classes("trouble").props("role=alert")
+        self.news.set_visibility(False)
         self.bar = ui.linear_progress(value=0, show_value=False).props("rounded size=8px")
         self.alarm = ui.column().classes("w-full")
         self.plot = plot(live([]), "Left: the last minute, every sample. Right: all so far. Dashed: your limits.")
@@ -130,6 +132,9 @@ class _Live:
         fresh = await aside(self.follower.look)
         self.facts.set_content(_facts(self.job.latest))
         self.bar.set_value(self.job.share or 0.0)
+        said = str(self.job.latest.get("message") or "")
+        self.news.set_text(said)
+        self.news.set_visibility(bool(said) and self.job.running)
         if fresh:
             redraw(self.plot, live(self._channels()))
         if not self.job.running:
@@ -183,6 +188,5 @@ def _facts(status: dict[str, Any]) -> str:
     if status.get("force_N") is not None:
         pairs.append(("Force", f"{status['force_N']:.3f} N"))
     return "".join(
-        f'<span style="margin-right:26px"><b>{value}</b> <span class="quiet">{name}</span></span>'
-        for name, value in pairs
+        f'<span class="count"><b>{value}</b> <span class="quiet">{name}</span></span>' for name, value in pairs
     )

@@ -170,6 +170,11 @@ def test_the_named_effect_and_those_tied_with_it_stand_out() -> None:
     assert len(set(unknown)) == 1
 
 
+def test_a_free_form_map_that_finds_nothing_is_not_drawn() -> None:
+    assert diagnosis_figures.candidates(samples.diagnosis())["layout"]["shapes"]
+    assert not diagnosis_figures.candidates(samples.diagnosis() | {"ceiling_gain": 0.0})["layout"]["shapes"]
+
+
 def test_nothing_left_to_depend_on_is_no_figure() -> None:
     assert diagnosis_figures.dependence({"depends_on": []}) is None
 

@@ -131,6 +131,16 @@ async def test_the_next_step_is_judged_on_what_the_first_was(fitted: Studio) -> 
     assert argv[argv.index("--held-out") + 1] == str(fitted.workspace.root / "other")
 
 
+async def test_what_the_diagnosis_put_in_goes_on_top_of_the_ladder(fitted: Studio) -> None:
+    data = json.loads(models.model_path(fitted, "sleeve").read_text())
+    found = data | {"history": [data["history"][0], data["history"][0] | {"step": "+ slack"}]}
+    models.diagnosed_path(fitted, "sleeve").write_text(json.dumps(found))
+    models.adopt_diagnosed(fitted, "sleeve")
+    models.adopt_diagnosed(fitted, "sleeve")
+    steps = [step["step"] for step in json.loads(models.model_path(fitted, "sleeve").read_text())["history"]]
+    assert steps == ["baseline", "+ slack", "+ slack"]
+
+
 async def test_a_new_effect_starts_from_the_template_and_is_checked(user: User, studio: Studio) -> None:
     await user.open("/effects")
     user.find("Name of a new effect").type("My Effect")
