@@ -60,6 +60,7 @@ def train(
     target: str,
     options: Options | None = None,
     progress: Callable[[str], None] = lambda note: None,
+    tuned: bool = False,
 ) -> Compensator:
     """Train a compensator; scalers and networks see these recordings only.
 
@@ -71,10 +72,15 @@ def train(
     options : Options, optional
     progress : callable
         Told about each network that is done.
+    tuned : bool
+        Choose factors, penalty and size from the data and average several networks: see `compensation.tuning`.
     """
+    from compensation.tuning import tune
+
     options = options or Options()
     rate_hz = None if options.irregular else PAPER_RATE_HZ
-    return train_on_series([series_of(rec, target, rate_hz) for rec in recordings], target, options, progress)
+    series = [series_of(rec, target, rate_hz) for rec in recordings]
+    return (tune if tuned else train_on_series)(series, target, options, progress)
 
 
 def train_on_series(
@@ -124,6 +130,7 @@ def training_arrays(blank: Compensator, series: Sequence[Series]) -> tuple[Float
 def describe(series: Sequence[Series], options: Options, fits: Sequence[Fit], features: FloatArray) -> dict[str, Any]:
     """What a reader of the saved file wants to know."""
     return {
+        "method": "paper",
         "trained_on": [part.source for part in series],
         "samples": len(features),
         "sizes": list(options.sizes),

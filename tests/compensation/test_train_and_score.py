@@ -82,7 +82,9 @@ def test_command_line_trains_and_scores(recordings, tmp_path, capsys, target):
         write_recording_csv(files[-1], recording)
     gauge = ["--gauge-length-mm", "25"]
     out, picture, scores = (str(tmp_path / name) for name in ("c.json", "c.png", "s.json"))
-    assert main(["train", files[0], *gauge, "--target", target, "--restarts", "1", "-o", out]) == 0
+    assert (
+        main(["train", files[0], *gauge, "--target", target, "--method", "paper", "--restarts", "1", "-o", out]) == 0
+    )
     assert "parameters" in capsys.readouterr().out
     assert main(["score", out, files[1], *gauge, "--json", "-o", scores, "--plot", picture]) == 0
     printed = json.loads(capsys.readouterr().out)
@@ -102,7 +104,7 @@ def test_command_line_trains_and_scores(recordings, tmp_path, capsys, target):
 def test_bad_choices_are_one_sentence_and_leave_no_file(recordings, tmp_path, capsys, words, match):
     write_recording_csv(tmp_path / "r.csv", recordings[0])
     base = ["train", str(tmp_path / "r.csv"), "--gauge-length-mm", "25", "--target", "force"]
-    assert main([*base, "-o", str(tmp_path / "c.json"), *words]) == 2
+    assert main([*base, "--method", "paper", "-o", str(tmp_path / "c.json"), *words]) == 2
     error = capsys.readouterr().err
     assert match in error
     assert error.count("\n") == 1
