@@ -1,0 +1,91 @@
+"""Ranking candidates over several seeds, and how sure the ranking is."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+DRAWS = 1000
+
+
+@dataclass(frozen=True)
+class Ranked:
+    """One candidate's place.
+
+    Attributes
+    ----------
+    E : float
+        Mean of the paper's criterion over live seeds.
+    spread : float
+        Its standard deviation over live seeds.
+    rank_low, rank_high : int
+        95 % interval of its rank when the seeds are drawn again.
+    chance_first : float
+        Share of the draws in which it is first.
+    """
+
+    key: str
+    parameters: int
+    seeds: int
+    dead: int
+    E: float
+    spread: float
+    r2_A: float
+    r2_B: float
+    rank_low: int
+    rank_high: int
+    chance_first: float
+
+
+def rank(rows: Sequence[dict[str, Any]], seed: int = 0) -> list[Ranked]:
+    """Candidates by mean E over live seeds, best first; those with no live seed last.
+
+    The intervals come from a bootstrap over seeds: what the ranking would be, had other seeds been drawn.
+    """
+    groups: dict[str, list[dict[str, Any]]] = defaultdict(list)
+    for row in rows:
+        groups[row["key"]].append(row)
+    rng = np.random.default_rng(seed)
+    live = {key: [row for row in group if not row["dead"]] or group for key, group in groups.items()}
+    draws = np.array([_resampled([row["E"] for row in group], rng) for group in live.values()])
+    places = draws.argsort(axis=0).argsort(axis=0) + 1
+    low, high = np.quantile(places, [0.025, 0.975], axis=1, method="nearest")
+    first = (places == 1).mean(axis=1)
+    found = [
+        Ranked(
+            key=key,
+            parameters=group[0]["parameters"],
+            seeds=len(groups[key]),
+            dead=sum(row["dead"] for row in groups[key]),
+            **{name: float(np.mean([row[name] for row in group])) for name in ("E", "r2_A", "r2_B")},
+            spread=float(np.std([row["E"] for row in group])),
+            rank_low=int(low[index]),
+            rank_high=int(high[index]),
+            chance_first=float(first[index]),
+        )
+        for index, (key, group) in enumerate(live.items())
+    ]
+    return sorted(found, key=lambda ranked: ranked.E)
+
+
+def split_half_agreement(rows: Sequence[dict[str, Any]]) -> float | None:
+    """Rank correlation (Spearman) between the rankings from the even and from the odd seeds; None with one seed."""
+    from scipy.stats import spearmanr
+
+    halves: list[dict[str, list[float]]] = [defaultdict(list), defaultdict(list)]
+    for row in rows:
+        halves[row["seed"] % 2][row["key"]].append(row["E"])
+    shared = sorted(halves[0].keys() & halves[1].keys())
+    if len(shared) < 3:
+        return None
+    even, odd = ([np.median(half[key]) for key in shared] for half in halves)
+    return float(spearmanr(even, odd).statistic)
+
+
+def _resampled(values: Sequence[float], rng: np.random.Generator) -> np.ndarray:
+    picks = rng.integers(len(values), size=(DRAWS, len(values)))
+    return np.asarray(values)[picks].mean(axis=1)

@@ -1,0 +1,197 @@
+"""The sweep over smoothing banks and topologies: 8 x 114 = 912 candidates, each from several seeds.
+
+The enumeration: 20 topologies (non-increasing shares 1, 1/2, 1/4 of a base in one to four layers, the first layer
+being the base), 7 bases, sizes rounded down, every topology with a layer below 2 left out: 114 hidden-layer tuples,
+no two alike. Each is trained behind 8 smoothing banks.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass
+from functools import lru_cache
+from itertools import combinations_with_replacement
+from pathlib import Path
+from typing import Any
+
+from gcode.support.errors import UserError
+
+SHARES, MAX_LAYERS, SMALLEST_LAYER = (1.0, 0.5, 0.25), 4, 2
+BASES = (2, 4, 8, 12, 16, 24, 32)
+BANKS = ((1.5, 7), (1.5, 14), (1.75, 7), (1.75, 10), (2.0, 7), (2.0, 9), (2.5, 5), (2.5, 7))
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One network behind one bank."""
+
+    factor: float
+    count: int
+    sizes: tuple[int, ...]
+
+    @property
+    def key(self) -> str:
+        """Short name, unique among candidates."""
+        return f"{self.factor:g}^{self.count} {'-'.join(map(str, self.sizes))}"
+
+
+@dataclass(frozen=True)
+class Task:
+    """What all jobs of one sweep share; paths, not data, so that any worker can load it."""
+
+    recordings: tuple[str, ...]
+    gauge_length_mm: float | None
+    target: str
+    engine: str
+
+
+def topologies() -> list[tuple[float, ...]]:
+    """Shares of the base, layer by layer."""
+    tails = (tail for length in range(MAX_LAYERS) for tail in combinations_with_replacement(SHARES, length))
+    return [(1.0, *tail) for tail in tails]
+
+
+def hidden_layers() -> list[tuple[int, ...]]:
+    """Every distinct tuple of layer sizes."""
+    found = (tuple(math.floor(base * share) for share in shares) for base in BASES for shares in topologies())
+    return list(dict.fromkeys(sizes for sizes in found if min(sizes) >= SMALLEST_LAYER))
+
+
+def candidates() -> list[Candidate]:
+    """All 912."""
+    return [Candidate(factor, count, sizes) for factor, count in BANKS for sizes in hidden_layers()]
+
+
+def evaluate(task: Task, candidate: Candidate, seed: int) -> dict[str, Any]:
+    """Train one candidate from one seed on the first recording, score it on the other two."""
+    from compensation.engines import DEFAULT_L2, engine
+    from compensation.score import error_of_two, r2
+
+    (features, truth), *tests = _arrays(task, candidate.factor, candidate.count)
+    network = engine(task.engine)(features, truth, candidate.sizes, seed, DEFAULT_L2).network
+    scores = [r2(target, network(inputs)) for inputs, target in tests]
+    return {
+        "key": candidate.key,
+        "seed": seed,
+        **asdict(candidate),
+        "sizes": list(candidate.sizes),
+        "parameters": network.parameter_count,
+        "dead": network.is_dead(features),
+        "training_r2": r2(truth, network(features)),
+        "r2_A": scores[0],
+        "r2_B": scores[1],
+        "E": error_of_two(*scores),
+    }
+
+
+def check(task: Task) -> None:
+    """Read the recordings once, so that a bad one is refused before anything is started."""
+    _series(task)
+
+
+@lru_cache(maxsize=2)
+def _series(task: Task) -> list[Any]:
+    from compensation.ema import PAPER_RATE_HZ
+    from compensation.preprocessing import series_of
+    from testbench.recording import read_recording
+
+    recordings = (read_recording(path, task.gauge_length_mm) for path in task.recordings)
+    return [series_of(recording, task.target, PAPER_RATE_HZ) for recording in recordings]
+
+
+@lru_cache(maxsize=8)
+def _arrays(task: Task, factor: float, count: int) -> list[Any]:
+    """Features and standardised target of training, A and B."""
+    from compensation.training import Options, untrained
+
+    series = _series(task)
+    blank = untrained(series[:1], task.target, Options(factor=factor, count=count))
+    return [(blank.features(part.time_s, part.conductance_S), blank.scaling_out.apply(part.truth)) for part in series]
+
+
+def sweep(
+    task: Task,
+    jobs: Sequence[tuple[Candidate, int]],
+    results: str | Path,
+    workers: int = 2,
+    backend: str = "loky",
+    scheduler: str | None = None,
+    progress: Callable[[str], None] = lambda note: None,
+) -> list[dict[str, Any]]:
+    """Run every job that `results` does not hold yet; each is appended as soon as it is done.
+
+    Parameters
+    ----------
+    task : Task
+    jobs : sequence of (Candidate, seed)
+    results : path
+        JSON lines; a sweep that was killed goes on from here.
+    workers : int
+        Processes on this machine (backend ``loky``).
+    backend : {"loky", "dask"}
+    scheduler : str, optional
+        Address of a running Dask scheduler; without it, a local cluster is started.
+
+    Raises
+    ------
+    UserError
+        If `results` belongs to another sweep.
+    """
+    done = _open_results(Path(results), task)
+    known = {(row["key"], row["seed"]) for row in done}
+    missing = [(candidate, seed) for candidate, seed in jobs if (candidate.key, seed) not in known]
+    wanted = {(candidate.key, seed) for candidate, seed in jobs}
+    with Path(results).open("a", encoding="utf-8") as stream:
+        for row in _run(task, missing, workers, backend, scheduler):
+            stream.write(json.dumps(row) + "\n")
+            stream.flush()
+            done.append(row)
+            progress(f"{row['key']}: E {row['E']:.4f}")
+    return [row for row in done if (row["key"], row["seed"]) in wanted]
+
+
+def _run(
+    task: Task, jobs: Sequence[tuple[Candidate, int]], workers: int, backend: str, scheduler: str | None
+) -> Iterator[dict[str, Any]]:
+    from joblib import Parallel, delayed, parallel_config
+
+    calls = [delayed(evaluate)(task, candidate, seed) for candidate, seed in jobs]
+    if backend != "dask":
+        yield from Parallel(n_jobs=workers, return_as="generator_unordered")(calls)
+        return
+    try:
+        from distributed import Client
+    except ImportError:
+        raise UserError("--backend dask needs dask: pip install 'knitbench[dask]'") from None
+    with Client(scheduler) if scheduler else Client(n_workers=workers, threads_per_worker=1):
+        # joblib's Dask backend returns lists only: go in rounds, so that a kill costs one round.
+        for begin in range(0, len(calls), 50):
+            with parallel_config(backend="dask"):
+                yield from Parallel()(calls[begin : begin + 50])
+
+
+def _open_results(path: Path, task: Task) -> list[dict[str, Any]]:
+    """Rows so far; a new file gets a first line that says what it is about."""
+    header = {"format": "knitbench-search", "version": 1, "task": json.loads(json.dumps(asdict(task)))}
+    if not path.exists():
+        try:
+            path.write_text(json.dumps(header) + "\n", encoding="utf-8")
+        except OSError as error:
+            raise UserError(
+                f"cannot write {path}: {error.strerror or error}; choose another place with -o"
+            ) from error
+        return []
+    text = path.read_text(encoding="utf-8")
+    whole = text[: text.rfind("\n") + 1]
+    if whole != text:
+        # A kill in the middle of a line: that job is done again.
+        path.write_text(whole, encoding="utf-8")
+    try:
+        first, *rows = [json.loads(line) for line in whole.splitlines()]
+    except ValueError:
+        raise UserError(f"{path}: not a search of knitbench; choose another file with -o") from None
+    if first != header:
+        raise UserError(f"{path}: holds a search of other recordings, target or engine; choose another file with -o")
+    return rows

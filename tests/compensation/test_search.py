@@ -1,0 +1,128 @@
+"""The sweep: its enumeration, resuming, ranking and its certainty."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from compensation import search
+from compensation.cli import main
+from compensation.ranking import rank, split_half_agreement
+from gcode.support.errors import UserError
+from testbench.recording_files import write_recording_csv
+
+
+@pytest.fixture(scope="module")
+def task(recordings, tmp_path_factory):
+    """Three short recordings on disk."""
+    folder = tmp_path_factory.mktemp("search")
+    paths = [folder / f"{name}.csv" for name in "TAB"]
+    for path, recording in zip(paths, recordings, strict=True):
+        write_recording_csv(path, recording.between(0, 60))
+    return search.Task(tuple(map(str, paths)), 25.0, "force", "fast")
+
+
+def test_912_candidates_none_twice():
+    found = search.candidates()
+    assert len(search.topologies()) == 20
+    assert len(search.hidden_layers()) == 114
+    assert len({candidate.key for candidate in found}) == len(found) == 912
+    assert search.Candidate(2.5, 7, (4, 2, 2)) in found
+    assert min(min(candidate.sizes) for candidate in found) == 2
+
+
+def some_jobs(count: int = 3, seeds: int = 2):
+    return [(candidate, seed) for seed in range(seeds) for candidate in search.candidates()[: count * 40 : 40]]
+
+
+def test_a_killed_sweep_goes_on(task, tmp_path):
+    jobs, results = some_jobs(), tmp_path / "s.jsonl"
+    whole = search.sweep(task, jobs, results, workers=1)
+    lines = results.read_text().splitlines(keepends=True)
+    results.write_text("".join(lines[:4]) + lines[4][:20])
+    again = []
+    rows = search.sweep(task, jobs, results, workers=1, progress=again.append)
+    assert len(again) == len(jobs) - 3
+    assert sorted(rows, key=json.dumps) == sorted(whole, key=json.dumps)
+    assert search.sweep(task, jobs, results, workers=1, progress=pytest.fail) == rows
+
+
+def test_results_of_another_sweep_are_refused(task, tmp_path):
+    from dataclasses import replace
+
+    results = tmp_path / "s.jsonl"
+    search.sweep(task, [], results)
+    with pytest.raises(UserError, match="other recordings, target or engine"):
+        search.sweep(replace(task, target="displacement"), [], results)
+    results.write_text("not ours\n")
+    with pytest.raises(UserError, match="not a search"):
+        search.sweep(task, [], results)
+
+
+def row(key: str, seed: int, error: float, dead: bool = False) -> dict:
+    return {
+        "key": key,
+        "seed": seed,
+        "parameters": 10,
+        "dead": dead,
+        "E": error,
+        "r2_A": 1 - error,
+        "r2_B": 1 - error,
+    }
+
+
+def test_ranking_is_sure_when_candidates_are_apart():
+    rows = [row("good", seed, 0.01 + 0.001 * seed) for seed in range(6)]
+    rows += [row("bad", seed, 0.10 + 0.001 * seed) for seed in range(6)]
+    first, second = rank(rows)
+    assert (first.key, first.rank_low, first.rank_high, first.chance_first) == ("good", 1, 1, 1.0)
+    assert (second.key, second.rank_low) == ("bad", 2)
+
+
+def test_ranking_admits_when_it_is_not_sure():
+    rows = [
+        row(key, seed, 0.05 + 0.01 * ((seed * 7 + shift) % 5))
+        for shift, key in enumerate("abcd")
+        for seed in range(5)
+    ]
+    ranking = rank(rows)
+    assert max(ranked.chance_first for ranked in ranking) < 0.6
+    assert ranking[0].rank_high > 1
+
+
+def test_dead_seeds_are_counted_but_do_not_decide():
+    rows = [row("a", 0, 0.02), row("a", 1, 1.0, dead=True), row("b", 0, 0.03), row("b", 1, 0.03)]
+    first, second = rank(rows)
+    assert (first.key, first.dead, first.E) == ("a", 1, 0.02)
+    assert second.dead == 0
+
+
+def test_split_half_agreement():
+    ordered = [row(str(key), seed, key * 0.1) for key in range(5) for seed in range(4)]
+    assert split_half_agreement(ordered) == pytest.approx(1.0)
+    assert split_half_agreement([row("a", 0, 0.1)]) is None
+
+
+def test_command_prints_table_picture_and_certainty(task, tmp_path, capsys):
+    words = ["search", *task.recordings, "--gauge-length-mm", "25", "--target", "force", "--sample", "4"]
+    out, picture = tmp_path / "s.jsonl", tmp_path / "s.png"
+    assert main([*words, "--seeds", "2", "--workers", "1", "-o", str(out), "--plot", str(picture)]) == 0
+    printed = capsys.readouterr().out
+    assert "4 candidates, 2 seeds" in printed
+    assert picture.stat().st_size > 5000
+    assert len(out.read_text().splitlines()) == 1 + 8
+    assert main([*words, "--seeds", "0", "-o", str(out)]) == 2
+    assert "--seeds must be at least 1" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore")
+def test_dask_gives_the_same_rows(task, tmp_path):
+    pytest.importorskip("distributed")
+    here, there = (
+        search.sweep(task, some_jobs(), Path(tmp_path, f"{backend}.jsonl"), workers=1, backend=backend)
+        for backend in ("loky", "dask")
+    )
+    assert sorted(here, key=json.dumps) == sorted(there, key=json.dumps)
