@@ -12,7 +12,7 @@ from testbench.discrepancy.errors import rms_errors
 from testbench.discrepancy.evidence import Evidence, Weighing
 from testbench.discrepancy.fit import Fit, fit
 from testbench.discrepancy.ladder import held_errors
-from testbench.discrepancy.measurement import Measurement
+from testbench.discrepancy.measurement import Measurement, coarser
 from testbench.discrepancy.screen import FLEXIBLE, STIFF, WITHOUT_SLIP
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.model import KnitModel
@@ -20,8 +20,9 @@ from testbench.knit.model import KnitModel
 ENTRANTS = 3
 WORTH_A_REFIT = 0.4  # of the best gain
 LEAST_GAIN = 0.02
-REFIT_ITERATIONS = 8
-SETTLING_ITERATIONS = 20
+REFIT_ITERATIONS = 10
+FIT_RATE_HZ = 12.5  # grid of the fits; errors are judged on the samples as recorded
+SETTLING_ITERATIONS = 40
 IMITATION_TOLERANCE = 0.3  # in ln(squared error)
 SHAPES_MUST_PAY = 0.02  # in ln(RMS), for the flexible base to be kept
 
@@ -90,6 +91,7 @@ class Contest:
         tell: Callable[[str], None],
     ) -> None:
         self.bases, self.calibration, self.held = bases, calibration, held
+        self.coarse = coarser(calibration, FIT_RATE_HZ)
         self.catalogue, self.tell = catalogue, tell
 
     def base(self) -> Entrant:
@@ -107,7 +109,7 @@ class Contest:
         entrants = []
         for mode in sorted(modes):
             start = self.bases.bent(mode).plus(effect)
-            result = fit(start, [self.calibration], max_iterations=REFIT_ITERATIONS)
+            result = fit(start, [self.coarse], max_iterations=REFIT_ITERATIONS)
             entrants.append(self._scored(entry.form, entry.idea, result))
         return min(entrants, key=lambda one: one.score + (SHAPES_MUST_PAY if _bends(one) else 0.0))
 
@@ -122,9 +124,9 @@ class Contest:
         if effect.imitable or not _bends(entrant):
             return entrant
         self.tell(f"settling {form}")
-        alone = fit(self.bases.stiff.model.plus(effect), [self.calibration])
+        alone = fit(self.bases.stiff.model.plus(effect), [self.coarse])
         bent = with_shapes(alone.model, self.calibration, self.catalogue)
-        again = self._scored(form, entrant.idea, fit(bent, [self.calibration], max_iterations=SETTLING_ITERATIONS))
+        again = self._scored(form, entrant.idea, fit(bent, [self.coarse], max_iterations=SETTLING_ITERATIONS))
         return min(entrant, again, key=lambda one: one.score)
 
     def _scored(self, name: str, idea: str, result: Fit) -> Entrant:

@@ -9,12 +9,20 @@ from typing import Any, Literal
 import numpy as np
 
 from testbench.discrepancy.baseline import SHAPES, starting_baseline, with_shapes
-from testbench.discrepancy.contest import Bases, Contest, challengers, leftover, reranked, worst_over_noise
+from testbench.discrepancy.contest import (
+    FIT_RATE_HZ,
+    Bases,
+    Contest,
+    challengers,
+    leftover,
+    reranked,
+    worst_over_noise,
+)
 from testbench.discrepancy.errors import noise_floors
 from testbench.discrepancy.evidence import Evidence, Weighing, weigh
 from testbench.discrepancy.fit import Fit, fit
 from testbench.discrepancy.ladder import held_errors, ladder_step
-from testbench.discrepancy.measurement import Measurement, split
+from testbench.discrepancy.measurement import Measurement, coarser, split
 from testbench.discrepancy.model_file import ModelFile, fit_summary
 from testbench.discrepancy.screen import collect
 from testbench.knit.catalogue import Catalogue, load_catalogue
@@ -130,9 +138,10 @@ def diagnose(
     catalogue = catalogue or load_catalogue()
     calibration, held = split(recording, held_out)
     tell("fitting the baseline")
-    stiff = fit(model or starting_baseline(calibration, catalogue), [calibration])
+    coarse = coarser(calibration, FIT_RATE_HZ)
+    stiff = fit(model or starting_baseline(calibration, catalogue), [coarse])
     tell("fitting the shape of the base laws")
-    flexible = fit(with_shapes(stiff.model, calibration, catalogue), [calibration], max_iterations=REFITS)
+    flexible = fit(with_shapes(stiff.model, calibration, catalogue), [coarse], max_iterations=REFITS)
     weighing = weigh(collect(flexible, stiff.model, calibration, held, catalogue, tell))
     return _concluded(weighing, Bases(stiff, flexible), calibration, held, catalogue, tell)
 

@@ -132,6 +132,15 @@ class _Bins:
         return np.where(self._filled > 0, sums / np.maximum(self._filled, 1), gaps)
 
 
+def coarser(measurement: Measurement, rate_hz: float) -> Measurement:
+    """The same part of the same recording on a grid of at most `rate_hz`: fits on it cost less and say the same."""
+    if 1.0 / measurement.dt_s <= rate_hz:
+        return measurement
+    counting = measurement.signals["time_s"][measurement.counts]
+    half = 0.5 * measurement.dt_s
+    return prepare(measurement.recording, (float(counting[0]) - half, float(counting[-1]) + 3 * half), rate_hz)
+
+
 def _check_usable(recording: Recording) -> None:
     source = recording.source
     if len(recording) < MIN_SAMPLES or recording.duration_s < MIN_DURATION_S:
