@@ -22,7 +22,7 @@ WORTH_A_REFIT = 0.4  # of the best gain
 LEAST_GAIN = 0.02
 REFIT_ITERATIONS = 10
 FIT_RATE_HZ = 12.5  # grid of the fits; errors are judged on the samples as recorded
-SETTLING_ITERATIONS = 40
+SETTLING_ITERATIONS = 30
 IMITATION_TOLERANCE = 0.3  # in ln(squared error)
 SHAPES_MUST_PAY = 0.02  # in ln(RMS), for the flexible base to be kept
 
