@@ -11,6 +11,7 @@ Strength is what the world's own base laws cannot absorb, over the noise floor (
 from __future__ import annotations
 
 import argparse
+import itertools
 import json
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -24,7 +25,7 @@ from joblib import Parallel, delayed
 
 from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.recording import Recording
-from testbench.worlds import CATALOGUE, make_case
+from testbench.worlds import CATALOGUE, OUTSIDE, make_case
 
 Diagnose = Callable[[Recording, Recording, Catalogue], Any]
 PAIRS = (
@@ -60,17 +61,20 @@ def jobs_of(
 ) -> list[Job]:
     """Every effect in turn, none, unknown, effects left out of the catalogue and pairs, evenly shuffled.
 
-    A run that is broken off has then seen a bit of everything.
+    Every case has a sensor of its own: were they to share one, its luck would decide about all. A run that is broken
+    off has seen a bit of everything.
     """
     jobs = []
     for world in worlds:
         for seed in seeds:
-            jobs += [Job(effect, s, world, seed) for effect in effects for s in strengths]
-            jobs += [Job("none", strengths[0], world, seed + k) for k in (0, 1000, 2000)]
-            jobs += [Job("unknown", s, world, seed + k) for s in strengths if s >= 5 for k in (0, 1000)]
-            jobs += [Job(PAIRS[seed % len(PAIRS)], s, world, seed) for s in strengths if s >= 5]
-            left_out = effects[seed * 7 % len(effects)]
-            jobs += [Job(left_out, s, world, seed, left_out=True) for s in strengths if s >= 5]
+            sensors = itertools.count(1000 * seed)
+            outside = [OUTSIDE[(2 * seed + k) % len(OUTSIDE)] for k in (0, 1)]
+            left_out, pair = effects[seed * 7 % len(effects)], PAIRS[seed % len(PAIRS)]
+            jobs += [Job(effect, s, world, seed=next(sensors)) for effect in effects for s in strengths]
+            jobs += [Job("none", strengths[0], world, next(sensors)) for _ in range(3)]
+            for s in (s for s in strengths if s >= 5):
+                jobs += [Job(name, s, world, next(sensors)) for name in (*outside, pair)]
+                jobs.append(Job(left_out, s, world, next(sensors), left_out=True))
     order = np.random.default_rng(0).permutation(len(jobs))
     return [jobs[k] for k in order]
 

@@ -110,4 +110,6 @@ def test_every_effect_strength_world_and_seed_has_its_job(bench):
     assert len({job.key for job in jobs}) == len(jobs)
     plain = [job for job in jobs if job.effect in "abc" and not job.left_out]
     assert len(plain) == 3 * 2 * 2 * 2
-    assert {job.effect for job in jobs} >= {"none", "unknown"}
+    assert "none" in {job.effect for job in jobs}
+    assert len({job.effect for job in jobs} & set(bench.OUTSIDE)) == 4
+    assert sum(job.left_out for job in jobs) == 4
