@@ -40,7 +40,9 @@ def run(args: argparse.Namespace) -> int:
         calibration, held = load_split(args, args.fit)
         check_same_set_up(file, calibration.recording, args.model)
         file = add_effect(file, args.effect, calibration, held, catalogue)
-        optional = set(file.model) - set(BASELINE) - {args.effect}
+        # A law without a strength (piezoresistance in place of contact) makes a signal that others need.
+        laws = {name for name in file.model if not file.model[name].strength}
+        optional = set(file.model) - set(BASELINE) - laws - {args.effect}
         for name in idle_effects(file, calibration, held, optional):
             print(f"{name} no longer pays now that {args.effect} is in: without it the held-out error hardly rises")
     file.save(args.output)

@@ -149,20 +149,23 @@ class _Candidates:
 
     def _add(self, entry: Mapping[str, Any]) -> None:
         done = partial(ui.navigate.to, address("/ladder", c=self.c))
-        if self._is_put_in_already(entry):
+        named = self.diagnosis["verdict"] == "missing"
+        first = named and entry["form"] == self.diagnosis["ranking"][0]["form"]
+        # What the diagnosis has refitted already need not be fitted again: the first candidate, or the shapes alone.
+        if self._is_fresh() and (first or (not named and self.diagnosis.get("base_misfits"))):
             models.adopt_diagnosed(self.studio, self.c)
-            done()
-            return
+            if first:
+                done()
+                return
         have = models.model_path(self.studio, self.c).read_text(encoding="utf-8")
         shapes = [name for name in self.diagnosis.get("base_misfits", []) if f'"{name}"' not in have]
         commands = [models.add_command(self.studio, self.c, name) for name in (*shapes, entry["form"])]
         models.run_in_turn(self.studio, f"model:{self.c}", commands, self.holder, done)
 
-    def _is_put_in_already(self, entry: Mapping[str, Any]) -> bool:
-        """Whether the diagnosis ended with a model that has this effect, of the model as it is now."""
+    def _is_fresh(self) -> bool:
+        """Whether the diagnosis was made of the model as it is now."""
         found, mine = (path(self.studio, self.c) for path in (models.diagnosed_path, models.model_path))
-        named = self.diagnosis["verdict"] == "missing" and entry["form"] == self.diagnosis["ranking"][0]["form"]
-        return named and found.is_file() and found.stat().st_mtime >= mine.stat().st_mtime
+        return found.is_file() and found.stat().st_mtime >= mine.stat().st_mtime
 
 
 def predicted(
