@@ -75,6 +75,11 @@ def first(row: Row) -> bool:
     return row["verdict"] == "missing" and row["ranked"][:1] == row["hidden"]
 
 
+def ranked_first(row: Row) -> bool:
+    """The hidden effect is ranked first, whatever the verdict."""
+    return row["ranked"][:1] == row["hidden"]
+
+
 def top3(row: Row) -> bool:
     """The hidden effect is among the first three, whatever the verdict."""
     return row["hidden"][0] in row["ranked"][:3]
@@ -131,6 +136,7 @@ def by_world_and_strength(rows: Sequence[Row]) -> str:
                 world,
                 f"{strength:g}x",
                 share(group, first),
+                share(group, ranked_first),
                 share(group, top3),
                 share(group, said("missing")),
                 median(group, "before"),
@@ -138,7 +144,7 @@ def by_world_and_strength(rows: Sequence[Row]) -> str:
                 seconds,
             ]
         )
-    header = ["one hidden", "strength", "right first", "in top 3", "said missing"]
+    header = ["one hidden", "strength", "right first", "ranked first", "in top 3", "said missing"]
     return _table([*header, "error before / floor", "after", "seconds"], lines)
 
 

@@ -74,7 +74,7 @@ def test_tables_count_false_alarms_and_confusions(bench):
     ]
     text = tables(rows)
     assert "| matched | 50 % of 2 | 0 % of 2 | 100 % of 1 | 50 % of 1 | 0.0 a case |" in text
-    assert "| matched | 5x | 0 % of 1 | 100 % of 1 | 100 % of 1 |" in text
+    assert "| matched | 5x | 0 % of 1 | 0 % of 1 | 100 % of 1 | 100 % of 1 |" in text
     assert "| clamp_slip | 1 |" in text
 
 
