@@ -42,6 +42,8 @@ class Options:
     per_recording : bool
         Standardise each recording by itself (needs the whole recording).
     engine : {"exact", "fast", "sklearn"}
+    rate_hz : float
+        Rate of resampling, and the one that the smoothing factors refer to.
     """
 
     sizes: tuple[int, ...] = PAPER_SIZES
@@ -53,6 +55,7 @@ class Options:
     irregular: bool = False
     per_recording: bool = False
     engine: str = "exact"
+    rate_hz: float = PAPER_RATE_HZ
 
 
 def train(
@@ -78,7 +81,7 @@ def train(
     from compensation.tuning import tune
 
     options = options or Options()
-    rate_hz = None if options.irregular else PAPER_RATE_HZ
+    rate_hz = None if options.irregular else options.rate_hz
     series = [series_of(rec, target, rate_hz) for rec in recordings]
     return (tune if tuned else train_on_series)(series, target, options, progress)
 
@@ -108,7 +111,7 @@ def untrained(series: Sequence[Series], target: str, options: Options) -> Compen
     truth = np.concatenate([part.truth for part in series])
     return Compensator(
         target=target,
-        rate_hz=PAPER_RATE_HZ,
+        rate_hz=options.rate_hz,
         alphas=smoothing_factors(options.factor, options.count),
         scaling_in=Scaling.of(conductance),
         scaling_out=Scaling.of(truth),

@@ -1,0 +1,41 @@
+"""``compensation table``: the paper's tables beside ours."""
+
+from __future__ import annotations
+
+import argparse
+
+SUMMARY = "Print the paper's result tables beside ours, on simulated PES and Lycra campaigns."
+EXAMPLE = "compensation table -o table-campaigns --seeds 10"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("-o", "--output", required=True, metavar="DIR", help="campaigns are kept here and used again")
+    parser.add_argument("--seeds", type=int, default=10, metavar="K", help="networks a row (default 10)")
+    parser.add_argument("--sensor", choices=("pes", "lycra"), action="append", help="default: both")
+    parser.add_argument(
+        "--quick", action="store_true", help="the two result tables only: no transfer, baselines or other rates"
+    )
+
+
+def run(args: argparse.Namespace) -> int:
+    """Simulate what is missing, then print table after table."""
+    from compensation import tables
+    from compensation.paper_campaigns import RUNS, campaigns
+    from gcode.support.console import Progress
+    from gcode.support.errors import UserError
+    from gcode.support.files import make_folder
+
+    if args.seeds < 2:
+        raise UserError(f"--seeds must be at least 2 to show a spread, got {args.seeds}")
+    folder, sensors = make_folder(args.output), args.sensor or ["pes", "lycra"]
+    progress = Progress("campaigns", len(RUNS) * len(sensors))
+    recordings = {sensor: campaigns(folder, sensor, progress.step) for sensor in sensors}
+    if not args.quick:
+        print(tables.trajectories(folder))
+    for target in ("force", "displacement"):
+        print(tables.results(recordings, target, args.seeds))
+    if not args.quick:
+        print(tables.transfer(recordings, args.seeds))
+        print(tables.others(recordings, args.seeds))
+    return 0
