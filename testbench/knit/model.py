@@ -11,6 +11,7 @@ import numpy as np
 from gcode.support.errors import UserError
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage
 
+OURS = "testbench.knit."  # effects from elsewhere are checked at every run
 FORMAT = "knitbench-model"
 FORMAT_VERSION = 1
 
@@ -115,7 +116,7 @@ class KnitModel:
             if effect.stage >= Stage.PRESSURE and "contact_force_N" not in state and "force_N" in state:
                 state["contact_force_N"] = state["force_N"]
             check_wiring(name, effect, state)
-            state.update(effect.apply(state, dt_s))
+            state.update(apply_checked(name, effect, state, dt_s))
             if cache is not None:
                 cache.keep(effect, state)
         return state
@@ -164,6 +165,43 @@ def check_wiring(name: str, effect: Effect, state: Mapping[str, FloatArray]) -> 
         raise UserError(
             f"effect {name} reads {', '.join(missing)}, which nothing before it makes; put a law for it in the model"
         )
+
+
+def apply_checked(name: str, effect: Effect, state: Mapping[str, FloatArray], dt_s: float) -> Signals:
+    """Apply an effect; one that is not ours is watched, for its mistakes would look like findings.
+
+    Raises
+    ------
+    UserError
+        If a user's effect raises, or returns other signals, lengths or values than it should.
+    """
+    if type(effect).__module__.startswith(OURS):
+        return effect.apply(state, dt_s)
+    remedy = f"; mend it and try `testbench effects {effect.name} --effects FILE.py --check`"
+    try:
+        written = effect.apply(state, dt_s)
+    except Exception as error:
+        raise UserError(f"effect {name} raised {type(error).__name__}: {error}{remedy}") from error
+    if not isinstance(written, Mapping) or set(written) != set(effect.writes):
+        came = ", ".join(written) if isinstance(written, Mapping) else type(written).__name__
+        raise UserError(f"effect {name} must return {', '.join(effect.writes)}, got {came}{remedy}")
+    for signal, values in written.items():
+        problem = _unusable(values, len(state["time_s"]))
+        if problem:
+            raise UserError(f"effect {name} returned {signal} {problem} (its parameters: {effect}){remedy}")
+    return written
+
+
+def _unusable(values: object, count: int) -> str:
+    """What is wrong with a returned signal; empty if nothing."""
+    if not isinstance(values, np.ndarray):
+        return f"as {type(values).__name__} instead of an array"
+    if values.shape != (count,):
+        return f"of shape {values.shape} instead of ({count},)"
+    if values.dtype.kind not in "fiu":
+        return f"of type {values.dtype} instead of float"
+    bad = int(np.count_nonzero(~np.isfinite(values)))
+    return f"with {bad} values that are not finite" if bad else ""
 
 
 def inputs(
