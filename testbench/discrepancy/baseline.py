@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.optimize import least_squares
 
 from testbench.discrepancy.measurement import CONDUCTANCE_CHANNEL, FORCE_CHANNEL, Measurement
 from testbench.discrepancy.parameters import FRAME_PARAMETERS
 from testbench.knit.catalogue import Catalogue, load_catalogue
-from testbench.knit.effect import Effect, FloatArray
+from testbench.knit.effect import Effect, FloatArray, bounds_of
 from testbench.knit.model import KnitModel
 
 FORCE_SHAPES = ("elasticity_shape", "hysteresis_shape")
@@ -22,15 +23,17 @@ def starting_baseline(measurement: Measurement, catalogue: Catalogue | None = No
     electrical laws. Conductance that falls with stretch gets `piezoresistance` in place of `contact`.
     """
     effects = (catalogue or load_catalogue()).effects
-    strain = measurement.signals["strain"][measurement.counts]
+    # With the burn-in: in a ramp and hold nearly all of the motion lies there.
+    seen = slice(0, int(np.flatnonzero(measurement.counts)[-1]) + 1)
+    strain = measurement.signals["strain"][seen]
     laws: list[Effect] = []
     force = measurement.measured.get(FORCE_CHANNEL)
     log_g = measurement.measured.get(CONDUCTANCE_CHANNEL)
-    falls = log_g is not None and _slope(strain, log_g[measurement.counts]) < 0
+    falls = log_g is not None and _slope(strain, log_g[seen]) < 0
     if force is not None or not falls:
-        laws += _force_laws(effects, strain, None if force is None else force[measurement.counts])
+        laws += _force_laws(effects, strain, None if force is None else force[seen])
     if log_g is not None:
-        laws += _electrical_laws(effects, falls, strain, log_g[measurement.counts])
+        laws += _electrical_laws(effects, falls, strain, log_g[seen], None if force is None else force[seen])
     return KnitModel.of(*laws)
 
 
@@ -65,7 +68,11 @@ def _j_curve(strain: FloatArray, force: FloatArray) -> tuple[float, float, float
 
 
 def _electrical_laws(
-    effects: dict[str, type[Effect]], falls: bool, strain: FloatArray, log_g: FloatArray
+    effects: dict[str, type[Effect]],
+    falls: bool,
+    strain: FloatArray,
+    log_g: FloatArray,
+    force: FloatArray | None = None,
 ) -> list[Effect]:
     drift = effects["drift"].model_validate({"per_decade": 0.0})
     if falls:
@@ -82,7 +89,29 @@ def _electrical_laws(
             "preload_N": 0.2,
         }
     )
-    return [contact, drift]
+    return [contact if force is None else contact_start(contact, force, log_g), drift]
+
+
+def contact_start(contact: Effect, force: FloatArray, log_g: FloatArray, samples: int = 300) -> Effect:
+    """The contact law fitted to measured force and ln G alone, on a few samples.
+
+    Its four parameters lie in a curved valley along which a fit of the whole model creeps; without the rest of the
+    model a step costs nothing, so it is walked to the end beforehand.
+    """
+    keys = list(type(contact).model_fields)
+    bounds = [bounds_of(type(contact).model_fields[key]) for key in keys]
+    low, high = (np.log([extra[side] for extra in bounds]) for side in ("low", "high"))
+    stride = max(len(force) // samples, 1)
+    signals = {"contact_force_N": force[::stride]}
+    wanted = log_g[::stride]
+
+    def misfit(x: FloatArray) -> FloatArray:
+        at = contact.replaced(**dict(zip(keys, np.exp(np.clip(x, low, high)), strict=True)))
+        return np.log(at.apply(signals, 1.0)["conductance_S"]) - wanted
+
+    start = np.log([getattr(contact, key) for key in keys])
+    found = least_squares(misfit, start, bounds=(low, high), loss="soft_l1", f_scale=0.05, max_nfev=60)
+    return contact.replaced(**{key: float(v) for key, v in zip(keys, np.exp(found.x), strict=True)})
 
 
 def framed(effect: Effect, model: KnitModel, measurement: Measurement) -> Effect:

@@ -20,6 +20,7 @@ UNIT_OF = {FORCE_CHANNEL: "N", CONDUCTANCE_CHANNEL: "ln S"}
 MAX_GRID_HZ = 25.0
 BURN_IN_S = 3.0
 MIN_SAMPLES, MIN_DURATION_S, MIN_STRAIN_RANGE = 200, 20.0, 2e-3
+MIN_PART = 170  # samples that count in each part; the evidence is weighed in 40 blocks of every fourth sample
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,6 +173,28 @@ def _check_usable(recording: Recording) -> None:
             )
 
 
+def _check_parts(calibration: Measurement, held: Measurement, cut_s: float) -> None:
+    source = calibration.recording.source
+    fewest = min(int(part.counts.sum()) for part in (calibration, held))
+    if fewest < MIN_PART:
+        raise UserError(
+            f"{source}: too short to fit on one part and judge on the rest: {fewest} samples in the shorter part, "
+            f"at least {MIN_PART} are needed; record longer, or give another recording with --held-out"
+        )
+    seen = calibration.signals["strain"][: np.flatnonzero(calibration.counts)[-1] + 1]
+    if np.ptp(seen) < MIN_STRAIN_RANGE:
+        raise UserError(
+            f"{source}: too still to identify anything: the strain moves by {np.ptp(seen):.2%} in the first "
+            f"{cut_s:.0f} s, on which the model is fitted; give a recording that moves, and this one as --held-out"
+        )
+    for channel, values in calibration.measured.items():
+        if np.ptp(values[calibration.counts]) == 0:
+            raise UserError(
+                f"{source}: {channel} is constant in the first {cut_s:.0f} s, on which the model is fitted; "
+                "check the wiring or leave it out"
+            )
+
+
 def split(
     recording: Recording, held_out: Recording | None = None, held_share: float = 1 / 3
 ) -> tuple[Measurement, Measurement]:
@@ -180,11 +203,14 @@ def split(
     Raises
     ------
     UserError
-        If the two were taken at different gauge lengths or share no channel.
+        If the two were taken at different gauge lengths or share no channel, or one recording is too short or too
+        still in a part of it.
     """
     if held_out is None:
         cut_s = recording.duration_s * (1 - held_share)
-        return prepare(recording, (0.0, cut_s)), prepare(recording, (cut_s, np.inf))
+        parts = prepare(recording, (0.0, cut_s)), prepare(recording, (cut_s, np.inf))
+        _check_parts(*parts, cut_s)
+        return parts
     if abs(held_out.gauge_length_mm - recording.gauge_length_mm) > 1e-3 * recording.gauge_length_mm:
         raise UserError(
             f"{held_out.source}: gauge length {held_out.gauge_length_mm:g} mm, but {recording.source} has "

@@ -21,14 +21,23 @@ def noise_floor(values: FloatArray) -> float:
     """Standard deviation of the sample-to-sample noise of a smooth signal.
 
     Second differences cancel the motion and leave noise: for white noise their variance is 6 sigma^2. Noise with a
-    longer memory than a few samples is not seen, so this is a lower bound.
+    longer memory than a few samples is not seen, so this is a lower bound. Values that come in steps are not known
+    better than a step over the square root of 12.
 
     Parameters
     ----------
     values : ndarray, shape (n,), n >= 3
     """
     # Robust, because steps and reversals are rare but large in second differences.
-    return robust_sd(np.diff(values, 2)) / np.sqrt(6)
+    return max(robust_sd(np.diff(values, 2)) / np.sqrt(6), _step(values) / np.sqrt(12))
+
+
+def _step(values: FloatArray) -> float:
+    """Step between the values of a coarse converter; 0 where most values occur once only."""
+    distinct = np.unique(values)
+    if not 1 < len(distinct) < 0.5 * len(values):
+        return 0.0
+    return float(np.median(np.diff(distinct)))
 
 
 def autoregression(residual: FloatArray, order: int = AR_ORDER) -> FloatArray:
