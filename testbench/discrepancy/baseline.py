@@ -33,7 +33,7 @@ def starting_baseline(measurement: Measurement, catalogue: Catalogue | None = No
     if force is not None or not falls:
         laws += _force_laws(effects, strain, None if force is None else force[seen])
     if log_g is not None:
-        laws += _electrical_laws(effects, falls, strain, log_g[seen], None if force is None else force[seen])
+        laws += _electrical_laws(effects, falls, strain, log_g[seen], _pressing(laws, measurement)[seen])
     return KnitModel.of(*laws)
 
 
@@ -55,6 +55,14 @@ def _force_laws(effects: dict[str, type[Effect]], strain: FloatArray, force: Flo
     return [elasticity, hysteresis]
 
 
+def _pressing(laws: list[Effect], measurement: Measurement) -> FloatArray:
+    """Force that presses the contacts: as measured, or of the laws as they start."""
+    if FORCE_CHANNEL in measurement.measured:
+        return measurement.measured[FORCE_CHANNEL]
+    state = KnitModel.of(*laws).simulate(measurement.signals, measurement.dt_s)
+    return state.get("force_N", measurement.signals["strain"])
+
+
 def _j_curve(strain: FloatArray, force: FloatArray) -> tuple[float, float, float]:
     """Best stiffness, curvature and offset over a grid of curvatures; each is a linear problem."""
     best = (np.inf, 1.0, 0.0, 0.0)
@@ -72,7 +80,7 @@ def _electrical_laws(
     falls: bool,
     strain: FloatArray,
     log_g: FloatArray,
-    force: FloatArray | None = None,
+    pressing: FloatArray,
 ) -> list[Effect]:
     drift = effects["drift"].model_validate({"per_decade": 0.0})
     if falls:
@@ -89,7 +97,7 @@ def _electrical_laws(
             "preload_N": 0.2,
         }
     )
-    return [contact if force is None else contact_start(contact, force, log_g), drift]
+    return [contact_start(contact, pressing, log_g), drift]
 
 
 def contact_start(contact: Effect, force: FloatArray, log_g: FloatArray, samples: int = 300) -> Effect:
