@@ -34,7 +34,7 @@ def rivals(first: str) -> list[Rival]:
 
 
 def misfit_after_refit(option, truth_model, rival_model, seed: int) -> float:
-    """Squared misfit over the noise, per independent sample, that `testbench fit` itself leaves to the wrong model."""
+    """Squared misfit over the noise that `testbench fit` itself leaves to the wrong model."""
     measurement = planned(option.made.trajectory, BOUNDS.gauge_length_mm, tuple(FLOORS))
     clean = measurement.modelled(truth_model)
     rng = np.random.default_rng(seed)

@@ -1,0 +1,110 @@
+"""Speed of fit, compare and diagnose on two 23 min recordings, and where the time goes.
+
+    python benchmarks/bench_fit.py
+
+The reference is scipy.optimize.least_squares with its own numerical Jacobian on the same residuals, bounds and start:
+what one would write without this package's staged simulation. All on one thread, in one run.
+"""
+
+from __future__ import annotations
+
+import cProfile
+import pstats
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from testbench.discrepancy import diagnose
+from testbench.discrepancy.baseline import starting_baseline
+from testbench.discrepancy.compare import compare
+from testbench.discrepancy.fit import fit, shape_scales
+from testbench.discrepancy.measurement import Measurement, split
+from testbench.discrepancy.noise import noise_floor
+from testbench.discrepancy.parameters import free_parameters, values_of, with_values
+from testbench.knit.model import KnitModel
+from testbench.worlds import make_case
+
+STAGES = {
+    "simulating effects": ("model.py", "simulate"),
+    "sensitivities": ("sensitivity.py", "sensitivities"),
+    "fits": ("fit.py", "fit"),
+    "inner products": ("grams.py", "grams"),
+    "weighing": ("evidence.py", "weigh"),
+    "traces of candidates": ("screen.py", "collect"),
+    "coordinates": ("coordinates.py", "coordinates"),
+}
+
+
+def timed(work: Callable[[], Any]) -> tuple[float, Any]:
+    """CPU seconds and the result: wall-clock time would count other people's work."""
+    start = time.process_time()
+    result = work()
+    return time.process_time() - start, result
+
+
+def with_scipy(model: KnitModel, measurement: Measurement) -> KnitModel:
+    """The same problem as one would first write it."""
+    parameters = free_parameters(model, shape_scales(measurement))
+    scale = {c: 3 * noise_floor(v[measurement.counts]) for c, v in measurement.measured.items()}
+
+    def residual(x: np.ndarray) -> np.ndarray:
+        left = measurement.residual(with_values(model, parameters, x))
+        return np.concatenate([left[c][measurement.counts] / scale[c] for c in left])
+
+    low = np.array([p.to_fit(p.low) for p in parameters])
+    high = np.array([p.to_fit(p.high) for p in parameters])
+    start = np.clip(values_of(model, parameters), low + 1e-9, high - 1e-9)
+    found = least_squares(residual, start, bounds=(low, high), x_scale="jac", loss="huber", max_nfev=25)
+    return with_values(model, parameters, found.x)
+
+
+def spread(model: KnitModel, measurement: Measurement) -> str:
+    """Residual standard deviations."""
+    left = measurement.residual(model)
+    return ", ".join(f"{c} {np.std(v[measurement.counts]):.4g}" for c, v in left.items())
+
+
+def where_time_goes(profile: cProfile.Profile) -> None:
+    """Cumulative seconds of the stages; they contain one another."""
+    table = pstats.Stats(profile).stats  # type: ignore[attr-defined]
+    total = sum(row[2] for row in table.values())
+    for label, (file, name) in STAGES.items():
+        rows = [row for key, row in table.items() if key[0].endswith(f"/{file}") and key[2] == name]
+        if rows:
+            seconds, calls = sum(row[3] for row in rows), sum(row[1] for row in rows)
+            print(f"    {label:<24}{seconds:>8.2f} s {100 * seconds / total:>5.0f} %   {calls} calls")
+
+
+def main() -> None:
+    """Print the table."""
+    case = make_case("stress_relaxation", strength=5, seed=1, minutes=23, rate_hz=40)
+    calibration, held = split(case.calibration, case.held_out)
+    start = starting_baseline(calibration)
+    fit(start, [calibration], max_iterations=1)  # compiled kernels are loaded once a session
+    reference_s, theirs = timed(lambda: with_scipy(start, calibration))
+    fit_s, ours = timed(lambda: fit(starting_baseline(calibration), [calibration]))
+    compare_s, _ = timed(lambda: compare(ours.model, held, free_offset=True))
+    profile = cProfile.Profile()
+    plain_s, result = timed(lambda: diagnose(case.calibration, case.held_out))
+    profile.runcall(diagnose, case.calibration, case.held_out)
+    print(
+        f"two recordings of 23 min at 40 Hz, {len(calibration.counts)} grid points each; CPU seconds on one thread\n"
+    )
+    print(f"{'':<44}{'seconds':>8}{'reference / this':>18}")
+    for label, seconds in (
+        ("scipy.optimize.least_squares (reference)", reference_s),
+        (f"fit ({ours.iterations} iterations, {len(ours.parameters)} parameters)", fit_s),
+        ("compare", compare_s),
+        (f"diagnose ({result.verdict})", plain_s),
+    ):
+        print(f"{label:<44}{seconds:>8.2f}{reference_s / seconds:>18.1f}")
+    print(f"\nresidual: scipy {spread(theirs, calibration)}; fit {spread(ours.model, calibration)}")
+    print("\nwhere a diagnosis' time goes (profiled, stages contain one another):")
+    where_time_goes(profile)
+
+
+if __name__ == "__main__":
+    main()
