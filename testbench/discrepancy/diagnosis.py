@@ -33,7 +33,8 @@ Verdict = Literal["missing", "nothing_missing", "unknown"]
 Progress = Callable[[str], None]
 
 # Set on simulated sensors whose physics is written apart from this model (benchmarks/bench_diagnosis.py).
-GAIN_TO_NAME = 0.06  # an idea must gain this much to be called missing
+GAIN_TO_NAME = 0.09  # an idea must gain this much to be called missing,
+GAIN_TO_NAME_IMITABLE = 0.04  # or this much where the gain is counted after the price of the shape it replaces
 GAIN_OF_STRUCTURE = 0.12  # a free-form map must gain this much to be called structure
 LEFT_UNEXPLAINED = 0.15  # an idea that leaves more than this share of the error above the noise,
 OVER_NOISE = 2.5  # and more than this many noise floors, is a stand-in
@@ -161,7 +162,7 @@ def _concluded(
     entrants = {entry.idea: contest.enter(entry) for entry in challengers(weighing)}
     weighing = reranked(weighing, base, list(entrants.values()))
     best = entrants.get(weighing.ranking[0].idea) if weighing.ranking else None
-    if best is not None and weighing.ranking[0].gain > GAIN_TO_NAME:
+    if best is not None and weighing.ranking[0].gain > _gain_needed(weighing):
         best = contest.settled(best)
     reached = best.held if best else base.held
     left = leftover(base.held, reached, floors)
@@ -193,11 +194,17 @@ def _step_file(
 def verdict_of(weighing: Weighing, left: float, over_noise: float) -> Verdict:
     """Missing, nothing missing, or unknown, from the gains and from what is left over."""
     gain = weighing.ranking[0].gain if weighing.ranking else 0.0
+    enough = gain > _gain_needed(weighing)
     structured = weighing.ceiling > GAIN_OF_STRUCTURE
     stand_in = left > LEFT_UNEXPLAINED and over_noise > OVER_NOISE
-    if gain > GAIN_TO_NAME and not stand_in:
+    if enough and not stand_in:
         return "missing"
-    return "unknown" if structured or gain > GAIN_TO_NAME else "nothing_missing"
+    return "unknown" if structured or enough else "nothing_missing"
+
+
+def _gain_needed(weighing: Weighing) -> float:
+    imitable = bool(weighing.ranking) and weighing.ranking[0].candidate.effect.imitable
+    return GAIN_TO_NAME_IMITABLE if imitable else GAIN_TO_NAME
 
 
 def _tied(weighing: Weighing, verdict: Verdict) -> tuple[str, ...]:
