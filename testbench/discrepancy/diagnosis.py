@@ -33,11 +33,12 @@ Verdict = Literal["missing", "nothing_missing", "unknown"]
 Progress = Callable[[str], None]
 
 # Set on simulated sensors whose physics is written apart from this model (benchmarks/bench_diagnosis.py).
-GAIN_TO_NAME = 0.09  # an idea must gain this much to be called missing,
+GAIN_TO_NAME = 0.075  # an idea must gain this much to be called missing,
 GAIN_TO_NAME_IMITABLE = 0.04  # or this much where the gain is counted after the price of the shape it replaces
-GAIN_OF_STRUCTURE = 0.12  # a free-form map must gain this much to be called structure
-LEFT_UNEXPLAINED = 0.15  # an idea that leaves more than this share of the error above the noise,
-OVER_NOISE = 2.5  # and more than this many noise floors, is a stand-in
+SHARE_OF_CEILING = 0.65  # an idea that gains less than this share of what a free-form map finds,
+LEFT_UNEXPLAINED = 0.15  # and leaves more than this share of the error above the noise,
+OVER_NOISE = 2.5  # and more than this many noise floors, is a stand-in for something else
+STRUCTURE_OVER_NOISE = 3.0  # where nothing is named, more noise floors than this are structure
 TIE = 0.08  # ideas closer than this cannot be told apart
 REFITS = 10
 
@@ -195,11 +196,11 @@ def verdict_of(weighing: Weighing, left: float, over_noise: float) -> Verdict:
     """Missing, nothing missing, or unknown, from the gains and from what is left over."""
     gain = weighing.ranking[0].gain if weighing.ranking else 0.0
     enough = gain > _gain_needed(weighing)
-    structured = weighing.ceiling > GAIN_OF_STRUCTURE
-    stand_in = left > LEFT_UNEXPLAINED and over_noise > OVER_NOISE
+    short = gain < SHARE_OF_CEILING * weighing.ceiling
+    stand_in = short and left > LEFT_UNEXPLAINED and over_noise > OVER_NOISE
     if enough and not stand_in:
         return "missing"
-    return "unknown" if structured or enough else "nothing_missing"
+    return "unknown" if enough or over_noise > STRUCTURE_OVER_NOISE else "nothing_missing"
 
 
 def _gain_needed(weighing: Weighing) -> float:
