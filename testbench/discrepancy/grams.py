@@ -160,7 +160,7 @@ def reduce_to_traces(
     return Reduced(lift.T @ fit_on @ lift + penalty, lift, lift.T @ judge_on @ lift)
 
 
-@njit("float64[:](float64[:,:], float64[:], boolean[:])", cache=True, nogil=True)
+@njit("float64[::1](float64[:,::1], float64[::1], boolean[::1])", cache=True, nogil=True)
 def _descend(normal: FloatArray, goal: FloatArray, signed: np.ndarray) -> FloatArray:
     x = np.zeros(len(goal))
     for _ in range(300):
