@@ -93,14 +93,14 @@ def main() -> None:
     print(
         f"two recordings of 23 min at 40 Hz, {len(calibration.counts)} grid points each; CPU seconds on one thread\n"
     )
-    print(f"{'':<44}{'seconds':>8}{'reference / this':>18}")
+    print(f"{'':<44}{'seconds':>8}{'x reference':>14}")
     for label, seconds in (
         ("scipy.optimize.least_squares (reference)", reference_s),
         (f"fit ({ours.iterations} iterations, {len(ours.parameters)} parameters)", fit_s),
         ("compare", compare_s),
         (f"diagnose ({result.verdict})", plain_s),
     ):
-        print(f"{label:<44}{seconds:>8.2f}{reference_s / seconds:>18.1f}")
+        print(f"{label:<44}{seconds:>8.2f}{seconds / reference_s:>14.2f}")
     print(f"\nresidual: scipy {spread(theirs, calibration)}; fit {spread(ours.model, calibration)}")
     print("\nwhere a diagnosis' time goes (profiled, stages contain one another):")
     where_time_goes(profile)
