@@ -3,8 +3,14 @@
 from __future__ import annotations
 
 import argparse
+from typing import TYPE_CHECKING
 
 from compensation.commands.common import add_recordings
+
+if TYPE_CHECKING:
+    from compensation.compensator import Compensator
+    from compensation.training import Options
+    from testbench.recording import Recording
 
 SUMMARY = "Train a compensator on recorded campaigns."
 EXAMPLE = "compensation train campaigns/pes-T --target force -o pes.compensator.json"
@@ -20,6 +26,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         choices=("paper", "tuned"),
         default="paper",
         help="paper (default): EMA + (4,2,2), best of 5 starts; tuned: better, every choice by cross-validation",
+    )
+    parser.add_argument(
+        "--twin",
+        metavar="MODEL",
+        help="pre-train on campaigns simulated from this fitted model (testbench fit), finish on one short CAMPAIGN",
+    )
+    parser.add_argument(
+        "--strain",
+        type=float,
+        default=0.3,
+        metavar="X",
+        help="twin: largest strain to prepare for (default 0.3)",
     )
     parser.add_argument("--hidden", default="4,2,2", metavar="A,B,..", help="paper: hidden layers (default 4,2,2)")
     parser.add_argument("--factor", type=float, default=2.5, metavar="A", help="paper: factors A^-i (default 2.5)")
@@ -44,12 +62,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Train, save, and show the score on the training recordings."""
-    from compensation import tuning
     from compensation.commands.common import finish, parse_sizes, read_all
     from compensation.compensator_files import save
     from compensation.scorecard import score_recordings
-    from compensation.training import Options, train
-    from gcode.support.console import Progress
+    from compensation.training import Options
 
     options = Options(
         sizes=parse_sizes(args.hidden),
@@ -63,9 +79,7 @@ def run(args: argparse.Namespace) -> int:
         engine=args.engine,
     )
     recordings = read_all(args)
-    tuned = args.method == "tuned"
-    progress = Progress("training", tuning.steps() if tuned else args.restarts)
-    compensator = train(recordings, args.target, options, progress.step, tuned)
+    compensator = _from_twin(args, recordings, options) if args.twin else _from_data(args, recordings, options)
     save(args.output, compensator)
     recipe = compensator.recipe
     note = (
@@ -75,3 +89,31 @@ def run(args: argparse.Namespace) -> int:
         f"\nwrote {args.output}"
     )
     return finish(args, score_recordings(compensator, recordings), note)
+
+
+def _from_data(args: argparse.Namespace, recordings: list[Recording], options: Options) -> Compensator:
+    from compensation import tuning
+    from compensation.training import train
+    from gcode.support.console import Progress
+
+    tuned = args.method == "tuned"
+    progress = Progress("training", tuning.steps() if tuned else args.restarts)
+    return train(recordings, args.target, options, progress.step, tuned)
+
+
+def _from_twin(args: argparse.Namespace, recordings: list[Recording], options: Options) -> Compensator:
+    from compensation import twin
+    from compensation.preprocessing import series_of
+    from gcode.support.console import Progress
+    from gcode.support.errors import UserError
+    from testbench.discrepancy.model_file import load_model_file
+
+    if len(recordings) != 1:
+        raise UserError(f"--twin finishes on one short recording, got {len(recordings)}")
+    if not 0 < args.strain <= 2:
+        raise UserError(f"--strain must be above 0 and at most 2, got {args.strain:g}")
+    model = load_model_file(args.twin).model
+    measured = series_of(recordings[0], args.target, options.rate_hz)
+    gauge_mm = recordings[0].gauge_length_mm
+    progress = Progress("training", twin.NETWORKS)
+    return twin.train_from_twin(model, measured, args.target, gauge_mm, args.strain, options, progress.step)
