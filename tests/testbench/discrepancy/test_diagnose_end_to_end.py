@@ -31,10 +31,7 @@ def test_nothing_hidden_nothing_found():
     "effect",
     [
         "stress_relaxation",
-        pytest.param(
-            "electrical_overshoot",
-            marks=pytest.mark.xfail(strict=True, reason="ranked first, but the flexible base takes most of its gain"),
-        ),
+        "electrical_overshoot",
         "permanent_set",
     ],
 )
@@ -103,7 +100,6 @@ def test_real_strip_can_be_fitted_and_compared(strip):
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(strict=True, reason="falls by 47 %: 0.114 to 0.061 ln S, verdict unknown")
 def test_real_strip_conductance_error_falls_by_half(strip):
     result = diagnose(*strip)
     assert result.error_after["conductance"] <= 0.5 * result.error_before["conductance"]
