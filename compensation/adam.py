@@ -61,6 +61,8 @@ def train_adam(
     l2: float,
     max_epochs: int,
     start: Network | None = None,
+    batch: int = BATCH,
+    rate: float = LEARNING_RATE,
 ) -> tuple[Network, FloatArray]:
     """Train one network as `MLPRegressor(hidden_layer_sizes=sizes, alpha=l2, random_state=seed)` does.
 
@@ -69,6 +71,10 @@ def train_adam(
     features, target : ndarray, shapes (n, k) and (n,)
     start : Network, optional
         Go on from this network instead of a random one.
+    batch : int
+        Rows a step; scikit-learn's is 200.
+    rate : float
+        Adam's learning rate; scikit-learn's is 0.001.
 
     Returns
     -------
@@ -85,7 +91,7 @@ def train_adam(
     order, best, stale, steps = np.arange(len(features)), np.inf, 0, 0
     while len(curve) < max_epochs and stale <= PATIENCE:
         order = order[_permutation(rng, len(order))]
-        loss, steps = _epoch(features, target, order, widths_array, flat, first, second, steps, l2)
+        loss, steps = _epoch(features, target, order, widths_array, flat, first, second, steps, l2, batch, rate)
         curve.append(loss)
         stale = stale + 1 if loss > best - TOLERANCE else 0
         best = min(best, loss)
@@ -99,14 +105,14 @@ def _permutation(rng: np.random.RandomState, count: int) -> NDArray[np.int64]:
 
 
 @jit
-def _epoch(features, target, order, widths, flat, first, second, steps, l2):
+def _epoch(features, target, order, widths, flat, first, second, steps, l2, batch, rate):
     layers = len(widths) - 1
-    active = np.zeros((layers + 1, widths.max(), BATCH))
-    delta = np.zeros((layers + 1, widths.max(), BATCH))
+    active = np.zeros((layers + 1, widths.max(), batch))
+    delta = np.zeros((layers + 1, widths.max(), batch))
     gradient = np.zeros(len(flat))
     total = 0.0
-    for begin in range(0, len(order), BATCH):
-        rows = order[begin : begin + BATCH]
+    for begin in range(0, len(order), batch):
+        rows = order[begin : begin + batch]
         count = len(rows)
         for unit in range(widths[0]):
             for k in range(count):
@@ -121,7 +127,7 @@ def _epoch(features, target, order, widths, flat, first, second, steps, l2):
         penalty = _finish_gradient(widths, flat, gradient, l2, count)
         total += 0.5 * loss + 0.5 * l2 * penalty
         steps += 1
-        _adam_step(flat, gradient, first, second, steps)
+        _adam_step(flat, gradient, first, second, steps, rate)
     return total / len(order), steps
 
 
@@ -183,9 +189,9 @@ def _finish_gradient(widths, flat, gradient, l2, count):
 
 
 @jit
-def _adam_step(flat, gradient, first, second, steps):
-    rate = LEARNING_RATE * np.sqrt(1 - BETA_2**steps) / (1 - BETA_1**steps)
+def _adam_step(flat, gradient, first, second, steps, rate):
+    step = rate * np.sqrt(1 - BETA_2**steps) / (1 - BETA_1**steps)
     for k in range(len(flat)):
         first[k] = BETA_1 * first[k] + (1 - BETA_1) * gradient[k]
         second[k] = BETA_2 * second[k] + (1 - BETA_2) * gradient[k] * gradient[k]
-        flat[k] -= rate * first[k] / (np.sqrt(second[k]) + EPSILON)
+        flat[k] -= step * first[k] / (np.sqrt(second[k]) + EPSILON)
