@@ -40,6 +40,15 @@ def do(*words: object, may_fail: bool = False) -> int:
     return code
 
 
+def kept(target: Path, *sources: Path) -> bool:
+    """Whether `target` is newer than all it was made from; then it is not made again (`make clean` starts over)."""
+    newest = max(source.stat().st_mtime for source in sources)
+    if not target.exists() or target.stat().st_mtime < newest:
+        return False
+    print(f"  {target} is newer than what it was made from, so it is kept")
+    return True
+
+
 def heading(number: int, text: str) -> None:
     """Say which step begins."""
     print(f"\n=== {number}. {text}", flush=True)
@@ -78,7 +87,8 @@ def compensate(folder: Path, campaigns: dict[str, list[Path]]) -> Path:
     for sensor, (first, *others) in campaigns.items():
         for target in ("force", "displacement"):
             name = folder / f"{sensor}-{target}"
-            do("compensation", "train", first, "--target", target, "-o", f"{name}.json")
+            if not kept(Path(f"{name}.json"), first / "recording.csv"):
+                do("compensation", "train", first, "--target", target, "-o", f"{name}.json")
             do("compensation", "score", f"{name}.json", first, *others, "-o", f"{name}-score.json")
     print_beside_the_paper(folder)
     return folder / f"{SENSORS[0]}-force-score.json"
@@ -110,7 +120,8 @@ def understand(folder: Path) -> Path:
     gauge = ("--gauge-length-mm", GAUGE_LENGTH_MM)
     do("testbench", "fit", *pair, *gauge, "-o", folder / "baseline.json")
     do("testbench", "compare", recordings / "held_out.csv", *gauge, "--model", folder / "baseline.json")
-    do("testbench", "diagnose", *pair, *gauge, "--json", folder / "diagnosis.json", "-o", folder / "model.json")
+    if not kept(folder / "model.json", recordings / "calibration.csv", recordings / "held_out.csv"):
+        do("testbench", "diagnose", *pair, *gauge, "--json", folder / "diagnosis.json", "-o", folder / "model.json")
     do("testbench", "ladder", folder / "model.json")
     truth = json.loads((folder / "sealed" / "truth.json").read_text())
     print(f"\n  the seal opened: hidden was {', '.join(entry['effect'] for entry in truth['effects'])}")

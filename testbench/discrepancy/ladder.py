@@ -6,6 +6,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from gcode.support.errors import UserError
 from testbench.discrepancy.baseline import framed
 from testbench.discrepancy.errors import noise_floors, rms_errors
@@ -14,6 +16,7 @@ from testbench.discrepancy.measurement import Measurement
 from testbench.discrepancy.model_file import ModelFile, fit_summary
 from testbench.discrepancy.screen import best_start
 from testbench.knit.catalogue import Catalogue, model_from_dict
+from testbench.knit.effect import bounds_of
 from testbench.knit.model import KnitModel
 
 NO_LONGER_PAYS = 0.005  # leaving an effect out costs less than this share of the held-out error
@@ -74,7 +77,19 @@ def remounted(model: KnitModel, measurement: Measurement) -> KnitModel:
     free = {f"{name}.{key}" for name, effect in model.effects.items() for key in effect.per_recording}
     if not free:
         return model
+    for address in sorted(free):
+        model = _best_of_turn(model, address, measurement)
     return fit(model, [measurement], max_iterations=8, addresses=lambda a: a.partition("[")[0] in free).model
+
+
+def _best_of_turn(model: KnitModel, address: str, measurement: Measurement) -> KnitModel:
+    """The model with a phase at the best of eight points of the circle; other parameters stay."""
+    name, _, key = address.partition(".")
+    extra = bounds_of(type(model[name]).model_fields[key])
+    if extra["unit"] != "rad":
+        return model
+    turns = [model.with_parameters({address: phase}) for phase in np.linspace(-np.pi, np.pi, 8, endpoint=False)]
+    return min(turns, key=lambda turned: sum(np.log(value) for value in rms_errors(turned, measurement).values()))
 
 
 def add_effect(
