@@ -102,16 +102,16 @@ class ContactShape(Effect):
     look = "the misfit of ln G depends on force, strain and direction, at any speed and time"
 
     force_weights: tuple[float, ...] = parameter(
-        (0.0,) * SPLINE_KNOTS, unit="1", low=-20, high=20, doc="height of each bump over contact force"
+        (0.0,) * SPLINE_KNOTS, unit="1", low=-3, high=3, doc="height of each bump over contact force"
     )
     strain_weights: tuple[float, ...] = parameter(
-        (0.0,) * SPLINE_KNOTS, unit="1", low=-20, high=20, doc="height of each bump over strain"
+        (0.0,) * SPLINE_KNOTS, unit="1", low=-3, high=3, doc="height of each bump over strain"
     )
     slip_weights: tuple[float, ...] = parameter(
-        (0.0,) * len(SLIP_STRAINS), unit="1", low=-20, high=20, doc="change of ln G when a slip element has slipped"
+        (0.0,) * len(SLIP_STRAINS), unit="1", low=-3, high=3, doc="change of ln G when a slip element has slipped"
     )
     slip_growth: tuple[float, ...] = parameter(
-        (0.0,) * len(SLIP_STRAINS), unit="1", low=-20, high=20, doc="its growth over the strain span"
+        (0.0,) * len(SLIP_STRAINS), unit="1", low=-3, high=3, doc="its growth over the strain span"
     )
     low_N: float = parameter(0.0, unit="N", low=-1e3, high=1e3, doc="contact force where the bumps begin")
     span_N: float = parameter(3.0, unit="N", low=1e-3, high=1e4, doc="contact force covered by the bumps")
