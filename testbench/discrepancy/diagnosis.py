@@ -39,6 +39,8 @@ SHARE_OF_CEILING = 0.55  # an idea that gains less than this share of what a fre
 LEFT_UNEXPLAINED = 0.15  # and leaves more than this share of the error above the noise,
 OVER_NOISE = 2.5  # and more than this many noise floors, is a stand-in for something else
 STRUCTURE_OVER_NOISE = 3.0  # where nothing is named, more noise floors than this are structure
+SMALL_GAIN, CROWD = 0.25, 2  # a small gain that so many other ideas half share is the base's own misfit
+TIE_SHARE = 0.15  # of the first's gain; a tie is never wider than
 TIE = 0.08  # ideas closer than this cannot be told apart
 REFITS = 10
 
@@ -195,12 +197,18 @@ def _step_file(
 def verdict_of(weighing: Weighing, left: float, over_noise: float) -> Verdict:
     """Missing, nothing missing, or unknown, from the gains and from what is left over."""
     gain = weighing.ranking[0].gain if weighing.ranking else 0.0
-    enough = gain > _gain_needed(weighing)
+    enough = gain > _gain_needed(weighing) and not _crowded(weighing)
     short = gain < SHARE_OF_CEILING * weighing.ceiling
     stand_in = short and left > LEFT_UNEXPLAINED and over_noise > OVER_NOISE
     if enough and not stand_in:
         return "missing"
     return "unknown" if enough or over_noise > STRUCTURE_OVER_NOISE else "nothing_missing"
+
+
+def _crowded(weighing: Weighing) -> bool:
+    """Whether a small gain is shared by many ideas: then each nibbles at a misfit that belongs to none of them."""
+    first, *others = (entry.gain for entry in weighing.ranking)
+    return first < SMALL_GAIN and sum(gain > 0.5 * first for gain in others) >= CROWD
 
 
 def _gain_needed(weighing: Weighing) -> float:
@@ -212,5 +220,5 @@ def _tied(weighing: Weighing, verdict: Verdict) -> tuple[str, ...]:
     if verdict != "missing":
         return ()
     first = weighing.ranking[0].gain
-    close = [entry.idea for entry in weighing.ranking if entry.gain > first - TIE]
+    close = [entry.idea for entry in weighing.ranking if entry.gain > first - min(TIE, TIE_SHARE * first)]
     return tuple(close) if len(close) > 1 else ()
