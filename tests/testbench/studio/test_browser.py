@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 import tests.testbench.report.samples as samples
-from testbench.cli import main as testbench
+from testbench.cli import main as run_testbench
 from testbench.knit.catalogue import baseline, load_catalogue
 from testbench.recording_files import write_recording_csv
 from testbench.studio.jobs import interpreter_argv
@@ -198,7 +198,7 @@ def test_a_minute_of_live_recording(studio, page, program: Path) -> None:
     page.wait_for_selector(".js-plotly-plot .main-svg")
     rows = (root / "recorded-1" / "recording.csv").read_text().count("\n")
     assert rows > 30 * 55, "a minute at about 37 Hz"
-    assert testbench(["verify", str(root / "recorded-1")]) == 0
+    assert run_testbench(["verify", str(root / "recorded-1")]) == 0
 
 
 def test_the_port_gone_midway_is_said_and_the_samples_stay(studio, page, program: Path) -> None:
@@ -231,10 +231,10 @@ def test_a_diagnosis_can_be_cancelled_and_two_tabs_share_it(
     address, root, _ = studio
     truth(tmp_path / "truth.json")
     argv = ["--model", str(tmp_path / "truth.json"), "--program", str(program / "program.tap")]
-    assert testbench(["run", *argv, "--seed", "1", "-o", str(root / "knit")]) == 0
+    assert run_testbench(["run", *argv, "--seed", "1", "-o", str(root / "knit")]) == 0
     folder = root / "results" / "knit"
     folder.mkdir(parents=True)
-    assert testbench(["fit", str(root / "knit"), "-o", str(folder / "model.json")]) == 0
+    assert run_testbench(["fit", str(root / "knit"), "-o", str(folder / "model.json")]) == 0
     page.goto(f"{address}/missing?c=knit")
     page.get_by_role("button", name="Find what is missing").click()
     page.get_by_role("button", name="Stop").wait_for()
@@ -253,7 +253,7 @@ def test_a_diagnosis_can_be_cancelled_and_two_tabs_share_it(
 def test_a_tablet_in_portrait_needs_no_sideways_scrolling(studio, browser, program: Path) -> None:
     address, root, _ = studio
     argv = ["run", "--sensor", "pes", "--program", str(program / "program.tap"), "--seed", "1"]
-    assert testbench([*argv, "-o", str(root / "knit")]) == 0
+    assert run_testbench([*argv, "-o", str(root / "knit")]) == 0
     context = browser.new_context(viewport={"width": 800, "height": 1280}, has_touch=True)
     tab = context.new_page()
     for path in ("/", "/recording?c=knit", "/plan", "/import", "/compare?c=knit", "/compensate?c=knit"):
@@ -268,7 +268,7 @@ def test_first_view_and_steps_are_quick(studio, page, program: Path) -> None:
     """Ratios against a bare plotly page of this very machine and moment would be flaky; generous walls are not."""
     address, root, _ = studio
     argv = ["run", "--sensor", "pes", "--program", str(program / "program.tap"), "--seed", "1"]
-    assert testbench([*argv, "-o", str(root / "knit")]) == 0
+    assert run_testbench([*argv, "-o", str(root / "knit")]) == 0
     page.goto(address)
     page.get_by_text("verified").wait_for()
     start = time.monotonic()
