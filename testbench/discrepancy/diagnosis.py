@@ -20,10 +20,10 @@ from testbench.discrepancy.contest import (
 )
 from testbench.discrepancy.errors import noise_floors
 from testbench.discrepancy.evidence import Evidence, Weighing, weigh
-from testbench.discrepancy.fit import Fit, fit
-from testbench.discrepancy.ladder import held_errors, ladder_step
+from testbench.discrepancy.fit import fit
+from testbench.discrepancy.ladder import on_the_ladder
 from testbench.discrepancy.measurement import Measurement, coarser, split
-from testbench.discrepancy.model_file import ModelFile, fit_summary
+from testbench.discrepancy.model_file import ModelFile
 from testbench.discrepancy.screen import collect
 from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.knit.model import KnitModel
@@ -159,7 +159,7 @@ def _concluded(
     tell: Progress,
 ) -> Diagnosis:
     floors = noise_floors(held)
-    before = _step_file(bases.stiff, None, "baseline", calibration, held)
+    before = on_the_ladder(bases.stiff, None, "baseline", calibration, held)
     contest = Contest(bases, calibration, held, catalogue, tell)
     base = contest.base()
     entrants = {entry.idea: contest.enter(entry) for entry in challengers(weighing)}
@@ -174,24 +174,15 @@ def _concluded(
     misfits = tuple(name for name in winner.fit.model if name in SHAPES and name not in bases.stiff.model)
     after = before
     if misfits:
-        after = _step_file(bases.flexible, after, "+ shape freedom", calibration, held)
+        after = on_the_ladder(bases.flexible, after, "+ shape freedom", calibration, held)
     if winner is best and best is not None:
-        after = _step_file(best.fit, after, f"+ {best.name}", calibration, held)
-    errors = (held_errors(before.model, held), held_errors(after.model, held))
-    return Diagnosis(verdict, weighing, _tied(weighing, verdict), misfits, left, before, after, *errors, floors)
+        after = on_the_ladder(best.fit, after, f"+ {best.name}", calibration, held)
+    first, last = (file.history[-1]["errors"]["held_out"] for file in (before, after))
+    return Diagnosis(verdict, weighing, _tied(weighing, verdict), misfits, left, before, after, first, last, floors)
 
 
 def _silent(_text: str) -> None:
     return None
-
-
-def _step_file(
-    result: Fit, before: ModelFile | None, step: str, calibration: Measurement, held: Measurement
-) -> ModelFile:
-    entry = ladder_step(step, result.model, calibration, held)
-    history = (*(before.history if before else ()), entry)
-    names = (calibration.recording.source, held.recording.source)
-    return ModelFile(result.model, calibration.recording.gauge_length_mm, *names, fit_summary(result), history)
 
 
 def verdict_of(weighing: Weighing, left: float, over_noise: float) -> Verdict:

@@ -126,7 +126,7 @@ def fit(
         parameters = [p for p in parameters if addresses(p.address)]
     problem = _Problem(parameters, measurements)
     x = values_of(model, parameters)
-    scale = problem.start_scale(model)
+    scale = problem.scale_of(model)
     damping, iterations = 1e-3, 0
     normal = problem.linearise(model, x, scale)
     for iterations in range(1, max_iterations + 1):
@@ -171,9 +171,6 @@ class _Problem:
             channel: noise_floor(values[measurements[0].counts])
             for channel, values in measurements[0].measured.items()
         }
-
-    def start_scale(self, model: KnitModel) -> dict[str, float]:
-        return self.scale_of(model)
 
     def scale_of(self, model: KnitModel) -> dict[str, float]:
         residuals: dict[str, list[FloatArray]] = {}

@@ -11,7 +11,7 @@ import numpy as np
 from gcode.support.errors import UserError
 from testbench.discrepancy.baseline import framed
 from testbench.discrepancy.errors import noise_floors, rms_errors
-from testbench.discrepancy.fit import fit
+from testbench.discrepancy.fit import Fit, fit
 from testbench.discrepancy.measurement import Measurement
 from testbench.discrepancy.model_file import ModelFile, fit_summary
 from testbench.discrepancy.screen import best_start
@@ -42,7 +42,13 @@ def fitted_file(
     before : ModelFile, optional
         The ladder so far.
     """
-    result = fit(model, [calibration], progress=progress)
+    return on_the_ladder(fit(model, [calibration], progress=progress), before, step, calibration, held)
+
+
+def on_the_ladder(
+    result: Fit, before: ModelFile | None, step: str, calibration: Measurement, held: Measurement
+) -> ModelFile:
+    """A model that was fitted already, put on top of the ladder so far."""
     entry = ladder_step(step, result.model, calibration, held)
     return ModelFile(
         result.model,

@@ -13,7 +13,6 @@ from testbench.knit.model import KnitModel, SimulationCache, inputs
 from testbench.recording import FORCE, RESISTANCE, TEMPERATURE, Recording
 
 FORCE_CHANNEL, CONDUCTANCE_CHANNEL = "force", "conductance"
-CHANNELS = (FORCE_CHANNEL, CONDUCTANCE_CHANNEL)
 SIGNAL_OF = {FORCE_CHANNEL: "force_N", CONDUCTANCE_CHANNEL: "conductance_S"}
 UNIT_OF = {FORCE_CHANNEL: "N", CONDUCTANCE_CHANNEL: "ln S"}
 

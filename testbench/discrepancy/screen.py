@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from testbench.discrepancy.baseline import SHAPES
 from testbench.discrepancy.candidates import (
-    SHAPE_IDEAS,
     Candidate,
     candidate_ideas,
     expand,
@@ -41,8 +41,6 @@ class Score:
     idea : str
     loss : float
         Whitened squared error, judged where it was not fitted.
-    share : float
-        Fall of the loss as a share of the loss without the idea.
     best : Candidate
         The form and shape that speaks for the idea.
     coefficient : float
@@ -51,7 +49,6 @@ class Score:
 
     idea: str
     loss: float
-    share: float
     best: Candidate
     coefficient: float
 
@@ -231,7 +228,7 @@ class Judgement:
 def modes(traces: Traces) -> dict[str, np.ndarray]:
     """Ways the base may bend: stiff, flexible, and flexible but for one shape; kept sensitivities."""
     owners = np.array([address.split(".")[0] for address in traces.addresses])
-    shapes = [shape for shape in SHAPE_IDEAS if shape in owners]
+    shapes = [shape for shape in SHAPES if shape in owners]
     found = {STIFF: ~np.isin(owners, shapes), FLEXIBLE: np.ones(len(owners), bool)}
     for shape in shapes:
         found[f"without {shape}"] = owners != shape
@@ -333,7 +330,7 @@ def _form_score(traces: Traces, idea: str, members: list[int], folds: _Folds, ba
     if effect.per_recording:
         loss += PRICE_PER_RECORDING * max(bare - loss, 0.0)
     amounts = folds.parts[0].amounts([1 + members[best]], [signed])
-    return Score(idea, loss, (bare - loss) / bare, traces.candidates[members[best]], float(amounts[0]))
+    return Score(idea, loss, traces.candidates[members[best]], float(amounts[0]))
 
 
 def best_start(fitted_model: KnitModel, effect: Effect, calibration: Measurement) -> Effect:
