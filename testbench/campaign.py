@@ -7,6 +7,7 @@ import shutil
 import tempfile
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,8 @@ from testbench.manifest import Campaign, read_manifest, software_versions, write
 from testbench.recording import Recording
 from testbench.recording_files import write_recording_csv
 from testbench.rig.instruments import Instruments
+from testbench.rig.motion import played
+from testbench.rig.past import DEFAULT_REST_S, past_displacement
 from testbench.rig.recorder import Part, Recorder, Status, counts, in_memory
 from testbench.rig.simulated import GRID_HZ, Motion, SimulatedRig
 from testbench.rig.sink import CSV, EVENTS, Sink
@@ -40,6 +43,10 @@ class Plan:
     sensor : str
         Name of the preset, or of the file that the model came from.
     instruments : Instruments
+    past : tuple of Path
+        Programs that the same sensor went through before, in order; empty: a sensor never stretched before.
+    rest_s : float
+        Rest after each of them.
     """
 
     program: Path
@@ -48,10 +55,12 @@ class Plan:
     seed: int
     sensor: str = ""
     instruments: Instruments = field(default_factory=Instruments)
+    past: tuple[Path, ...] = ()
+    rest_s: float = DEFAULT_REST_S
 
     def recipe(self) -> dict[str, Any]:
         """As written into the manifest."""
-        return {
+        recipe = {
             "sensor": self.sensor,
             "model": self.model.to_dict(),
             "seed": self.seed,
@@ -60,10 +69,31 @@ class Plan:
             "grid_hz": GRID_HZ,
             "instruments": self.instruments.model_dump(mode="json"),
         }
+        if self.past:
+            recipe |= {"past_sha256": [sha256_of(path) for path in self.past], "rest_s": self.rest_s}
+        return recipe
 
     def rig(self, motion: Motion) -> SimulatedRig:
         """The rig that will play this plan along `motion`."""
-        return SimulatedRig(self.model, motion, self.gauge_length_mm, self.seed, self.instruments)
+        earlier = [_played(path, sha256_of(path), self.gauge_length_mm) for path in self.past]
+        past_mm = past_displacement(earlier, self.rest_s)
+        return SimulatedRig(self.model, motion, self.gauge_length_mm, self.seed, self.instruments, past_mm)
+
+    def copy_programs(self, folder: Path) -> None:
+        """Put everything that the campaign is to be made from into its folder."""
+        shutil.copyfile(self.program, folder / PROGRAM)
+        for name, path in zip(past_names(len(self.past)), self.past, strict=True):
+            shutil.copyfile(path, folder / name)
+
+
+@lru_cache(maxsize=8)
+def _played(path: Path, sha256: str, gauge_length_mm: float) -> Motion:
+    return played(path, gauge_length_mm)[0]
+
+
+def past_names(count: int) -> list[str]:
+    """File names of the earlier programs in a campaign folder, first played first."""
+    return [f"before-{number + 1}.tap" for number in range(count)]
 
 
 def plan_of(folder: Path) -> Plan:
@@ -80,11 +110,43 @@ def plan_of(folder: Path) -> Plan:
     if campaign.origin != "simulated":
         raise UserError(f"{folder}: this campaign was {campaign.origin}, only a simulated one can be made again")
     recipe, program = campaign.recipe, folder / PROGRAM
-    if not program.is_file() or sha256_of(program) != recipe.get("program_sha256"):
-        raise UserError(f"{program}: missing or not the program that the manifest names")
+    digests = recipe.get("past_sha256", [])
+    past = tuple(folder / name for name in past_names(len(digests)))
+    for path, digest in zip((program, *past), (recipe.get("program_sha256"), *digests), strict=True):
+        if not path.is_file() or sha256_of(path) != digest:
+            raise UserError(f"{path}: missing or not the program that the manifest names")
     model = model_from_dict(recipe.get("model"), load_catalogue(), str(folder / manifest.NAME))
     instruments = Instruments.model_validate(recipe["instruments"])
-    return Plan(program, model, campaign.gauge_length_mm, int(recipe["seed"]), recipe["sensor"], instruments)
+    rest_s = float(recipe.get("rest_s", DEFAULT_REST_S))
+    seed, sensor = int(recipe["seed"]), recipe["sensor"]
+    return Plan(program, model, campaign.gauge_length_mm, seed, sensor, instruments, past, rest_s)
+
+
+def programs_before(sources: Iterable[str | Path], model: KnitModel, gauge_length_mm: float) -> tuple[Path, ...]:
+    """The programs that a sensor went through, from what ``--after`` names: programs, or campaigns of this sensor.
+
+    Raises
+    ------
+    UserError
+        If a campaign is of another sensor, gauge length or origin: its state cannot be carried on.
+    """
+    programs: list[Path] = []
+    for source in map(Path, sources):
+        if not source.is_dir():
+            if not source.is_file():
+                raise UserError(f"{source}: no such campaign or program; name what the sensor went through before")
+            programs.append(source)
+            continue
+        earlier = plan_of(source)
+        if earlier.model != model:
+            raise UserError(f"{source}: a campaign of another sensor ({earlier.sensor}); its state cannot be carried on")
+        if earlier.gauge_length_mm != gauge_length_mm:
+            raise UserError(
+                f"{source}: its gauge length is {earlier.gauge_length_mm:g} mm, this one's {gauge_length_mm:g} mm; "
+                "give --gauge-length-mm"
+            )
+        programs += [*earlier.past, earlier.program]
+    return tuple(programs)
 
 
 def matches(folder: Path, plan: Plan) -> bool:
@@ -115,7 +177,7 @@ def simulate_campaign(
     make_folder(folder.parent)
     with tempfile.TemporaryDirectory(dir=folder.parent, prefix=f".{folder.name}.") as scratch:
         draft = make_folder(Path(scratch) / "campaign")
-        shutil.copyfile(plan.program, draft / PROGRAM)
+        plan.copy_programs(draft)
         status = _fill(draft, plan, motion, report, in_memory)
         draft.replace(folder)
     return status
@@ -139,9 +201,9 @@ def simulate_live(
         Whether to end early.
     """
     make_folder(folder)
-    shutil.copyfile(plan.program, folder / PROGRAM)
+    plan.copy_programs(folder)
     begun = Campaign(plan.gauge_length_mm, "simulated", manifest.IN_PROGRESS, plan.recipe(), {}, software_versions())
-    write_manifest(folder, begun, [CSV, PROGRAM, EVENTS])
+    write_manifest(folder, begun, [CSV, PROGRAM, EVENTS, *past_names(len(plan.past))])
     return _fill(folder, plan, motion, report, pace, stopped)
 
 
@@ -185,7 +247,8 @@ def write_derived(folder: Path, recording: Recording, how: str, details: dict[st
 
 def campaign_files(folder: Path) -> list[str]:
     """The files of a campaign, recording first; the manifest itself is not among them."""
-    names = [CSV, PROGRAM, EVENTS, "recording.bad"]
+    count = len(list(folder.glob("before-*.tap")))
+    names = [CSV, PROGRAM, EVENTS, "recording.bad", *past_names(count)]
     return [name for name in names if (folder / name).exists()]
 
 

@@ -28,6 +28,7 @@ from testbench.knit.model import KnitModel
 from testbench.knit.presets import preset
 from testbench.rig.instruments import Instruments
 from testbench.rig.motion import played
+from testbench.rig.past import DEFAULT_REST_S
 from testbench.rig.simulated import Motion
 
 INDEX, PROGRAMS = "dataset.json", "programs"
@@ -44,11 +45,14 @@ class Task:
     gauge_length_mm: float
     seed: int
     instruments: Instruments
+    past: tuple[Path, ...] = ()
+    rest_s: float = DEFAULT_REST_S
 
     def plan(self) -> Plan:
         """As the campaign's manifest will say it."""
         model = model_from_dict(self.model, _catalogue(), self.sensor)
-        return Plan(self.program, model, self.gauge_length_mm, self.seed, self.sensor, self.instruments)
+        gauge, tools = self.gauge_length_mm, self.instruments
+        return Plan(self.program, model, gauge, self.seed, self.sensor, tools, self.past, self.rest_s)
 
 
 def tasks_of(spec: DatasetSpec, base: Path, out: Path) -> list[Task]:
@@ -64,11 +68,13 @@ def tasks_of(spec: DatasetSpec, base: Path, out: Path) -> list[Task]:
     for program in programs:
         _motion(program, spec.gauge_length_mm)
     made = []
-    for (sensor, model), program, seed in product(models.items(), programs, spec.seeds):
+    for (sensor, model), (order, program), seed in product(models.items(), enumerate(programs), spec.seeds):
+        past = tuple(programs[:order]) if spec.same_sensor else ()
         name = f"{Path(sensor).stem}-{program.stem}-{seed:05d}"
         drawn = varied(model, spec.vary, seed).to_dict()
         folder = out.absolute() / name
-        made.append(Task(folder, program, sensor, drawn, spec.gauge_length_mm, seed, spec.instruments))
+        gauge = spec.gauge_length_mm
+        made.append(Task(folder, program, sensor, drawn, gauge, seed, spec.instruments, past, spec.rest_s))
     if len({task.folder for task in made}) < len(made):
         raise UserError("two campaigns would have the same folder; give sensors and programs different file names")
     return made

@@ -11,8 +11,10 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 
 from gcode.support.errors import UserError, first_problem
 from testbench.rig.instruments import Instruments
+from testbench.rig.past import DEFAULT_REST_S
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+Rest = Annotated[float, Field(ge=0, le=1e5, allow_inf_nan=False)]
 
 
 class _Strict(BaseModel):
@@ -54,6 +56,11 @@ class DatasetSpec(_Strict):
         Instead of `programs`.
     gauge_length_mm : float
     instruments : Instruments
+    same_sensor : bool
+        The programs are run one after another on one sensor, which remembers; otherwise each on a sensor that has
+        never been stretched.
+    rest_s : float
+        Rest between them.
     vary : dict of str to (low, high)
         ``effect.parameter``: drawn uniformly for each campaign, by its seed.
     """
@@ -64,6 +71,8 @@ class DatasetSpec(_Strict):
     trajectory: TrajectoryWish | None = None
     gauge_length_mm: Positive = 25.0
     instruments: Instruments = Instruments()
+    same_sensor: bool = False
+    rest_s: Rest = DEFAULT_REST_S
     vary: dict[str, tuple[float, float]] = Field(default_factory=dict)
 
     @model_validator(mode="before")

@@ -21,6 +21,18 @@ def add_sensor_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--effects", metavar="FILE", help="Python file with effects of your own that the model uses")
 
 
+def add_past_arguments(parser: argparse.ArgumentParser) -> None:
+    """``--after`` and ``--rest-s``: what the sensor went through before."""
+    parser.add_argument(
+        "--after",
+        nargs="+",
+        default=[],
+        metavar="CAMPAIGN",
+        help="earlier campaigns or programs of this sensor, which remembers them (default: never stretched before)",
+    )
+    parser.add_argument("--rest-s", type=rest, default=600.0, metavar="T", help="rest after each (default 600)")
+
+
 def sensor_model(args: argparse.Namespace) -> tuple[KnitModel, str]:
     """The model that ``--sensor`` or ``--model`` names, and its name.
 
@@ -51,6 +63,14 @@ def natural(text: str) -> int:
     value = int(text)
     if value < 0:
         raise argparse.ArgumentTypeError(f"must be 0 or more, got {text}")
+    return value
+
+
+def rest(text: str) -> float:
+    """argparse type: seconds, 0 to a day or so."""
+    value = float(text)
+    if not 0 <= value <= 1e5:
+        raise argparse.ArgumentTypeError(f"must be 0 to 100000 s, got {text}")
     return value
 
 

@@ -10,7 +10,7 @@ HOLD_S = 3.0
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    from testbench.sensors import add_sensor_arguments, natural, positive
+    from testbench.sensors import add_past_arguments, add_sensor_arguments, natural, positive
 
     add_sensor_arguments(parser)
     parser.add_argument("--program", required=True, metavar="FILE", help="Mach4 program that moves the stage")
@@ -18,6 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--seed", type=natural, default=1, metavar="N", help="of noise and sampling times (default 1)"
     )
     parser.add_argument("--gauge-length-mm", type=positive, metavar="L")
+    add_past_arguments(parser)
     parser.add_argument("--link", metavar="PATH", help="symbolic link to the port, for a name you know beforehand")
     parser.add_argument("--speed", type=positive, default=1.0, metavar="X", help="times faster than real (default 1)")
     parser.add_argument("--faults", type=float, default=0.0, metavar="SHARE", help="share of damaged lines, 0 to 1")
@@ -30,18 +31,21 @@ def run(args: argparse.Namespace) -> int:
     from numpy.random import default_rng
 
     from gcode.support.errors import UserError
+    from testbench.campaign import Plan, programs_before
     from testbench.rig.faults import faulty
     from testbench.rig.links import paced
     from testbench.rig.motion import played
     from testbench.rig.pty_port import PtyPort, serve
-    from testbench.rig.simulated import SimulatedRig
     from testbench.sensors import existing_file, sensor_model
 
     if not 0 <= args.faults <= 1:
         raise UserError(f"--faults must be a share from 0 to 1, got {args.faults}")
-    model, _ = sensor_model(args)
-    motion, gauge_length_mm = played(existing_file(args.program, "program"), args.gauge_length_mm)
-    lines = list(SimulatedRig(model, motion.held(HOLD_S), gauge_length_mm, args.seed).lines())
+    model, sensor = sensor_model(args)
+    program = existing_file(args.program, "program")
+    motion, gauge_length_mm = played(program, args.gauge_length_mm)
+    past = programs_before(args.after, model, gauge_length_mm)
+    plan = Plan(program, model, gauge_length_mm, args.seed, sensor, past=past, rest_s=args.rest_s)
+    lines = list(plan.rig(motion.held(HOLD_S)).lines())
     port = PtyPort(args.link)
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # as Ctrl-C: the link must not stay behind
     try:

@@ -10,7 +10,7 @@ EXAMPLE = "testbench run --sensor pes --program program.tap --seed 1 -o pes-1"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    from testbench.sensors import add_sensor_arguments, natural, positive
+    from testbench.sensors import add_past_arguments, add_sensor_arguments, natural, positive
 
     add_sensor_arguments(parser)
     parser.add_argument("--program", required=True, metavar="FILE", help="Mach4 program that moves the stage")
@@ -21,6 +21,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--gauge-length-mm", type=positive, metavar="L", help="default: from the program's header, else 25"
     )
+    add_past_arguments(parser)
     parser.add_argument("--divider-ohm", type=positive, metavar="R", help="reference resistor (default 606000)")
     parser.add_argument("--rate-hz", type=positive, metavar="F", help="mean sampling rate (default 41.5)")
     parser.add_argument("--rate-sd-hz", type=positive, metavar="S", help="its spread (default 14.2)")
@@ -38,7 +39,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     import sys
 
-    from testbench.campaign import Plan, matches, simulate_campaign, simulate_live, vacant
+    from gcode.support.errors import UserError
+    from testbench.campaign import Plan, matches, programs_before, simulate_campaign, simulate_live, vacant
     from testbench.rig.links import real_time
     from testbench.rig.motion import played
     from testbench.rig.progress import json_lines, terminal
@@ -49,10 +51,13 @@ def run(args: argparse.Namespace) -> int:
     folder, program = Path(args.campaign), existing_file(args.program, "program; make one with `gcode generate`")
     model, sensor = sensor_model(args)
     motion, gauge_length_mm = played(program, args.gauge_length_mm)
-    plan = Plan(program, model, gauge_length_mm, args.seed, sensor, instruments_of(args))
+    past = programs_before(args.after, model, gauge_length_mm)
+    plan = Plan(program, model, gauge_length_mm, args.seed, sensor, instruments_of(args), past, args.rest_s)
     if matches(folder, plan):
         print(f"{folder}: already there and intact; not run again", file=say)
         return 0
+    if folder.resolve() in {Path(source).resolve() for source in args.after}:
+        raise UserError(f"{folder}: cannot replace a campaign that this one comes after; choose another with -o")
     vacant(folder, args.overwrite)
     report = json_lines() if args.progress_json else terminal(f"run {folder.name}")
     if args.real_time:

@@ -54,6 +54,9 @@ class SimulatedRig:
     seed : int
         Of sampling times, noise, boot id and the device clock's start.
     instruments : Instruments
+    past_mm : ndarray, shape (m,)
+        The stage's displacement before the motion, on the motion's grid; empty: the sensor has never been stretched.
+        See `testbench.rig.past`.
     """
 
     model: KnitModel
@@ -61,6 +64,7 @@ class SimulatedRig:
     gauge_length_mm: float
     seed: int
     instruments: Instruments = field(default_factory=Instruments)
+    past_mm: FloatArray = field(default_factory=lambda: np.zeros(0))
 
     def truth(self) -> Truth:
         """The signals before any instrument saw them.
@@ -70,19 +74,22 @@ class SimulatedRig:
         UserError
             If the model makes neither force nor conductance, or values that are not finite.
         """
-        motion = self.motion
+        motion, past = self.motion, len(self.past_mm)
+        dt_s = float(motion.time_s[1] - motion.time_s[0])
+        time_s = np.concatenate([motion.time_s[0] + np.arange(-past, 0) * dt_s, motion.time_s])
+        displacement_mm = np.concatenate([self.past_mm, motion.displacement_mm])
         room, temperature_C = self.instruments.room, None
         if room is not None:
-            temperature_C = room.temperature_C(motion.time_s, default_rng([self.seed, 1]))
-        signals = inputs(motion.time_s, motion.displacement_mm / self.gauge_length_mm, temperature_C)
-        state = self.model.simulate(signals, float(motion.time_s[1] - motion.time_s[0]))
+            temperature_C = room.temperature_C(time_s, default_rng([self.seed, 1]))
+        signals = inputs(time_s, displacement_mm / self.gauge_length_mm, temperature_C)
+        state = {name: values[past:] for name, values in self.model.simulate(signals, dt_s).items()}
         force_N, conductance_S = state.get("force_N"), state.get("conductance_S")
         if force_N is None and conductance_S is None:
             raise UserError("the model makes neither force_N nor conductance_S; put a law for one of them in it")
         for name, values in (("force_N", force_N), ("conductance_S", conductance_S)):
             if values is not None and not np.isfinite(values).all():
                 raise UserError(f"the model makes {name} that is not finite; check its parameters")
-        return Truth(motion.time_s, motion.displacement_mm, force_N, conductance_S, temperature_C)
+        return Truth(motion.time_s, motion.displacement_mm, force_N, conductance_S, state.get("temperature_C"))
 
     def samples(self) -> Iterator[Sample]:
         """The device's samples, in order."""

@@ -4,16 +4,22 @@ from __future__ import annotations
 
 import json
 import random
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from gcode.support.errors import UserError
-from testbench.campaign import matches, plan_of, simulate_campaign, vacant
+from testbench.campaign import matches, plan_of, programs_before, simulate_campaign, vacant
+from testbench.knit.catalogue import baseline
+from testbench.knit.model import inputs
 from testbench.manifest import problems, read_manifest
 from testbench.recording import read_recording
 from testbench.remake import differences
-from tests.testbench.rig.rigs import plan, triangle
+from testbench.rig.motion import played
+from testbench.rig.past import past_displacement
+from testbench.rig.simulated import GRID_HZ, SimulatedRig
+from tests.testbench.rig.rigs import plan, program, triangle
 
 
 @pytest.fixture
@@ -80,8 +86,6 @@ def test_reading_a_changed_recording_is_refused(campaign):
 
 
 def test_a_campaign_is_made_again_from_its_manifest(tmp_path):
-    from testbench.rig.motion import played
-
     wish = plan(tmp_path)
     simulate_campaign(wish, tmp_path / "c", played(wish.program, 25.0)[0])
     assert differences(tmp_path / "c") == []
@@ -134,3 +138,55 @@ def test_frictionless_accepts_it_and_finds_a_changed_file(campaign):
         path = campaign / "recording.csv"
         path.write_bytes(path.read_bytes().replace(b"7.", b"8.", 1))
         assert not frictionless.validate(str(campaign / "datapackage.json")).valid
+
+
+# What the same sensor went through before.
+
+
+def _second(tmp_path, **change):
+    return replace(plan(tmp_path, seed=2), past=(program(tmp_path),), rest_s=30.0, **change)
+
+
+def test_a_second_campaign_of_a_sensor_continues_where_the_first_one_and_the_rest_left_it(tmp_path):
+    model = baseline()
+    first, second = triangle(), triangle(12.0, top_mm=5.0)
+    past_mm = past_displacement([first], 30.0)
+    truth = SimulatedRig(model, second, 25.0, 1, past_mm=past_mm).truth()
+    whole_mm = np.concatenate([past_mm, second.displacement_mm])
+    whole = model.simulate(inputs(np.arange(len(whole_mm)) / GRID_HZ, whole_mm / 25.0), 1 / GRID_HZ)
+    assert len(past_mm) == (20 + 30) * GRID_HZ
+    assert truth.time_s[0] == 0
+    np.testing.assert_allclose(truth.conductance_S, whole["conductance_S"][len(past_mm) :], rtol=1e-12)
+    fresh = SimulatedRig(model, second, 25.0, 1).truth()
+    assert np.abs(np.log(truth.conductance_S / fresh.conductance_S)).max() > 0.01
+
+
+def test_a_stage_that_ended_elsewhere_returns_during_the_rest():
+    past_mm = past_displacement([triangle(5.0)], 60.0)  # ends at 7.5 mm
+    assert past_mm[-1] == 0
+    assert np.abs(np.diff(past_mm)).max() <= 1.0 / GRID_HZ * 1.5 * (1 + 1e-9)
+
+
+def test_a_campaign_with_a_past_is_made_again_from_its_own_folder(tmp_path):
+    wish = _second(tmp_path)
+    simulate_campaign(wish, tmp_path / "b", played(wish.program, 25.0)[0])
+    wish.program.unlink()
+    assert problems(tmp_path / "b") == []
+    assert differences(tmp_path / "b") == []
+    assert read_manifest(tmp_path / "b")[0].recipe["rest_s"] == 30.0
+    (tmp_path / "b" / "before-1.tap").unlink()
+    with pytest.raises(UserError, match=r"before-1\.tap: missing"):
+        plan_of(tmp_path / "b")
+
+
+def test_past_campaigns_are_followed_back_to_the_first(tmp_path):
+    wish = _second(tmp_path)
+    simulate_campaign(wish, tmp_path / "b", played(wish.program, 25.0)[0])
+    before = programs_before([tmp_path / "b"], wish.model, 25.0)
+    assert [path.name for path in before] == ["before-1.tap", "program.tap"]
+    with pytest.raises(UserError, match="campaign of another sensor"):
+        programs_before([tmp_path / "b"], wish.model.without("drift"), 25.0)
+    with pytest.raises(UserError, match="gauge length is 25 mm, this one's 40 mm"):
+        programs_before([tmp_path / "b"], wish.model, 40.0)
+    with pytest.raises(UserError, match="no such campaign or program"):
+        programs_before([tmp_path / "c"], wish.model, 25.0)

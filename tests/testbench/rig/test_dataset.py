@@ -17,6 +17,7 @@ from testbench.dataset_spec import read_spec
 from testbench.knit.catalogue import baseline
 from testbench.manifest import problems
 from testbench.recording import read_recording
+from testbench.remake import differences
 from tests.testbench.rig.devices import command, until
 from tests.testbench.rig.rigs import program
 
@@ -85,6 +86,20 @@ def test_varied_parameters_are_drawn_by_the_seed_and_end_in_the_manifest(tmp_pat
     (tmp_path / "out").mkdir()
     make(made[0])
     assert read_recording(made[0].folder).metadata["recipe"]["model"] == made[0].model
+
+
+def test_programs_on_the_same_sensor_know_what_came_before(tmp_path):
+    path = written(tmp_path, last=1, more="same_sensor = true\nrest_s = 20\n")
+    (tmp_path / "two_more.tap").write_text((tmp_path / "two_triangles.tap").read_text())
+    first, second = tasks_of(read_spec(path), tmp_path, tmp_path / "out")
+    assert first.past == ()
+    assert second.past == (first.program,)
+    (tmp_path / "out").mkdir()
+    assert make(first)
+    assert make(second)
+    assert not make(second)
+    assert differences(second.folder) == []
+    assert (first.folder / "recording.csv").read_bytes() != (second.folder / "recording.csv").read_bytes()
 
 
 @pytest.mark.parametrize(

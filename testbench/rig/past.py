@@ -1,0 +1,38 @@
+"""What a sensor went through before its recording: earlier programs, with rests in between.
+
+A knit remembers: its largest stretch, its set, how long its contacts have settled. The second recording of one sensor
+is therefore not the first one again. The rig plays the earlier programs first and records only the last one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from testbench.knit.effect import FloatArray
+from testbench.rig.simulated import GRID_HZ, Motion
+
+DEFAULT_REST_S = 600.0
+RETURN_MM_PER_S = 1.0
+
+
+def past_displacement(motions: Sequence[Motion], rest_s: float) -> FloatArray:
+    """The stage's displacement up to a recording: all `motions`, each with a rest after it, shape (n,).
+
+    Parameters
+    ----------
+    motions : sequence of Motion
+        In the order in which they were played.
+    rest_s : float
+        Rest after each, at zero displacement; a motion that ends elsewhere is brought back at 1 mm/s.
+    """
+    if not motions:
+        return np.zeros(0)
+    after_s = np.arange(1, round(rest_s * GRID_HZ)) / GRID_HZ
+    parts = []
+    for motion in motions:
+        end_mm = float(motion.displacement_mm[-1])
+        way_back_s = abs(end_mm) / RETURN_MM_PER_S
+        parts += [motion.displacement_mm, np.interp(after_s, [0.0, max(way_back_s, 1e-9)], [end_mm, 0.0])]
+    return np.concatenate(parts)
