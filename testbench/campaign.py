@@ -139,7 +139,7 @@ def programs_before(sources: Iterable[str | Path], model: KnitModel, gauge_lengt
             continue
         earlier = plan_of(source)
         if earlier.model != model:
-            raise UserError(f"{source}: a campaign of another sensor ({earlier.sensor}); its state cannot be carried on")
+            raise UserError(f"{source}: a campaign of another sensor, {earlier.sensor}; its state cannot go on")
         if earlier.gauge_length_mm != gauge_length_mm:
             raise UserError(
                 f"{source}: its gauge length is {earlier.gauge_length_mm:g} mm, this one's {gauge_length_mm:g} mm; "
