@@ -100,8 +100,6 @@ def overlay(
         traces += _channel_traces(both, channel, rows, len(titles), points)
         titles += [CHANNEL_TITLES[channel], RESIDUAL_TITLES[channel]]
     axes = _uneven_axes(titles)
-    if start_s is not None and end_s is not None:
-        axes["xaxis"]["range"] = [start_s, end_s]
     shapes = [_floor_band(2 * row + 1, both.noise_floor.get(c, 0.0)) for row, c in enumerate(both.measured)]
     shapes += _held_out_shade(both, [style.y_ref(row) for row in range(len(titles))], end_s)
     return style.figure(traces, height=150 * len(titles) + 60, shapes=shapes, **axes)

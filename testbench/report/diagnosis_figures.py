@@ -153,8 +153,6 @@ def prediction(
         traces.append(line(time_s[rows], contribution[channel][rows], style.VERMILION, added, row, points, **first))
         traces[-1]["line"] = {"color": style.VERMILION, "width": 1.8}
     axes = style.stacked_axes([RESIDUAL_TITLES[channel] for channel in residual], "Time / s")
-    if start_s is not None and end_s is not None:
-        axes["xaxis"]["range"] = [start_s, end_s]
     return style.figure(traces, height=190 * len(residual) + 70, **axes)
 
 

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import base64
-import json
 from html import escape
 from importlib.resources import files
 from typing import Any
 
-import numpy as np
-
 from testbench.report import style
 from testbench.report.document import Facts, Item, Picture, Report, Section, Table
+from testbench.report.packing import plotly_js, to_json
 
 CONTENT_POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:"
 
@@ -24,7 +21,7 @@ def to_html(report: Report) -> str:
     A content security policy in the page forbids every fetch, so nothing can be loaded from outside even by mistake.
     """
     own = files("testbench.report")
-    figures: dict[str, Any] = {picture.name: packed(picture.figure) for picture in report.pictures()}
+    figures: dict[str, Any] = {picture.name: picture.figure for picture in report.pictures()}
     figures["config"] = style.CONFIG
     body = "".join(_section(section) for section in report.sections)
     links = "".join(f'<a href="#{anchor(section)}">{escape(section.title)}</a>' for section in report.sections)
@@ -40,8 +37,8 @@ def to_html(report: Report) -> str:
 {"".join(_item(item) for item in report.opening)}
 <nav class="contents" aria-label="Contents">{links}</nav></header>
 <main>{body}<footer>{escape(report.footer)}</footer></main>
-<script>{_plotly_js()}</script>
-<script type="application/json" id="figures">{_json_for_script(figures)}</script>
+<script>{plotly_js()}</script>
+<script type="application/json" id="figures">{_for_script(to_json(figures))}</script>
 <script>{own.joinpath("page.js").read_text("utf-8")}</script>
 </body></html>
 """
@@ -52,36 +49,9 @@ def anchor(section: Section) -> str:
     return "-".join("".join(c if c.isalnum() else " " for c in section.title.lower()).split())
 
 
-def _plotly_js() -> str:
-    from plotly.offline import get_plotlyjs
-
-    return get_plotlyjs()
-
-
-def _json_for_script(data: Any) -> str:
+def _for_script(json_text: str) -> str:
     # "</script>" inside a string would end the element, so the slash is escaped (the same JSON string).
-    return json.dumps(data, allow_nan=False, separators=(",", ":")).replace("</", "<\\/")
-
-
-def packed(value: Any) -> Any:
-    """A figure ready for JSON: number arrays as base64 float32 (a third of the size), other values as they are."""
-    if isinstance(value, dict):
-        return {key: packed(entry) for key, entry in value.items()}
-    if isinstance(value, np.ndarray):
-        return _packed_array(value)
-    if isinstance(value, list | tuple):
-        return [packed(entry) for entry in value]
-    if isinstance(value, np.generic):
-        return value.item()
-    return value
-
-
-def _packed_array(values: np.ndarray) -> Any:
-    if values.dtype.kind not in "fiu":
-        return values.tolist()
-    if values.ndim > 1:  # heat maps are small; nested lists keep their holes as null
-        return [[None if not np.isfinite(entry) else float(f"{entry:.5g}") for entry in row] for row in values]
-    return {"dtype": "f4", "bdata": base64.b64encode(values.astype("<f4").tobytes()).decode("ascii")}
+    return json_text.replace("</", "<\\/")
 
 
 def _facts(facts: Facts) -> str:

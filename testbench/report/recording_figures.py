@@ -63,8 +63,6 @@ def time_series(
         for row, (title, values, colour) in enumerate(channels)
     ]
     axes = style.stacked_axes([title for title, _, _ in channels], "Time / s")
-    if start_s is not None and end_s is not None:
-        axes["xaxis"]["range"] = [start_s, end_s]
     return style.figure(traces, height=150 * len(channels) + 90, **axes)
 
 

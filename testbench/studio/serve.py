@@ -28,9 +28,11 @@ def serve(studio: Studio, port: int, show: bool) -> None:
     from nicegui import app, ui
     from starlette.middleware.trustedhost import TrustedHostMiddleware
 
+    from testbench.studio.picture import serve_plotly
     from testbench.studio.shell import frame
 
     _check_free(port)
+    serve_plotly()
     # A page elsewhere must not reach the studio by giving this machine another name (DNS rebinding).
     app.add_middleware(TrustedHostMiddleware, allowed_hosts=[HOST, "localhost"])
     app.on_startup(lambda: threading.Thread(target=_warm, daemon=True).start())

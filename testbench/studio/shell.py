@@ -19,6 +19,7 @@ from testbench.studio.pages import (
     record,
     recording,
 )
+from testbench.studio.picture import load_plotly
 from testbench.studio.studio import Studio
 
 NAVIGATION = (
@@ -51,6 +52,7 @@ LOGO = (
 
 def frame(studio: Studio) -> None:
     """Build the frame for one browser tab."""
+    load_plotly()
     ui.add_css(files("testbench.studio").joinpath("theme.css").read_text("utf-8"))
     ui.colors(primary="#0072B2", secondary="#5b6875", accent="#D55E00", positive="#00795a", negative="#b03a00")
     with ui.element("div").classes("frame"):

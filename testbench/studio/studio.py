@@ -1,4 +1,4 @@
-"""What all tabs of one studio share: workspace, jobs, catalogue. All else lives in the tab or in a file."""
+"""What all tabs of one studio share: workspace, jobs, catalogue, memory. All else lives in the tab or in a file."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from testbench.studio.jobs import JobBoard
+from testbench.studio.memory import Memory
 from testbench.studio.workspace import Workspace
 
 if TYPE_CHECKING:
@@ -26,6 +27,7 @@ class Studio:
     def __init__(self, root: str | Path) -> None:
         self.workspace = Workspace(root)
         self.jobs = JobBoard()
+        self.memory = Memory()
 
     @property
     def effects_file(self) -> Path | None:

@@ -1,4 +1,4 @@
-"""Pieces that several pages use: headings, facts, troubles, tabs of a campaign, zooming plots, running jobs."""
+"""Pieces that several pages use: headings, facts, troubles, tabs of a campaign, running jobs."""
 
 from __future__ import annotations
 
@@ -9,16 +9,13 @@ from collections.abc import Awaitable, Callable, Sequence
 from typing import Any, TypeVar
 from urllib.parse import urlencode
 
-import numpy as np
-from nicegui import events, ui
+from nicegui import ui
 
 from gcode.support.errors import UserError
-from testbench.report import style
 from testbench.studio.jobs import Job, State
 from testbench.studio.studio import Studio
 
 T = TypeVar("T")
-Drawn = Callable[[float | None, float | None], style.Figure]
 
 LATER_S = 0.3
 TABS = (
@@ -120,33 +117,6 @@ def campaign_head(name: str, here: str) -> None:
                 link.classes("here").props("aria-current=page")
 
 
-def plot(figure: style.Figure, caption: str = "") -> ui.plotly:
-    """A figure in a card."""
-    with ui.element("figure").classes("card").style("margin:0"):
-        element = ui.plotly(float32({**figure, "config": style.CONFIG})).classes("w-full")
-        element.style(f"height:{figure['layout']['height']}px")
-        if caption:
-            ui.label(caption).classes("quiet text-sm")
-    return element
-
-
-def redraw(element: ui.plotly, figure: style.Figure) -> None:
-    """Put another figure in a plot's place."""
-    element.style(f"height:{figure['layout']['height']}px")
-    element.update_figure(float32({**figure, "config": style.CONFIG}))
-
-
-def float32(value: Any) -> Any:
-    """A figure with its arrays in single precision: half the bytes, and no digit lost that a pixel shows."""
-    if isinstance(value, dict):
-        return {key: float32(entry) for key, entry in value.items()}
-    if isinstance(value, list):
-        return [float32(entry) for entry in value]
-    if isinstance(value, np.ndarray) and value.dtype == np.float64:
-        return np.ascontiguousarray(value, dtype=np.float32)
-    return value
-
-
 def later(build: Callable[[], None]) -> None:
     """Build what is below the first screen a moment later, so that the first screen is there at once."""
     holder = ui.column().classes("w-full gap-4")
@@ -156,37 +126,6 @@ def later(build: Callable[[], None]) -> None:
             build()
 
     ui.timer(LATER_S, fill, once=True)
-
-
-def zooming_plot(drawn: Drawn, caption: str = "") -> ui.plotly:
-    """A plot over time that is drawn again at full detail for the stretch that is zoomed into.
-
-    Parameters
-    ----------
-    drawn : callable
-        Start and end in seconds (None: all) to a figure.
-    """
-    element = plot(drawn(None, None), caption)
-
-    def relayout(event: events.GenericEventArguments) -> None:
-        span = zoomed_span(event.args)
-        if span is not None:
-            redraw(element, drawn(*span))
-
-    element.on("plotly_relayout", relayout)
-    return element
-
-
-def zoomed_span(change: dict[str, Any]) -> tuple[float | None, float | None] | None:
-    """The stretch of time that a zoom asks for; (None, None) for all, None when the zoom was not along time."""
-    if change.get("xaxis.autorange"):
-        return None, None
-    start, end = change.get("xaxis.range[0]"), change.get("xaxis.range[1]")
-    if start is None and isinstance(change.get("xaxis.range"), list):
-        start, end = change["xaxis.range"]
-    if start is None or end is None:
-        return None
-    return float(start), float(end)
 
 
 def job_card(studio: Studio, job: Job, on_end: Callable[[Job], Awaitable[None] | None] | None = None) -> None:

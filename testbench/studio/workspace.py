@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from dataclasses import dataclass
 from pathlib import Path
-from threading import Lock
 
 from gcode.support.errors import UserError
 from gcode.support.files import read_json
 from testbench.recording import Recording, read_recording
+from testbench.studio.memory import Memory, stamp
 
 MANIFEST = "datapackage.json"
 RESULTS = "results"
 MAX_DEPTH = 4
 KEPT_RECORDINGS = 4  # 23 min take about 2 MB; hours of recording some 100 MB
+KEPT_VERDICTS = 1000
 
 
 @dataclass(frozen=True)
@@ -56,9 +56,8 @@ class Workspace:
         if self.root.exists() and not self.root.is_dir():
             raise UserError(f"{root}: the studio works in a folder, and this is a file; give the folder it is in")
         self.root.mkdir(parents=True, exist_ok=True)
-        self._recordings: OrderedDict[tuple, Recording] = OrderedDict()
-        self._verdicts: dict[tuple, list[str]] = {}
-        self._lock = Lock()
+        self._recordings = Memory(KEPT_RECORDINGS)
+        self._verdicts = Memory(KEPT_VERDICTS)
 
     def campaigns(self) -> list[Campaign]:
         """Every campaign below the root, newest first; a folder whose manifest cannot be read is listed too."""
@@ -94,30 +93,14 @@ class Workspace:
     def recording(self, name: str) -> Recording:
         """The recording of a campaign, read once and kept until the file changes."""
         campaign = self.campaign(name)
-        key = _stamp(campaign.folder / "recording.csv")
-        with self._lock:
-            if key in self._recordings:
-                self._recordings.move_to_end(key)
-                return self._recordings[key]
-        recording = read_recording(campaign.folder)
-        with self._lock:
-            self._recordings[key] = recording
-            while len(self._recordings) > KEPT_RECORDINGS:
-                self._recordings.popitem(last=False)
-        return recording
+        path = campaign.folder / "recording.csv"
+        return self._recordings.recall(stamp(path), lambda: read_recording(campaign.folder))
 
     def problems(self, name: str) -> list[str]:
         """What `testbench verify` finds wrong with a campaign; empty when every byte agrees."""
-        from testbench.manifest import problems
-
         folder = self.campaign(name).folder
-        key = tuple(_stamp(path) for path in sorted(folder.iterdir()) if path.is_file())
-        if key not in self._verdicts:
-            try:
-                self._verdicts[key] = problems(folder)
-            except UserError as error:
-                self._verdicts[key] = [str(error)]
-        return self._verdicts[key]
+        files = sorted(path for path in folder.iterdir() if path.is_file())
+        return self._verdicts.recall(stamp(*files), lambda: _verdict(folder))
 
     def results(self, name: str) -> Path:
         """Folder for what is made from a campaign (models, diagnoses, compensators), made if needed."""
@@ -141,10 +124,10 @@ class Workspace:
         return folder
 
 
-def _stamp(path: Path) -> tuple:
-    """Changes whenever the file does."""
+def _verdict(folder: Path) -> list[str]:
+    from testbench.manifest import problems
+
     try:
-        info = path.stat()
-    except FileNotFoundError:
-        raise UserError(f"{path}: this campaign has no such file") from None
-    return str(path), info.st_mtime_ns, info.st_size
+        return problems(folder)
+    except UserError as error:
+        return [str(error)]

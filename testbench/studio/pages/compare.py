@@ -11,19 +11,11 @@ from nicegui import ui
 
 from testbench.report import comparison_figures as figures
 from testbench.report.comparison_figures import Overlay
+from testbench.studio.memory import stamp
 from testbench.studio.models import add_fit_form, model_path
+from testbench.studio.picture import plot, zooming_plot
 from testbench.studio.studio import Studio
-from testbench.studio.widgets import (
-    address,
-    aside,
-    campaign_head,
-    facts,
-    guarded,
-    later,
-    plot,
-    subheading,
-    zooming_plot,
-)
+from testbench.studio.widgets import address, aside, campaign_head, facts, guarded, later, subheading
 
 
 @dataclass(frozen=True)
@@ -42,7 +34,7 @@ async def page(studio: Studio, c: str = "", on: str = "") -> None:
         add_fit_form(studio, c)
         return
     _choose(studio, c, on)
-    view = await aside(_compare, studio, c, on or c)
+    view = await aside(_view, studio, c, on or c)
     facts(_errors(view.comparison["channels"]))
     _worst(view.comparison["worst"])
     caption = "Measured, modelled, and under each the residual; grey: twice the noise floor. Drag to zoom all rows."
@@ -68,6 +60,13 @@ def _choose(studio: Studio, c: str, on: str) -> None:
         ui.button("What is missing?", icon="search", on_click=lambda: ui.navigate.to(address("/missing", c=c))).props(
             "unelevated"
         )
+
+
+def _view(studio: Studio, c: str, on: str) -> View:
+    """The comparison, worked out anew when the model or the recording has changed."""
+    recording = studio.workspace.campaign(on).folder / "recording.csv"
+    files = stamp(model_path(studio, c), recording, studio.effects_file)
+    return studio.memory.recall(("compare", c, on, files), lambda: _compare(studio, c, on))
 
 
 def _compare(studio: Studio, c: str, on: str) -> View:

@@ -13,8 +13,9 @@ from testbench.report import compensator_figures as figures
 from testbench.report.sections import short_name
 from testbench.studio.jobs import Job, State
 from testbench.studio.models import held_out_choices
+from testbench.studio.picture import plot
 from testbench.studio.studio import Studio
-from testbench.studio.widgets import address, attempt, campaign_head, facts, guarded, job_card, plot, subheading
+from testbench.studio.widgets import address, attempt, campaign_head, facts, guarded, job_card, subheading
 
 TARGETS = {"force": "force", "displacement": "displacement"}
 NETWORKS = {"4,2,2": "4, 2, 2 (the paper)", "8,4,4": "8, 4, 4", "16,8": "16, 8"}

@@ -14,19 +14,9 @@ from testbench.report.story import GLANCE_S
 from testbench.report.words import spoken
 from testbench.studio import models
 from testbench.studio.jobs import Job, State
+from testbench.studio.picture import plot
 from testbench.studio.studio import Studio
-from testbench.studio.widgets import (
-    address,
-    aside,
-    attempt,
-    campaign_head,
-    facts,
-    guarded,
-    job_card,
-    plot,
-    redraw,
-    subheading,
-)
+from testbench.studio.widgets import address, aside, attempt, campaign_head, facts, guarded, job_card, subheading
 
 
 @guarded
@@ -94,8 +84,8 @@ class _Ladder:
     async def _go(self, step: int) -> None:
         step = min(step, len(self.steps) - 1)
         self._tell(step)
-        redraw(self.ladder, figures.ladder(self.steps, step))
-        redraw(self.glance, await aside(self._glance, step))
+        self.ladder.show(figures.ladder(self.steps, step))
+        self.glance.show(await aside(self._glance, step))
         ui.navigate.history.replace(address("/ladder", c=self.c, step=str(step)))
 
     def _glance(self, step: int) -> dict:

@@ -13,18 +13,10 @@ from testbench.report import diagnosis_figures as figures
 from testbench.report.build import read_diagnosis
 from testbench.report.words import base_in_words, spoken, verdict_in_words
 from testbench.studio import models
+from testbench.studio.memory import stamp
+from testbench.studio.picture import plot, zooming_plot
 from testbench.studio.studio import Studio
-from testbench.studio.widgets import (
-    address,
-    aside,
-    attempt,
-    campaign_head,
-    guarded,
-    plot,
-    subheading,
-    trouble,
-    zooming_plot,
-)
+from testbench.studio.widgets import address, aside, attempt, campaign_head, guarded, subheading, trouble
 
 if TYPE_CHECKING:
     from testbench.discrepancy.contribution import Contribution
@@ -130,7 +122,7 @@ class _Candidates:
         await attempt(lambda: self._show(entry))
 
     async def _show(self, entry: Mapping[str, Any]) -> None:
-        look, shown = await aside(predicted, self.studio, self.c, self.diagnosis, entry)
+        look, shown = await aside(self._predicted, entry)
         self.detail.clear()
         with self.detail:
             with ui.row().classes("items-center justify-between w-full"):
@@ -146,6 +138,12 @@ class _Candidates:
             zooming_plot(partial(figures.prediction, shown.time_s, shown.residual, shown.added), caption)
             caption = "An effect that is really there predicts its own size: its points lie on the dashed line."
             plot(figures.slope(shown.residual, shown.added), caption)
+
+    def _predicted(self, entry: Mapping[str, Any]) -> tuple[str, Contribution]:
+        studio, c = self.studio, self.c
+        files = stamp(diagnosis_path(studio, c), models.model_path(studio, c), studio.effects_file)
+        make = partial(predicted, studio, c, self.diagnosis, entry)
+        return studio.memory.recall(("predicted", c, entry["form"], files), make)
 
     def _add(self, entry: Mapping[str, Any]) -> None:
         done = partial(ui.navigate.to, address("/ladder", c=self.c))

@@ -11,8 +11,9 @@ from gcode.support.errors import UserError
 from gcode.support.files import read_json
 from testbench.report.trajectory_figures import motion
 from testbench.studio.jobs import Job, State
+from testbench.studio.picture import plot
 from testbench.studio.studio import Studio
-from testbench.studio.widgets import address, aside, attempt, facts, guarded, heading, job_card, plot, subheading
+from testbench.studio.widgets import address, aside, attempt, facts, guarded, heading, job_card, subheading
 
 PRESETS = {
     "paper-1": "paper-1, 0-30 %",

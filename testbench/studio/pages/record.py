@@ -15,8 +15,9 @@ from testbench.report.live_figures import LiveChannel, live
 from testbench.studio.jobs import Job, State
 from testbench.studio.live import Follower
 from testbench.studio.pages.plan import PROGRAMS, SENSORS
+from testbench.studio.picture import plot
 from testbench.studio.studio import Studio
-from testbench.studio.widgets import address, aside, attempt, guarded, heading, plot, redraw, trouble
+from testbench.studio.widgets import address, aside, attempt, guarded, heading, trouble
 
 KEY = "record"
 SIMULATED = "the simulated rig"
@@ -136,7 +137,7 @@ class _Live:
         self.news.set_text(said)
         self.news.set_visibility(bool(said) and self.job.running)
         if fresh:
-            redraw(self.plot, live(self._channels()))
+            self.plot.show(live(self._channels()))
         if not self.job.running:
             self._ended()
 

@@ -9,8 +9,9 @@ from nicegui import ui
 
 from testbench.recording import Recording
 from testbench.report import recording_figures as figures
+from testbench.studio.picture import plot, zooming_plot
 from testbench.studio.studio import Studio
-from testbench.studio.widgets import aside, campaign_head, facts, guarded, later, plot, trouble, zooming_plot
+from testbench.studio.widgets import aside, campaign_head, facts, guarded, later, trouble
 
 
 @guarded

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import hashlib
 import json
 import re
 from pathlib import Path
@@ -17,9 +18,12 @@ from testbench.recording_files import write_recording_csv
 from testbench.report import ladder_figures, recording_figures, sections
 from testbench.report.document import Picture, Report, Section, Table
 from testbench.report.markdown import to_markdown
-from testbench.report.page import packed, to_html
+from testbench.report.packing import packed, plotly_path
+from testbench.report.page import to_html
 from testbench.report.static import write_figure
 from testbench.report.write import write_report
+
+PLOTLY_SHA256 = "7c593b9eda0e74a1d07335cf89cbf7a55ffc114909980c3729af835453bdb02a"  # npm, cartesian-dist-min 3.7.0
 
 
 def whole_report() -> Report:
@@ -59,6 +63,10 @@ def test_text_cannot_become_markup() -> None:
     page = to_html(whole_report())
     assert "<title>A &lt;/script&gt; title</title>" in page
     assert "Recording &lt;b&gt;one&lt;/b&gt;" in page
+
+
+def test_plotly_is_the_file_that_was_published() -> None:
+    assert hashlib.sha256(plotly_path().read_bytes()).hexdigest() == PLOTLY_SHA256
 
 
 def test_arrays_are_packed_as_float32() -> None:

@@ -6,7 +6,6 @@ import json
 import os
 import re
 import signal
-import socket
 import subprocess
 import sys
 import time
@@ -20,8 +19,8 @@ from testbench.cli import main as run_testbench
 from testbench.knit.catalogue import baseline, load_catalogue
 from testbench.recording_files import write_recording_csv
 from testbench.studio.jobs import interpreter_argv
+from tests.testbench.studio.served import CHROMIUM, Served, served
 
-CHROMIUM = Path("/usr/bin/chromium")
 ROOT = Path(__file__).parents[3]
 MEASURED = ROOT / "../shared/data/real/cb_silicone_strip/cb7.5_s2_multisine_300s_a.csv"
 SHOTS = ROOT / "artifacts" / "studio"
@@ -43,33 +42,10 @@ def browser():
 
 
 @pytest.fixture
-def studio(tmp_path: Path) -> Iterator[tuple[str, Path, subprocess.Popen]]:
-    """A studio as users start it: address, workspace, process."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    root = tmp_path / "ws"
-    argv = interpreter_argv(["testbench", "studio", str(root), "--no-browser", "--port", str(port)])
-    # NiceGUI behaves differently where it sees pytest in the environment.
-    environment = {key: value for key, value in os.environ.items() if not key.startswith(("PYTEST", "NICEGUI"))}
-    process = subprocess.Popen(argv, cwd=tmp_path, env=environment)
-    try:
-        wait_for_port(port)
-        yield f"http://127.0.0.1:{port}", root, process
-        process.send_signal(signal.SIGINT)
-        assert process.wait(30) in (0, 130)
-    finally:
-        process.kill()
-        process.wait()
-
-
-def wait_for_port(port: int) -> None:
-    for _ in range(900):
-        with socket.socket() as probe:
-            if probe.connect_ex(("127.0.0.1", port)) == 0:
-                return
-        time.sleep(0.1)
-    raise AssertionError("the studio did not start within 90 s")
+def studio(tmp_path: Path) -> Iterator[Served]:
+    """A studio as users start it, over an empty workspace."""
+    with served(tmp_path / "ws") as running:
+        yield running
 
 
 @pytest.fixture
@@ -107,7 +83,7 @@ def foreign_csv(folder: Path) -> Path:
 
 
 def test_the_whole_loop_on_a_measured_csv(studio, page, tmp_path: Path) -> None:
-    address, root, _ = studio
+    address, root = studio.address, studio.root
     page.goto(address)
     page.get_by_role("button", name="Import a CSV").click()
     page.get_by_label("File on this machine").fill(str(foreign_csv(tmp_path).resolve()))
@@ -175,13 +151,8 @@ def put_program(root: Path, program: Path) -> None:
     shutil.copytree(program, root / "programs" / program.name)
 
 
-def resident_MB(process: subprocess.Popen) -> float:
-    status = Path(f"/proc/{process.pid}/status").read_text()
-    return int(re.search(r"VmRSS:\s+(\d+)", status).group(1)) / 1024  # type: ignore[union-attr]
-
-
 def test_a_minute_of_live_recording(studio, page, program: Path) -> None:
-    address, root, process = studio
+    address, root = studio.address, studio.root
     put_program(root, program)
     page.goto(f"{address}/record")
     page.get_by_label("Stop beyond / N").fill("50")
@@ -189,10 +160,10 @@ def test_a_minute_of_live_recording(studio, page, program: Path) -> None:
     page.wait_for_function("() => /[1-9][0-9]* Samples/.test(document.body.innerText)")
     start = time.monotonic()
     page.wait_for_timeout(20_000)
-    before = resident_MB(process)
+    before = studio.resident_MB()
     page.wait_for_timeout(60_000 - 1000 * (time.monotonic() - start))
     shot(page, "live")
-    assert resident_MB(process) < before + 30
+    assert studio.resident_MB() < before + 30
     page.get_by_role("button", name="Stop").click()
     page.get_by_role("button", name="Open the recording").click()
     page.wait_for_selector(".js-plotly-plot .main-svg")
@@ -202,7 +173,7 @@ def test_a_minute_of_live_recording(studio, page, program: Path) -> None:
 
 
 def test_the_port_gone_midway_is_said_and_the_samples_stay(studio, page, program: Path) -> None:
-    address, root, _ = studio
+    address, root = studio.address, studio.root
     put_program(root, program)
     link = root / "port"
     argv = ["testbench", "rig", "--sensor", "pes", "--program", str(root / "programs" / program.name / "program.tap")]
@@ -228,7 +199,7 @@ def test_the_port_gone_midway_is_said_and_the_samples_stay(studio, page, program
 def test_a_diagnosis_can_be_cancelled_and_two_tabs_share_it(
     studio, page, browser, program: Path, tmp_path: Path
 ) -> None:
-    address, root, _ = studio
+    address, root = studio.address, studio.root
     truth(tmp_path / "truth.json")
     argv = ["--model", str(tmp_path / "truth.json"), "--program", str(program / "program.tap")]
     assert run_testbench(["run", *argv, "--seed", "1", "-o", str(root / "knit")]) == 0
@@ -251,7 +222,7 @@ def test_a_diagnosis_can_be_cancelled_and_two_tabs_share_it(
 
 
 def test_a_tablet_in_portrait_needs_no_sideways_scrolling(studio, browser, program: Path) -> None:
-    address, root, _ = studio
+    address, root = studio.address, studio.root
     argv = ["run", "--sensor", "pes", "--program", str(program / "program.tap"), "--seed", "1"]
     assert run_testbench([*argv, "-o", str(root / "knit")]) == 0
     context = browser.new_context(viewport={"width": 800, "height": 1280}, has_touch=True)
@@ -266,7 +237,7 @@ def test_a_tablet_in_portrait_needs_no_sideways_scrolling(studio, browser, progr
 
 def test_first_view_and_steps_are_quick(studio, page, program: Path) -> None:
     """Ratios against a bare plotly page of this very machine and moment would be flaky; generous walls are not."""
-    address, root, _ = studio
+    address, root = studio.address, studio.root
     argv = ["run", "--sensor", "pes", "--program", str(program / "program.tap"), "--seed", "1"]
     assert run_testbench([*argv, "-o", str(root / "knit")]) == 0
     page.goto(address)

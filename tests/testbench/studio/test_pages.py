@@ -8,14 +8,14 @@ import shutil
 from pathlib import Path
 
 import pytest
-from nicegui import ui
 from nicegui.testing import User
 
 import tests.testbench.report.samples as samples
 from testbench.studio import models
 from testbench.studio.columns import guess, guess_unit
+from testbench.studio.picture import Picture, zoomed_span
 from testbench.studio.studio import Studio
-from testbench.studio.widgets import address, zoomed_span
+from testbench.studio.widgets import address
 
 pytestmark = pytest.mark.asyncio
 
@@ -37,7 +37,7 @@ async def test_a_recording_shows_its_plots(user: User) -> None:
     await user.open("/recording?c=sleeve")
     await user.should_see("Duration")
     await user.should_see("How often each value occurred")
-    assert len(user.find(ui.plotly).elements) == 3
+    assert len(user.find(Picture).elements) == 3
 
 
 async def test_a_wrong_checksum_is_said_on_the_page(user: User, studio: Studio) -> None:

@@ -1,0 +1,56 @@
+// A Plotly figure that is drawn when it comes near the screen. The figure is a string: plain data that Vue leaves alone.
+const plotly = () =>
+  window.Plotly
+    ? Promise.resolve(window.Plotly)
+    : new Promise((resolve) =>
+        document.getElementById("plotly").addEventListener("load", () => resolve(window.Plotly)),
+      );
+
+export default {
+  template: "<div></div>",
+  props: { figure: String },
+  mounted() {
+    this.near = false;
+    this.stale = true;
+    this.watcher = new IntersectionObserver(
+      ([seen]) => {
+        this.near = seen.isIntersecting;
+        this.draw();
+      },
+      { rootMargin: "300px" },
+    );
+    this.watcher.observe(this.$el);
+    this.sizes = new ResizeObserver(() => this.fit());
+    this.sizes.observe(this.$el);
+  },
+  unmounted() {
+    this.watcher.disconnect();
+    this.sizes.disconnect();
+    if (this.width) window.Plotly.purge(this.$el);
+  },
+  watch: {
+    figure() {
+      this.stale = true;
+      this.draw();
+    },
+  },
+  methods: {
+    async draw() {
+      if (!this.near || !this.stale) return;
+      this.stale = false;
+      const Plotly = await plotly();
+      if (!this.$el.isConnected) return;
+      const { data, layout, config } = JSON.parse(this.figure);
+      const first = !this.width;
+      this.width = this.$el.clientWidth;
+      await Plotly.react(this.$el, data, layout, config);
+      if (first) this.$el.on("plotly_relayout", (change) => this.$emit("zoom", change));
+      this.$el.dataset.drawn = 1 + Number(this.$el.dataset.drawn ?? 0);
+    },
+    fit() {
+      if (!this.width || this.width === this.$el.clientWidth || !this.$el.clientWidth) return;
+      this.width = this.$el.clientWidth;
+      window.Plotly.Plots.resize(this.$el);
+    },
+  },
+};

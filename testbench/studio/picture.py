@@ -1,0 +1,90 @@
+"""A Plotly figure on a page: drawn when it comes near the screen, drawn again at full detail where it is zoomed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from nicegui import events, ui
+from nicegui.element import Element
+
+from testbench.report import style
+from testbench.report.packing import PLOTLY_VERSION, plotly_path, to_json
+
+Drawn = Callable[[float | None, float | None], style.Figure]  # start and end in seconds (None: all) to a figure
+
+PLOTLY_URL = f"/plotly-cartesian-{PLOTLY_VERSION}.min.js"
+YEAR_S = 365 * 24 * 3600
+
+
+class Picture(Element, component="picture.js"):
+    """One figure.
+
+    Parameters
+    ----------
+    figure : dict
+        Of `testbench.report`; its arrays travel packed.
+    label : str
+        What it shows, for those who do not see it.
+    """
+
+    def __init__(self, figure: style.Figure, label: str = "") -> None:
+        super().__init__()
+        self.figure = figure
+        self.classes("w-full js-plotly-plot")
+        self._props["role"], self._props["aria-label"] = "img", label
+        self.show(figure)
+
+    def show(self, figure: style.Figure) -> None:
+        """Put another figure in its place; where the user has zoomed, the zoom stays."""
+        self.figure = figure
+        self.style(f"height:{figure['layout']['height']}px")
+        layout = {"uirevision": "kept", **figure["layout"]}
+        self._props["figure"] = to_json({"data": figure["data"], "layout": layout, "config": style.CONFIG})
+        self.update()
+
+
+def serve_plotly() -> None:
+    """Let the studio's own server hand out plotly.js."""
+    from nicegui import app
+
+    app.add_static_file(local_file=plotly_path(), url_path=PLOTLY_URL, max_cache_age=YEAR_S)
+
+
+def load_plotly() -> None:
+    """Have the page fetch it while everything else is still on its way."""
+    ui.add_head_html(f'<script id="plotly" async src="{PLOTLY_URL}"></script>')
+
+
+def plot(figure: style.Figure, caption: str = "") -> Picture:
+    """A figure in a card."""
+    with ui.element("figure").classes("card").style("margin:0"):
+        picture = Picture(figure, caption)
+        if caption:
+            ui.label(caption).classes("quiet text-sm")
+    return picture
+
+
+def zooming_plot(drawn: Drawn, caption: str = "") -> Picture:
+    """A plot over time that is drawn again at full detail for the stretch that is zoomed into."""
+    picture = plot(drawn(None, None), caption)
+
+    def zoom(event: events.GenericEventArguments) -> None:
+        span = zoomed_span(event.args)
+        if span is not None:
+            picture.show(drawn(*span))
+
+    picture.on("zoom", zoom)
+    return picture
+
+
+def zoomed_span(change: dict[str, Any]) -> tuple[float | None, float | None] | None:
+    """The stretch of time that a zoom asks for; (None, None) for all, None when the zoom was not along time."""
+    if change.get("xaxis.autorange"):
+        return None, None
+    start, end = change.get("xaxis.range[0]"), change.get("xaxis.range[1]")
+    if start is None and isinstance(change.get("xaxis.range"), list):
+        start, end = change["xaxis.range"]
+    if start is None or end is None:
+        return None
+    return float(start), float(end)

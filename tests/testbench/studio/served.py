@@ -1,0 +1,72 @@
+"""A studio as users start it, in a process of its own, and Debian's chromium to look at it."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+CHROMIUM = Path("/usr/bin/chromium")
+CODE = """
+import sys
+from testbench.studio.pages import record
+record.REFRESH_S = float(sys.argv.pop())
+from testbench.cli import main
+sys.exit(main())
+"""
+
+
+@dataclass(frozen=True)
+class Served:
+    """A running studio."""
+
+    address: str
+    root: Path
+    process: subprocess.Popen
+
+    def resident_MB(self) -> float:
+        """Memory of the server's process."""
+        status = Path(f"/proc/{self.process.pid}/status").read_text()
+        found = re.search(r"VmRSS:\s+(\d+)", status)
+        assert found
+        return int(found.group(1)) / 1024
+
+
+@contextmanager
+def served(root: Path, refresh_s: float = 0.5) -> Iterator[Served]:
+    """Start a studio over `root` on a free port; it must end well on Ctrl-C.
+
+    `refresh_s` is how often the live page looks: benchmarks play an hour faster than it lasts.
+    """
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    argv = [sys.executable, "-c", CODE, "studio", str(root), "--no-browser", "--port", str(port), str(refresh_s)]
+    # NiceGUI behaves differently where it sees pytest in the environment.
+    environment = {key: value for key, value in os.environ.items() if not key.startswith(("PYTEST", "NICEGUI"))}
+    process = subprocess.Popen(argv, cwd=root.parent, env=environment)
+    try:
+        _wait_for(port)
+        yield Served(f"http://127.0.0.1:{port}", root, process)
+        process.send_signal(signal.SIGINT)
+        assert process.wait(30) in (0, 130)
+    finally:
+        process.kill()
+        process.wait()
+
+
+def _wait_for(port: int) -> None:
+    for _ in range(900):
+        with socket.socket() as probe:
+            if probe.connect_ex(("127.0.0.1", port)) == 0:
+                return
+        time.sleep(0.1)
+    raise AssertionError("the studio did not start within 90 s")
