@@ -63,6 +63,7 @@ def train_adam(
     start: Network | None = None,
     batch: int = BATCH,
     rate: float = LEARNING_RATE,
+    averaging: float = 0.0,
 ) -> tuple[Network, FloatArray]:
     """Train one network as `MLPRegressor(hidden_layer_sizes=sizes, alpha=l2, random_state=seed)` does.
 
@@ -75,6 +76,10 @@ def train_adam(
         Rows a step; scikit-learn's is 200.
     rate : float
         Adam's learning rate; scikit-learn's is 0.001.
+    averaging : float
+        Share that the running mean of the weights, taken after each epoch, keeps of itself; that mean is returned.
+        0 returns the last weights, as scikit-learn does. The mean does not jump about the minimum as the weights do
+        (B. T. Polyak and A. B. Juditsky, Acceleration of stochastic approximation by averaging, 1992).
 
     Returns
     -------
@@ -87,7 +92,7 @@ def train_adam(
     rng = np.random.RandomState(seed)
     flat = flatten(start or initial_network(widths, rng))
     first, second = np.zeros_like(flat), np.zeros_like(flat)
-    curve: list[float] = []
+    mean, curve = flat, list[float]()
     order, best, stale, steps = np.arange(len(features)), np.inf, 0, 0
     while len(curve) < max_epochs and stale <= PATIENCE:
         order = order[_permutation(rng, len(order))]
@@ -95,7 +100,9 @@ def train_adam(
         curve.append(loss)
         stale = stale + 1 if loss > best - TOLERANCE else 0
         best = min(best, loss)
-    return unflatten(flat, widths), np.asarray(curve)
+        share = max(1.0 - averaging, 1.0 / len(curve))
+        mean = (1.0 - share) * mean + share * flat
+    return unflatten(mean, widths), np.asarray(curve)
 
 
 def _permutation(rng: np.random.RandomState, count: int) -> NDArray[np.int64]:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compensation.ema import smooth, smooth_irregular
+from compensation.history import NO_HISTORY, History
 from compensation.network import Network
 from compensation.preprocessing import TARGETS, Series
 from gcode.support.errors import UserError
@@ -43,7 +44,7 @@ class Scaling:
 
 @dataclass(frozen=True)
 class Compensator:
-    """Scaler, exponential-smoothing bank and one or more networks whose mean is the answer.
+    """Scaler, smoothing bank (and other memories), and one or more networks whose mean is the answer.
 
     Attributes
     ----------
@@ -55,7 +56,7 @@ class Compensator:
     scaling_in, scaling_out : Scaling
         Of the conductance (S) and of the target (N or mm), fitted on the training recording.
     networks : tuple of Network
-        Each takes the k smoothed values; the prediction is their mean.
+        Each takes the k smoothed values and the history's; the prediction is their mean.
     irregular : bool
         True: samples are used at the times they were taken. False: resample to `rate_hz` first (the paper).
     start : {"paper", "causal"}
@@ -64,6 +65,8 @@ class Compensator:
         True: each recording is standardised by its own mean and spread, as if it were known as a whole.
     sign : float
         +1 where conductance rises with the target, -1 where it falls; used for the raw baseline only.
+    history : History
+        Memories beside the bank; the paper has none.
     recipe : mapping
         How it was trained.
     """
@@ -78,6 +81,7 @@ class Compensator:
     start: str = "paper"
     per_recording: bool = False
     sign: float = 1.0
+    history: History = NO_HISTORY
     recipe: Mapping[str, Any] = field(default_factory=dict)
 
     @property
@@ -91,17 +95,26 @@ class Compensator:
         return None if self.irregular else self.rate_hz
 
     @property
+    def input_count(self) -> int:
+        """Features that each network takes."""
+        return len(self.alphas) + self.history.count
+
+    @property
     def parameter_count(self) -> int:
         """Weights and biases of all networks."""
         return sum(network.parameter_count for network in self.networks)
 
     def features(self, time_s: FloatArray, conductance_S: FloatArray) -> FloatArray:
-        """Smoothed, standardised conductance: shape (n, k)."""
+        """Smoothed, standardised conductance, then the history's features: shape (n, input_count)."""
         scaling = Scaling.of(conductance_S) if self.per_recording else self.scaling_in
         values = scaling.apply(np.asarray(conductance_S, dtype=np.float64))
         if self.irregular:
-            return smooth_irregular(values, time_s, self.alphas, self.rate_hz, self.start)
-        return smooth(values, self.alphas, self.rate_hz, self.start)
+            smoothed = smooth_irregular(values, time_s, self.alphas, self.rate_hz, self.start)
+            steps_s = np.diff(np.asarray(time_s, dtype=np.float64))
+        else:
+            smoothed = smooth(values, self.alphas, self.rate_hz, self.start)
+            steps_s = np.full(len(values) - 1, 1.0 / self.rate_hz)
+        return np.hstack([smoothed, self.history.features(values, steps_s)])
 
     def predict(self, time_s: FloatArray, conductance_S: FloatArray) -> FloatArray:
         """Force (N) or displacement (mm) at each sample.

@@ -5,18 +5,19 @@ from __future__ import annotations
 import hashlib
 import json
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, PositiveFloat
 
 from compensation.compensator import Compensator, Scaling
+from compensation.history import History
 from compensation.network import Network
 from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError, first_problem
 from gcode.support.files import read_json, write_json
 
-FORMAT, FORMAT_VERSION = "knitbench-compensator", 1
+FORMAT, FORMAT_VERSION = "knitbench-compensator", 2
 
 
 class _Strict(BaseModel):
@@ -33,6 +34,11 @@ class _Network(_Strict):
     biases: list[list[FiniteFloat]]
 
 
+class _History(_Strict):
+    motion_taus_s: list[Annotated[FiniteFloat, Field(gt=0)]]
+    play_radii: list[Annotated[FiniteFloat, Field(gt=0)]]
+
+
 class _File(_Strict):
     format: str
     version: int
@@ -44,6 +50,7 @@ class _File(_Strict):
     irregular: bool
     per_recording: bool
     sign: float
+    history: _History
     scaling_in: _Scaling
     scaling_out: _Scaling
     networks: list[_Network] = Field(min_length=1)
@@ -64,6 +71,7 @@ def save(path: str | Path, compensator: Compensator) -> None:
         "irregular": compensator.irregular,
         "per_recording": compensator.per_recording,
         "sign": compensator.sign,
+        "history": {name: list(values) for name, values in vars(compensator.history).items()},
         "scaling_in": vars(compensator.scaling_in),
         "scaling_out": vars(compensator.scaling_out),
         "networks": [network.to_dict() for network in compensator.networks],
@@ -92,8 +100,9 @@ def load(path: str | Path) -> Compensator:
         networks = tuple(Network.from_lists(net.weights, net.biases) for net in checked.networks)
     except ValueError as error:
         raise UserError(f"{path}: not a usable compensator: {first_problem(error)}") from None
-    if any(len(net.weights[0]) != len(checked.alphas) for net in networks):
-        raise UserError(f"{path}: not a usable compensator: its network does not take {len(checked.alphas)} inputs")
+    inputs = len(checked.alphas) + len(checked.history.motion_taus_s) + len(checked.history.play_radii)
+    if any(len(net.weights[0]) != inputs for net in networks):
+        raise UserError(f"{path}: not a usable compensator: its network does not take {inputs} inputs")
     if not all(0 < alpha <= 1 for alpha in checked.alphas):
         raise UserError(f"{path}: not a usable compensator: each smoothing factor must be in (0, 1]")
     if _digest({key: value for key, value in data.items() if key != "sha256"}) != checked.sha256:
@@ -113,6 +122,7 @@ def _build(checked: _File, networks: tuple[Network, ...]) -> Compensator:
         start=checked.start,
         per_recording=checked.per_recording,
         sign=checked.sign,
+        history=History(tuple(checked.history.motion_taus_s), tuple(checked.history.play_radii)),
         recipe=checked.recipe,
     )
 

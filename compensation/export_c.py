@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from compensation.compensator import Compensator
 from compensation.ema import start_samples
+from compensation.export_c_history import constants_bytes, multiplies, pieces, state_bytes
 from compensation.network import Network
 from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError
@@ -47,10 +48,10 @@ def cost(compensator: Compensator) -> Cost:
     weights = sum(matrix.size for network in compensator.networks for matrix in network.weights)
     widest = max(max(network.sizes, default=1) for network in compensator.networks)
     return Cost(
-        constants_bytes=4 * (compensator.parameter_count + 3 * filters),
-        state_bytes=4 * (3 * filters + 2),
-        scratch_bytes=4 * (filters + 2 * widest),
-        multiplies=weights + 3 * filters + 1,
+        constants_bytes=4 * (compensator.parameter_count + 3 * filters) + constants_bytes(compensator.history),
+        state_bytes=4 * (3 * filters + 2) + state_bytes(compensator.history),
+        scratch_bytes=4 * (compensator.input_count + 2 * widest),
+        multiplies=weights + 3 * filters + 1 + multiplies(compensator.history),
     )
 
 
@@ -96,7 +97,9 @@ def c_header(compensator: Compensator, name: str = "knitbench") -> str:
         tables="\n".join(tables),
         calls="\n".join(calls),
         offset=_number(compensator.scaling_out.mean),
+        inputs=compensator.input_count,
         needs=needs,
+        **pieces(compensator, name),
     )
 
 
@@ -181,12 +184,12 @@ typedef struct {{
     float start[{NAME}_FILTERS];  /* the initial value: mean of the first samples */
     float elapsed;                /* in steps of 1/rate, until every start is known */
     uint32_t seen;                /* samples so far, as long as a start is not known */
-}} {name}_state;
+{history_state}}} {name}_state;
 
 static const float {name}_alpha[{filters}] = {{{alphas}}};
 static const float {name}_log_keep[{filters}] = {{{log_keep}}};
 static const float {name}_start_steps[{filters}] = {{{lengths}}};
-{tables}
+{history_tables}{tables}
 
 static inline void {name}_reset({name}_state *s) {{
     for (int i = 0; i < {NAME}_FILTERS; i++) {{
@@ -196,7 +199,7 @@ static inline void {name}_reset({name}_state *s) {{
     }}
     s->elapsed = 0.0f;
     s->seen = 0;
-}}
+{history_reset}}}
 
 /* 1 - exp(x) for x <= 0, accurate near zero: a series after halving, then squared up again. */
 static inline float {name}_gain(float x) {{
@@ -222,12 +225,13 @@ static inline void {name}_layer(const float *in, int n_in, float *out, int n_out
 
 /* Feed one sample: conductance in S, seconds since the last sample (ignored for the first). Returns {unit}. */
 static inline float {name}_update({name}_state *s, float conductance_S, float dt_s) {{
-    float features[{NAME}_FILTERS], even[{NAME}_WIDEST], odd[{NAME}_WIDEST], value, result = {offset};
+    float features[{inputs}], even[{NAME}_WIDEST], odd[{NAME}_WIDEST], value, result = {offset};
     const float x = (conductance_S - {mean}) * {inverse};
     const float steps = s->seen ? dt_s * {NAME}_RATE_HZ : 0.0f;
     const int nominal = steps > 0.999999f && steps < 1.000001f;
-    int starting = s->seen == 0;
-    if (s->seen) s->elapsed += steps;
+    const int first = s->seen == 0;
+    int starting = first;
+    if (!first) s->elapsed += steps;
     for (int i = 0; i < {NAME}_FILTERS; i++) starting |= s->elapsed < {name}_start_steps[i];
     if (starting) {{
         s->seen++;
@@ -241,7 +245,7 @@ static inline float {name}_update({name}_state *s, float conductance_S, float dt
         if (s->seen == 1 || s->elapsed < {name}_start_steps[i]) s->start[i] += (x - s->start[i]) / (float)s->seen;
         features[i] = s->forced[i] + s->fading[i] * s->start[i];
     }}
-    (void)even;
+{history_update}    (void)even;
     (void)odd;
 {calls}
     return result;

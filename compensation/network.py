@@ -53,6 +53,11 @@ class Network:
         """
         return bool(np.std(self(features)) < DEAD_SPREAD)
 
+    def absorbing(self, shift: FloatArray, scale: FloatArray) -> Network:
+        """The same function of raw inputs, where this one takes ``(inputs - shift) * scale``."""
+        first = self.weights[0] * scale[:, None]
+        return Network((first, *self.weights[1:]), (self.biases[0] - shift @ first, *self.biases[1:]))
+
     def to_dict(self) -> dict:
         """Plain lists, for JSON."""
         return {"weights": [w.tolist() for w in self.weights], "biases": [b.tolist() for b in self.biases]}

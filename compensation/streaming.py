@@ -6,6 +6,7 @@ import numpy as np
 
 from compensation.compensator import Compensator
 from compensation.ema import start_samples
+from compensation.history import RunningHistory
 
 
 class CompensatorStream:
@@ -28,6 +29,7 @@ class CompensatorStream:
         self._forced, self._fading = np.zeros(count), np.ones(count)
         self._sums, self._seen = np.zeros(count), np.zeros(count)
         self._elapsed_steps, self._first = 0.0, True
+        self._history = RunningHistory(self._compensator.history)
 
     def update(self, conductance_S: float, dt_s: float | None = None) -> float:
         """Feed one sample.
@@ -45,10 +47,10 @@ class CompensatorStream:
         """
         compensator = self._compensator
         x = (conductance_S - compensator.scaling_in.mean) / compensator.scaling_in.scale
+        steps = 1.0 if dt_s is None else dt_s * compensator.rate_hz
         if self._first:
             self._first = False
         else:
-            steps = 1.0 if dt_s is None else dt_s * compensator.rate_hz
             self._elapsed_steps += steps
             keep = np.exp(self._log_keep * steps)
             self._forced = x + keep * (self._forced - x)
@@ -56,6 +58,7 @@ class CompensatorStream:
         starting = (self._elapsed_steps < self._lengths - 0.5) | (self._seen == 0)
         self._sums[starting] += x
         self._seen[starting] += 1
-        features = (self._forced + self._fading * self._sums / self._seen)[None, :]
+        smoothed = self._forced + self._fading * self._sums / self._seen
+        features = np.concatenate([smoothed, self._history.update(x, steps / compensator.rate_hz)])[None, :]
         output = float(np.mean([network(features)[0] for network in compensator.networks]))
         return output * compensator.scaling_out.scale + compensator.scaling_out.mean

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from compensation.compensator import Compensator, Scaling
 from compensation.ema import PAPER_COUNT, PAPER_FACTOR, PAPER_RATE_HZ, smoothing_factors
 from compensation.engines import DEFAULT_L2, Fit, engine
+from compensation.history import NO_HISTORY, History
 from compensation.preprocessing import Series, series_of
 from compensation.score import r2
 from testbench.recording import Recording
@@ -44,6 +45,8 @@ class Options:
     engine : {"exact", "fast", "sklearn"}
     rate_hz : float
         Rate of resampling, and the one that the smoothing factors refer to.
+    history : History
+        Memories beside the bank; the paper has none.
     """
 
     sizes: tuple[int, ...] = PAPER_SIZES
@@ -56,6 +59,7 @@ class Options:
     per_recording: bool = False
     engine: str = "exact"
     rate_hz: float = PAPER_RATE_HZ
+    history: History = NO_HISTORY
 
 
 def train(
@@ -106,7 +110,7 @@ def train_on_series(
 
 
 def untrained(series: Sequence[Series], target: str, options: Options) -> Compensator:
-    """Scalers and bank without a network."""
+    """Scalers, bank and history without a network."""
     conductance = np.concatenate([part.conductance_S for part in series])
     truth = np.concatenate([part.truth for part in series])
     return Compensator(
@@ -118,6 +122,7 @@ def untrained(series: Sequence[Series], target: str, options: Options) -> Compen
         networks=(),
         irregular=options.irregular,
         per_recording=options.per_recording,
+        history=options.history,
         sign=float(np.sign(np.corrcoef(conductance, truth)[0, 1]) or 1.0),
     )
 

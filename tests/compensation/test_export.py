@@ -14,6 +14,7 @@ from compensation.cli import main
 from compensation.ema import start_samples
 from compensation.export_c import c_header, cost
 from compensation.export_onnx import write_onnx
+from compensation.history import History
 from compensation.training import Options, train
 from gcode.support.errors import UserError
 
@@ -30,10 +31,14 @@ int main(void) {
 """
 
 
-@pytest.fixture(scope="module")
-def compensator(recordings):
+HISTORIES = [History(), History((0.5, 8.0), (0.2, 0.5, 1.0)), History((2.0,)), History((), (0.4,))]
+
+
+@pytest.fixture(scope="module", params=HISTORIES, ids=["bank", "all", "motion", "play"])
+def compensator(recordings, request):
     """Two networks, so that the mean over them is exercised."""
-    trained = [train(recordings[:1], "force", Options(sizes=(6, 3), restarts=1, seed=seed)) for seed in (0, 1)]
+    options = Options(sizes=(6, 3), restarts=1, history=request.param, engine="fast")
+    trained = [train(recordings[:1], "force", replace(options, seed=seed)) for seed in (0, 1)]
     return replace(trained[0], networks=trained[0].networks + trained[1].networks)
 
 
@@ -94,7 +99,7 @@ def test_c_header_links_no_library_and_uses_no_heap(compensator):
     assert f"{cost(compensator).state_bytes} bytes of RAM" in text
 
 
-def test_cost_of_the_papers_network_by_hand(compensator, recordings):
+def test_cost_of_the_papers_network_by_hand(recordings):
     paper = train(recordings[:1], "force", Options(restarts=1))
     needs = cost(paper)
     # (7+1)4 + (4+1)2 + (2+1)2 + 3 = 51 parameters, 28+8+4+2 = 42 weights, 7 filters.
@@ -110,14 +115,13 @@ def test_onnx_step_equals_python(compensator, recordings, tmp_path):
     session = runtime.InferenceSession(str(tmp_path / "c.onnx"), providers=["CPUExecutionProvider"])
     recording = recordings[1].between(0.0, 60.0)
     steps = np.diff(recording.time_s, prepend=recording.time_s[0]) * compensator.rate_hz
-    names = ["forced", "fading", "sums", "seen", "elapsed"]
-    state = {name: np.zeros(1 if name == "elapsed" else len(compensator.alphas)) for name in names}
+    state = {item.name: np.zeros(item.shape) for item in session.get_inputs()[2:]}
     state["fading"] += 1.0
     got = []
     for conductance, step in zip(recording.conductance_S, steps, strict=True):
         sample = {"conductance_S": np.array([conductance]), "steps": np.array([step])}
         prediction, *following = session.run(None, sample | state)
-        state = dict(zip(names, following, strict=True))
+        state = dict(zip(state, following, strict=True))
         got.append(prediction[0])
     np.testing.assert_allclose(got, streamed(compensator, recording), atol=1e-9)
 
