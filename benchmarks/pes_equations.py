@@ -6,13 +6,16 @@ import math
 from types import SimpleNamespace
 from typing import Any
 
+from testbench.knit.filters import DEAD_BAND_STRAIN
 from testbench.knit.hysteresis import SPREAD
 from testbench.knit.model import KnitModel
 
 RATE_LAG_S = 0.1
+STOPS = 8  # where the slip elements begin in the state
 RK_STEP_S = 0.05  # the motion's fastest reversal takes about so long; RK45 steps over it otherwise
 EFFECTS = (
     "permanent_set_recovering",
+    "permanent_set_worked",
     "elasticity",
     "hysteresis",
     "stress_relaxation",
@@ -83,6 +86,7 @@ def plain_python(model: KnitModel, strain: list[float], dt_s: float) -> list[flo
     """Conductance, as one would first write it: objects with a step method, a loop over the samples."""
     m = parts_of(model)
     first = bare_force(m, strain[0], 0.0)
+    worked, path = strain[0], 0.0
     set_lag = Filter(m.permanent_set_recovering.tau_s, dt_s, strain[0])
     friction = Stops(m.hysteresis.threshold, strain[0])
     relaxation = Filter(m.stress_relaxation.tau_s, dt_s, first)
@@ -96,6 +100,9 @@ def plain_python(model: KnitModel, strain: list[float], dt_s: float) -> list[flo
         e = nominal
         if i:
             e -= m.permanent_set_recovering.fraction * (set_lag.step(nominal) - strain[0])
+        before, worked = worked, min(max(worked, e - DEAD_BAND_STRAIN), e + DEAD_BAND_STRAIN)
+        path += abs(worked - before)
+        e += m.permanent_set_worked.amount * math.expm1(-path / m.permanent_set_worked.scale)
         bare = bare_force(m, e, friction.step(e))
         force = bare - m.stress_relaxation.fraction * ((relaxation.step(bare) if i else first) - first)
         pressing = force - m.contact_relaxation.fraction * ((contact_relaxation.step(force) if i else first) - first)
@@ -108,7 +115,10 @@ def plain_python(model: KnitModel, strain: list[float], dt_s: float) -> list[flo
 
 
 class Equations:
-    """The same as differential equations. State: five low-passes, the shaking, then both sets of stops."""
+    """The same as differential equations.
+
+    State: five low-passes, the shaking, the path and its dead band, then both sets of stops.
+    """
 
     def __init__(self, model: KnitModel) -> None:
         self.m = parts_of(model)
@@ -118,12 +128,13 @@ class Equations:
     def start(self, strain: float) -> list[float]:
         """State of the resting knit."""
         self.strain0, self.first = strain, bare_force(self.m, strain, 0.0)
-        return [strain, self.first, self.first, strain, strain, 0.0] + [0.0] * 2 * len(SPREAD)
+        return [strain, self.first, self.first, strain, strain, 0.0, 0.0, 0.0] + [0.0] * 2 * len(SPREAD)
 
     def _chain(self, nominal: float, y: Any) -> tuple[float, float, float, float]:
         m, n = self.m, len(SPREAD)
         e = nominal - m.permanent_set_recovering.fraction * (y[0] - self.strain0)
-        slip = sum(s / r for s, r in zip(y[6 : 6 + n], self.slip_radii, strict=True)) / n
+        e += m.permanent_set_worked.amount * math.expm1(-y[6] / m.permanent_set_worked.scale)
+        slip = sum(s / r for s, r in zip(y[STOPS : STOPS + n], self.slip_radii, strict=True)) / n
         bare = bare_force(m, e, slip)
         force = bare - m.stress_relaxation.fraction * (y[1] - self.first)
         return e, bare, force, force - m.contact_relaxation.fraction * (y[2] - self.first)
@@ -134,19 +145,22 @@ class Equations:
         e, bare, force, _ = self._chain(nominal, y)
         set_rate = (nominal - y[0]) / m.permanent_set_recovering.tau_s
         rate = nominal_rate - m.permanent_set_recovering.fraction * set_rate
-        slips = [_stop_rate(s, r, rate) for s, r in zip(y[6 : 6 + n], self.slip_radii, strict=True)]
+        within = _stop_rate(y[7], DEAD_BAND_STRAIN, rate)
+        path_rate, worked = abs(rate - within), m.permanent_set_worked
+        rate -= worked.amount / worked.scale * math.exp(-y[6] / worked.scale) * path_rate
+        slips = [_stop_rate(s, r, rate) for s, r in zip(y[STOPS : STOPS + n], self.slip_radii, strict=True)]
         relaxing = (bare - y[1]) / m.stress_relaxation.tau_s
         fading = (force - y[2]) / m.contact_relaxation.tau_s
         pressing_rate = self._bare_rate(e, rate, y, slips) - m.stress_relaxation.fraction * relaxing
         pressing_rate -= m.contact_relaxation.fraction * fading
-        contacts = [_stop_rate(s, r, pressing_rate) for s, r in zip(y[6 + n :], self.contact_radii, strict=True)]
+        contacts = [_stop_rate(s, r, pressing_rate) for s, r in zip(y[STOPS + n :], self.contact_radii, strict=True)]
         filters = [set_rate, relaxing, fading, (e - y[3]) / m.electrical_overshoot.tau_s, (e - y[4]) / RATE_LAG_S]
         shaking = abs(e - y[4]) / RATE_LAG_S - y[5] / m.electrical_overshoot_magnitude.tau_s
-        return [*filters, shaking, *slips, *contacts]
+        return [*filters, shaking, path_rate, within, *slips, *contacts]
 
     def _bare_rate(self, e: float, rate: float, y: Any, slips: list[float]) -> float:
         n, elastic, h = len(SPREAD), self.m.elasticity, self.m.hysteresis
-        slip = sum(s / r for s, r in zip(y[6 : 6 + n], self.slip_radii, strict=True)) / n
+        slip = sum(s / r for s, r in zip(y[STOPS : STOPS + n], self.slip_radii, strict=True)) / n
         slip_rate = sum(s / r for s, r in zip(slips, self.slip_radii, strict=True)) / n
         friction = h.friction_N * (h.growth * rate * slip + (1 + h.growth * e) * slip_rate)
         return float(elastic.stiffness_N * math.exp(elastic.curvature * e) * rate + friction)
@@ -154,7 +168,7 @@ class Equations:
     def conductance_S(self, nominal: float, time_s: float, y: Any) -> float:
         """Conductance that belongs to a state."""
         e, _, _, pressing = self._chain(nominal, y)
-        stuck = sum(s / r for s, r in zip(y[6 + len(SPREAD) :], self.contact_radii, strict=True)) / len(SPREAD)
+        stuck = sum(s / r for s, r in zip(y[STOPS + len(SPREAD) :], self.contact_radii, strict=True)) / len(SPREAD)
         pressing += self.m.contact_hysteresis.friction_N * stuck
         return conductance_of(self.m, pressing, e - y[3], y[5], time_s)
 

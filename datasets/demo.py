@@ -67,16 +67,17 @@ def plan(folder: Path) -> list[Path]:
 
 
 def run(folder: Path, programs: list[Path]) -> dict[str, list[Path]]:
-    """Six simulated campaigns: two sensors, three trajectories."""
+    """Six simulated campaigns: two sensors, each through three trajectories, one after another."""
     campaigns: dict[str, list[Path]] = {sensor: [] for sensor in SENSORS}
     for sensor in SENSORS:
         for number, program in enumerate(programs, 1):
             campaign = folder / f"{sensor}-{number}"
+            after = ("--after", campaigns[sensor][-1]) if campaigns[sensor] else ()
             if campaign.exists() and do("testbench", "verify", campaign, may_fail=True) == 0:
                 pass
             else:
-                do("testbench", "run", "--sensor", sensor, "--program", program, "--seed", number, "-o", campaign,
-                   "--overwrite")  # fmt: skip
+                do("testbench", "run", "--sensor", sensor, "--program", program, "--seed", number, *after,
+                   "-o", campaign, "--overwrite")  # fmt: skip
             campaigns[sensor].append(campaign)
     return campaigns
 

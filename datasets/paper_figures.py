@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,11 +16,13 @@ from gcode.generate import plan
 from gcode.presets import preset as trajectory
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel, inputs
+from testbench.rig.past import DEFAULT_REST_S
 
 RECORDINGS = ("paper-1", "paper-2", "paper-3")
 GAUGE_LENGTH_MM, RATE_HZ = 25.0, 20.0
 ALPHAS = 2.5 ** -np.arange(1.0, 8.0)
-EVERY = 10  # rows used for learning; neighbours at 20 Hz tell nothing new
+EVERY = 10  # rows that the stand-in learns from; neighbours at 20 Hz tell nothing new
+TARGETS = {"force_N": "force", "strain": "displacement"}
 
 
 class Recording(NamedTuple):
@@ -55,15 +57,20 @@ def motion(name: str, seed: int) -> tuple[FloatArray, FloatArray]:
 
 
 def campaign(model: KnitModel, seed: int) -> list[Recording]:
-    """Recordings T, A and B.
+    """Recordings T, A and B of one sensor, one after another with rests between, as ``testbench run --after`` does.
 
-    Each has a trajectory seed of its own: with one seed, the paper's three trajectories are nearly the same motion.
+    T is the first stretch of a new sensor. Each has a trajectory seed of its own: with one seed, the paper's three
+    trajectories are nearly the same motion.
     """
-    recordings = []
-    for index, name in enumerate(RECORDINGS):
-        time_s, strain = motion(name, len(RECORDINGS) * seed + index)
-        out = model.simulate(inputs(time_s, strain), 1 / RATE_HZ)
-        recordings.append(Recording(strain, out["force_N"], out["conductance_S"]))
+    motions = [motion(name, len(RECORDINGS) * seed + index)[1] for index, name in enumerate(RECORDINGS)]
+    rest = np.zeros(round(DEFAULT_REST_S * RATE_HZ))
+    strain = np.concatenate([part for one in motions for part in (one, rest)])
+    out = model.simulate(inputs(np.arange(len(strain)) / RATE_HZ, strain), 1 / RATE_HZ)
+    recordings, start = [], 0
+    for one in motions:
+        rows = slice(start, start + len(one))
+        recordings.append(Recording(one, out["force_N"][rows], out["conductance_S"][rows]))
+        start += len(one) + len(rest)
     return recordings
 
 
@@ -77,47 +84,54 @@ def r2(truth: FloatArray, prediction: FloatArray) -> float:
     return float(1 - np.sum((truth - prediction) ** 2) / np.sum((truth - prediction.mean()) ** 2))
 
 
-def drift(recordings: list[Recording]) -> float:
+def drift(recording: Recording) -> float:
     """Mean conductance of the last three minutes over that of the first three."""
     rows = int(180 * RATE_HZ)
-    return float(np.mean([r.conductance_S[-rows:].mean() / r.conductance_S[:rows].mean() for r in recordings]))
+    return float(recording.conductance_S[-rows:].mean() / recording.conductance_S[:rows].mean())
 
 
-def smoothing_bank(conductance_S: FloatArray) -> FloatArray:
-    """The paper's seven exponential smoothings of the standardised conductance, shape (n, 7)."""
-    from scipy.signal import lfilter
+def smoothing_banks(recordings: list[Recording]) -> list[FloatArray]:
+    """The paper's seven exponential smoothings of the conductance, scaled by T's mean and spread, each (n, 7)."""
+    from compensation.ema import smooth
 
-    x = (conductance_S - conductance_S.mean()) / conductance_S.std()
-    columns = []
-    for alpha in ALPHAS:
-        start = x[: int(np.ceil(1 / (RATE_HZ * alpha) - 1e-9))].mean()
-        columns.append(lfilter([alpha], [1, alpha - 1], x, zi=[(1 - alpha) * start])[0])
-    return np.column_stack(columns)
+    mean, spread = recordings[0].conductance_S.mean(), recordings[0].conductance_S.std()
+    return [smooth((r.conductance_S - mean) / spread, ALPHAS, RATE_HZ) for r in recordings]
 
 
-def learned(recordings: list[Recording], banks: list[FloatArray], target: str, network_starts: int = 0) -> float:
-    """Held-out r2, mean over A and B, of what a learner makes of T.
+def quickly_learned(recordings: list[Recording], banks: list[FloatArray], target: str) -> float:
+    """Held-out r2, mean over A and B, of a quadratic ridge regression on T's bank: a stand-in for the network.
 
     Parameters
     ----------
     recordings : list of Recording
         T, A, B.
     banks : list of ndarray, each shape (n, 7)
-        Their `smoothing_bank`.
+        Their `smoothing_banks`.
     target : {"force_N", "strain"}
-    network_starts : int
-        0: a quadratic ridge regression on the bank, a quick stand-in that follows the network's score closely.
-        Else the paper's network (4, 2, 2), best of so many starts by training loss (single starts are often dead).
     """
-    truth = [getattr(r, target) for r in recordings]
+    truth = [getattr(recording, target)[::EVERY] for recording in recordings]
     mean, spread = truth[0].mean(), truth[0].std()
-    truth = [(y - mean) / spread for y in truth]
-    if network_starts:
-        network = _network(banks[0][::EVERY], truth[0][::EVERY], network_starts)
-        return float(np.mean([r2(y, network.predict(x)) for x, y in zip(banks[1:], truth[1:], strict=True)]))
-    weights = _quadratic(banks[0][::EVERY], truth[0][::EVERY])
-    predictions = [_monomials(x[::EVERY]) @ weights for x in banks[1:]]
-    return float(np.mean([r2(y[::EVERY], p) for y, p in zip(truth[1:], predictions, strict=True)]))
+    features = [_monomials(bank[::EVERY]) for bank in banks]
+    weights = _ridge(features[0], (truth[0] - mean) / spread)
+    held_out = zip(truth[1:], features[1:], strict=True)
+    return float(np.mean([r2((y - mean) / spread, x @ weights) for y, x in held_out]))
+
+
+def learned(recordings: list[Recording], target: str, engine: str = "exact") -> float:
+    """Held-out r2, mean over A and B, of the paper's compensator trained on every row of T.
+
+    It is the one of ``compensation train``: network (4, 2, 2), the best of five starts by training score (single
+    starts are often dead), scaled by T's mean and spread, since a sensor in use knows no other.
+    """
+    from compensation.preprocessing import Series
+    from compensation.training import Options, train_on_series
+
+    series = [
+        Series(np.arange(len(r.strain)) / RATE_HZ, r.conductance_S, getattr(r, target), "simulated")
+        for r in recordings
+    ]
+    trained = train_on_series(series[:1], TARGETS[target], Options(engine=engine))
+    return float(np.mean([r2(part.truth, trained.predict_series(part)) for part in series[1:]]))
 
 
 def _monomials(x: FloatArray) -> FloatArray:
@@ -125,16 +139,5 @@ def _monomials(x: FloatArray) -> FloatArray:
     return np.column_stack([np.ones(len(x)), x, x[:, first] * x[:, second]])
 
 
-def _quadratic(x: FloatArray, y: FloatArray) -> FloatArray:
-    m = _monomials(x)
-    return np.linalg.solve(m.T @ m + 3 * np.eye(m.shape[1]), m.T @ y)
-
-
-def _network(x: FloatArray, y: FloatArray, starts: int) -> Any:
-    from sklearn.neural_network import MLPRegressor
-
-    networks = [
-        MLPRegressor(hidden_layer_sizes=(4, 2, 2), max_iter=10_000, random_state=seed).fit(x, y)
-        for seed in range(starts)
-    ]
-    return min(networks, key=lambda network: network.loss_)
+def _ridge(x: FloatArray, y: FloatArray) -> FloatArray:
+    return np.linalg.solve(x.T @ x + 3 * np.eye(x.shape[1]), x.T @ y)

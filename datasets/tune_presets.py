@@ -5,17 +5,18 @@
 
 Tuning moves each parameter as little from its plausible value as the figures allow (least squares with a prior) and
 starts from the preset as it is. It uses a quick stand-in for the paper's network, whose offset from the network is
-measured in between.
+measured in between. T, A and B are consecutive campaigns of one sensor, with rests of 10 min between them.
 """
 
 from __future__ import annotations
 
 import argparse
+import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from paper_figures import PUBLISHED, campaign, drift, learned, r2_before, smoothing_bank
+from paper_figures import PUBLISHED, campaign, drift, learned, quickly_learned, r2_before, smoothing_banks
 from scipy.optimize import least_squares
 
 from gcode.support.files import read_json, write_json
@@ -24,13 +25,16 @@ from testbench.knit.effect import FloatArray, bounds_of
 from testbench.knit.model import KnitModel
 
 PRESETS = Path(__file__).parents[1] / "testbench" / "knit" / "presets"
-TUNING_SEEDS, CHECK_SEEDS = tuple(range(6)), tuple(range(10, 16))
-NETWORK_STARTS = 3
+TUNING_SEEDS, CHECK_SEEDS = tuple(range(32)), tuple(range(100, 120))
+NETWORK_TUNING_SEEDS, NETWORK_CHECK_SEEDS = TUNING_SEEDS[:8], CHECK_SEEDS[:12]
+ROUNDS, STEPS_A_ROUND = 2, 5
+MEAN_SPEED_PER_S = 0.04  # of the paper's trajectories, as strain
 SHIFT = 10.0  # least_squares takes difference steps relative to the variable, which must not be zero then
 
 # What is not tuned. The stiffness gives 3 to 5 N at 30 %; offset_N is the pretension in the clamps.
 COMMON: dict[str, dict[str, float]] = {
     "permanent_set_recovering": {"fraction": 0.12, "tau_s": 300},
+    "permanent_set_worked": {"amount": 0.03, "scale": 30},
     "elasticity": {"stiffness_N": 6, "curvature": 3.5, "offset_N": 0.6},
     "hysteresis": {"friction_N": 0.4, "threshold": 0.02, "growth": 3},
     "stress_relaxation": {"fraction": 0.2, "tau_s": 15},
@@ -39,7 +43,7 @@ COMMON: dict[str, dict[str, float]] = {
     "contact": {"contact_resistance_ohm": 4e5, "parallel_S": 2e-7, "series_ohm": 5e4, "preload_N": 0.5},
     "electrical_overshoot": {"gain": 1.0, "tau_s": 3},
     "electrical_overshoot_magnitude": {"gain": 1.5, "tau_s": 8},
-    "drift": {"per_decade": 0.08, "tau_s": 20},
+    "drift": {"per_decade": 0.06, "tau_s": 20},
 }
 START = {
     "pes": COMMON,
@@ -57,19 +61,25 @@ START = {
 FREE = {
     "permanent_set_recovering.fraction": 0.03,
     "permanent_set_recovering.tau_s": 0.5,
+    "permanent_set_worked.amount": 0.02,
+    "permanent_set_worked.scale": 0.5,
+    "elasticity.curvature": 0.7,
+    "elasticity.offset_N": 0.15,
     "hysteresis.friction_N": 0.15,
-    "hysteresis.growth": 2.0,
+    "hysteresis.threshold": 0.4,
+    "hysteresis.growth": 1.0,
     "stress_relaxation.fraction": 0.05,
     "stress_relaxation.tau_s": 0.7,
-    "contact_relaxation.fraction": 0.15,
+    "contact_relaxation.fraction": 0.1,
     "contact_relaxation.tau_s": 0.7,
     "contact_hysteresis.friction_N": 0.3,
     "contact.preload_N": 0.4,
     "electrical_overshoot.gain": 1.0,
     "electrical_overshoot.tau_s": 0.5,
-    "electrical_overshoot_magnitude.gain": 0.8,
-    "electrical_overshoot_magnitude.tau_s": 0.7,
-    "drift.per_decade": 0.05,
+    "electrical_overshoot_magnitude.gain": 0.4,
+    "electrical_overshoot_magnitude.tau_s": 0.3,
+    "drift.per_decade": 0.03,
+    "drift.tau_s": 0.7,
 }
 
 
@@ -108,72 +118,102 @@ def model_in_file(name: str) -> KnitModel:
     return model_from_dict(read_json(path, "preset"), load_catalogue(), str(path))
 
 
-def figures(model: KnitModel, seeds: tuple[int, ...], network_starts: int = 0) -> dict[str, FloatArray]:
-    """Figures of simulated campaigns: before compensation shape (seeds, 3), all others (seeds,)."""
-    rows: dict[str, list[Any]] = {"force_before": [], "displacement_before": []}
-    rows |= {"force_after": [], "displacement_after": [], "drift": [], "low_N": [], "high_N": []}
+def figures(model: KnitModel, seeds: tuple[int, ...]) -> dict[str, FloatArray]:
+    """Figures of simulated campaigns: of T, A, B shape (seeds, 3); after compensation, by the stand-in, (seeds,)."""
+    rows: dict[str, list[Any]] = {key: [] for key in ("force_before", "displacement_before", "drift", "level")}
+    rows |= {key: [] for key in ("force_after", "displacement_after", "low_N", "high_N")}
     for seed in seeds:
         recordings = campaign(model, seed)
+        banks = smoothing_banks(recordings)
         rows["force_before"].append([r2_before(r.force_N, r.conductance_S) for r in recordings])
         rows["displacement_before"].append([r2_before(r.strain, r.conductance_S) for r in recordings])
-        banks = [smoothing_bank(r.conductance_S) for r in recordings]
-        rows["force_after"].append(learned(recordings, banks, "force_N", network_starts))
-        rows["displacement_after"].append(learned(recordings, banks, "strain", network_starts))
-        rows["drift"].append(drift(recordings))
+        rows["drift"].append([drift(recording) for recording in recordings])
+        rows["level"].append([np.log(r.conductance_S.mean()) for r in recordings])
+        rows["force_after"].append(quickly_learned(recordings, banks, "force_N"))
+        rows["displacement_after"].append(quickly_learned(recordings, banks, "strain"))
         rows["low_N"].append(min(r.force_N.min() for r in recordings))
         rows["high_N"].append(max(r.force_N.max() for r in recordings))
     return {key: np.array(value) for key, value in rows.items()}
 
 
-def misfit(name: str, model: KnitModel, offsets: dict[str, float]) -> list[float]:
-    """Distances from the published figures in units of 0.01, and soft limits of what is plausible."""
+def network_figures(model: KnitModel, seeds: tuple[int, ...], engine: str) -> dict[str, FloatArray]:
+    """Figures after compensation by the paper's network, each shape (seeds,)."""
+    campaigns = [campaign(model, seed) for seed in seeds]
+    targets = {"force_after": "force_N", "displacement_after": "strain"}
+    return {key: np.array([learned(one, target, engine) for one in campaigns]) for key, target in targets.items()}
+
+
+def bent(distance: FloatArray | float) -> FloatArray:
+    """Distance from a published figure in units of 0.01; what comes near 0.05 counts far more."""
+    distance = np.atleast_1d(np.asarray(distance, dtype=np.float64))
+    return distance / 0.01 * (1 + (distance / 0.03) ** 2)
+
+
+def misfit(name: str, model: KnitModel, offsets: dict[str, float]) -> FloatArray:
+    """Distances from the published figures, and soft limits of what is plausible."""
     now, wanted = figures(model, TUNING_SEEDS), PUBLISHED[name]
-    return [
-        (now["force_before"].mean() - np.mean(wanted.force_before)) / 0.01,
-        (now["displacement_before"].mean() - np.mean(wanted.displacement_before)) / 0.01,
-        (now["force_after"].mean() + offsets["force_after"] - wanted.force_after) / 0.01,
-        (now["displacement_after"].mean() + offsets["displacement_after"] - wanted.displacement_after) / 0.01,
-        (now["drift"].mean() - 1.25) / 0.05,
-        max(0.0, -0.15 - now["low_N"].min()) / 0.1,
-        max(0.0, now["high_N"].max() - 6) / 0.3,
-    ]
+    disturbed = model["electrical_overshoot_magnitude"]
+    return np.concatenate(
+        [
+            bent(now["force_before"].mean(axis=0) - wanted.force_before),
+            bent(now["displacement_before"].mean(axis=0) - wanted.displacement_before),
+            bent(now["force_after"].mean() + offsets["force_after"] - wanted.force_after),
+            bent(now["displacement_after"].mean() + offsets["displacement_after"] - wanted.displacement_after),
+            [
+                (now["drift"][:, 0].mean() - 1.2) / 0.03,
+                max(0.0, 1.03 - now["drift"][:, 1:].mean(axis=0).min()) / 0.01,
+                max(0.0, np.ptp(now["level"].mean(axis=0)) - 0.06) / 0.01,
+                max(0.0, disturbed.gain * MEAN_SPEED_PER_S * disturbed.tau_s - 0.7) / 0.05,
+                max(0.0, -0.15 - now["low_N"].min()) / 0.1,
+                max(0.0, now["high_N"].max() - 6) / 0.3,
+            ],
+        ]
+    )
 
 
 def tune(name: str) -> KnitModel:
-    """Tune one preset in two rounds; after each the stand-in's offset from the network is measured anew."""
+    """Tune one preset in rounds; before each the stand-in's offset from the network is measured anew."""
     model = start_model(name)
     steps = steps_between(model, model_in_file(name))
-    offsets = {"force_after": -0.02, "displacement_after": -0.01}
-    for turn in range(2):
+    for turn in range(ROUNDS):
+        offsets = stand_in_offsets(moved(model, steps))
         found = least_squares(
-            lambda x, offsets=offsets: np.array(
-                [*misfit(name, moved(model, x - SHIFT), offsets), *(0.3 * (x - SHIFT))]
+            lambda x, offsets=offsets: np.concatenate(
+                [misfit(name, moved(model, x - SHIFT), offsets), 0.5 * (x - SHIFT)]
             ),
             steps + SHIFT,
             diff_step=0.02 / SHIFT,
-            max_nfev=5,
+            max_nfev=STEPS_A_ROUND,
         )
         steps = found.x - SHIFT
-        quick = figures(moved(model, steps), TUNING_SEEDS)
-        network = figures(moved(model, steps), TUNING_SEEDS, NETWORK_STARTS)
-        offsets = {key: float(network[key].mean() - quick[key].mean()) for key in offsets}
         print(f"{name}, round {turn + 1}: cost {found.cost:.2f}, network minus stand-in {offsets}", flush=True)
     return moved(model, steps, digits=4)
 
 
+def stand_in_offsets(model: KnitModel) -> dict[str, float]:
+    """By how much the network does better than its stand-in."""
+    quick = figures(model, NETWORK_TUNING_SEEDS)
+    network = network_figures(model, NETWORK_TUNING_SEEDS, "fast")
+    return {key: round(float(values.mean() - quick[key].mean()), 4) for key, values in network.items()}
+
+
 def report(name: str, model: KnitModel) -> bool:
     """Print simulated beside published figures on seeds not used for tuning; whether all are within 0.05."""
-    now, wanted = figures(model, CHECK_SEEDS, NETWORK_STARTS), PUBLISHED[name]
-    print(f"\n{name}: {len(CHECK_SEEDS)} seeds not used for tuning; mean (SD over seeds)")
+    now, wanted = figures(model, CHECK_SEEDS), PUBLISHED[name]
+    print(f"\n{name}: mean (SD over {len(CHECK_SEEDS)} campaigns of T, A and B that were not used for tuning)")
     fine = True
     for key, label in (("force_before", "r2(F, G)"), ("displacement_before", "r2(d, G)")):
         for column, published in enumerate(getattr(wanted, key)):
             fine &= _line(f"{label} {'TAB'[column]}", now[key][:, column], published)
         fine &= _line(f"{label} mean", now[key].mean(axis=1), float(np.mean(getattr(wanted, key))))
-    fine &= _line("r2(F, p)", now["force_after"], wanted.force_after)
-    fine &= _line("r2(d, p)", now["displacement_after"], wanted.displacement_after)
-    print(f"  upward drift of G over 23 min: x {now['drift'].mean():.2f}; ", end="")
-    print(f"force {now['low_N'].min():.2f} to {now['high_N'].max():.2f} N")
+    after = network_figures(model, NETWORK_CHECK_SEEDS, "exact")
+    print(f"  after compensation, trained on all rows of T, mean of A and B; {len(NETWORK_CHECK_SEEDS)} campaigns:")
+    fine &= _line("r2(F, p)", after["force_after"], wanted.force_after)
+    fine &= _line("r2(d, p)", after["displacement_after"], wanted.displacement_after)
+    drifts = ", ".join(f"{value:.2f}" for value in now["drift"].mean(axis=0))
+    print(
+        f"  upward drift of G over 23 min: x {drifts}; force {now['low_N'].min():.2f} to {now['high_N'].max():.2f} N"
+    )
     return fine
 
 
@@ -184,17 +224,20 @@ def _line(label: str, values: FloatArray, published: float) -> bool:
     return near
 
 
-def main() -> None:
+def main() -> int:
     """Tune or check."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--check", action="store_true", help="do not tune, only print the table")
     parser.add_argument("names", nargs="*", default=list(START), metavar="NAME")
     args = parser.parse_args()
+    fine = True
     for name in args.names:
         if not args.check:
             write_json(PRESETS / f"{name}.json", tune(name).to_dict())
-        report(name, model_in_file(name))
+        fine &= report(name, model_in_file(name))
+    print("\nall within 0.05 of the published figures" if fine else "\nnot all within 0.05 of the published figures")
+    return 0 if fine else 1
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())
