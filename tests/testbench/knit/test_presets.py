@@ -11,7 +11,7 @@ import pytest
 
 from testbench.knit.presets import preset
 
-SEEDS = tuple(range(100, 108))  # not those the presets were tuned on
+SEEDS = tuple(range(100, 120))  # not those the presets were tuned on
 
 
 @pytest.fixture(scope="module")
@@ -24,18 +24,34 @@ def figures() -> ModuleType:
     return paper_figures
 
 
-@pytest.mark.parametrize("name", ["pes", "lycra"])
-def test_raw_signal_is_as_poor_as_published(name: str, figures: ModuleType) -> None:
-    """r2 of force and of displacement with the conductance, for T, A and B one by one; upward drift."""
-    campaigns = [figures.campaign(preset(name), seed) for seed in SEEDS]
+def before(name: str, seeds: tuple[int, ...], figures: ModuleType) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Means over the seeds for T, A and B: r2 of force, r2 of displacement, drift."""
+    campaigns = [figures.campaign(preset(name), seed) for seed in seeds]
     force = [[figures.r2_before(r.force_N, r.conductance_S) for r in campaign] for campaign in campaigns]
     displacement = [[figures.r2_before(r.strain, r.conductance_S) for r in campaign] for campaign in campaigns]
-    drifts = np.mean([[figures.drift(recording) for recording in campaign] for campaign in campaigns], axis=0)
+    drifts = [[figures.drift(recording) for recording in campaign] for campaign in campaigns]
+    return np.mean(force, axis=0), np.mean(displacement, axis=0), np.mean(drifts, axis=0)
+
+
+@pytest.mark.parametrize("name", ["pes", "lycra"])
+def test_raw_signal_is_as_poor_as_published(name: str, figures: ModuleType) -> None:
+    """Mean r2 of force and of displacement with the conductance, and an upward drift, most in a new sensor."""
+    force, displacement, drifts = before(name, SEEDS[:6], figures)
     published = figures.PUBLISHED[name]
-    assert np.mean(force, axis=0) == pytest.approx(published.force_before, abs=0.05)
-    assert np.mean(displacement, axis=0) == pytest.approx(published.displacement_before, abs=0.05)
+    assert force.mean() == pytest.approx(np.mean(published.force_before), abs=0.05)
+    assert displacement.mean() == pytest.approx(np.mean(published.displacement_before), abs=0.05)
     assert 1.08 < drifts[0] < 1.3
     assert min(drifts) > 1.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["pes", "lycra"])
+def test_each_recording_is_as_poor_as_published(name: str, figures: ModuleType) -> None:
+    """T, A and B one by one. A single figure of `pes` scatters by 0.05 with the trajectory, so many seeds."""
+    force, displacement, _ = before(name, SEEDS, figures)
+    published = figures.PUBLISHED[name]
+    assert force == pytest.approx(published.force_before, abs=0.05)
+    assert displacement == pytest.approx(published.displacement_before, abs=0.05)
 
 
 @pytest.mark.parametrize("name", ["pes", "lycra"])
