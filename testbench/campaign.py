@@ -15,7 +15,7 @@ from gcode.support.errors import UserError
 from gcode.support.files import make_folder, sha256_of
 from testbench import manifest
 from testbench.knit.model import KnitModel
-from testbench.manifest import Campaign, read_manifest, software_versions, write_manifest
+from testbench.manifest import Campaign, read_manifest, write_manifest
 from testbench.recording import Recording
 from testbench.recording_files import write_recording_csv
 from testbench.rig.instruments import Instruments
@@ -25,6 +25,7 @@ from testbench.rig.recorder import Part, Recorder, Status, counts, in_memory
 from testbench.rig.simulated import GRID_HZ, Motion, SimulatedRig
 from testbench.rig.sink import CSV, EVENTS, Sink
 from testbench.rig.stream import Intake
+from testbench.versions import software_versions
 
 PROGRAM = "program.tap"
 

@@ -12,10 +12,11 @@ import numpy as np
 from gcode.support.errors import UserError
 from gcode.support.files import make_folder, sha256_of
 from testbench.foreign import layout_of, read_foreign
-from testbench.manifest import Campaign, software_versions, write_manifest
+from testbench.manifest import Campaign, write_manifest
 from testbench.recording import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE, TIME, Recording
 from testbench.recording_checks import such
 from testbench.recording_files import write_recording_csv
+from testbench.versions import software_versions
 
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0}
 LENGTH_UNITS = {"mm": 1.0, "um": 1e-3, "cm": 10.0, "m": 1e3, "in": 25.4}

@@ -7,16 +7,12 @@ from __future__ import annotations
 
 import hashlib
 import json
-import platform
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import cache
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError
 from gcode.support.files import read_json, sha256_of, write_text
 from testbench.recording import UNITS
@@ -54,7 +50,7 @@ class Campaign:
     counts : dict
         Samples accepted, lost, rejected by reason.
     versions : dict
-        Of the software that made it.
+        Of the software that made it, see `testbench.versions`.
     """
 
     gauge_length_mm: float
@@ -68,23 +64,6 @@ class Campaign:
     def in_progress(self) -> bool:
         """Whether its files may still grow (or a crash left them unfinished)."""
         return self.status == IN_PROGRESS
-
-
-def software_versions() -> dict[str, str]:
-    """Versions that a simulation's last digit may depend on."""
-    return dict(_software_versions())
-
-
-@cache
-def _software_versions() -> dict[str, str]:
-    # Looked up once: it reads the metadata of every installed distribution.
-    return {
-        "knitbench": knitbench_version(),
-        "python": platform.python_version(),
-        "numpy": version("numpy"),
-        "scipy": version("scipy"),
-        "numba": version("numba"),
-    }
 
 
 def write_manifest(folder: Path, campaign: Campaign, files: Iterable[str]) -> None:

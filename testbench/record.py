@@ -13,13 +13,14 @@ from typing import Any
 from gcode.support.errors import UserError
 from gcode.support.files import make_folder, sha256_of
 from testbench.campaign import PROGRAM, campaign_files, finish
-from testbench.manifest import Campaign, read_manifest, software_versions, write_manifest
+from testbench.manifest import Campaign, read_manifest, write_manifest
 from testbench.rig.ending import EndOfMotion
 from testbench.rig.motion import played
 from testbench.rig.recorder import Limits, Part, Recorder, Status
 from testbench.rig.resume import continued, mend, watched
 from testbench.rig.sink import CSV, EVENTS, Sink, Syncer
 from testbench.rig.stream import Event, Intake
+from testbench.versions import software_versions
 
 
 @dataclass(frozen=True)

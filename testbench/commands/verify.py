@@ -20,16 +20,18 @@ def run(args: argparse.Namespace) -> int:
     import sys
 
     from testbench.manifest import problems
-    from testbench.remake import differences
+    from testbench.remake import made_again
 
     failed = False
     for name in args.campaigns:
-        found = problems(Path(name))
+        found, note = problems(Path(name)), ""
         if args.again and not found:
-            found = differences(Path(name))
+            remade = made_again(Path(name))
+            found, note = remade.explained(Path(name)), ", made again byte for byte"
+            note += f" (by other software: {'; '.join(remade.changes)})" if remade.changes else ""
         for problem in found:
             print(problem, file=sys.stderr)
         failed = failed or bool(found)
         if not found:
-            print(f"{name}: intact" + (", made again byte for byte" if args.again else ""))
+            print(f"{name}: intact{note}")
     return int(failed)

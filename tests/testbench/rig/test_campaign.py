@@ -10,15 +10,17 @@ import numpy as np
 import pytest
 
 from gcode.support.errors import UserError
+from testbench import cli
 from testbench.campaign import matches, plan_of, programs_before, simulate_campaign, vacant
 from testbench.knit.catalogue import baseline
 from testbench.knit.model import inputs
 from testbench.manifest import problems, read_manifest
 from testbench.recording import read_recording
-from testbench.remake import differences
+from testbench.remake import Remade, made_again
 from testbench.rig.motion import played
 from testbench.rig.past import past_displacement
 from testbench.rig.simulated import GRID_HZ, SimulatedRig
+from testbench.versions import software_versions
 from tests.testbench.rig.rigs import plan, program, triangle
 
 
@@ -88,12 +90,30 @@ def test_reading_a_changed_recording_is_refused(campaign):
 def test_a_campaign_is_made_again_from_its_manifest(tmp_path):
     wish = plan(tmp_path)
     simulate_campaign(wish, tmp_path / "c", played(wish.program, 25.0)[0])
-    assert differences(tmp_path / "c") == []
+    assert made_again(tmp_path / "c") == Remade((), ())
 
 
 def test_a_changed_model_is_noticed_when_made_again(campaign):
     # The campaign was made with another motion than its program's, so every sample must differ.
-    assert any("recording.csv: differs" in line for line in differences(campaign))
+    remade = made_again(campaign)
+    assert any("recording.csv: differs" in line for line in remade.differences)
+    assert "made by the same software" in remade.explained(campaign)[-1]
+
+
+@pytest.mark.parametrize(
+    ("motion", "code", "message"),
+    [
+        (None, 0, "intact, made again byte for byte (by other software: code {code}, now feedfacecafe)"),
+        (triangle(), 1, "intact, but it was made by other software (code {code}, now feedfacecafe)"),
+    ],
+)
+def test_other_software_is_told_from_another_byte(tmp_path, monkeypatch, capsys, motion, code, message):
+    wish, versions = plan(tmp_path), software_versions()
+    simulate_campaign(wish, tmp_path / "c", motion or played(wish.program, 25.0)[0])
+    later = {**versions, "code": "feedfacecafe"}
+    monkeypatch.setattr("testbench.versions._software_versions", lambda: later)
+    assert cli.main(["verify", "--again", str(tmp_path / "c")]) == code
+    assert message.format(code=versions["code"]) in "".join(capsys.readouterr())
 
 
 def test_what_is_there_and_intact_is_not_run_again(campaign, tmp_path):
@@ -172,7 +192,7 @@ def test_a_campaign_with_a_past_is_made_again_from_its_own_folder(tmp_path):
     simulate_campaign(wish, tmp_path / "b", played(wish.program, 25.0)[0])
     wish.program.unlink()
     assert problems(tmp_path / "b") == []
-    assert differences(tmp_path / "b") == []
+    assert made_again(tmp_path / "b").differences == ()
     assert read_manifest(tmp_path / "b")[0].recipe["rest_s"] == 30.0
     (tmp_path / "b" / "before-1.tap").unlink()
     with pytest.raises(UserError, match=r"before-1\.tap: missing"):

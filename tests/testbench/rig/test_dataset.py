@@ -17,7 +17,7 @@ from testbench.dataset_spec import read_spec
 from testbench.knit.catalogue import baseline
 from testbench.manifest import problems
 from testbench.recording import read_recording
-from testbench.remake import differences
+from testbench.remake import made_again
 from tests.testbench.rig.devices import command, until
 from tests.testbench.rig.rigs import program
 
@@ -98,7 +98,7 @@ def test_programs_on_the_same_sensor_know_what_came_before(tmp_path):
     assert make(first)
     assert make(second)
     assert not make(second)
-    assert differences(second.folder) == []
+    assert made_again(second.folder).differences == ()
     assert (first.folder / "recording.csv").read_bytes() != (second.folder / "recording.csv").read_bytes()
 
 
