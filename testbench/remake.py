@@ -34,9 +34,7 @@ class Remade:
         if self.changes:
             why = f"it was made by other software ({'; '.join(self.changes)}), which is needed to make the same bytes"
         else:
-            why = (
-                "it was made by the same software: the machine, or the recipe, is not what it says"
-            )
+            why = "it was made by the same software: the machine, or the recipe, is not what it says"
         return [*self.differences, f"{folder}: intact, but {why}"]
 
 
