@@ -15,10 +15,11 @@ import numpy as np
 
 from gcode.output import make
 from gcode.presets import preset as trajectory_preset
-from testbench.campaign import Plan, simulate_campaign
+from testbench.campaign import simulate_campaign
 from testbench.importing import Source, Wish, import_csv
 from testbench.knit.presets import preset
 from testbench.manifest import problems
+from testbench.plan import Plan
 from testbench.recording import read_recording
 from testbench.rig.motion import played
 from testbench.rig.stream import Intake

@@ -54,7 +54,7 @@ def _within(spec: TrajectorySpec, seed: int, gauge_length_mm: float, margin: flo
     a_max = spec.limits.a_max_mm_per_s2 * margin
     path = whole_path(spec, seed, gauge_length_mm, v_max, a_max)
     check_travel(path, spec.limits)
-    if not np.diff(path.position_mm).any():
+    if not np.diff(np.round(path.position_mm, decimals)).any():
         raise UserError(f"{spec.name}: this protocol never moves; add a piece that does")
     motion = drive_within(path, v_max, a_max)
     j_max = None if spec.limits.j_max_mm_per_s3 is None else spec.limits.j_max_mm_per_s3 * margin

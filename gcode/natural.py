@@ -113,7 +113,8 @@ class Noise(RangedPiece):
         step = np.abs(np.diff(position))
         duration = np.full(len(step), 1.0 / frame.rate_hz)
         if self.min_speed_mm_per_s > 0:
-            duration = np.minimum(duration, step / self.min_speed_mm_per_s)
+            with np.errstate(over="ignore"):  # a tiny least speed allows any duration
+                duration = np.minimum(duration, step / self.min_speed_mm_per_s)
         return Path(position, duration)
 
     def _position(self, cells: np.ndarray, frame: Frame) -> np.ndarray:

@@ -21,11 +21,12 @@ import numpy as np
 from gcode.support.errors import UserError, first_problem
 from gcode.support.files import make_folder, read_json, sha256_of, write_json, write_text
 from testbench import manifest
-from testbench.campaign import Plan, matches, simulate_campaign, vacant
+from testbench.campaign import matches, simulate_campaign, vacant
 from testbench.dataset_spec import DatasetSpec, TrajectoryWish
 from testbench.knit.catalogue import Catalogue, load_catalogue, model_from_dict
 from testbench.knit.model import KnitModel
 from testbench.knit.presets import preset
+from testbench.plan import Plan
 from testbench.rig.instruments import Instruments
 from testbench.rig.motion import played
 from testbench.rig.past import DEFAULT_REST_S
@@ -47,12 +48,13 @@ class Task:
     instruments: Instruments
     past: tuple[Path, ...] = ()
     rest_s: float = DEFAULT_REST_S
+    effects: Path | None = None
 
     def plan(self) -> Plan:
         """As the campaign's manifest will say it."""
-        model = model_from_dict(self.model, _catalogue(), self.sensor)
+        model = model_from_dict(self.model, _catalogue(self.effects), self.sensor)
         gauge, tools = self.gauge_length_mm, self.instruments
-        return Plan(self.program, model, gauge, self.seed, self.sensor, tools, self.past, self.rest_s)
+        return Plan(self.program, model, gauge, self.seed, self.sensor, tools, self.past, self.rest_s, self.effects)
 
 
 def tasks_of(spec: DatasetSpec, base: Path, out: Path) -> list[Task]:
@@ -63,7 +65,8 @@ def tasks_of(spec: DatasetSpec, base: Path, out: Path) -> list[Task]:
     UserError
         If a sensor, a program or a varied parameter is not there: before anything runs, not after an hour.
     """
-    models = {sensor: _model(sensor, base) for sensor in spec.sensors}
+    effects = (base / spec.effects).absolute() if spec.effects else None
+    models = {sensor: _model(sensor, base, effects) for sensor in spec.sensors}
     programs = _planned(spec, base, out) if spec.trajectory else _found(spec.programs, base)
     for program in programs:
         _motion(program, spec.gauge_length_mm)
@@ -74,7 +77,7 @@ def tasks_of(spec: DatasetSpec, base: Path, out: Path) -> list[Task]:
         drawn = varied(model, spec.vary, seed).to_dict()
         folder = out.absolute() / name
         gauge = spec.gauge_length_mm
-        made.append(Task(folder, program, sensor, drawn, gauge, seed, spec.instruments, past, spec.rest_s))
+        made.append(Task(folder, program, sensor, drawn, gauge, seed, spec.instruments, past, spec.rest_s, effects))
     if len({task.folder for task in made}) < len(made):
         raise UserError("two campaigns would have the same folder; give sensors and programs different file names")
     return made
@@ -189,8 +192,8 @@ def _there(folder: Path, plan: Plan) -> bool:
 
 
 @cache
-def _catalogue() -> Catalogue:
-    return load_catalogue()
+def _catalogue(effects: Path | None) -> Catalogue:
+    return load_catalogue(effects)
 
 
 @lru_cache(maxsize=4)
@@ -198,10 +201,10 @@ def _motion(program: Path, gauge_length_mm: float) -> Motion:
     return played(program, gauge_length_mm)[0]
 
 
-def _model(sensor: str, base: Path) -> KnitModel:
+def _model(sensor: str, base: Path, effects: Path | None) -> KnitModel:
     if not sensor.endswith(".json"):
         return preset(sensor)
-    return model_from_dict(read_json(base / sensor, "model"), _catalogue(), sensor)
+    return model_from_dict(read_json(base / sensor, "model"), _catalogue(effects), sensor)
 
 
 def _found(patterns: Sequence[str], base: Path) -> list[Path]:

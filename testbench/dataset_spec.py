@@ -56,6 +56,8 @@ class DatasetSpec(_Strict):
         Instead of `programs`.
     gauge_length_mm : float
     instruments : Instruments
+    effects : str, optional
+        Python file with effects of your own, relative to the spec.
     same_sensor : bool
         The programs are run one after another on one sensor, which remembers; otherwise each on a sensor that has
         never been stretched.
@@ -71,6 +73,7 @@ class DatasetSpec(_Strict):
     trajectory: TrajectoryWish | None = None
     gauge_length_mm: Positive = 25.0
     instruments: Instruments = Instruments()
+    effects: str | None = None
     same_sensor: bool = False
     rest_s: Rest = DEFAULT_REST_S
     vary: dict[str, tuple[float, float]] = Field(default_factory=dict)

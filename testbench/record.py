@@ -12,8 +12,9 @@ from typing import Any
 
 from gcode.support.errors import UserError
 from gcode.support.files import make_folder, sha256_of
-from testbench.campaign import PROGRAM, campaign_files, finish
+from testbench.campaign import campaign_files, finish
 from testbench.manifest import Campaign, read_manifest, write_manifest
+from testbench.plan import PROGRAM
 from testbench.rig.ending import EndOfMotion
 from testbench.rig.motion import played
 from testbench.rig.recorder import Limits, Part, Recorder, Status

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from testbench import manifest
-from testbench.campaign import campaign_files, plan_of, simulate_campaign
+from testbench.campaign import campaign_files, simulate_campaign
+from testbench.plan import plan_of
 from testbench.rig.motion import played
 from testbench.versions import changes_since
 
@@ -38,15 +39,15 @@ class Remade:
         return [*self.differences, f"{folder}: intact, but {why}"]
 
 
-def made_again(folder: Path) -> Remade:
-    """Make the campaign in `folder` again, elsewhere, and compare.
+def made_again(folder: Path, effects: Path | None = None) -> Remade:
+    """Make the campaign in `folder` again, elsewhere, and compare; `effects` as for `testbench.plan.plan_of`.
 
     Raises
     ------
     UserError
         If it cannot be made again: it was measured, or its program is gone.
     """
-    plan = plan_of(folder)
+    plan = plan_of(folder, effects)
     motion, _ = played(plan.program, plan.gauge_length_mm)
     changes = tuple(changes_since(manifest.read_manifest(folder)[0].versions))
     with tempfile.TemporaryDirectory() as scratch:

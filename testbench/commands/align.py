@@ -25,7 +25,8 @@ def run(args: argparse.Namespace) -> int:
     from dataclasses import asdict
 
     from testbench.alignment import align, applied
-    from testbench.campaign import PROGRAM, vacant, write_derived
+    from testbench.campaign import vacant, write_derived
+    from testbench.plan import PROGRAM
     from testbench.recording import read_recording
     from testbench.rig.motion import played
     from testbench.sensors import existing_file

@@ -27,11 +27,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     import signal
     import sys
+    from pathlib import Path
 
     from numpy.random import default_rng
 
     from gcode.support.errors import UserError
-    from testbench.campaign import Plan, programs_before
+    from testbench.plan import Plan, programs_before
     from testbench.rig.faults import faulty
     from testbench.rig.links import paced
     from testbench.rig.motion import played
@@ -43,7 +44,8 @@ def run(args: argparse.Namespace) -> int:
     model, sensor = sensor_model(args)
     program = existing_file(args.program, "program")
     motion, gauge_length_mm = played(program, args.gauge_length_mm)
-    past = programs_before(args.after, model, gauge_length_mm)
+    effects = Path(args.effects) if args.effects else None
+    past = programs_before(args.after, model, gauge_length_mm, effects)
     plan = Plan(program, model, gauge_length_mm, args.seed, sensor, past=past, rest_s=args.rest_s)
     lines = list(plan.rig(motion.held(HOLD_S)).lines())
     port = PtyPort(args.link)

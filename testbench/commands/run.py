@@ -40,7 +40,8 @@ def run(args: argparse.Namespace) -> int:
     import sys
 
     from gcode.support.errors import UserError
-    from testbench.campaign import Plan, matches, programs_before, simulate_campaign, simulate_live, vacant
+    from testbench.campaign import matches, simulate_campaign, simulate_live, vacant
+    from testbench.plan import Plan, programs_before
     from testbench.rig.links import real_time
     from testbench.rig.motion import played
     from testbench.rig.progress import json_lines, terminal
@@ -51,8 +52,9 @@ def run(args: argparse.Namespace) -> int:
     folder, program = Path(args.campaign), existing_file(args.program, "program; make one with `gcode generate`")
     model, sensor = sensor_model(args)
     motion, gauge_length_mm = played(program, args.gauge_length_mm)
-    past = programs_before(args.after, model, gauge_length_mm)
-    plan = Plan(program, model, gauge_length_mm, args.seed, sensor, instruments_of(args), past, args.rest_s)
+    effects = Path(args.effects) if args.effects else None
+    past = programs_before(args.after, model, gauge_length_mm, effects)
+    plan = Plan(program, model, gauge_length_mm, args.seed, sensor, instruments_of(args), past, args.rest_s, effects)
     if matches(folder, plan):
         print(f"{folder}: already there and intact; not run again", file=say)
         return 0

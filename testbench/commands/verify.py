@@ -14,6 +14,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--again", action="store_true", help="also make a simulated campaign again and compare every byte"
     )
+    parser.add_argument("--effects", metavar="FILE", help="with --again: the campaign's own effects, a program")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -26,7 +27,7 @@ def run(args: argparse.Namespace) -> int:
     for name in args.campaigns:
         found, note = problems(Path(name)), ""
         if args.again and not found:
-            remade = made_again(Path(name))
+            remade = made_again(Path(name), Path(args.effects) if args.effects else None)
             found, note = remade.explained(Path(name)), ", made again byte for byte"
             note += f" (by other software: {'; '.join(remade.changes)})" if remade.changes else ""
         for problem in found:

@@ -137,7 +137,8 @@ def load_catalogue(user_file: str | Path | None = None) -> Catalogue:
     Raises
     ------
     UserError
-        If `user_file` cannot be loaded: the user asked for it by name, so it must not be skipped silently.
+        If `user_file` cannot be loaded: the user asked for it by name, so it must not be skipped silently. Nor may
+        it replace an effect that models elsewhere mean by that name.
     """
     catalogue = Catalogue()
     for name, target in BUILT_IN.items():
@@ -149,7 +150,11 @@ def load_catalogue(user_file: str | Path | None = None) -> Catalogue:
         except Exception as error:  # a broken plug-in is somebody else's bug: list it
             catalogue.broken[point.name] = f"{type(error).__name__}: {error}"
     if user_file is not None:
-        catalogue.effects.update(_effects_in_file(Path(user_file)))
+        own = _effects_in_file(Path(user_file))
+        taken = [name for name in own if name in catalogue.effects]
+        if taken:
+            raise UserError(f"{user_file}: there is an effect called {taken[0]} already; give yours another name")
+        catalogue.effects.update(own)
     return catalogue
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from gcode.support.errors import UserError
 from gcode.support.files import write_text
+from testbench.knit.catalogue import BUILT_IN
 
 TEMPLATE = '''"""My own effect for knitbench. Try it:  testbench effects --effects {file} --check"""
 
@@ -52,6 +53,8 @@ def write_template(name: str, path: Path) -> None:
     """
     if not name.isidentifier() or keyword.iskeyword(name) or name != name.lower():
         raise UserError(f"an effect's name must be like my_effect (lower case, digits, _); got {name!r}")
+    if name in BUILT_IN:
+        raise UserError(f"there is an effect called {name} already (`testbench effects {name}`); choose another name")
     if path.exists():
         raise UserError(f"{path} exists already; choose another name, or another place with -o")
     cls = "".join(part.capitalize() for part in name.split("_"))

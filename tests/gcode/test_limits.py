@@ -12,7 +12,7 @@ from gcode.bounds import Limits, excesses
 from gcode.generate import plan
 from gcode.output import make
 from gcode.planner import Machine, play
-from gcode.presets import preset
+from gcode.presets import PRESETS, preset
 from gcode.protocol import Hold, Multisine, Noise, Ramp, RateSweep, ReturnToZero, Staircase, Triangle
 from gcode.reader import read_program
 from gcode.support.errors import UserError
@@ -72,11 +72,43 @@ def test_any_spec_keeps_its_limits_as_executed_and_reads_back_exactly(spec, seed
         made = make(spec, seed, gauge_length_mm, mode)
     except UserError as error:
         assert "limits" in str(error) or "never moves" in str(error)  # noqa: PT017
+        assert "own check" not in str(error)  # noqa: PT017
         return
     program = read_program(made.program)
     executed = play(program, spec.rate_hz)
     assert not excesses(executed.position_mm, spec.rate_hz, spec.limits, slack=1e-3)
     np.testing.assert_allclose(program.planned().position_mm, made.trajectory.position_mm, atol=1e-9)
+
+
+@given(
+    st.sampled_from(sorted(PRESETS)),
+    st.integers(0, 10_000),
+    st.floats(2.0, 30.0),
+    st.floats(10.0, 50.0),
+    st.floats(0.7, 3.0),
+    st.sampled_from([1.0, 1.5, 2.0, 5.0, 20.0]),
+    st.sampled_from(["G94", "G93"]),
+)
+@settings(max_examples=80, derandomize=True, deadline=None)
+def test_a_short_piece_of_a_preset_passes_its_own_check(name, seed, duration_s, gauge_length_mm, room, machine, mode):
+    spec = preset(name)
+    noise = spec.pieces[0].model_copy(update={"duration_s": duration_s})
+    limits = spec.limits.model_copy(update={"a_max_mm_per_s2": spec.limits.a_max_mm_per_s2 * room})
+    change = {
+        "machine_acceleration_mm_per_s2": machine * limits.a_max_mm_per_s2,
+        "limits": limits,
+        "pieces": (noise,),
+    }
+    try:
+        make(spec.model_copy(update=change), seed, gauge_length_mm, mode)
+    except UserError as error:  # a few seconds need not hold the preset's statistics
+        assert "target cannot be reached" in str(error) or "would stretch" in str(error)  # noqa: PT017
+
+
+def test_a_move_below_the_programs_last_digit_is_no_move():
+    spec = TrajectorySpec(pieces=(ReturnToZero(rest_s=1e-12),), offset_mm=1e-12)
+    with pytest.raises(UserError, match="never moves"):
+        plan(spec, 1, 25.0)
 
 
 def test_limits_hold_at_any_rate_on_a_controller_set_to_the_limit():

@@ -176,6 +176,16 @@ def test_an_effects_file_that_cannot_be_used_is_named(text: str, complaint: str,
         load_catalogue(tmp_path / "mine.py")
 
 
+def test_an_effect_of_ones_own_does_not_replace_a_built_in_one(tmp_path: Path) -> None:
+    write_template("drift_of_mine", tmp_path / "mine.py")
+    text = (tmp_path / "mine.py").read_text(encoding="utf-8")
+    (tmp_path / "mine.py").write_text(text.replace('"drift_of_mine"', '"drift"'), encoding="utf-8")
+    with pytest.raises(UserError, match="there is an effect called drift already"):
+        load_catalogue(tmp_path / "mine.py")
+    with pytest.raises(UserError, match="there is an effect called drift already"):
+        write_template("drift", tmp_path / "drift.py")
+
+
 class BrokenPlugIn:
     name = "their_effect"
 

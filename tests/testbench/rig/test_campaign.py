@@ -11,10 +11,11 @@ import pytest
 
 from gcode.support.errors import UserError
 from testbench import cli
-from testbench.campaign import matches, plan_of, programs_before, simulate_campaign, vacant
-from testbench.knit.catalogue import baseline
+from testbench.campaign import matches, simulate_campaign, vacant
+from testbench.knit.catalogue import baseline, load_catalogue
 from testbench.knit.model import inputs
 from testbench.manifest import problems, read_manifest
+from testbench.plan import plan_of, programs_before
 from testbench.recording import read_recording
 from testbench.remake import Remade, made_again
 from testbench.rig.motion import played
@@ -210,3 +211,31 @@ def test_past_campaigns_are_followed_back_to_the_first(tmp_path):
         programs_before([tmp_path / "b"], wish.model, 40.0)
     with pytest.raises(UserError, match="no such campaign or program"):
         programs_before([tmp_path / "c"], wish.model, 25.0)
+
+
+OWN_EFFECT = """from testbench.knit.effect import Effect, Stage, parameter
+class Mine(Effect):
+    "G *= 1 + gain e. Source: a test. Valid: here."
+    name, stage, strength, look = "mine", Stage.ELECTRICAL, "gain", "a test"
+    reads, writes = ("strain", "conductance_S"), ("conductance_S",)
+    gain: float = parameter(0.1, unit="1", low=-5, high=5, doc="gain")
+    def apply(self, signals, dt_s):
+        return {"conductance_S": signals["conductance_S"] * (1 + self.gain * signals["strain"])}
+"""
+
+
+def test_a_campaign_with_own_effects_carries_them_and_asks_before_it_runs_them(tmp_path, capsys):
+    own = tmp_path / "mine.py"
+    own.write_text(OWN_EFFECT)
+    model = baseline() + load_catalogue(own)["mine"]()
+    wish = replace(plan(tmp_path), model=model, effects=own)
+    simulate_campaign(wish, tmp_path / "c", played(wish.program, 25.0)[0])
+    own.unlink()
+    words = ["verify", "--again", str(tmp_path / "c")]
+    assert cli.main(words) == 2
+    assert "effects of somebody's own; read" in capsys.readouterr().err
+    assert cli.main([*words, "--effects", str(tmp_path / "c" / "effects.py")]) == 0
+    other = tmp_path / "other.py"
+    other.write_text(OWN_EFFECT.replace("0.1", "0.2"))
+    assert cli.main([*words, "--effects", str(other)]) == 2
+    assert "other.py: not the effects that" in capsys.readouterr().err

@@ -14,7 +14,8 @@ from gcode.support.errors import UserError
 from testbench import cli
 from testbench.dataset import OneAtATime, make, tasks_of, varied
 from testbench.dataset_spec import read_spec
-from testbench.knit.catalogue import baseline
+from testbench.knit.catalogue import baseline, load_catalogue
+from testbench.knit.template import write_template
 from testbench.manifest import problems
 from testbench.recording import read_recording
 from testbench.remake import made_again
@@ -100,6 +101,18 @@ def test_programs_on_the_same_sensor_know_what_came_before(tmp_path):
     assert not make(second)
     assert made_again(second.folder).differences == ()
     assert (first.folder / "recording.csv").read_bytes() != (second.folder / "recording.csv").read_bytes()
+
+
+def test_a_data_set_may_use_effects_of_ones_own(tmp_path):
+    write_template("mine", tmp_path / "mine.py")
+    path = written(tmp_path, last=1, more='effects = "mine.py"\n')
+    model = baseline() + load_catalogue(tmp_path / "mine.py")["mine"]()
+    (tmp_path / "knit.json").write_text(json.dumps(model.to_dict()))
+    (task,) = tasks_of(read_spec(path), tmp_path, tmp_path / "out")
+    (tmp_path / "out").mkdir()
+    assert make(task)
+    assert not make(task)
+    assert made_again(task.folder, task.folder / "effects.py").differences == ()
 
 
 @pytest.mark.parametrize(
