@@ -13,7 +13,9 @@ import argparse
 import contextlib
 import io
 import os
+import re
 import statistics
+import subprocess
 import tempfile
 import time
 from collections.abc import Callable
@@ -25,8 +27,10 @@ from playwright.sync_api import Page, sync_playwright
 from compensation.cli import main as compensation
 from gcode.cli import main as gcode
 from testbench.cli import main as testbench
+from testbench.studio.jobs import interpreter_argv
 from tests.testbench.studio.served import CHROMIUM, Served, served
 
+HOUR_S, HASTE = 3600.0, 20
 GOALS_S = {"first view": 2.0, "zoom": 0.3, "tab": 0.3}
 # Every plot in view has lines or bars; the first one counts.
 DRAWN = "() => document.querySelector('.js-plotly-plot .trace path[d]') !== null"
@@ -116,13 +120,7 @@ def zooms(page: Page, studio: Served, path: str, runs: int) -> list[float]:
     return found
 
 
-TABS = {
-    "Compare": DRAWN,
-    "Missing effect": DRAWN,
-    "Error ladder": DRAWN,
-    "Compensate": DRAWN,
-    "Recording": DRAWN,
-}
+TABS = ("Compare", "Missing effect", "Error ladder", "Compensate", "Recording")
 
 
 def tab_changes(page: Page, studio: Served, runs: int) -> dict[str, list[float]]:
@@ -132,10 +130,10 @@ def tab_changes(page: Page, studio: Served, runs: int) -> dict[str, list[float]]
     page.wait_for_timeout(2000)
     found: dict[str, list[float]] = {name: [] for name in TABS}
     for _ in range(runs):
-        for name, ready in TABS.items():
+        for name in TABS:
             tab = page.get_by_role("navigation", name="Steps").get_by_role("link", name=name)
             page.evaluate("() => document.querySelectorAll('.page').forEach(page => page.classList.add('stale'))")
-            fresh = f"() => document.querySelector('.page:not(.stale)') !== null && ({ready})()"
+            fresh = f"() => document.querySelector('.page:not(.stale)') !== null && ({DRAWN})()"
             found[name].append(timed(page, tab.click, fresh))
             page.wait_for_timeout(1500)
     return found
@@ -164,6 +162,57 @@ def speeds(browser, root: Path, runs: int) -> None:
         page.close()
 
 
+def hour(browser, root: Path) -> None:
+    """An hour of the simulated rig, through its port, the recorder and the live page."""
+    program = root / "programs" / "hour"
+    options = ["--preset", "paper-1", "--seed", 7, "--gauge-length-mm", 25, "--duration-s", HOUR_S + 60]
+    quietly(gcode, "generate", *options, "-o", program)
+    link = root.parent / "rig"
+    argv = ["testbench", "rig", "--sensor", "pes", "--program", program / "program.tap"]
+    argv += ["--link", link, "--speed", HASTE]
+    rig = subprocess.Popen(interpreter_argv([str(word) for word in argv]), stdout=subprocess.DEVNULL)
+    try:
+        with served(root, refresh_s=0.5 / HASTE) as studio:
+            page = browser.new_page(viewport={"width": 1280, "height": 800})
+            _start_recording(page, studio, link)
+            _watch(page, studio)
+    finally:
+        rig.terminate()
+        rig.wait()
+
+
+def _start_recording(page: Page, studio: Served, link: Path) -> None:
+    while not link.exists():
+        time.sleep(0.1)
+    page.goto(f"{studio.address}/record")
+    page.get_by_label("Port").fill(str(link))
+    page.keyboard.press("Tab")
+    page.get_by_label("Program").wait_for()
+    page.get_by_role("button", name="Record", exact=False).last.click()
+
+
+def _watch(page: Page, studio: Served) -> None:
+    session = page.context.new_cdp_session(page)
+    names = f"{'recorded':>10} {'samples':>9} {'redrawn':>8} {'server':>10} {'page, JS heap':>14} {'DOM nodes':>10}"
+    print(f"{names}   load average (1 min)")
+    start_s, next_s = time.perf_counter(), 300.0
+    recorded = 0.0
+    while recorded < HOUR_S and time.perf_counter() - start_s < 3 * HOUR_S / HASTE:
+        page.wait_for_timeout(500)
+        found = re.search(r"([\d.]+) / [\d.]+ s Time.*?(\d+) Samples", page.inner_text("body"), re.DOTALL)
+        if not found or float(found.group(1)) < next_s:
+            continue
+        recorded, next_s = float(found.group(1)), min(next_s + 600.0, HOUR_S)
+        session.send("HeapProfiler.collectGarbage")
+        heap_MB = session.send("Runtime.getHeapUsage")["usedSize"] / 2**20
+        nodes = session.send("Memory.getDOMCounters")["nodes"]
+        drawn = page.evaluate("() => document.querySelector('.js-plotly-plot').dataset.drawn")
+        memory = f"{studio.resident_MB():7.1f} MB {heap_MB:11.1f} MB {nodes:10}"
+        print(f"{recorded:8.0f} s {found.group(2):>9} {drawn:>8} {memory}  {os.getloadavg()[0]:5.1f}", flush=True)
+    page.get_by_role("button", name="Stop").click()
+    page.get_by_role("button", name="Open the recording").wait_for()
+
+
 def main() -> None:
     """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -174,10 +223,11 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as scratch, sync_playwright() as play:
         browser = play.chromium.launch(executable_path=str(CHROMIUM), args=["--no-sandbox"])
         root = Path(scratch) / "ws"
-        prepared(root, args.minutes) if not os.environ.get("WS") else __import__("shutil").copytree(
-            os.environ["WS"], root
-        )
-        speeds(browser, root, args.runs)
+        if args.hour:
+            hour(browser, root)
+        else:
+            prepared(root, args.minutes)
+            speeds(browser, root, args.runs)
         browser.close()
 
 

@@ -46,6 +46,7 @@ export default {
       await Plotly.react(this.$el, data, layout, config);
       if (first) this.$el.on("plotly_relayout", (change) => this.$emit("zoom", change));
       this.$el.dataset.drawn = 1 + Number(this.$el.dataset.drawn ?? 0);
+      this.$emit("drawn");
     },
     fit() {
       if (!this.width || this.width === this.$el.clientWidth || !this.$el.clientWidth) return;

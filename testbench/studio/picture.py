@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -15,6 +17,7 @@ Drawn = Callable[[float | None, float | None], style.Figure]  # start and end in
 
 PLOTLY_URL = f"/plotly-cartesian-{PLOTLY_VERSION}.min.js"
 YEAR_S = 365 * 24 * 3600
+PATIENCE_S = 10.0  # with a browser that does not say that it has drawn: it may sleep, or look elsewhere
 
 
 class Picture(Element, component="picture.js"):
@@ -33,7 +36,27 @@ class Picture(Element, component="picture.js"):
         self.figure = figure
         self.classes("w-full js-plotly-plot")
         self._props["role"], self._props["aria-label"] = "img", label
+        self._sent_s = -math.inf  # when the figure was sent that the browser has not drawn yet
+        self.on("drawn", self._drawn)
         self.show(figure)
+
+    def follow(self, figure: style.Figure) -> bool:
+        """Show the next figure of many, unless the browser is still busy with the last: a slow one sees fewer.
+
+        Returns
+        -------
+        bool
+            Whether it was sent.
+        """
+        now_s = time.monotonic()
+        if now_s - self._sent_s < PATIENCE_S:
+            return False
+        self._sent_s = now_s
+        self.show(figure)
+        return True
+
+    def _drawn(self) -> None:
+        self._sent_s = -math.inf
 
     def show(self, figure: style.Figure) -> None:
         """Put another figure in its place; where the user has zoomed, the zoom stays."""

@@ -2,26 +2,19 @@
 
 from __future__ import annotations
 
-import math
+import asyncio
 from pathlib import Path
-from typing import Any
 
 from nicegui import ui
 
 from gcode.support.errors import UserError
-from testbench.recording import DISPLACEMENT, FORCE, RESISTANCE, TIME
-from testbench.report import style
-from testbench.report.live_figures import LiveChannel, live
-from testbench.studio.jobs import Job, State
-from testbench.studio.live import Follower
+from testbench.studio.pages.live import KEY, RIG, Live
 from testbench.studio.pages.plan import PROGRAMS, SENSORS
-from testbench.studio.picture import plot
 from testbench.studio.studio import Studio
-from testbench.studio.widgets import address, aside, attempt, guarded, heading, trouble
+from testbench.studio.widgets import attempt, guarded, heading, trouble
 
-KEY = "record"
 SIMULATED = "the simulated rig"
-REFRESH_S = 0.5
+PATIENCE_S = 30
 
 
 @guarded
@@ -32,7 +25,7 @@ def page(studio: Studio) -> None:
     job = studio.jobs.find(KEY)
     with holder:
         if job and job.running:
-            _Live(studio, job)
+            Live(studio, job)
         else:
             _form(studio, holder)
 
@@ -61,17 +54,18 @@ def _form(studio: Studio, holder: ui.column) -> None:
         async def start() -> None:
             target = studio.workspace.free_name(name.value)
             tap = studio.workspace.root / PROGRAMS / program.value / "program.tap"
-            url = _simulated_port(studio, sensor.value, tap) if port.value == SIMULATED else port.value
+            running = studio.jobs.find(KEY)
+            if running and running.running:
+                raise UserError(f"{running.title}: this is still under way, and there is one recording at a time")
+            url = await _simulated_port(studio, sensor.value, tap) if port.value == SIMULATED else port.value
             argv = ["testbench", "record", "--port", url, "--program", str(tap), "--progress-json"]
             argv += ["--specimen", specimen.value] if specimen.value else []
             argv += ["--max-force-n", f"{force.value:g}"] if force.value else []
             argv += ["--max-strain", f"{strain.value / 100:g}"] if strain.value else []
-            if port.value == SIMULATED:
-                await _wait_for(Path(url))
             job = studio.jobs.start(KEY, f"Recording {name.value}", [*argv, "-o", str(target)])
             holder.clear()
             with holder:
-                _Live(studio, job)
+                Live(studio, job)
 
         ui.button("Record", icon="fiber_manual_record", on_click=lambda: attempt(start)).props(
             "unelevated color=accent"
@@ -85,109 +79,25 @@ def _free(studio: Studio, stem: str) -> str:
     return f"{stem}-{number}"
 
 
-def _simulated_port(studio: Studio, sensor: str, program: Path) -> str:
-    """Put the simulated rig behind a pseudo-terminal; the name of its port."""
+async def _simulated_port(studio: Studio, sensor: str, program: Path) -> str:
+    """Put the simulated rig behind a pseudo-terminal; the name of its port.
+
+    Raises
+    ------
+    UserError
+        If it does not start.
+    """
+    old = studio.jobs.find(RIG)
+    if old:
+        await studio.jobs.cancel(old)  # it may still be playing another program
     link = studio.workspace.results("rig") / "port"
+    link.unlink(missing_ok=True)
     argv = ["testbench", "rig", "--sensor", sensor, "--program", str(program), "--link", str(link)]
-    studio.jobs.start("rig", f"Simulated rig, {sensor}", argv)
-    return str(link)
-
-
-async def _wait_for(link: Path) -> None:
-    import asyncio
-
-    for _ in range(200):
+    rig = studio.jobs.start(RIG, f"Simulated rig, {sensor}", argv)
+    for _ in range(PATIENCE_S * 10):
         if link.exists():
-            return
+            return str(link)
+        if not rig.running:
+            break
         await asyncio.sleep(0.1)
-    raise UserError("the simulated rig did not start; its port never appeared")
-
-
-class _Live:
-    """The recording under way: figures that count, the plot, the stop."""
-
-    def __init__(self, studio: Studio, job: Job) -> None:
-        self.studio, self.job = studio, job
-        self.folder = Path(job.argv[-1])
-        self.follower = Follower(self.folder / "recording.csv")
-        with ui.row().classes("items-center justify-between w-full card no-wrap") as head:
-            self.facts = ui.html("", sanitize=False).classes("grow")
-            self.stop = ui.button("Stop", icon="stop", on_click=self._stop)
-            self.stop.props("unelevated color=accent size=lg")
-        head.style("position:sticky;top:8px;z-index:5")  # the stop stays within reach
-        self.news = ui.label().classes("trouble").props("role=alert")
-        self.news.set_visibility(False)
-        self.bar = ui.linear_progress(value=0, show_value=False).props("rounded size=8px")
-        self.alarm = ui.column().classes("w-full")
-        self.plot = plot(live([]), "Left: the last minute, every sample. Right: all so far. Dashed: your limits.")
-        self.timer = ui.timer(REFRESH_S, self._look)
-
-    async def _stop(self) -> None:
-        self.stop.disable()
-        await self.studio.jobs.cancel(self.job)
-        rig = self.studio.jobs.find("rig")
-        if rig:
-            await self.studio.jobs.cancel(rig)
-
-    async def _look(self) -> None:
-        fresh = await aside(self.follower.look)
-        self.facts.set_content(_facts(self.job.latest))
-        self.bar.set_value(self.job.share or 0.0)
-        said = str(self.job.latest.get("message") or "")
-        self.news.set_text(said)
-        self.news.set_visibility(bool(said) and self.job.running)
-        if fresh:
-            self.plot.show(live(self._channels()))
-        if not self.job.running:
-            self._ended()
-
-    def _channels(self) -> list[LiveChannel]:
-        found = []
-        for name, title, colour, limit in (
-            (DISPLACEMENT, "Displacement / mm", style.STRAIN, None),
-            (FORCE, "Force / N", style.FORCE, _option(self.job, "--max-force-n")),
-            (RESISTANCE, "Resistance / ohm", style.CONDUCTANCE, None),
-        ):
-            values, envelope = self.follower.channel(name), self.follower.envelope
-            time_s = self.follower.channel(TIME)
-            if values is not None and time_s is not None and envelope is not None:
-                outline = envelope.outline(self.follower.names.index(name))
-                found.append(LiveChannel(title, colour, (time_s, values), outline, limit))
-        return found
-
-    def _ended(self) -> None:
-        self.timer.deactivate()
-        self.stop.set_visibility(False)
-        said = str(self.job.latest.get("message", ""))
-        with self.alarm:
-            if self.job.state is State.FAILED:
-                trouble(said or self.job.problem, "Every sample up to that moment is on disk.")
-            else:
-                ui.label(f"{self.job.title}: {self.job.latest.get('state', self.job.state.value)}. {said}")
-            if (self.folder / "datapackage.json").is_file():
-                name = self.folder.relative_to(self.studio.workspace.root).as_posix()
-                ui.button("Open the recording", on_click=lambda: ui.navigate.to(address("/recording", c=name)))
-
-
-def _option(job: Job, name: str) -> float | None:
-    return float(job.argv[job.argv.index(name) + 1]) if name in job.argv else None
-
-
-def _facts(status: dict[str, Any]) -> str:
-    if "samples" not in status:
-        return '<span class="quiet">waiting for the first sample</span>'
-    duration = status.get("duration_s")
-    whole = f" / {duration:.0f}" if duration and math.isfinite(duration) else ""
-    pairs = [
-        ("Time", f"{status['time_s']:.1f}{whole} s"),
-        ("Rate", f"{status['rate_hz']:.1f} Hz"),
-        ("Samples", str(status["samples"])),
-        ("Lost", str(status["lost"])),
-        ("Rejected", str(status["rejected"])),
-        ("Strain", f"{100 * status['strain']:.1f} %"),
-    ]
-    if status.get("force_N") is not None:
-        pairs.append(("Force", f"{status['force_N']:.3f} N"))
-    return "".join(
-        f'<span class="count"><b>{value}</b> <span class="quiet">{name}</span></span>' for name, value in pairs
-    )
+    raise UserError(f"the simulated rig did not start: {rig.problem}")

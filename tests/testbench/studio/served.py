@@ -17,8 +17,8 @@ from pathlib import Path
 CHROMIUM = Path("/usr/bin/chromium")
 CODE = """
 import sys
-from testbench.studio.pages import record
-record.REFRESH_S = float(sys.argv.pop())
+from testbench.studio.pages import live
+live.REFRESH_S = float(sys.argv.pop())
 from testbench.cli import main
 sys.exit(main())
 """

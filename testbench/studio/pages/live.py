@@ -1,0 +1,148 @@
+"""The recording under way: figures that count, a plot that follows, a stop that is always within reach."""
+
+from __future__ import annotations
+
+import math
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from nicegui import ui
+
+from gcode.support.errors import UserError
+from testbench.recording import DISPLACEMENT, FORCE, RESISTANCE, TIME
+from testbench.report import style
+from testbench.report.live_figures import LiveChannel, live
+from testbench.studio.jobs import Job, State
+from testbench.studio.live import Follower
+from testbench.studio.picture import plot
+from testbench.studio.studio import Studio
+from testbench.studio.widgets import address, aside, attempt, trouble
+
+KEY = "record"  # one recording at a time
+RIG = "rig"  # the simulated one, where it is behind the port
+REFRESH_S = 0.5
+UNFINISHED = ("interrupted", "port lost", "disk full")
+
+
+class Live:
+    """A recording job in one tab."""
+
+    def __init__(self, studio: Studio, job: Job) -> None:
+        self.studio, self.job = studio, job
+        self.folder = Path(job.argv[-1])
+        self.follower = Follower(self.folder / "recording.csv")
+        self.limits: dict[str, float] | None = None
+        self.due = False  # samples have come that the plot does not show yet
+        with ui.column().classes("card gap-2").style("position:sticky;top:8px;z-index:5"):
+            with ui.row().classes("items-center justify-between w-full no-wrap"):
+                self.facts = ui.html("", sanitize=False).classes("grow")
+                self.stop = ui.button("Stop", icon="stop", on_click=self._stop)
+                self.stop.props("unelevated color=accent size=lg")
+            self.bar = ui.linear_progress(value=0, show_value=False).props("rounded size=8px")
+            self.bar.props("aria-label='Share of the program that is recorded'")
+        self.news = ui.label().classes("trouble").props("role=alert")
+        self.news.set_visibility(False)
+        self.end = ui.column().classes("w-full")
+        self.plot = plot(live([]), "Left: the last minute, every sample. Right: all so far. Dashed: your limits.")
+        self.timer = ui.timer(REFRESH_S, self._look)
+
+    async def _stop(self) -> None:
+        self.stop.disable()
+        await self.studio.jobs.cancel(self.job)
+        rig = self.studio.jobs.find(RIG)
+        if rig:
+            await self.studio.jobs.cancel(rig)
+
+    async def _look(self) -> None:
+        running = self.job.running  # asked before the look, so that the last look sees all
+        self.due = await aside(self.follower.look) or self.due
+        self.facts.set_content(facts_in_words(self.job.latest))
+        self.bar.set_value(self.job.share or 0.0)
+        said = str(self.job.latest.get("message") or "")
+        self.news.set_text(said)
+        self.news.set_visibility(bool(said) and running)
+        if self.due and self.plot.follow(live(self._channels())):
+            self.due = False
+        if not running:
+            self._ended()
+
+    def _channels(self) -> list[LiveChannel]:
+        if self.limits is None:
+            self.limits = limits_of(self.folder)
+        time_s, envelope = self.follower.channel(TIME), self.follower.envelope
+        found = []
+        for name, title, colour in (
+            (DISPLACEMENT, "Displacement / mm", style.STRAIN),
+            (FORCE, "Force / N", style.FORCE),
+            (RESISTANCE, "Resistance / ohm", style.CONDUCTANCE),
+        ):
+            values = self.follower.channel(name)
+            if values is not None and time_s is not None and envelope is not None:
+                outline = envelope.outline(self.follower.names.index(name))
+                found.append(LiveChannel(title, colour, (time_s, values), outline, self.limits.get(name)))
+        return found
+
+    def _ended(self) -> None:
+        self.timer.deactivate()
+        if self.follower.envelope is not None:
+            self.plot.show(live(self._channels()))
+        self.stop.set_visibility(False)
+        said = str(self.job.latest.get("message") or "")
+        state = str(self.job.latest.get("state") or self.job.state.value)
+        with self.end:
+            if self.job.state is State.FAILED:
+                trouble(said or self.job.problem, "Every sample up to that moment is on disk.")
+            else:
+                ui.label(f"{self.job.title}: {state}. {said}").classes("verdict")
+            with ui.row():
+                self._ways_on(state)
+
+    def _ways_on(self, state: str) -> None:
+        if not (self.folder / "datapackage.json").is_file():
+            return
+        name = self.folder.relative_to(self.studio.workspace.root).as_posix()
+        ui.button("Open the recording", on_click=lambda: ui.navigate.to(address("/recording", c=name)))
+        if state in UNFINISHED and self.studio.jobs.find(RIG) is None:
+            resume = ui.button("Go on recording into it", on_click=lambda: attempt(partial(self._resume, name)))
+            resume.props("outline")
+
+    def _resume(self, name: str) -> None:
+        argv = ["testbench", "record", "--resume", "--progress-json", "-o", str(self.folder)]
+        self.studio.jobs.start(KEY, f"Recording {name}", argv)
+        ui.navigate.reload()
+
+
+def limits_of(folder: Path) -> dict[str, float]:
+    """The limits that a recording was started with, by channel; empty where it has none."""
+    from testbench.manifest import read_manifest
+
+    try:
+        campaign, _ = read_manifest(folder)
+    except UserError:
+        return {}
+    force_N, strain = campaign.recipe.get("max_force_N"), campaign.recipe.get("max_strain")
+    limits = {FORCE: force_N, DISPLACEMENT: strain and strain * campaign.gauge_length_mm}
+    return {name: limit for name, limit in limits.items() if limit is not None and np.isfinite(limit)}
+
+
+def facts_in_words(status: dict[str, Any]) -> str:
+    """What the recorder last said of itself, as HTML."""
+    if "samples" not in status:
+        return '<span class="quiet">waiting for the first sample</span>'
+    duration = status.get("duration_s")
+    whole = f" / {duration:.0f}" if duration and math.isfinite(duration) else ""
+    pairs = [
+        ("Time", f"{status['time_s']:.1f}{whole} s"),
+        ("Rate", f"{status['rate_hz']:.1f} Hz"),
+        ("Samples", str(status["samples"])),
+        ("Lost", str(status["lost"])),
+        ("Rejected", str(status["rejected"])),
+        ("Strain", f"{100 * status['strain']:.1f} %"),
+    ]
+    if status.get("force_N") is not None:
+        pairs.append(("Force", f"{status['force_N']:.3f} N"))
+    return "".join(
+        f'<span class="count"><b>{value}</b> <span class="quiet">{name}</span></span>' for name, value in pairs
+    )
