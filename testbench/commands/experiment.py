@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import argparse
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from testbench.commands._arguments import add_effects, add_held_out, load_recording, load_split
 
 if TYPE_CHECKING:
-    from testbench.discrepancy.experiment import Option
+    from collections.abc import Sequence
+
+    from testbench.discrepancy.experiment import Option, Rival
+    from testbench.knit.effect import FloatArray
 
 SUMMARY = "propose the next trajectory: the one that separates two rival models best"
 EXAMPLE = "testbench experiment creep.json relaxation.json --strain-max 30 -o next-run --plot next-run.png"
@@ -45,7 +48,7 @@ def run(args: argparse.Namespace) -> int:
     _tell("")
     print(experiment_table(rivals, options))
     if args.json:
-        write_json(args.json, {"rivals": [r.name for r in rivals], "options": [o.to_dict() for o in options]})
+        write_json(args.json, _as_json(rivals, options, gauge_length_mm))
     if args.plot:
         _draw(options, gauge_length_mm, args.plot)
     if args.output:
@@ -58,12 +61,33 @@ def _draw(options: list[Option], gauge_length_mm: float, path: str) -> None:
     from testbench.report.experiment_figures import experiment
     from testbench.report.static import write_figure
 
-    best = options[0]
-    time_s, strain = best.made.trajectory.time_s, 100 * best.made.trajectory.position_mm / gauge_length_mm
-    left = {channel: (time_s[-len(values) :], values) for channel, values in best.hardest.left.items()}
+    made = options[0].made.trajectory
+    strain = 100 * made.position_mm / gauge_length_mm
     evidence = [(option.name, option.hardest.log_odds) for option in options]
-    write_figure(experiment(evidence, time_s, strain, left), path)
+    write_figure(experiment(evidence, made.time_s, strain, _left(options[0])), path)
     print(f"picture: {path}")
+
+
+def _left(option: Option) -> dict[str, tuple[FloatArray, FloatArray]]:
+    """What the wrong model cannot imitate, by channel: time and misfit over the noise floor, from the burn-in on."""
+    time_s = option.made.trajectory.time_s
+    return {channel: (time_s[-len(values) :], values) for channel, values in option.hardest.left.items()}
+
+
+def _as_json(rivals: Sequence[Rival], options: Sequence[Option], gauge_length_mm: float) -> dict[str, Any]:
+    """The ranking, and what the winner would show, thinned to what a screen can draw."""
+    from testbench.report.downsample import rows_to_draw
+
+    left = {}
+    for channel, (time_s, values) in _left(options[0]).items():
+        rows = rows_to_draw(values)
+        left[channel] = {"time_s": time_s[rows].round(3).tolist(), "over_noise": values[rows].round(4).tolist()}
+    return {
+        "rivals": [rival.name for rival in rivals],
+        "gauge_length_mm": gauge_length_mm,
+        "options": [option.to_dict() for option in options],
+        "left": left,
+    }
 
 
 def _rivals(args: argparse.Namespace):
@@ -88,8 +112,12 @@ def _rivals(args: argparse.Namespace):
 
 
 def _tell(text: str) -> None:
-    """Progress on stderr, where somebody watches."""
+    """Progress on stderr, where somebody or a program watches."""
+    import json
+    import os
     import sys
 
-    if sys.stderr.isatty():
+    if os.environ.get("KNITBENCH_PROGRESS") == "json":
+        print(json.dumps({"note": text}), file=sys.stderr, flush=True)
+    elif sys.stderr.isatty():
         print(f"\r\x1b[K{text}", end="", file=sys.stderr, flush=True)

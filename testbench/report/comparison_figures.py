@@ -228,7 +228,7 @@ def _grid_axes(coordinates: list[str], columns: int, channel: str) -> dict[str, 
         row, column = divmod(index, columns)
         left, top = column * (width + 0.07), 1 - row * (height + 0.2)
         x_domain, y_domain = [left, min(left + width, 1.0)], [max(top - height, 0.0), max(top, 0.0)]
-        kind = {"type": "log"} if coordinate in LOG_COORDINATES else {}
+        kind = {"type": "log", "dtick": 1} if coordinate in LOG_COORDINATES else {}
         tick = {"tickformat": ".0%"} if coordinate in ("strain", "largest_strain") else {}
         axes[style.axis_key("xaxis", index)] = style.axis(
             COORDINATE_TITLES[coordinate], domain=x_domain, anchor=style.y_ref(index), **kind, **tick

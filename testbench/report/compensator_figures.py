@@ -11,6 +11,8 @@ from testbench.report import style
 from testbench.report.recording_figures import line
 
 RAW, TRUTH, PREDICTION = style.ORANGE, style.INK, style.BLUE
+# Mean r² after compensation that Aigner and Stoeckl report (arXiv:2306.12129), by knit.
+PAPER = {"force": {"PES": 0.78, "Lycra": 0.83}, "displacement": {"PES": 0.68, "Lycra": 0.65}}
 SYMBOLS = {"force": "F", "displacement": "d"}
 TITLES = {"force": "Force / N", "displacement": "Displacement / mm"}
 
@@ -78,7 +80,12 @@ def scatter(row: Mapping[str, Any], target: str) -> style.Figure:
         traces.append(
             {"type": "scatter", "mode": "lines", "x": ends, "y": ends, "line": {"color": TRUTH, "width": 1}, **place}
         )
-    axes = style.side_by_side_axes([(f"Measured: {TITLES[target]}", TITLES[target])] * 2)
+    quantity, unit = TITLES[target].split(" / ")
+    titles = [
+        (f"Measured {quantity.lower()} / {unit}", f"{name} / {unit}")
+        for name in ("Conductance, rescaled", "Compensated")
+    ]
+    axes = style.side_by_side_axes(titles)
     notes = [
         style.note(f"<b>{title}</b>", 0.545 * column, 1.0, xanchor="left", yanchor="bottom")
         for column, (_, _, title) in enumerate(panels)
@@ -86,8 +93,8 @@ def scatter(row: Mapping[str, Any], target: str) -> style.Figure:
     return style.figure(traces, height=360, annotations=notes, **axes)
 
 
-def before_and_after(rows: Sequence[Mapping[str, Any]], names: Sequence[str]) -> style.Figure:
-    """r² of every recording before and after, with the 95 % interval of the latter."""
+def before_and_after(rows: Sequence[Mapping[str, Any]], names: Sequence[str], target: str) -> style.Figure:
+    """r² of every recording before and after, with the 95 % interval of the latter; the paper's means as lines."""
     places = np.arange(len(rows))
     after = np.array([row["r2_after"] for row in rows])
     span = np.array([row["r2_after_interval"] for row in rows])
@@ -108,7 +115,20 @@ def before_and_after(rows: Sequence[Mapping[str, Any]], names: Sequence[str]) ->
         "xaxis": style.axis("", **ticks),
         "yaxis": style.axis("r²", range=[min(0.0, float(span.min())), 1.02]),
     }
-    return style.figure(bars, height=300, bargap=0.3, **axes)
+    lines = [_paper_line(value) for value in PAPER[target].values()]
+    words = [_paper_words(knit, value, value == max(PAPER[target].values())) for knit, value in PAPER[target].items()]
+    margin = {"l": 64, "r": 120, "t": 30, "b": 44}
+    return style.figure(bars, height=300, bargap=0.3, shapes=lines, annotations=words, margin=margin, **axes)
+
+
+def _paper_words(knit: str, value: float, upper: bool) -> dict[str, Any]:
+    place = {"yref": "y", "xanchor": "left", "yanchor": "bottom" if upper else "top"}  # the two lie close together
+    return style.note(f"paper, {knit} {value:.2f}", 1.01, value, font={"size": 11, "color": style.MUTED}, **place)
+
+
+def _paper_line(value: float) -> dict[str, Any]:
+    place = {"xref": "paper", "x0": 0, "x1": 1, "yref": "y", "y0": value, "y1": value}
+    return {"type": "line", "line": {"color": style.MUTED, "width": 1, "dash": "dot"}, **place}
 
 
 def _bars(places: np.ndarray, heights: Sequence[float] | np.ndarray, colour: str, name: str) -> dict[str, Any]:

@@ -174,7 +174,7 @@ def slope(residual: Mapping[str, FloatArray], contribution: Mapping[str, FloatAr
         (RESIDUAL_TITLES[channel].replace("Residual", f"Predicted {channel}"), RESIDUAL_TITLES[channel])
         for channel in channels
     ]
-    return style.figure(traces, height=330, **style.side_by_side_axes(list(titles)))
+    return style.figure(traces, height=330, **style.side_by_side_axes(list(titles), gap=0.17))
 
 
 def _binned(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:

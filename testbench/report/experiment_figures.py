@@ -18,6 +18,21 @@ DECISIVE = 5.0
 COLOURS = {"force": style.FORCE, "conductance": style.CONDUCTANCE}
 
 
+def of_file(found: Mapping[str, Any], time_s: FloatArray, strain_percent: FloatArray) -> style.Figure:
+    """The figure of a ``testbench experiment --json`` and the motion that it proposes.
+
+    Parameters
+    ----------
+    found : mapping
+        The JSON.
+    time_s, strain_percent : ndarray, shape (n,)
+    """
+    evidence = [(option["protocol"], option["log_odds"]) for option in found["options"]]
+    shown = found["left"].items()
+    left = {channel: (np.array(entry["time_s"]), np.array(entry["over_noise"])) for channel, entry in shown}
+    return experiment(evidence, time_s, strain_percent, left)
+
+
 def experiment(
     evidence: Sequence[tuple[str, float]],
     time_s: FloatArray,
@@ -57,6 +72,7 @@ def experiment(
         "xaxis": style.axis(
             "Expected evidence against the wrong model (log odds)",
             type="log",
+            dtick=1,
             anchor="y",
             range=[float(np.log10(LEAST)), float(np.log10(top * 1.5))],
         ),
@@ -74,10 +90,12 @@ def experiment(
         "yaxis3": style.axis("Left over / noise", anchor="x2", domain=[0.0, 0.21]),
     }
     legend = {"orientation": "h", "x": 1, "xanchor": "right", "y": 0.44, "yanchor": "bottom"}
+    words = style.note("decisive", float(np.log10(DECISIVE)), 1.0, xref="x", xanchor="left", yanchor="bottom")
     return style.figure(
         [bars, motion, *misfits],
         height=760,
         margin={"l": 130, "r": 20, "t": 26, "b": 44},
+        annotations=[words],
         shapes=[_decisive()],
         legend=legend,
         **axes,

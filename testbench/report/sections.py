@@ -154,8 +154,12 @@ def compensator_section(score: Mapping[str, Any]) -> Section:
     shown = next((row for row in rows if row["role"] == "held-out"), rows[0])
     items: list[Item] = [table]
     if len(rows) > 1:
-        caption = "r² before and after, with the 95 % interval from a bootstrap over blocks of 60 s."
-        items.append(Picture("compensator-scores", compensator_figures.before_and_after(rows, names), caption))
+        caption = (
+            "r² before and after, with the 95 % interval from a bootstrap over blocks of 60 s; dotted: the means "
+            "that the paper reports for its two knits."
+        )
+        figure = compensator_figures.before_and_after(rows, names, target)
+        items.append(Picture("compensator-scores", figure, caption))
     caption = (
         f"{short_name(shown['source'])} ({shown['role']}): {symbol} as measured, G rescaled to it, and p made from G "
         "alone; below, the first and the last minute."

@@ -211,9 +211,9 @@ class _Page:
         coords = ("axes fraction" if item.get("xref", "x").endswith(("paper", "domain")) else "data",
                   "axes fraction" if item.get("yref", "y").endswith(("paper", "domain")) else "data")  # fmt: skip
         offset = (item.get("xshift", 0) * 0.72, item.get("yshift", 0) * 0.72)
-        axes.annotate(
-            text, (item["x"], item["y"]), xycoords=coords, xytext=offset, textcoords="offset points", **look
-        )
+        # On a logarithmic axis Plotly counts an annotation's place in decades.
+        x = 10 ** item["x"] if coords[0] == "data" and axes.get_xscale() == "log" else item["x"]
+        axes.annotate(text, (x, item["y"]), xycoords=coords, xytext=offset, textcoords="offset points", **look)
 
 
 def plain(text: str) -> str:

@@ -22,6 +22,11 @@ def model_path(studio: Studio, c: str) -> Path:
     return studio.workspace.results(c) / "model.json"
 
 
+def diagnosis_path(studio: Studio, c: str) -> Path:
+    """Where the diagnosis of a campaign is kept."""
+    return studio.workspace.results(c) / "diagnosis.json"
+
+
 def held_out_choices(studio: Studio, c: str) -> list[str]:
     """The last third, and campaigns of the same gauge length, which errors may be judged on."""
     own = studio.workspace.campaign(c)
@@ -111,6 +116,13 @@ def run_in_turn(studio: Studio, key: str, commands: Commands, holder: ui.column,
         job_card(studio, job, ended)
 
 
+def join_running(studio: Studio, key: str, holder: ui.column, done: Callable[[], None]) -> None:
+    """Show a job that another tab, or an earlier visit, has started."""
+    running = studio.jobs.find(key)
+    if running and running.running:
+        run_in_turn(studio, key, [(running.title, running.argv)], holder, done)
+
+
 def add_fit_form(studio: Studio, c: str) -> None:
     """Offer to fit the baseline; build the page anew when it is done."""
     studio.workspace.campaign(c)
@@ -132,6 +144,4 @@ def add_fit_form(studio: Studio, c: str) -> None:
             run_in_turn(studio, f"model:{c}", [command], holder, ui.navigate.reload)
 
         ui.button("Fit the baseline", icon="tune", on_click=lambda: attempt(start)).props("unelevated")
-        running = studio.jobs.find(f"model:{c}")
-        if running and running.running:
-            run_in_turn(studio, running.key, [(running.title, running.argv)], holder, ui.navigate.reload)
+        join_running(studio, f"model:{c}", holder, ui.navigate.reload)

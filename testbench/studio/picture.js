@@ -22,10 +22,16 @@ export default {
     this.watcher.observe(this.$el);
     this.sizes = new ResizeObserver(() => this.fit());
     this.sizes.observe(this.$el);
+    this.print = () => {
+      this.near = true;
+      this.draw();
+    };
+    window.addEventListener("beforeprint", this.print);
   },
   unmounted() {
     this.watcher.disconnect();
     this.sizes.disconnect();
+    window.removeEventListener("beforeprint", this.print);
     if (this.width) window.Plotly.purge(this.$el);
   },
   watch: {

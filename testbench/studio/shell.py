@@ -8,10 +8,12 @@ from importlib.resources import files
 from nicegui import ui
 
 from testbench.studio.pages import (
+    align,
     campaigns,
     compare,
     compensate,
     effects,
+    experiment,
     importing,
     ladder,
     missing,
@@ -36,8 +38,10 @@ PAGES: dict[str, Callable] = {
     "/record": record.page,
     "/effects": effects.page,
     "/recording": recording.page,
+    "/align": align.page,
     "/compare": compare.page,
     "/missing": missing.page,
+    "/experiment": experiment.page,
     "/ladder": ladder.page,
     "/compensate": compensate.page,
 }

@@ -5,14 +5,17 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from gcode.support.errors import UserError
+from gcode.support.files import make_folder, write_text
 from testbench.studio.jobs import JobBoard
 from testbench.studio.memory import Memory
-from testbench.studio.workspace import Workspace
+from testbench.studio.workspace import RESULTS, Workspace
 
 if TYPE_CHECKING:
     from testbench.knit.catalogue import Catalogue
 
 OWN_EFFECTS = "effects.py"
+POINTER = "effects-file.txt"  # below results; one line, the path of the file with own effects
 
 
 class Studio:
@@ -30,10 +33,34 @@ class Studio:
         self.memory = Memory()
 
     @property
+    def effects_path(self) -> Path:
+        """Where the user's own effects are, or would be: in the workspace, or in the file that was pointed to."""
+        pointer = self._pointer
+        if pointer.is_file():
+            return Path(pointer.read_text(encoding="utf-8").strip())
+        return self.workspace.root / OWN_EFFECTS
+
+    @property
     def effects_file(self) -> Path | None:
-        """The user's own effects, where the workspace has some."""
-        path = self.workspace.root / OWN_EFFECTS
-        return path if path.is_file() else None
+        """The user's own effects, where there are some."""
+        return self.effects_path if self.effects_path.is_file() else None
+
+    @property
+    def _pointer(self) -> Path:
+        return self.workspace.root / RESULTS / POINTER
+
+    def point_to(self, path: Path) -> None:
+        """Use the own effects in another file; the workspace remembers it.
+
+        Raises
+        ------
+        UserError
+            If it is no Python file.
+        """
+        if path.suffix != ".py" or not path.is_file():
+            raise UserError(f"{path}: no such Python file; give the full path of a .py file on this machine")
+        make_folder(self._pointer.parent)
+        write_text(self._pointer, f"{path.resolve()}\n")
 
     def effects_arguments(self) -> list[str]:
         """``--effects FILE`` where the user has some."""

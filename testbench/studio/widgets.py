@@ -5,7 +5,8 @@ from __future__ import annotations
 import asyncio
 import functools
 import inspect
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Awaitable, Callable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any, TypeVar
 from urllib.parse import urlencode
 
@@ -74,6 +75,16 @@ def trouble(text: str, remedy: str = "") -> None:
                 ui.label(remedy).classes("text-sm")
 
 
+@contextmanager
+def invitation(title: str, text: str) -> Iterator[None]:
+    """What an empty page says: what is missing, and the buttons that bring it."""
+    with ui.column().classes("card items-center gap-3").style("padding:44px 20px"):
+        ui.label(title).classes("verdict")
+        ui.label(text).classes("quiet")
+        with ui.row():
+            yield
+
+
 def heading(title: str, under: str = "") -> None:
     """The page's title and a line under it."""
     with ui.column().classes("gap-1"):
@@ -126,6 +137,23 @@ def later(build: Callable[[], None]) -> None:
             build()
 
     ui.timer(LATER_S, fill, once=True)
+
+
+def number(label: str, value: float | None, form: str = "%.6g") -> ui.number:
+    """A field for a number."""
+    return ui.number(label, value=value, format=form).props("outlined dense").style("width:170px")
+
+
+@contextmanager
+def working(what: str) -> Iterator[None]:
+    """Say what is being done while the work below it goes on."""
+    with ui.row().classes("items-center gap-2 quiet").props("role=status") as sign:
+        ui.spinner(size="20px")
+        ui.label(f"{what} …")
+    try:
+        yield
+    finally:
+        sign.delete()
 
 
 def job_card(studio: Studio, job: Job, on_end: Callable[[Job], Awaitable[None] | None] | None = None) -> None:

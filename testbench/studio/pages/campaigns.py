@@ -7,7 +7,7 @@ from nicegui import ui
 from gcode.support.errors import UserError
 from testbench.report.recording_figures import summary, thumbnail
 from testbench.studio.studio import Studio
-from testbench.studio.widgets import address, aside, guarded, heading
+from testbench.studio.widgets import address, aside, guarded, heading, invitation
 from testbench.studio.workspace import Campaign
 
 
@@ -27,12 +27,9 @@ async def page(studio: Studio) -> None:
 
 
 def _empty() -> None:
-    with ui.column().classes("card items-center gap-3").style("padding:44px 20px"):
-        ui.label("Nothing here yet").classes("verdict")
-        ui.label("Bring a measured CSV, or plan a motion and run it on the simulated rig.").classes("quiet")
-        with ui.row():
-            ui.button("Import a CSV", icon="upload_file", on_click=lambda: ui.navigate.to("/import"))
-            ui.button("Plan and run", icon="timeline", on_click=lambda: ui.navigate.to("/plan")).props("outline")
+    with invitation("Nothing here yet", "Bring a measured CSV, or plan a motion and run it on the simulated rig."):
+        ui.button("Import a CSV", icon="upload_file", on_click=lambda: ui.navigate.to("/import")).props("unelevated")
+        ui.button("Plan and run", icon="timeline", on_click=lambda: ui.navigate.to("/plan")).props("outline")
 
 
 class _Card:

@@ -37,7 +37,10 @@ async def page(studio: Studio, c: str = "", on: str = "") -> None:
     view = await aside(_view, studio, c, on or c)
     facts(_errors(view.comparison["channels"]))
     _worst(view.comparison["worst"])
-    caption = "Measured, modelled, and under each the residual; grey: twice the noise floor. Drag to zoom all rows."
+    caption = (
+        "Measured and modelled; under each the residual, measured minus modelled; grey: twice the noise floor. "
+        "Drag to zoom all rows."
+    )
     zooming_plot(partial(figures.overlay, view.both), caption)
     later(partial(_below, view))
 
@@ -90,7 +93,7 @@ def _errors(channels: Mapping[str, Mapping[str, Any]]) -> list[tuple[str, str]]:
     pairs = []
     for channel, entry in channels.items():
         pairs.append((f"RMS error of the {channel}", f"{entry['rms']:.3g} {entry['unit']}"))
-        pairs.append(("over its noise floor", f"{entry['over_noise']:.1f} x"))
+        pairs.append((f"times the noise floor of the {channel}", f"{entry['over_noise']:.1f} x"))
     return pairs
 
 

@@ -34,6 +34,11 @@ def page(studio: Studio, c: str = "", target: str = "force") -> None:
         _show(studio, c, target, read_json(score, "score"))
 
 
+def _judged_on(summary: dict[str, Any]) -> str:
+    number, kind = summary["recordings"], summary["over"]
+    return f"on the {kind} recording" if number == 1 else f"mean of {number} {kind} recordings"
+
+
 def compensator_path(studio: Studio, c: str, target: str) -> Path:
     """Where the compensator of a campaign is kept."""
     return studio.workspace.results(c) / f"{target}.compensator.json"
@@ -86,9 +91,9 @@ def _show(studio: Studio, c: str, target: str, score: dict[str, Any]) -> None:
     summary = score["summary"]
     facts(
         [
-            (f"r² after, mean over {summary['recordings']} {summary['over']}", f"{summary['r2_after']:.3f}"),
-            ("r² of the raw signal", f"{summary['r2_before']:.3f}"),
-            ("gain", f"{summary['gain']:+.3f}"),
+            (f"r² after compensation, {_judged_on(summary)}", f"{summary['r2_after']:.3f}"),
+            ("r² of the raw conductance", f"{summary['r2_before']:.3f}"),
+            ("gained by compensation", f"{summary['gain']:+.3f}"),
             ("parameters of the network", str(score["compensator"]["parameters"])),
         ]
     )
@@ -106,10 +111,11 @@ def _show(studio: Studio, c: str, target: str, score: dict[str, Any]) -> None:
             holder.clear()
             job_card(studio, job, lambda ended: ui.download(header) if ended.state is State.DONE else None)
 
-    if len(rows) > 1:
+    if rows:
         plot(
-            figures.before_and_after(rows, names),
-            "r² before and after; the whiskers are 95 % intervals over 60 s blocks.",
+            figures.before_and_after(rows, names, target),
+            "r² before and after compensation (1 is perfect); whiskers: 95 % intervals over 60 s blocks; dotted: the "
+            "means that the paper reports for its two knits.",
         )
     with ui.tabs().props("dense align=left no-caps") as tabs:
         for number, (name, row) in enumerate(zip(names, rows, strict=True)):
@@ -118,4 +124,4 @@ def _show(studio: Studio, c: str, target: str, score: dict[str, Any]) -> None:
         for number, row in enumerate(rows):
             with ui.tab_panel(str(number)).classes("p-0 gap-4"):
                 plot(figures.over_time(row, target), "The whole recording; below, its first and its last minute.")
-                plot(figures.scatter(row, target))
+                plot(figures.scatter(row, target), "Against the measurement: on the line, the sensor would be right.")

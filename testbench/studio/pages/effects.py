@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from pathlib import Path
 
 from nicegui import ui
 
@@ -17,7 +18,7 @@ from testbench.studio.widgets import attempt, guarded, heading, job_card
 @guarded
 def page(studio: Studio) -> None:
     """The file of own effects in an editor; errors are shown beside it."""
-    under = f"One class each in {OWN_EFFECTS}, here or in your own editor. It takes part in every fit and diagnosis."
+    under = "One class each, written here or in your own editor. They take part in every fit and diagnosis."
     heading("Own effects", under)
     _Editor(studio)
 
@@ -26,19 +27,29 @@ class _Editor:
     """Name, text, buttons, and what the check says."""
 
     def __init__(self, studio: Studio) -> None:
-        self.studio, self.path = studio, studio.workspace.root / OWN_EFFECTS
+        self.studio, self.path = studio, studio.effects_path
         with ui.column().classes("card gap-3"):
             with ui.row().classes("items-center"):
                 self.name = ui.input("Name of a new effect", placeholder="my_effect").props("outlined dense")
                 self._button("Start from the template", "note_add", self._start).props("outline")
                 self._button("Save and check", "check", self._save).props("unelevated")
                 self._button("Read the file again", "refresh", self._read).props("flat")
+            with ui.row().classes("items-center w-full"):
+                self.where = ui.input("File in use", value=str(self.path)).props("outlined dense").classes("grow")
+                self._button("Use this file", "folder_open", self._point).props("outline")
             self.text = ui.codemirror(_text(studio), language="Python", theme="basicLight")
             self.text.classes("w-full").style("height:440px;border:1px solid var(--rule);border-radius:9px")
         self.result = ui.column().classes("w-full")
 
     def _button(self, label: str, icon: str, action: Callable[[], None]) -> ui.button:
         return ui.button(label, icon=icon, on_click=lambda: attempt(action))
+
+    def _point(self) -> None:
+        wanted = Path(self.where.value or "")
+        if wanted != self.studio.workspace.root / OWN_EFFECTS or wanted.is_file():
+            self.studio.point_to(wanted)
+        self.path = self.studio.effects_path
+        self._read()
 
     def _read(self) -> None:
         self.text.set_value(_text(self.studio))
@@ -73,5 +84,4 @@ class _Editor:
 
 
 def _text(studio: Studio) -> str:
-    path = studio.workspace.root / OWN_EFFECTS
-    return path.read_text(encoding="utf-8") if path.is_file() else ""
+    return studio.effects_file.read_text(encoding="utf-8") if studio.effects_file else ""

@@ -21,7 +21,11 @@ LARGEST_BYTES = 2_000_000_000
 @guarded
 def page(studio: Studio) -> None:
     """Upload or name a file, choose its columns, import."""
-    heading("Import a CSV", "Separator, decimal comma and header line are found by themselves.")
+    under = (
+        "A recording needs time and displacement (or strain); force and resistance where you have them. Separator, "
+        "decimal comma and header line are found by themselves."
+    )
+    heading("Import a CSV", under)
     with ui.column().classes("card gap-3"):
         with ui.row().classes("w-full items-center"):
             path = ui.input("File on this machine", placeholder="/data/lab/run-7.csv").props("outlined dense")

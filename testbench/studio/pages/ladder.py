@@ -46,10 +46,15 @@ class _Ladder:
         step = last if not 0 <= step <= last else step
         self.facts = ui.column().classes("w-full")
         self.ladder = plot(
-            figures.ladder(self.steps, step), "Held-out error after each step; dashed: the noise floor."
+            figures.ladder(self.steps, step),
+            "Error on the held-out samples, which no fit has seen, after each step; dashed: the noise floor, the "
+            "least that any model can reach.",
         )
         with ui.column().classes("card gap-1"):
-            subheading("Through the history", "Move along the steps; the pictures follow.")
+            under = "Move along the steps; the pictures follow."
+            subheading(
+                "Through the history", under if last else "One step so far. Ask what is missing to find the next."
+            )
             self.slider = ui.slider(min=0, max=max(last, 1), step=1, value=step).props(
                 "label snap markers aria-label='Step of the ladder'"
             )

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from nicegui import ui
@@ -24,11 +23,6 @@ if TYPE_CHECKING:
 SHOWN = 8
 
 
-def diagnosis_path(studio: Studio, c: str) -> Path:
-    """Where the diagnosis of a campaign is kept."""
-    return studio.workspace.results(c) / "diagnosis.json"
-
-
 @guarded
 async def page(studio: Studio, c: str = "", pick: str = "") -> None:
     """The diagnosis of campaign `c`; `pick` is the candidate that is looked at."""
@@ -36,7 +30,7 @@ async def page(studio: Studio, c: str = "", pick: str = "") -> None:
     if not models.model_path(studio, c).is_file():
         models.add_fit_form(studio, c)
         return
-    path = diagnosis_path(studio, c)
+    path = models.diagnosis_path(studio, c)
     _ask(studio, c, known=path.is_file())
     if path.is_file():
         diagnosis = read_diagnosis(str(path))
@@ -52,16 +46,14 @@ def _ask(studio: Studio, c: str, known: bool) -> None:
         argv = ["testbench", "diagnose", str(studio.workspace.campaign(c).folder)]
         argv += ["--model", str(models.model_path(studio, c)), *studio.effects_arguments()]
         argv += models.held_out_arguments(studio, models.held_out_of(studio, c))
-        argv += ["--json", str(diagnosis_path(studio, c)), "-o", str(models.diagnosed_path(studio, c))]
+        argv += ["--json", str(models.diagnosis_path(studio, c)), "-o", str(models.diagnosed_path(studio, c))]
         command = (f"Looking for what is missing in {c}", argv)
         models.run_in_turn(studio, key, [command], holder, ui.navigate.reload)
 
     button = ui.button("Ask again" if known else "Find what is missing", icon="search")
     button.on_click(lambda: attempt(start)).props("outline" if known else "unelevated")
     holder = ui.column().classes("w-full")
-    running = studio.jobs.find(key)
-    if running and running.running:
-        models.run_in_turn(studio, key, [(running.title, running.argv)], holder, ui.navigate.reload)
+    models.join_running(studio, key, holder, ui.navigate.reload)
 
 
 async def _answer(studio: Studio, c: str, diagnosis: Mapping[str, Any], pick: str) -> None:
@@ -73,13 +65,23 @@ async def _answer(studio: Studio, c: str, diagnosis: Mapping[str, Any], pick: st
     ranking = diagnosis["ranking"][:SHOWN]
     if not ranking:
         return
+    if len(ranking) > 1:
+        _experiment(c, diagnosis)
     plot(
         figures.candidates(diagnosis),
-        "What each effect would take off the held-out error; whiskers: two ways of weighing; dashed: what a "
-        "free-form map of the residual finds.",
+        "What each effect would take off the error on samples that no fit has seen; whiskers: two ways of weighing; "
+        "dashed: what a free-form map of the residual would take off.",
     )
     chosen = next((entry for entry in ranking if entry["form"] == pick), ranking[0])
     _Candidates(studio, c, diagnosis).build(ranking, chosen)
+
+
+def _experiment(c: str, diagnosis: Mapping[str, Any]) -> None:
+    """The way out of a tie: an experiment that separates the rivals."""
+    tied = len(diagnosis.get("tied") or []) > 1
+    words = "Design the experiment that tells them apart" if tied else "Design an experiment on the first two"
+    button = ui.button(words, icon="science")
+    button.on_click(lambda: ui.navigate.to(address("/experiment", c=c))).props("unelevated" if tied else "flat")
 
 
 class _Candidates:
@@ -106,10 +108,10 @@ class _Candidates:
         with card:
             with ui.row().classes("items-center justify-between w-full no-wrap"):
                 ui.label(f"{number}. {spoken(entry['effect'])}").style("font-weight:600")
-                if entry["tied_for_first"]:
-                    ui.label("tied").classes("tag bad")
-                else:
-                    ui.label(f"{removed:.0f} %").classes("quiet")
+                with ui.row().classes("items-center gap-2 no-wrap"):
+                    if entry["tied_for_first"]:
+                        ui.label("tied").classes("tag bad")
+                    ui.label(f"{removed:.0f} %" if removed >= 0.5 else "no gain").classes("quiet")
             with ui.element("div").classes("meter"):
                 ui.element("div").style(f"width:{max(removed, 0):.1f}%")
 
@@ -141,7 +143,7 @@ class _Candidates:
 
     def _predicted(self, entry: Mapping[str, Any]) -> tuple[str, Contribution]:
         studio, c = self.studio, self.c
-        files = stamp(diagnosis_path(studio, c), models.model_path(studio, c), studio.effects_file)
+        files = stamp(models.diagnosis_path(studio, c), models.model_path(studio, c), studio.effects_file)
         make = partial(predicted, studio, c, self.diagnosis, entry)
         return studio.memory.recall(("predicted", c, entry["form"], files), make)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,13 +14,13 @@ from testbench.report.trajectory_figures import motion
 from testbench.studio.jobs import Job, State
 from testbench.studio.picture import plot
 from testbench.studio.studio import Studio
-from testbench.studio.widgets import address, aside, attempt, facts, guarded, heading, job_card, subheading
+from testbench.studio.widgets import address, aside, attempt, facts, guarded, heading, job_card, number, subheading
 
 PRESETS = {
-    "paper-1": "paper-1, 0-30 %",
-    "paper-2": "paper-2, 0-30 %",
-    "paper-3": "paper-3, 0-30 %",
-    "fast": "fast, 0-50 %",
+    "paper-1": "paper-1, 0–30 % strain",
+    "paper-2": "paper-2, 0–30 % strain",
+    "paper-3": "paper-3, 0–30 % strain",
+    "fast": "fast, 0–50 % strain",
 }
 SENSORS = {"pes": "PES knit", "lycra": "Lycra knit"}
 PROGRAMS = "programs"
@@ -38,15 +39,15 @@ def _form(studio: Studio) -> None:
     with ui.column().classes("card gap-3"):
         with ui.row().classes("items-center"):
             preset = ui.select(PRESETS, value="paper-1", label="Motion").props("outlined dense").style("width:220px")
-            seed = _number("Seed", 51, "%d")
-            gauge = _number("Gauge length / mm", 25)
-            minutes = _number("Duration / min", 23)
+            seed = number("Seed", 51, "%d")
+            gauge = number("Gauge length / mm", 25)
+            minutes = number("Duration / min", 23)
         with ui.expansion("Limits of the machine").classes("w-full"), ui.row().classes("items-center"):
             limits = {
-                "--v-max": _number("Speed / mm/s", None),
-                "--a-max": _number("Acceleration / mm/s²", None),
-                "--x-min": _number("Travel from / mm", None),
-                "--x-max": _number("to / mm", None),
+                "--v-max": number("Speed / mm/s", None),
+                "--a-max": number("Acceleration / mm/s²", None),
+                "--x-min": number("Travel from / mm", None),
+                "--x-max": number("to / mm", None),
             }
         holder = ui.column().classes("w-full")
 
@@ -70,10 +71,6 @@ def _planned(job: Job) -> None:
         ui.navigate.to(address("/plan", program=Path(job.argv[-1]).name))
 
 
-def _number(label: str, value: float | None, form: str = "%.6g") -> ui.number:
-    return ui.number(label, value=value, format=form).props("outlined dense").style("width:150px")
-
-
 def _whole(value: float | None, what: str) -> int:
     if value is None or value != int(value) or value < 0:
         raise UserError(f"the {what} must be a whole number, 0 or more; got {value}")
@@ -89,12 +86,17 @@ def _result(studio: Studio, program: str) -> None:
     subheading(program, "as executed by the controller, sampled at the plan's rate")
     facts(_figures(statistics))
     with ui.row():
-        ui.button("Download the Mach4 program", icon="download", on_click=lambda: ui.download(folder / "program.tap"))
-        ui.button(
-            "Trajectory as CSV", icon="download", on_click=lambda: ui.download(folder / "trajectory.csv")
-        ).props("outline")
+        program_downloads(folder, program)
     _picture(folder, limits)
     _run_form(studio, folder, program)
+
+
+def program_downloads(folder: Path, name: str) -> None:
+    """Buttons for what `gcode` wrote into a folder."""
+    files = (("Download the Mach4 program", "program.tap"), ("Trajectory as CSV", "trajectory.csv"))
+    for title, file in files:
+        button = ui.button(title, icon="download").props("outline")
+        button.on_click(partial(ui.download, folder / file, f"{name}{Path(file).suffix}"))
 
 
 def _figures(statistics: dict[str, Any]) -> list[tuple[str, str]]:
@@ -128,7 +130,7 @@ def _run_form(studio: Studio, folder: Path, program: str) -> None:
         subheading("Run it on the simulated rig", "The same bytes as the real rig, in about a second.")
         with ui.row().classes("items-center"):
             sensor = ui.select(SENSORS, value="pes", label="Sensor").props("outlined dense").style("width:160px")
-            seed = _number("Seed of noise", 1, "%d")
+            seed = number("Seed of noise", 1, "%d")
             name = ui.input("Campaign name", value=f"pes-{program}").props("outlined dense").style("min-width:300px")
         sensor.on_value_change(lambda event: name.set_value(f"{event.value}-{program}"))
         holder = ui.column().classes("w-full")

@@ -11,7 +11,7 @@ from gcode.support.errors import UserError
 from testbench.studio.pages.live import KEY, RIG, Live
 from testbench.studio.pages.plan import PROGRAMS, SENSORS
 from testbench.studio.studio import Studio
-from testbench.studio.widgets import attempt, guarded, heading, trouble
+from testbench.studio.widgets import attempt, guarded, heading, invitation, number
 
 SIMULATED = "the simulated rig"
 PATIENCE_S = 30
@@ -33,12 +33,14 @@ def page(studio: Studio) -> None:
 def _form(studio: Studio, holder: ui.column) -> None:
     programs = sorted(path.parent.name for path in (studio.workspace.root / PROGRAMS).glob("*/program.tap"))
     if not programs:
-        trouble("No program yet: a recording follows one.", "Plan a motion first; the plan page writes its program.")
-        ui.button("Plan and run", icon="timeline", on_click=lambda: ui.navigate.to("/plan")).props("unelevated")
+        with invitation(
+            "No program yet", "A recording follows a program. Plan a motion first; it is written for you."
+        ):
+            ui.button("Plan and run", icon="timeline", on_click=lambda: ui.navigate.to("/plan")).props("unelevated")
         return
     with ui.column().classes("card gap-3"):
         with ui.row().classes("items-center"):
-            port = ui.input("Port", value=SIMULATED, autocomplete=[SIMULATED, "/dev/ttyUSB0", "/dev/ttyACM0"])
+            port = ui.input("Port", value=SIMULATED, autocomplete=[SIMULATED, *ports_here()])
             port.props("outlined dense").style("min-width:230px")
             sensor = ui.select(SENSORS, value="pes", label="Simulated sensor").props("outlined dense")
             sensor.style("width:170px").bind_visibility_from(port, "value", lambda value: value == SIMULATED)
@@ -47,9 +49,9 @@ def _form(studio: Studio, holder: ui.column) -> None:
         with ui.row().classes("items-center"):
             name = ui.input("Campaign name", value=_free(studio, "recorded")).props("outlined dense")
             specimen = ui.input("Specimen").props("outlined dense")
-            force = ui.number("Stop beyond / N", min=0, format="%.6g").props("outlined dense").style("width:150px")
-            strain = ui.number("Stop beyond / % strain", min=0, format="%.6g").props("outlined dense")
-            strain.style("width:170px")
+            force = number("Stop beyond force / N", None)
+            strain = number("Stop beyond strain / %", None)
+        ui.label(_hint(ports_here())).classes("quiet text-sm")
 
         async def start() -> None:
             target = studio.workspace.free_name(name.value)
@@ -70,6 +72,18 @@ def _form(studio: Studio, holder: ui.column) -> None:
         ui.button("Record", icon="fiber_manual_record", on_click=lambda: attempt(start)).props(
             "unelevated color=accent"
         )
+
+
+def ports_here() -> list[str]:
+    """Serial ports of this machine that have a device behind them."""
+    from serial.tools.list_ports import comports
+
+    return sorted(port.device for port in comports() if port.hwid != "n/a")
+
+
+def _hint(ports: list[str]) -> str:
+    seen = f"Serial devices here: {', '.join(ports)}." if ports else "No serial device is plugged in here now."
+    return f"{seen} Empty limits: no limit. The motion starts when the machine runs the program."
 
 
 def _free(studio: Studio, stem: str) -> str:

@@ -11,7 +11,7 @@ from testbench.recording import Recording
 from testbench.report import recording_figures as figures
 from testbench.studio.picture import plot, zooming_plot
 from testbench.studio.studio import Studio
-from testbench.studio.widgets import aside, campaign_head, facts, guarded, later, trouble
+from testbench.studio.widgets import address, aside, campaign_head, facts, guarded, later, trouble
 
 
 @guarded
@@ -28,13 +28,18 @@ async def page(studio: Studio, c: str = "") -> None:
     caption = "Drag to zoom; double-click to see all again. A zoom draws every sample of its stretch."
     zooming_plot(partial(figures.time_series, recording), caption)
     path = studio.workspace.campaign(c).folder / "recording.csv"
-    later(partial(_below, recording, path))
+    later(partial(_below, c, recording, path))
 
 
-def _below(recording: Recording, path: Path) -> None:
+def _below(c: str, recording: Recording, path: Path) -> None:
     loops = figures.hysteresis_loops(recording)
     if loops:
         plot(loops, "Six half minutes, the first dark, the last light: a shift along the colours is drift.")
     plot(figures.distributions(recording), "How often each value occurred; the speed is taken at 20 Hz.")
     with ui.row():
-        ui.button("Download CSV", icon="download", on_click=lambda: ui.download(path)).props("outline")
+        ui.button(
+            "Download CSV", icon="download", on_click=lambda: ui.download(path, f"{path.parent.name}.csv")
+        ).props("outline")
+        if path.with_name("program.tap").is_file():
+            align = ui.button("Compare with the plan", icon="compare_arrows").props("outline")
+            align.on_click(lambda: ui.navigate.to(address("/align", c=c)))

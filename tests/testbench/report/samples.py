@@ -118,3 +118,12 @@ def diagnosis(verdict: str = "missing") -> dict:
         "error_after": {"force": 0.011, "conductance": 0.0024},
         "noise_floor": floor,
     }
+
+
+def experiment(log_odds: float = 22.0, grade: str = "decisive") -> dict:
+    """As `testbench experiment --json` writes it."""
+    first = {"protocol": "long-hold", "duration_s": 600.0, "log_odds": log_odds, "grade": grade, "channel": "force"}
+    second = first | {"protocol": "noise", "log_odds": 0.4, "grade": "cannot tell"}
+    left = {"force": {"time_s": [1.0, 2.0, 3.0], "over_noise": [0.0, 4.0, -1.0]}}
+    rivals = ["load_cell_creep", "stress_relaxation"]
+    return {"rivals": rivals, "gauge_length_mm": 25.0, "options": [first, second], "left": left}

@@ -9,10 +9,13 @@ import plotly.graph_objects
 import pytest
 
 import tests.testbench.report.samples as samples
+from compensation.published import COMPENSATED
 from testbench.report import (
+    alignment_figures,
     comparison_figures,
     compensator_figures,
     diagnosis_figures,
+    experiment_figures,
     ladder_figures,
     live_figures,
     overlays,
@@ -49,13 +52,17 @@ FIGURES: dict[str, Callable[[], Figure | None]] = {
     ),
     "ladder": lambda: ladder_figures.ladder(samples.steps(), current=0),
     "at a glance": lambda: ladder_figures.at_a_glance(samples.overlay(), samples.steps(), (20.0, 60.0)),
-    "scores": lambda: compensator_figures.before_and_after(samples.score()["recordings"], ["pes-T", "pes-A"]),
+    "scores": lambda: compensator_figures.before_and_after(
+        samples.score()["recordings"], ["pes-T", "pes-A"], "force"
+    ),
     "score over time": lambda: compensator_figures.over_time(samples.score()["recordings"][1], "force"),
     "score scatter": lambda: compensator_figures.scatter(samples.score()["recordings"][1], "displacement"),
     "candidates": lambda: diagnosis_figures.candidates(samples.diagnosis()),
     "dependence": lambda: diagnosis_figures.dependence(samples.diagnosis()),
     "prediction": lambda: diagnosis_figures.prediction(*residual_and_contribution(), 20.0, 40.0),
     "slope": lambda: diagnosis_figures.slope(*residual_and_contribution()[1:]),
+    "alignment": lambda: alignment_figures.alignment(np.arange(90) / 9, np.ones(90), np.linspace(0, 1, 90), 2.0, 5.0),
+    "experiment": lambda: experiment_figures.of_file(samples.experiment(), np.arange(3.0), np.arange(3.0)),
     "motion": lambda: trajectory_figures.motion(np.arange(400) / 20, np.sin(np.arange(400) / 20), 2.0, 3.0),
     "live": lambda: live_figures.live(
         [
@@ -184,8 +191,8 @@ def test_nothing_left_to_depend_on_is_no_figure() -> None:
     [
         (
             "missing",
-            "The model is missing stress relaxation: the held-out error goes from force 0.12 to 0.011 N, conductance "
-            "0.031 to 0.0024 ln S. These recordings cannot tell it from load cell creep.",
+            "The model is missing stress relaxation: the held-out error of the force goes from 0.12 to 0.011 N, that "
+            "of the conductance from 0.031 to 0.0024 ln S. These recordings cannot tell it from load cell creep.",
         ),
         (
             "unknown",
@@ -199,8 +206,38 @@ def test_a_verdict_is_a_sentence(verdict: str, sentence: str) -> None:
     assert words.verdict_in_words(samples.diagnosis(verdict)) == sentence
 
 
+@pytest.mark.parametrize(
+    ("log_odds", "grade", "said"),
+    [
+        (
+            22.0,
+            "decisive",
+            "tell load cell creep from stress relaxation decisively, with expected odds of more",
+        ),
+        (3.5, "strong", "with strong evidence, with expected odds of 33 to one"),
+        (0.5, "cannot tell", "No motion within these limits tells load cell creep from stress relaxation."),
+    ],
+)
+def test_an_experiment_is_a_sentence(log_odds: float, grade: str, said: str) -> None:
+    assert said in words.experiment_in_words(samples.experiment(log_odds, grade))
+
+
+def test_clocks_are_told_in_words() -> None:
+    assert words.clocks_in_words(0.0004, 0.1, 60.0).endswith("together with the recording; their clocks run alike.")
+    assert words.clocks_in_words(0.342, 35.0, 1380.0) == (
+        "The plan began 0.342 s after the recording; its clock gains 48 ms over the recording."
+    )
+    assert "0.100 s before the recording; its clock loses 138 ms" in words.clocks_in_words(-0.1, -100.0, 1380.0)
+
+
+def test_the_papers_scores_are_those_of_the_compensation_package() -> None:
+    for (knit, target), value in COMPENSATED.items():
+        name = {"pes": "PES", "lycra": "Lycra"}[knit]
+        assert compensator_figures.PAPER[target][name] == value
+
+
 def test_a_base_that_misfits_is_said() -> None:
-    assert "the shape of elasticity is not quite" in words.base_in_words(samples.diagnosis())
+    assert "the shape of its elasticity is not quite" in words.base_in_words(samples.diagnosis())
     assert words.base_in_words({"base_misfits": []}) == ""
 
 

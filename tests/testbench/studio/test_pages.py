@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import os
 import shutil
@@ -11,6 +12,8 @@ import pytest
 from nicegui.testing import User
 
 import tests.testbench.report.samples as samples
+from gcode.cli import main as gcode
+from testbench.cli import main as run_testbench
 from testbench.studio import models
 from testbench.studio.columns import guess, guess_unit
 from testbench.studio.picture import Picture, zoomed_span
@@ -153,6 +156,60 @@ async def test_a_new_effect_starts_from_the_template_and_is_checked(user: User, 
     assert studio.effects_arguments() == ["--effects", str(studio.effects_file)]
     user.find("Save and check").click()
     await user.should_see("my_effect: obeys all laws", retries=150)
+
+
+async def test_own_effects_may_lie_in_a_file_elsewhere(user: User, studio: Studio, tmp_path: Path) -> None:
+    await user.open("/effects")
+    user.find("File in use").clear().type(str(tmp_path / "absent.py"))
+    user.find("Use this file").click()
+    await user.should_see("no such Python file")
+    (tmp_path / "mine.py").write_text("1 / 0\n")
+    user.find("File in use").clear().type(str(tmp_path / "mine.py"))
+    user.find("Use this file").click()
+    await asyncio.sleep(0)
+    assert studio.effects_arguments() == ["--effects", str(tmp_path / "mine.py")]
+    assert Studio(studio.workspace.root).effects_file == tmp_path / "mine.py"
+
+
+async def test_tied_effects_lead_to_the_experiment(user: User, fitted: Studio) -> None:
+    with_diagnosis(fitted)
+    await user.open("/missing?c=sleeve")
+    await user.should_see("Design the experiment that tells them apart")
+    await user.open("/experiment?c=sleeve")
+    await user.should_see("Which is it: stress relaxation or load cell creep?")
+
+
+async def test_an_experiment_without_diagnosis_says_what_to_do(user: User) -> None:
+    await user.open("/experiment?c=sleeve")
+    await user.should_see("ask what is missing first")
+
+
+async def test_an_experiment_shows_its_program_and_how_decisive_it_is(user: User, fitted: Studio) -> None:
+    with_diagnosis(fitted)
+    program = fitted.workspace.root / "programs" / "sleeve-experiment"
+    program.mkdir(parents=True)
+    (program / "trajectory.csv").write_text("time_s,position_mm\n0.0,0.0\n0.05,0.1\n0.1,0.2\n")
+    (fitted.workspace.results("sleeve") / "experiment.json").write_text(json.dumps(samples.experiment()))
+    await user.open("/experiment?c=sleeve")
+    await user.should_see("Run “long hold” for 10 min")
+    await user.should_see("Download the Mach4 program")
+    assert len(user.find(Picture).elements) == 1
+
+
+async def test_clocks_of_plan_and_recording_are_compared(user: User, studio: Studio) -> None:
+    program = studio.workspace.root / "programs" / "short"
+    motion = ["--preset", "paper-1", "--seed", "1", "--gauge-length-mm", "25", "--duration-s", "60"]
+    assert gcode(["generate", *motion, "-o", str(program)]) == 0
+    argv = ["--sensor", "pes", "--program", str(program / "program.tap"), "-o", str(studio.workspace.root / "knit")]
+    assert run_testbench(["run", *argv]) == 0
+    await user.open("/align?c=knit")
+    await user.should_see("The plan began together with the recording; their clocks run alike.", retries=50)
+    await user.should_see("knit-aligned")
+
+
+async def test_a_campaign_without_program_has_no_plan_to_compare_with(user: User) -> None:
+    await user.open("/align?c=sleeve")
+    await user.should_see("sleeve has no program in its folder")
 
 
 async def test_a_broken_effect_is_said_not_thrown(user: User, studio: Studio) -> None:

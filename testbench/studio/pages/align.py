@@ -1,0 +1,109 @@
+"""Align: delay and clock drift between the program that was run and what was recorded of it."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from nicegui import ui
+
+from gcode.support.errors import UserError
+from testbench.recording import DISPLACEMENT
+from testbench.report.alignment_figures import alignment
+from testbench.report.words import clocks_in_words
+from testbench.studio.jobs import Job, State
+from testbench.studio.memory import stamp
+from testbench.studio.picture import zooming_plot
+from testbench.studio.studio import Studio
+from testbench.studio.widgets import (
+    address,
+    aside,
+    attempt,
+    campaign_head,
+    facts,
+    guarded,
+    job_card,
+    subheading,
+    working,
+)
+
+if TYPE_CHECKING:
+    from testbench.alignment import Alignment
+    from testbench.recording import Recording
+
+PROGRAM = "program.tap"
+
+
+@guarded
+async def page(studio: Studio, c: str = "") -> None:
+    """How the clocks of campaign `c` and of its program relate."""
+    campaign_head(c, "/recording")
+    subheading(
+        "Plan and recording", "Two clocks took part, the machine's and the rig's: they start apart and run apart."
+    )
+    if not program_of(studio, c).is_file():
+        raise UserError(f"{c} has no program in its folder, so there is no plan to compare it with")
+    with working("Comparing the recording with its program"):
+        found, on_plan = await aside(_found, studio, c)
+    ui.label(clocks_in_words(found.delay_s, found.drift_ppm, on_plan.duration_s)).classes("verdict")
+    facts(
+        [
+            ("the plan began, on the recorder's clock", f"{round(found.delay_s, 3) + 0.0:+.3f} s"),
+            ("the plan's clock against the recorder's", f"{round(found.drift_ppm):+d} ppm"),
+            ("recorded where the plan says zero", f"{round(1e3 * found.offset_mm, 1) + 0.0:+.1f} µm"),
+            ("left between the two, RMS", f"{1e3 * found.rms_mm:.1f} µm"),
+            ("correlation", f"{found.correlation:.5f}"),
+        ]
+    )
+    from testbench.alignment import PLANNED
+
+    drawn = partial(alignment, on_plan.time_s, on_plan[DISPLACEMENT] - found.offset_mm, on_plan[PLANNED])
+    zooming_plot(drawn, "Both motions on the plan's clock, and what is left between them. Drag to zoom both rows.")
+    _keep(studio, c)
+
+
+def program_of(studio: Studio, c: str) -> Path:
+    """The program that a campaign keeps beside its recording."""
+    return studio.workspace.campaign(c).folder / PROGRAM
+
+
+def _found(studio: Studio, c: str) -> tuple[Alignment, Recording]:
+    """As `testbench align` does it, remembered."""
+    program = program_of(studio, c)
+    files = stamp(program, program.with_name("recording.csv"))
+    return studio.memory.recall(("align", files), partial(_align, studio, c, program))
+
+
+def _align(studio: Studio, c: str, program: Path) -> tuple[Alignment, Recording]:
+    from testbench.alignment import align, applied
+    from testbench.rig.motion import played
+
+    recording = studio.workspace.recording(c)
+    motion, _ = played(program, recording.gauge_length_mm)
+    found = align(recording, motion)
+    return found, applied(recording, motion, found)
+
+
+def _keep(studio: Studio, c: str) -> None:
+    with ui.column().classes("card gap-3"):
+        subheading(
+            "Keep it on the plan's clock", "A new campaign with the planned displacement as a channel of its own."
+        )
+        with ui.row().classes("items-center"):
+            name = ui.input("Campaign name", value=f"{c}-aligned").props("outlined dense").style("min-width:300px")
+            ui.button("Write it", icon="save", on_click=lambda: attempt(start)).props("outline")
+        holder = ui.column().classes("w-full")
+
+    def start() -> None:
+        target = studio.workspace.free_name(name.value)
+        argv = ["testbench", "align", str(studio.workspace.campaign(c).folder), "-o", str(target)]
+        job = studio.jobs.start(f"align:{c}", f"Aligning {c}", argv)
+        holder.clear()
+        with holder:
+            job_card(studio, job, ended)
+
+    def ended(job: Job) -> None:
+        if job.state is State.DONE:
+            written = Path(job.argv[-1]).relative_to(studio.workspace.root).as_posix()
+            ui.navigate.to(address("/recording", c=written))

@@ -1,0 +1,107 @@
+"""Experiment: effects that a recording cannot tell apart, and the next motion that will."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from nicegui import ui
+
+from gcode.support.errors import UserError
+from gcode.support.files import read_json
+from testbench.report import experiment_figures as figures
+from testbench.report.build import read_diagnosis
+from testbench.report.words import experiment_in_words, spoken
+from testbench.studio import models
+from testbench.studio.pages.plan import PROGRAMS, program_downloads
+from testbench.studio.picture import plot
+from testbench.studio.studio import Studio
+from testbench.studio.widgets import address, aside, attempt, campaign_head, guarded, number, subheading
+
+
+@guarded
+async def page(studio: Studio, c: str = "") -> None:
+    """The experiment that separates the tied effects of campaign `c`."""
+    campaign_head(c, "/missing")
+    studio.workspace.campaign(c)
+    known = models.diagnosis_path(studio, c)
+    if not known.is_file():
+        raise UserError(f"{c} has no diagnosis yet; ask what is missing first, on the tab Missing effect")
+    diagnosis = read_diagnosis(str(known))
+    _ask(studio, c, diagnosis)
+    path = experiment_path(studio, c)
+    if path.is_file() and path.stat().st_mtime >= known.stat().st_mtime:
+        await _answer(studio, c, read_json(path, "experiment"))
+
+
+def experiment_path(studio: Studio, c: str) -> Path:
+    """Where the ranking of the proposed motions is kept."""
+    return studio.workspace.results(c) / "experiment.json"
+
+
+def program_name(c: str) -> str:
+    """The proposed program, below ``programs``: the plan page and the recorder find it there."""
+    return f"{c.replace('/', '-')}-experiment"
+
+
+def rivals_of(diagnosis: Mapping[str, Any]) -> list[str]:
+    """The effects that are tied; where none are, the first two."""
+    names = list(diagnosis.get("tied") or []) or list(dict.fromkeys(row["effect"] for row in diagnosis["ranking"]))
+    return [spoken(name) for name in names[:2]]
+
+
+def _ask(studio: Studio, c: str, diagnosis: Mapping[str, Any]) -> None:
+    key = f"experiment:{c}"
+    with ui.column().classes("card gap-3"):
+        subheading(
+            f"Which is it: {' or '.join(rivals_of(diagnosis))}?",
+            "A dozen motions are tried on the models of both; the best is the one that leaves the wrong model the "
+            "least room. This takes half a minute.",
+        )
+        with ui.row().classes("items-center"):
+            strain = number("Largest strain / %", 30)
+            minutes = number("Duration / min", 10)
+            speed = number("Speed up to / mm/s", 10)
+            acceleration = number("Acceleration up to / mm/s²", 20)
+        button = ui.button("Find the motion that tells them apart", icon="science").props("unelevated")
+        holder = ui.column().classes("w-full")
+
+    def start() -> None:
+        limits = {"--strain-max": strain, "--v-max": speed, "--a-max": acceleration}
+        argv = ["testbench", "experiment", "--diagnosis", str(models.diagnosis_path(studio, c))]
+        argv += ["--fit", str(studio.workspace.campaign(c).folder), *studio.effects_arguments()]
+        argv += models.held_out_arguments(studio, models.held_out_of(studio, c))
+        for option, field in limits.items():
+            argv += [option, f"{_positive(field):g}"]
+        argv += ["--duration-s", f"{60 * _positive(minutes):g}", "--json", str(experiment_path(studio, c))]
+        argv += ["-o", str(studio.workspace.root / PROGRAMS / program_name(c))]
+        title = f"Looking for the motion that tells {' from '.join(rivals_of(diagnosis))}"
+        models.run_in_turn(studio, key, [(title, argv)], holder, ui.navigate.reload)
+
+    button.on_click(lambda: attempt(start))
+    models.join_running(studio, key, holder, ui.navigate.reload)
+
+
+def _positive(field: ui.number) -> float:
+    if not field.value or field.value <= 0:
+        raise UserError(f"{field.props['label']}: this must be a positive number, got {field.value}")
+    return float(field.value)
+
+
+async def _answer(studio: Studio, c: str, found: Mapping[str, Any]) -> None:
+    from gcode.trajectory import read_csv
+
+    folder = studio.workspace.root / PROGRAMS / program_name(c)
+    ui.label(experiment_in_words(found)).classes("verdict")
+    with ui.row():
+        program_downloads(folder, program_name(c))
+        open_plan = ui.button("Open in Plan and run", icon="timeline")
+        open_plan.on_click(lambda: ui.navigate.to(address("/plan", program=program_name(c)))).props("outline")
+    planned = await aside(read_csv, folder / "trajectory.csv")
+    strain = 100 * planned.position_mm / float(found["gauge_length_mm"])
+    plot(
+        figures.of_file(found, planned.time_s, strain),
+        "Above: how much each motion would tell; right of the dashed line it decides. Below: the best motion, and "
+        "what the wrong model could not imitate while it runs.",
+    )
