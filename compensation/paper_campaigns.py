@@ -1,15 +1,18 @@
-"""The campaigns behind `compensation table`: the paper's trajectories on the simulated sensors."""
+"""The campaigns behind `compensation table`: the paper's trajectories on the simulated sensors, one after another.
+
+T is the first stretch of a new sensor; A, B and the two fast runs follow, each after a rest.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from gcode.support.files import make_folder
 from testbench.recording import Recording
 
 GAUGE_LENGTH_MM = 25.0
-# name of the run -> (trajectory preset, trajectory seed, seed of the rig)
+# In the order in which a sensor goes through them: name of the run -> (trajectory preset, trajectory seed, rig seed)
 RUNS = {
     "T": ("paper-1", 51, 1),
     "A": ("paper-2", 52, 2),
@@ -17,36 +20,61 @@ RUNS = {
     "fast-T": ("fast", 54, 4),
     "fast-A": ("fast", 55, 5),
 }
+TAB = ("T", "A", "B")
+SEEDS_A_SET = 100
 
 
-def campaigns(folder: Path, sensor: str, progress: Callable[[str], None] = lambda note: None) -> dict[str, Recording]:
-    """Recordings of one sensor, simulated where `folder` does not hold them yet."""
-    from testbench.campaign import Plan, matches, simulate_campaign
+def campaigns(
+    folder: Path,
+    sensor: str,
+    progress: Callable[[str], None] = lambda note: None,
+    runs: Sequence[str] = tuple(RUNS),
+    number: int = 0,
+) -> dict[str, Recording]:
+    """Recordings of one sensor, simulated where `folder` does not hold them yet.
+
+    Parameters
+    ----------
+    sensor : str
+        Name of a preset.
+    runs : sequence of str
+        The first ones of `RUNS`, as many as are wanted.
+    number : int
+        Another number: other trajectories, other noise.
+    """
+    from testbench.campaign import Plan, matches, simulate_campaign, vacant
     from testbench.knit.presets import preset
     from testbench.recording import read_recording
     from testbench.rig.motion import played
 
-    found = {}
-    for name, (_, _, seed) in RUNS.items():
-        target = folder / f"{sensor}-{name}"
-        program = program_of(folder, name)
+    found, past = {}, ()
+    for name in runs:
+        target = folder / f"{sensor}-{name}{_suffix(number)}"
+        program = program_of(folder, name, number)
         motion, gauge_length_mm = played(program)
-        plan = Plan(program, preset(sensor), gauge_length_mm, seed, sensor)
+        seed = RUNS[name][2] + SEEDS_A_SET * number
+        plan = Plan(program, preset(sensor), gauge_length_mm, seed, sensor, past=past)
         if not matches(target, plan):
+            vacant(target, overwrite=True)
             simulate_campaign(plan, target, motion)
         found[name] = read_recording(target)
+        past = (*past, program)
         progress(f"{sensor} {name}")
     return found
 
 
-def program_of(folder: Path, name: str) -> Path:
+def program_of(folder: Path, name: str, number: int = 0) -> Path:
     """The run's Mach4 program, written where it is missing."""
     from gcode.output import make
     from gcode.presets import preset
 
     trajectory, seed, _ = RUNS[name]
-    target = folder / f"trajectory-{name}"
+    target = folder / f"trajectory-{name}{_suffix(number)}"
     if not (target / "program.tap").exists():
         make_folder(target)
-        make(preset(trajectory), seed, GAUGE_LENGTH_MM).write(target)
+        make(preset(trajectory), seed + SEEDS_A_SET * number, GAUGE_LENGTH_MM).write(target)
     return target / "program.tap"
+
+
+def _suffix(number: int) -> str:
+    return f"-{number}" if number else ""

@@ -13,7 +13,7 @@ from compensation.compensator import Compensator
 from compensation.engines import engine
 from compensation.preprocessing import Series, series_of
 from compensation.training import Options, training_arrays, untrained
-from compensation.tuning import tune
+from compensation.tuning import choose, ensemble, tune
 from testbench.recording import Recording
 
 FloatArray = NDArray[np.float64]
@@ -30,11 +30,14 @@ class Seeds:
     r2 : ndarray, shape (seeds, recordings)
     dead : ndarray of bool, shape (seeds,)
     training_r2 : ndarray, shape (seeds,)
+    predictions : tuple of ndarray
+        One a recording, shape (seeds, n), in the target's unit.
     """
 
     r2: FloatArray
     dead: NDArray[np.bool_]
     training_r2: FloatArray
+    predictions: tuple[FloatArray, ...]
 
     @property
     def live(self) -> FloatArray:
@@ -61,14 +64,17 @@ def over_seeds(
     blank = untrained([training], target, options)
     features, truth = training_arrays(blank, [training])
     inputs = [blank.features(part.time_s, part.conductance_S) for part in tests]
-    scores, dead, fitted = [], [], []
+    predictions, dead, fitted = [], [], []
     for seed in range(seeds):
         network = engine(options.engine)(features, truth, options.sizes, seed, options.l2).network
-        outputs = [blank.scaling_out.invert(network(values)) for values in inputs]
-        scores.append([score.r2(part.truth, output) for part, output in zip(tests, outputs, strict=True)])
+        predictions.append([blank.scaling_out.invert(network(values)) for values in inputs])
         dead.append(network.is_dead(features))
         fitted.append(score.r2(truth, network(features)))
-    return Seeds(np.array(scores), np.array(dead), np.array(fitted))
+    scores = [
+        [score.r2(part.truth, output) for part, output in zip(tests, outputs, strict=True)] for outputs in predictions
+    ]
+    by_recording = tuple(np.array(outputs) for outputs in zip(*predictions, strict=True))
+    return Seeds(np.array(scores), np.array(dead), np.array(fitted), by_recording)
 
 
 def tuned(training: Series, target: str, seed: int = 0) -> Compensator:
@@ -76,9 +82,20 @@ def tuned(training: Series, target: str, seed: int = 0) -> Compensator:
     return tune([training], target, replace(PUBLISHED, seed=seed))
 
 
+def tuned_seeds(training: Series, target: str, seeds: int) -> list[Compensator]:
+    """The better compensator from several seeds, none of which share a network."""
+    choice = choose([training], target, PUBLISHED)
+    return [ensemble([training], target, choice, 100 * number) for number in range(seeds)]
+
+
 def scores_of(compensator: Compensator, tests: Sequence[Series]) -> list[float]:
     """r2 on each recording."""
     return [score.r2(part.truth, compensator.predict_series(part)) for part in tests]
+
+
+def predictions_of(compensators: Sequence[Compensator], tests: Sequence[Series]) -> tuple[FloatArray, ...]:
+    """What each compensator predicts: one array a recording, shape (compensators, n)."""
+    return tuple(np.array([one.predict_series(part) for one in compensators]) for part in tests)
 
 
 def intervals_of(compensator: Compensator, tests: Sequence[Series]) -> list[tuple[float, float]]:

@@ -39,7 +39,7 @@ HISTORIES = (NO_HISTORY, History((), PLAY_RADII), History(MOTION_TAUS_S), Histor
 PENALTIES = (3.0, 1.0, 0.3, 0.1, 0.03)
 BANKS = ((2.5, 7), (2.5, 8), (1.75, 10))
 SIZES: tuple[tuple[int, ...], ...] = ((8,), (16, 8))
-FOLDS, FOLD_NETWORKS, ENSEMBLE = 2, 3, 8
+FOLDS, FOLD_NETWORKS, ENSEMBLE = 2, 4, 8
 # The history's features are standardised to this spread: a little more penalised than the bank's, which have about 1.
 HISTORY_SPREAD = 0.5
 STATE_SHIFT = 0.1
@@ -119,7 +119,7 @@ def tune(
     options: Options,
     progress: Callable[[str], None] = lambda note: None,
 ) -> Compensator:
-    """Choose history and penalty, then the bank, then the size, by blocked cross-validation; average the networks.
+    """Choose by cross-validation (`choose`), then average several networks (`ensemble`).
 
     Parameters
     ----------
@@ -132,6 +132,19 @@ def tune(
     progress : callable
         Told about each combination and each network: `steps` times.
     """
+    return ensemble(series, target, choose(series, target, options, progress), options.seed, progress)
+
+
+def choose(
+    series: Sequence[Series],
+    target: str,
+    options: Options,
+    progress: Callable[[str], None] = lambda note: None,
+) -> tuple[Choice, list[Choice]]:
+    """Choose history and penalty, then the bank, then the size; return the chosen and all that were tried.
+
+    The seeds of cross-validation are fixed: the choice depends on the recording alone.
+    """
     tried: list[Choice] = []
     chosen = None
     for stage in (histories_and_penalties, banks, sizes):
@@ -140,7 +153,7 @@ def tune(
             progress(_note(tried[-1]))
         chosen = simplest(tried)
     assert chosen is not None
-    return _ensemble(series, target, chosen, tried, progress)
+    return chosen, tried
 
 
 def steps() -> int:
@@ -183,24 +196,26 @@ def cross_validated(series: Sequence[Series], target: str, options: Options) -> 
     prediction = np.empty_like(learned.truth)
     for held_out in range(FOLDS):
         kept = fold != held_out
-        fits = [learned.fit(kept, options, options.seed + start) for start in range(FOLD_NETWORKS)]
+        fits = [learned.fit(kept, options, start) for start in range(FOLD_NETWORKS)]
         prediction[~kept] = np.mean([network(learned.versions[0][~kept]) for network in fits], axis=0)
     blocks = np.array_split((learned.truth - prediction) ** 2, max(len(prediction) // learned.block_rows, FOLDS))
     return Choice(options, np.array([block.mean() for block in blocks]), r2(learned.truth, prediction))
 
 
-def _ensemble(
+def ensemble(
     series: Sequence[Series],
     target: str,
-    chosen: Choice,
-    tried: Sequence[Choice],
-    progress: Callable[[str], None],
+    choice: tuple[Choice, Sequence[Choice]],
+    seed: int,
+    progress: Callable[[str], None] = lambda note: None,
 ) -> Compensator:
-    options, learned = chosen.options, lessons(series, target, chosen.options)
+    """The mean of `ENSEMBLE` networks from `seed` on, made as `choose` says."""
+    chosen, tried = choice
+    options, learned = replace(chosen.options, seed=seed), lessons(series, target, chosen.options)
     everything, networks = np.ones(len(learned.truth), dtype=bool), []
-    for seed in range(options.seed, options.seed + ENSEMBLE):
-        networks.append(learned.fit(everything, options, seed))
-        progress(f"network {seed}")
+    for start in range(seed, seed + ENSEMBLE):
+        networks.append(learned.fit(everything, options, start))
+        progress(f"network {start}")
     plain = learned.versions[0]
     live = [network for network in networks if not network.is_dead(plain)] or networks
     prediction = np.mean([network(plain) for network in live], axis=0)
