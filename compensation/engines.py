@@ -53,8 +53,11 @@ def fast_engine(features: FloatArray, target: FloatArray, sizes: Sequence[int], 
     stride = int(np.clip(len(features) // FAST_ROWS, 1, FAST_STRIDE))
     rows, truth = features[::stride], target[::stride]
     # MLPRegressor divides L2 by the batch size: as much of it here as in batches of its own size.
-    settings = {"batch": FAST_BATCH, "rate": FAST_RATE, "averaging": FAST_AVERAGING}
-    return Fit(*train_adam(rows, truth, sizes, seed, l2 * FAST_BATCH / BATCH, MAX_EPOCHS, **settings))
+    l2 = l2 * FAST_BATCH / BATCH
+    network, curve = train_adam(
+        rows, truth, sizes, seed, l2, MAX_EPOCHS, batch=FAST_BATCH, rate=FAST_RATE, averaging=FAST_AVERAGING
+    )
+    return Fit(network, curve)
 
 
 Engine = Callable[[FloatArray, FloatArray, Sequence[int], int, float], Fit]

@@ -47,7 +47,8 @@ def campaigns(
     from testbench.recording import read_recording
     from testbench.rig.motion import played
 
-    found, past = {}, ()
+    found: dict[str, Recording] = {}
+    past: tuple[Path, ...] = ()
     for name in runs:
         target = folder / f"{sensor}-{name}{_suffix(number)}"
         program = program_of(folder, name, number)
