@@ -115,7 +115,7 @@ def report(results: list[Result], times: float) -> None:
     for result in results:
         if result.left_at is not None:
             print(
-                f"  {result.key}: for {result.left_at} of {result.epochs} epochs, then within {result.difference:.0e}; "
+                f"  {result.key}: {result.left_at} of {result.epochs} epochs, then within {result.difference:.0e}; "
                 f"one rounding in the features parts the exact engine from itself at epoch "
                 f"{result.left_at_by_rounding}"
             )
