@@ -56,8 +56,29 @@ def _recording(
 ) -> Recording:
     if TIME not in columns:
         raise UserError(f"{path}: no column {TIME} (found: {', '.join(columns)}); name yours with `testbench import`")
+    _check_names(path, list(columns))
     time_s = columns.pop(TIME)
     return Recording(time_s, columns, float(gauge_length_mm), str(path), metadata or {})
+
+
+def _check_names(path: Path, names: list[str]) -> None:
+    """Refuse a file without force or resistance that has a column which may be just that under another name or unit.
+
+    Either may be missing from a recording; but one that is overlooked would be missing without a word.
+    """
+    for channel in (FORCE, RESISTANCE):
+        strange = [name for name in names if name not in UNITS and _may_be(name, channel)]
+        if channel not in names and strange:
+            raise UserError(
+                f"{path}: no column {channel}, but one called {strange[0]!r}: name it with `testbench import`, "
+                "or leave it out"
+            )
+
+
+def _may_be(name: str, channel: str) -> bool:
+    quantity, _, unit = channel.partition("_")
+    stem, _, ending = name.rpartition("_")
+    return not stem or quantity in stem.lower() or ending.lower().endswith(unit.lower())
 
 
 def read_columns(path: Path, growing: bool = False) -> dict[str, np.ndarray]:

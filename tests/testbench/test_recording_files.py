@@ -42,6 +42,9 @@ BAD = {
     GOOD.replace("time_s", "t"): r"no column time_s \(found: t, displacement_mm, force_N, resistance_ohm\)",
     GOOD.replace("displacement_mm", "displacement_m"): r"no column displacement_mm \(found: displacement_m",
     GOOD.replace("force_N", "displacement_mm"): "row 1 names the column 'displacement_mm' twice",
+    GOOD.replace("force_N", "Kraft"): "no column force_N, but one called 'Kraft': name it with `testbench import`",
+    GOOD.replace("force_N", "load_N"): "no column force_N, but one called 'load_N'",
+    GOOD.replace("_ohm", "_kohm"): "no column resistance_ohm, but one called 'resistance_kohm'",
     GOOD + "1,2,3,4,5,6\n": "row 5 has 6 cells, the rows above 4",
     HEAD + "0,0,0,1,\n1,0,0,1,\n": "row 2 has 5 cells, the header 4",
     GOOD + "0.3,1.2": "row 5: force_N is nan",
@@ -52,6 +55,15 @@ def written(folder, text):
     path = folder / "recording.csv"
     path.write_text(text, encoding="utf-8", newline="")
     return path
+
+
+def test_other_channels_may_stand_beside_or_instead(tmp_path):
+    text = GOOD.replace("resistance_ohm", "displacement_planned_mm").replace("force_N", "temperature_C")
+    assert list(read_recording(written(tmp_path, text), 25.0).channels) == [
+        "displacement_mm",
+        "temperature_C",
+        "displacement_planned_mm",
+    ]
 
 
 @pytest.mark.parametrize("text", FINE.values(), ids=FINE)
