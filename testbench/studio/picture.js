@@ -54,6 +54,10 @@ export default {
       this.$el.dataset.drawn = 1 + Number(this.$el.dataset.drawn ?? 0);
       this.$emit("drawn");
     },
+    look(start, end) {
+      const whole = { "xaxis.autorange": true };
+      window.Plotly.relayout(this.$el, start === null ? whole : { "xaxis.range[0]": start, "xaxis.range[1]": end });
+    },
     fit() {
       if (!this.width || this.width === this.$el.clientWidth || !this.$el.clientWidth) return;
       this.width = this.$el.clientWidth;

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 from nicegui import events, ui
@@ -27,15 +28,12 @@ class Picture(Element, component="picture.js"):
     ----------
     figure : dict
         Of `testbench.report`; its arrays travel packed.
-    label : str
-        What it shows, for those who do not see it.
     """
 
-    def __init__(self, figure: style.Figure, label: str = "") -> None:
+    def __init__(self, figure: style.Figure) -> None:
         super().__init__()
         self.figure = figure
         self.classes("w-full js-plotly-plot")
-        self._props["role"], self._props["aria-label"] = "img", label
         self._sent_s = -math.inf  # when the figure was sent that the browser has not drawn yet
         self.on("drawn", self._drawn)
         self.show(figure)
@@ -79,26 +77,65 @@ def load_plotly() -> None:
     ui.add_head_html(f'<script id="plotly" async src="{PLOTLY_URL}"></script>')
 
 
-def plot(figure: style.Figure, caption: str = "") -> Picture:
+def plot(figure: style.Figure, caption: str) -> Picture:
     """A figure in a card."""
+    with _card(caption):
+        return Picture(figure)
+
+
+@contextmanager
+def _card(caption: str) -> Iterator[ui.row]:
+    """A card for a picture; yields the row below it, which begins with the caption."""
     with ui.element("figure").classes("card").style("margin:0"):
-        picture = Picture(figure, caption)
-        if caption:
-            ui.label(caption).classes("quiet text-sm")
-    return picture
+        holder = ui.column().classes("w-full gap-0")
+        below = ui.row().classes("items-center justify-between w-full no-wrap gap-4 below")
+        with below, ui.element("figcaption").classes("quiet text-sm"):
+            ui.label(caption)
+        with holder:
+            yield below
 
 
-def zooming_plot(drawn: Drawn, caption: str = "") -> Picture:
+def zooming_plot(drawn: Drawn, caption: str) -> Picture:
     """A plot over time that is drawn again at full detail for the stretch that is zoomed into."""
-    picture = plot(drawn(None, None), caption)
+    with _card(caption) as below:
+        picture = Picture(drawn(None, None))
+    with below:
+        stretch = _Stretch(picture)
 
     def zoom(event: events.GenericEventArguments) -> None:
         span = zoomed_span(event.args)
         if span is not None:
+            stretch.tell(*span)
             picture.show(drawn(*span))
 
     picture.on("zoom", zoom)
     return picture
+
+
+class _Stretch:
+    """Fields for the stretch that is looked at: a zoom without a mouse, and to the second."""
+
+    def __init__(self, picture: Picture) -> None:
+        self.picture = picture
+        with ui.row().classes("items-center gap-2 stretch"):
+            self.start = self._field("From / s")
+            self.end = self._field("to / s")
+            whole = ui.button("All", on_click=lambda: picture.run_method("look", None, None))
+            whole.props("flat dense").tooltip("The whole recording")
+
+    def _field(self, label: str) -> ui.number:
+        field = ui.number(label, format="%.6g").props("outlined dense").style("width:104px")
+        return field.on("keydown.enter", self._look).on("blur", self._look)
+
+    def _look(self) -> None:
+        start_s, end_s = self.start.value, self.end.value
+        if start_s is not None and end_s is not None and start_s < end_s:
+            self.picture.run_method("look", start_s, end_s)
+
+    def tell(self, start_s: float | None, end_s: float | None) -> None:
+        """Show the stretch that was chosen with the mouse; None: all."""
+        self.start.set_value(start_s)
+        self.end.set_value(end_s)
 
 
 def zoomed_span(change: dict[str, Any]) -> tuple[float | None, float | None] | None:

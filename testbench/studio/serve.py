@@ -45,6 +45,7 @@ def serve(studio: Studio, port: int, show: bool) -> None:
         show=show,
         reload=False,
         title="knitbench studio",
+        language="en-US",
         favicon=FAVICON,
         show_welcome_message=False,
         reconnect_timeout=30,

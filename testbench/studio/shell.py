@@ -58,11 +58,11 @@ def frame(studio: Studio) -> None:
     """Build the frame for one browser tab."""
     load_plotly()
     ui.add_css(files("testbench.studio").joinpath("theme.css").read_text("utf-8"))
-    ui.colors(primary="#0072B2", secondary="#5b6875", accent="#D55E00", positive="#00795a", negative="#b03a00")
+    ui.colors(primary="#0072B2", secondary="#5b6875", accent="#b34e00", positive="#00795a", negative="#b03a00")
     with ui.element("div").classes("frame"):
         with ui.element("aside").classes("side"):
             _side(studio)
-        with ui.element("main").classes("w-full").style("min-width:0"):
+        with ui.element("div").classes("w-full").style("min-width:0"):
             ui.sub_pages(dict(PAGES), data={"studio": studio}).classes("w-full")
 
 

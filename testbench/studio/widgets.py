@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import functools
 import inspect
+import json
 from collections.abc import Awaitable, Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any, TypeVar
@@ -137,6 +138,13 @@ def later(build: Callable[[], None]) -> None:
             build()
 
     ui.timer(LATER_S, fill, once=True)
+
+
+def name_in_page(selector: str, name: str) -> None:
+    """Give a part that its component leaves nameless a name for screen readers."""
+    ui.run_javascript(
+        f"document.querySelectorAll({json.dumps(selector)}).forEach(e => e.ariaLabel = {json.dumps(name)})"
+    )
 
 
 def number(label: str, value: float | None, form: str = "%.6g") -> ui.number:

@@ -47,15 +47,18 @@ class _Card:
                 self.facts = ui.label("").classes("quiet text-sm")
 
     async def fill(self, studio: Studio, campaign: Campaign) -> None:
-        """Check and draw; a campaign that cannot be read says why."""
+        """Check and draw; a campaign that cannot be read, or is not what was written, says why."""
         try:
             problems = await aside(studio.workspace.problems, campaign.name)
+            if problems:
+                self._mark("changed" if campaign.origin else "not ours", "bad", "; ".join(problems))
+                return
             recording = await aside(studio.workspace.recording, campaign.name)
             picture = await aside(thumbnail, recording)
         except UserError as error:
             self._mark("unreadable", "bad", str(error))
             return
-        self._mark("verified", "good") if not problems else self._mark("changed", "bad", "; ".join(problems))
+        self._mark("verified", "good")
         self.picture.set_content(picture)
         self.facts.set_text(" · ".join(value for _, value in summary(recording)[:1] + summary(recording)[3:4]))
 

@@ -12,7 +12,7 @@ from gcode.support.errors import UserError
 from gcode.support.files import write_text
 from testbench.studio.jobs import Job, State
 from testbench.studio.studio import OWN_EFFECTS, Studio
-from testbench.studio.widgets import attempt, guarded, heading, job_card
+from testbench.studio.widgets import attempt, guarded, heading, job_card, name_in_page
 
 
 @guarded
@@ -39,6 +39,7 @@ class _Editor:
                 self._button("Use this file", "folder_open", self._point).props("outline")
             self.text = ui.codemirror(_text(studio), language="Python", theme="basicLight")
             self.text.classes("w-full").style("height:440px;border:1px solid var(--rule);border-radius:9px")
+        ui.timer(0.5, lambda: name_in_page(".cm-content", "Python file of own effects"), once=True)
         self.result = ui.column().classes("w-full")
 
     def _button(self, label: str, icon: str, action: Callable[[], None]) -> ui.button:

@@ -12,7 +12,7 @@ from gcode.support.errors import UserError
 from testbench.studio.columns import UNITS, column_names, guess, guess_unit
 from testbench.studio.jobs import Job, State
 from testbench.studio.studio import Studio
-from testbench.studio.widgets import address, aside, attempt, guarded, heading, job_card, subheading
+from testbench.studio.widgets import address, aside, attempt, guarded, heading, job_card, name_in_page, subheading
 
 NONE = "(not recorded)"
 LARGEST_BYTES = 2_000_000_000
@@ -33,6 +33,7 @@ def page(studio: Studio) -> None:
             ui.button("Read its columns", on_click=lambda: attempt(lambda: form.read(Path(path.value or ""))))
         upload = ui.upload(label="or drop it here", auto_upload=True, max_files=1, max_file_size=LARGEST_BYTES)
         upload.props("flat bordered accept=.csv,.txt,.tsv,.dat").classes("w-full")
+    ui.timer(0.5, lambda: name_in_page(".q-uploader .q-btn, .q-uploader__input", "Choose a CSV"), once=True)
     form = _Form(studio)
 
     async def received(event: events.UploadEventArguments) -> None:

@@ -111,7 +111,9 @@ class _Candidates:
                 with ui.row().classes("items-center gap-2 no-wrap"):
                     if entry["tied_for_first"]:
                         ui.label("tied").classes("tag bad")
-                    ui.label(f"{removed:.0f} %" if removed >= 0.5 else "no gain").classes("quiet")
+                    ui.label(f"{removed:.0f} %" if removed >= 0.5 else "no gain").classes("quiet").style(
+                        "white-space:nowrap"
+                    )
             with ui.element("div").classes("meter"):
                 ui.element("div").style(f"width:{max(removed, 0):.1f}%")
 

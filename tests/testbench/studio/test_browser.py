@@ -9,7 +9,6 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -19,58 +18,13 @@ from testbench.cli import main as run_testbench
 from testbench.knit.catalogue import baseline, load_catalogue
 from testbench.recording_files import write_recording_csv
 from testbench.studio.jobs import interpreter_argv
-from tests.testbench.studio.served import CHROMIUM, Served, served
+from tests.testbench.studio.browsing import IN_CHROMIUM, browser, page, running, shot
 
 ROOT = Path(__file__).parents[3]
 MEASURED = ROOT / "../shared/data/real/cb_silicone_strip/cb7.5_s2_multisine_300s_a.csv"
-SHOTS = ROOT / "artifacts" / "studio"
 
-pytestmark = [
-    pytest.mark.browser,
-    pytest.mark.slow,
-    pytest.mark.skipif(not CHROMIUM.exists(), reason="needs Debian's chromium"),
-]
-playwright = pytest.importorskip("playwright.sync_api")
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with playwright.sync_playwright() as play:
-        chromium = play.chromium.launch(executable_path=str(CHROMIUM), args=["--no-sandbox"])
-        yield chromium
-        chromium.close()
-
-
-@pytest.fixture
-def studio(tmp_path: Path) -> Iterator[Served]:
-    """A studio as users start it, over an empty workspace."""
-    with served(tmp_path / "ws") as running:
-        yield running
-
-
-@pytest.fixture
-def page(browser):
-    """A tab at 1280 x 800 that fails on any script error and on anything fetched from elsewhere."""
-    context = browser.new_context(viewport={"width": 1280, "height": 800})
-    tab = context.new_page()
-    tab.set_default_timeout(120_000)
-    wrong: list[str] = []
-    tab.on("pageerror", lambda error: wrong.append(str(error)))
-    tab.on("request", lambda request: _note_foreign(request.url, wrong))
-    yield tab
-    context.close()
-    assert not wrong
-
-
-def _note_foreign(url: str, wrong: list[str]) -> None:
-    if not re.match(r"(https?|wss?)://127\.0\.0\.1[:/]|data:|blob:|about:|file:", url):
-        wrong.append(f"fetched from outside: {url}")
-
-
-def shot(page, name: str) -> None:
-    SHOTS.mkdir(parents=True, exist_ok=True)
-    page.wait_for_timeout(700)  # for the plots to settle; only the picture waits
-    page.screenshot(path=SHOTS / f"{name}.png")
+pytestmark = IN_CHROMIUM
+__all__ = ["browser", "page", "running"]  # pytest finds its fixtures by name
 
 
 def foreign_csv(folder: Path) -> Path:
@@ -82,8 +36,8 @@ def foreign_csv(folder: Path) -> Path:
     return path
 
 
-def test_the_whole_loop_on_a_measured_csv(studio, page, tmp_path: Path) -> None:
-    address, root = studio.address, studio.root
+def test_the_whole_loop_on_a_measured_csv(running, page, tmp_path: Path) -> None:
+    address, root = running.address, running.root
     page.goto(address)
     page.get_by_role("button", name="Import a CSV").click()
     page.get_by_label("File on this machine").fill(str(foreign_csv(tmp_path).resolve()))
@@ -151,8 +105,8 @@ def put_program(root: Path, program: Path) -> None:
     shutil.copytree(program, root / "programs" / program.name)
 
 
-def test_a_minute_of_live_recording(studio, page, program: Path) -> None:
-    address, root = studio.address, studio.root
+def test_a_minute_of_live_recording(running, page, program: Path) -> None:
+    address, root = running.address, running.root
     put_program(root, program)
     page.goto(f"{address}/record")
     page.get_by_label("Stop beyond / N").fill("50")
@@ -160,10 +114,10 @@ def test_a_minute_of_live_recording(studio, page, program: Path) -> None:
     page.wait_for_function("() => /[1-9][0-9]* Samples/.test(document.body.innerText)")
     start = time.monotonic()
     page.wait_for_timeout(20_000)
-    before = studio.resident_MB()
+    before = running.resident_MB()
     page.wait_for_timeout(60_000 - 1000 * (time.monotonic() - start))
     shot(page, "live")
-    assert studio.resident_MB() < before + 30
+    assert running.resident_MB() < before + 30
     page.get_by_role("button", name="Stop").click()
     page.get_by_role("button", name="Open the recording").click()
     page.wait_for_selector(".js-plotly-plot .main-svg")
@@ -172,8 +126,8 @@ def test_a_minute_of_live_recording(studio, page, program: Path) -> None:
     assert run_testbench(["verify", str(root / "recorded-1")]) == 0
 
 
-def test_the_port_gone_midway_is_said_and_the_samples_stay(studio, page, program: Path) -> None:
-    address, root = studio.address, studio.root
+def test_the_port_gone_midway_is_said_and_the_samples_stay(running, page, program: Path) -> None:
+    address, root = running.address, running.root
     put_program(root, program)
     link = root / "port"
     argv = ["testbench", "rig", "--sensor", "pes", "--program", str(root / "programs" / program.name / "program.tap")]
@@ -197,9 +151,9 @@ def test_the_port_gone_midway_is_said_and_the_samples_stay(studio, page, program
 
 
 def test_a_diagnosis_can_be_cancelled_and_two_tabs_share_it(
-    studio, page, browser, program: Path, tmp_path: Path
+    running, page, browser, program: Path, tmp_path: Path
 ) -> None:
-    address, root = studio.address, studio.root
+    address, root = running.address, running.root
     truth(tmp_path / "truth.json")
     argv = ["--model", str(tmp_path / "truth.json"), "--program", str(program / "program.tap")]
     assert run_testbench(["run", *argv, "--seed", "1", "-o", str(root / "knit")]) == 0
@@ -221,8 +175,8 @@ def test_a_diagnosis_can_be_cancelled_and_two_tabs_share_it(
     page.get_by_text("verified").wait_for()
 
 
-def test_a_tablet_in_portrait_needs_no_sideways_scrolling(studio, browser, program: Path) -> None:
-    address, root = studio.address, studio.root
+def test_a_tablet_in_portrait_needs_no_sideways_scrolling(running, browser, program: Path) -> None:
+    address, root = running.address, running.root
     argv = ["run", "--sensor", "pes", "--program", str(program / "program.tap"), "--seed", "1"]
     assert run_testbench([*argv, "-o", str(root / "knit")]) == 0
     context = browser.new_context(viewport={"width": 800, "height": 1280}, has_touch=True)
@@ -235,9 +189,9 @@ def test_a_tablet_in_portrait_needs_no_sideways_scrolling(studio, browser, progr
     context.close()
 
 
-def test_first_view_and_steps_are_quick(studio, page, program: Path) -> None:
+def test_first_view_and_steps_are_quick(running, page, program: Path) -> None:
     """Ratios against a bare plotly page of this very machine and moment would be flaky; generous walls are not."""
-    address, root = studio.address, studio.root
+    address, root = running.address, running.root
     argv = ["run", "--sensor", "pes", "--program", str(program / "program.tap"), "--seed", "1"]
     assert run_testbench([*argv, "-o", str(root / "knit")]) == 0
     page.goto(address)
