@@ -34,9 +34,7 @@ def over_time(row: Mapping[str, Any], target: str) -> style.Figure:
         for key, colour, name in _lines(target):
             time_s, values = np.asarray(window["time_s"]), np.asarray(window[key])
             traces.append(line(time_s, values, colour, name, panel, **place))
-    figure = style.figure(traces, height=460, **_axes(target))
-    figure["layout"]["legend"] |= {"x": 0, "xanchor": "left"}
-    return figure
+    return style.figure(traces, height=460, **_axes(target))
 
 
 def _lines(target: str) -> list[tuple[str, str, str]]:

@@ -55,7 +55,7 @@ def figure(data: list[dict[str, Any]], *, height: int, title: str = "", **layout
         "plot_bgcolor": PAPER,
         "font": {"family": FONT_STACK, "size": 12, "color": INK},
         "hoverlabel": {"font": {"family": FONT_STACK, "size": 12}},
-        "legend": {"orientation": "h", "x": 1, "xanchor": "right", "y": 1.0, "yanchor": "bottom"},
+        "legend": {"orientation": "h", "x": 0, "xanchor": "left", "y": 1.0, "yanchor": "bottom"},
         "showlegend": any(trace.get("showlegend") for trace in data),
         "dragmode": "zoom",
     }

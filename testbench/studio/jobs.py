@@ -64,7 +64,6 @@ class Job:
     started_s: float = field(default_factory=time.monotonic)
     ended_s: float | None = None
     version: int = 0
-    listeners: list[Callable[[dict[str, Any]], None]] = field(default_factory=list)
     task: asyncio.Task | None = None
     process: asyncio.subprocess.Process | None = None
 
@@ -114,8 +113,6 @@ class Job:
             self.share = min(1.0, done / total)
         said = [str(event[key]) for key in ("label", "note", "message") if event.get(key)]
         self.note = " · ".join(said) or self.note
-        for listener in self.listeners:
-            listener(event)
 
 
 def _event(line: str) -> dict[str, Any] | None:
@@ -191,6 +188,8 @@ async def _run(job: Job) -> None:
     except (OSError, ValueError) as error:
         job.hear_error(f"error: {error}")
         code = -1
+    if code < 0 and job.state is State.RUNNING and not job.errors:
+        job.hear_error(f"error: something outside the studio ended it ({signal.Signals(-code).name})")
     job.ended_s, job.version = time.monotonic(), job.version + 1
     if job.state is State.RUNNING:
         job.state = State.DONE if code == 0 else State.FAILED

@@ -60,6 +60,9 @@ def _form(studio: Studio, c: str, target: str) -> None:
             others = held_out_choices(studio, c)[1:]
             judged = ui.select(others, value=others[:4], multiple=True, label="Judged on").props("outlined dense")
             judged.style("min-width:280px").props("use-chips")
+        if not others:
+            alone = "No other campaign has this gauge length: the score will be that of the training itself."
+            ui.label(alone).classes("quiet text-sm")
         aim.on_value_change(lambda event: ui.navigate.to(address("/compensate", c=c, target=event.value)))
         holder = ui.column().classes("w-full")
 

@@ -49,8 +49,8 @@ def _form(studio: Studio, holder: ui.column) -> None:
         with ui.row().classes("items-center"):
             name = ui.input("Campaign name", value=_free(studio, "recorded")).props("outlined dense")
             specimen = ui.input("Specimen").props("outlined dense")
-            force = number("Stop beyond force / N", None)
-            strain = number("Stop beyond strain / %", None)
+            force = number("Force limit / N", None)
+            strain = number("Strain limit / %", None)
         ui.label(_hint(ports_here())).classes("quiet text-sm")
 
         async def start() -> None:
@@ -83,7 +83,7 @@ def ports_here() -> list[str]:
 
 def _hint(ports: list[str]) -> str:
     seen = f"Serial devices here: {', '.join(ports)}." if ports else "No serial device is plugged in here now."
-    return f"{seen} Empty limits: no limit. The motion starts when the machine runs the program."
+    return f"{seen} Beyond a limit the recording stops. The motion starts when the machine runs the program."
 
 
 def _free(studio: Studio, stem: str) -> str:

@@ -109,7 +109,7 @@ def test_a_minute_of_live_recording(running, page, program: Path) -> None:
     address, root = running.address, running.root
     put_program(root, program)
     page.goto(f"{address}/record")
-    page.get_by_label("Stop beyond / N").fill("50")
+    page.get_by_label("Force limit / N").fill("50")
     page.get_by_role("button", name="Record", exact=False).last.click()
     page.wait_for_function("() => /[1-9][0-9]* Samples/.test(document.body.innerText)")
     start = time.monotonic()

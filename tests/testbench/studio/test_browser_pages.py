@@ -150,7 +150,7 @@ def test_a_job_that_is_killed_takes_nothing_down(full: Served, page) -> None:
     page.get_by_role("button", name="Stop").wait_for()
     job = subprocess.run(["pgrep", "-P", str(full.process.pid), "-f", "diagnose"], capture_output=True, text=True)
     os.kill(int(job.stdout.split()[0]), signal.SIGKILL)
-    page.get_by_text("failed after").wait_for()
+    page.get_by_text("something outside the studio ended it (SIGKILL)").wait_for()
     shot(page, "job-killed")
     page.get_by_role("link", name="Error ladder").click()
     page.get_by_text("Through the history").wait_for()

@@ -191,8 +191,9 @@ async def test_an_experiment_shows_its_program_and_how_decisive_it_is(user: User
     (program / "trajectory.csv").write_text("time_s,position_mm\n0.0,0.0\n0.05,0.1\n0.1,0.2\n")
     (fitted.workspace.results("sleeve") / "experiment.json").write_text(json.dumps(samples.experiment()))
     await user.open("/experiment?c=sleeve")
-    await user.should_see("Run “long hold” for 10 min")
-    await user.should_see("Download the Mach4 program")
+    await user.should_see("Run “long hold” for 10 min", retries=50)
+    await user.should_see("Download the Mach4 program", retries=50)
+    await user.should_see(Picture, retries=50)
     assert len(user.find(Picture).elements) == 1
 
 
