@@ -57,7 +57,7 @@ async def test_a_crash_is_told_in_words(monkeypatch: pytest.MonkeyPatch) -> None
     monkeypatch.setattr("testbench.studio.jobs.interpreter_argv", lambda argv: crash)
     job = await ended(JobBoard().start("crash", "Crash", ["testbench", "fit"]))
     assert job.state is State.FAILED
-    assert job.problem == "it ended without saying why"
+    assert job.problem == "something outside the studio ended it (SIGKILL)"
 
 
 @pytest.mark.asyncio
