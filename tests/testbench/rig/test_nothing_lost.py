@@ -98,7 +98,7 @@ def finished_well(folder: Path, device: Device, wish: Path) -> None:
 def test_a_recorder_killed_at_random_instants_loses_at_most_a_second(tmp_path):
     with Device(tmp_path / "port") as device:
         wish = program(tmp_path)
-        killed_again_and_again(tmp_path / "c", device, wish, kills=4, seed=1)
+        killed_again_and_again(tmp_path / "c", device, wish, kills=2, seed=1)
         finished_well(tmp_path / "c", device, wish)
 
 
@@ -133,7 +133,7 @@ def unplugged(tmp_path: Path, times: int) -> None:
 
 
 def test_unplugging_leaves_gap_records(tmp_path):
-    unplugged(tmp_path, 5)
+    unplugged(tmp_path, 2)
 
 
 @pytest.mark.slow
@@ -143,7 +143,7 @@ def test_fifty_unplugs_leave_fifty_gap_records(tmp_path):
 
 def test_a_bad_cable_lets_no_wrong_sample_through(tmp_path):
     """5 % of lines garbled, truncated, doubled or late, over a pty into the real recorder."""
-    lines, wish = list(rig(duration_s=200.0).lines()), program(tmp_path)
+    lines, wish = list(rig(duration_s=60.0).lines()), program(tmp_path)
     truth = {line_number(line): line for line in lines}
     port = PtyPort(tmp_path / "port")
     child = recorder(tmp_path / "c", port.name, wish)
@@ -221,7 +221,7 @@ def test_a_full_disk_ends_the_recording_with_a_sentence_and_a_readable_file(tmp_
     wish = program(tmp_path)
 
     def small_files():
-        resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
+        resource.setrlimit(resource.RLIMIT_FSIZE, (8_000, 8_000))
 
     with Device(tmp_path / "port") as device:
         child = recorder(tmp_path / "c", device.port.name, wish, "--give-up-s", "0.5", preexec_fn=small_files)
@@ -230,7 +230,7 @@ def test_a_full_disk_ends_the_recording_with_a_sentence_and_a_readable_file(tmp_
         assert "disk full" in err
         assert "Traceback" not in err
         check_rows(rows_of(tmp_path / "c"), device)
-        assert len(read_recording(tmp_path / "c")) == len(rows_of(tmp_path / "c")) > 300
+        assert len(read_recording(tmp_path / "c")) == len(rows_of(tmp_path / "c")) > 100
 
 
 def test_the_rig_command_and_the_record_command_speak_to_each_other(tmp_path):
