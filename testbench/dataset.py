@@ -19,9 +19,10 @@ from typing import Any
 import numpy as np
 
 from gcode.support.errors import UserError, first_problem
-from gcode.support.files import make_folder, read_json, sha256_of, write_json, write_text
+from gcode.support.files import make_folder, read_json, sha256_of, write_text
 from testbench import manifest
 from testbench.campaign import matches, simulate_campaign, vacant
+from testbench.dataset_index import write_entries
 from testbench.dataset_spec import DatasetSpec, TrajectoryWish
 from testbench.knit.catalogue import Catalogue, load_catalogue, model_from_dict
 from testbench.knit.model import KnitModel
@@ -32,7 +33,7 @@ from testbench.rig.motion import played
 from testbench.rig.past import DEFAULT_REST_S
 from testbench.rig.simulated import Motion
 
-INDEX, PROGRAMS = "dataset.json", "programs"
+PROGRAMS = "programs"
 
 
 @dataclass(frozen=True)
@@ -153,7 +154,7 @@ def write_index(out: Path, spec: Path, tasks: Sequence[Task]) -> None:
                 "manifest_sha256": sha256_of(task.folder / manifest.NAME),
             }
         )
-    write_json(out / INDEX, {"format": "knitbench-dataset", "version": 1, "campaigns": entries})
+    write_entries(out, entries)
 
 
 class OneAtATime:

@@ -5,12 +5,12 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-SUMMARY = "check every file of a campaign against its manifest"
+SUMMARY = "check every file of a campaign, or of a whole data set, against its manifest"
 EXAMPLE = "testbench verify pes-1"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("campaigns", nargs="+", metavar="CAMPAIGN", help="campaign folder")
+    parser.add_argument("campaigns", nargs="+", metavar="CAMPAIGN", help="campaign folder, or data set")
     parser.add_argument(
         "--again", action="store_true", help="also make a simulated campaign again and compare every byte"
     )
@@ -20,19 +20,25 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     import sys
 
+    from testbench.dataset_index import INDEX, index_problems
     from testbench.manifest import problems
     from testbench.remake import made_again
 
-    failed = False
-    for name in args.campaigns:
-        found, note = problems(Path(name)), ""
-        if args.again and not found:
-            remade = made_again(Path(name), Path(args.effects) if args.effects else None)
-            found, note = remade.explained(Path(name)), ", made again byte for byte"
-            note += f" (by other software: {'; '.join(remade.changes)})" if remade.changes else ""
+    failed, effects = False, Path(args.effects) if args.effects else None
+    for folder in map(Path, args.campaigns):
+        members, found = [folder], []
+        if (folder / INDEX).is_file():
+            members, found = index_problems(folder)
+        for member in members:
+            wrong, note = problems(member), ""
+            if args.again and not wrong:
+                remade = made_again(member, effects)
+                wrong, note = remade.explained(member), ", made again byte for byte"
+                note += f" (by other software: {'; '.join(remade.changes)})" if remade.changes else ""
+            found += wrong
+            if not wrong:
+                print(f"{member}: intact{note}")
         for problem in found:
             print(problem, file=sys.stderr)
         failed = failed or bool(found)
-        if not found:
-            print(f"{name}: intact{note}")
     return int(failed)

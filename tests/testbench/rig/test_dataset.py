@@ -65,6 +65,16 @@ def test_the_command_makes_a_data_set_and_does_nothing_the_second_time(tmp_path,
     assert (out / "dataset.json").read_bytes() == index
     assert [entry["seed"] for entry in json.loads(index)["campaigns"]] == [1, 2, 3]
     assert all(problems(folder) == [] for folder in campaigns(out))
+    assert cli.main(["verify", str(out)]) == 0
+    assert capsys.readouterr().out.count(": intact") == 3
+    (campaigns(out)[0] / "program.tap").write_text("M30\n")
+    (campaigns(out)[1] / "datapackage.json").write_bytes((campaigns(out)[2] / "datapackage.json").read_bytes())
+    campaigns(out)[2].joinpath("datapackage.json").unlink()
+    assert cli.main(["verify", str(out)]) == 1
+    err = capsys.readouterr().err
+    assert "00001/program.tap: 4 bytes, the manifest says" in err
+    assert "00002/datapackage.json: not the one that dataset.json lists" in err
+    assert "00003: missing; run `testbench dataset` again" in err
 
 
 def test_a_trajectory_table_plans_its_programs(tmp_path):
