@@ -28,9 +28,7 @@ def index_problems(out: Path) -> tuple[list[Path], list[str]]:
     """
     data = read_json(out / INDEX, "list of campaigns")
     if not isinstance(data, dict) or data.get("format") != FORMAT or data.get("version") != FORMAT_VERSION:
-        raise UserError(
-            f"{out / INDEX}: not a list of {FORMAT} {FORMAT_VERSION}; make the data set again"
-        )
+        raise UserError(f"{out / INDEX}: not a list of {FORMAT} {FORMAT_VERSION}; make the data set again")
     there, found = [], []
     for entry in data["campaigns"]:
         folder = out / str(entry["campaign"])
