@@ -26,7 +26,7 @@ def run(args: argparse.Namespace) -> int:
 
     failed, effects = False, Path(args.effects) if args.effects else None
     for folder in map(Path, args.campaigns):
-        members, found = [folder], []
+        members, found = [folder], list[str]()
         if (folder / INDEX).is_file():
             members, found = index_problems(folder)
         for member in members:
