@@ -113,7 +113,10 @@ def problems(folder: Path) -> list[str]:
     """Everything in `folder` that does not agree with its manifest, in sentences that name the file."""
     campaign, data = read_manifest(folder)
     if campaign.in_progress:
-        return [f"{folder}: unfinished; continue it with `testbench record --resume -o {folder}`"]
+        again = "run it again with --overwrite"
+        if campaign.origin == "recorded":
+            again = f"continue it with `testbench record --resume -o {folder}`"
+        return [f"{folder}: unfinished; {again}"]
     found = [] if _self_hash_holds(folder / NAME) else [f"{folder / NAME}: changed since it was written"]
     for resource in data.get("resources", []):
         found += resource_problems(folder, resource)

@@ -111,13 +111,16 @@ def plan_of(folder: Path, effects: Path | None = None) -> Plan:
     Raises
     ------
     UserError
-        If the campaign was measured, not simulated, or a file is no longer the one it was made with.
+        If the campaign was measured, not simulated, ended early, or a file is no longer the one it was made with.
     """
     from testbench.knit.catalogue import load_catalogue, model_from_dict
 
     campaign, _ = read_manifest(folder)
     if campaign.origin != "simulated":
         raise UserError(f"{folder}: this campaign was {campaign.origin}, only a simulated one can be made again")
+    if campaign.status != "complete":
+        state = "is unfinished" if campaign.in_progress else f"ended early ({campaign.status})"
+        raise UserError(f"{folder}: {state}; only a complete campaign can be made again or continued")
     recipe, program = campaign.recipe, folder / PROGRAM
     digests = recipe.get("past_sha256", [])
     past = tuple(folder / name for name in past_names(len(digests)))

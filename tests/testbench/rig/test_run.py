@@ -6,9 +6,12 @@ import json
 
 import pytest
 
+from gcode.support.errors import UserError
 from testbench import cli
 from testbench.campaign import simulate_campaign, simulate_live
 from testbench.knit.catalogue import baseline
+from testbench.manifest import problems
+from testbench.plan import plan_of
 from testbench.recording import read_recording
 from testbench.rig.links import paced
 from testbench.rig.motion import played
@@ -115,3 +118,26 @@ def test_a_program_that_cannot_be_played_is_refused(words, tmp_path, capsys, tex
     assert message in error
     assert "two_triangles.tap" in error
     assert not (tmp_path / "c").exists()
+
+
+def test_a_run_that_ended_early_is_neither_made_again_nor_continued(tmp_path):
+    wish = plan(tmp_path)
+    motion, _ = played(wish.program)
+    simulate_live(wish, tmp_path / "b", motion, stopped=lambda: True)
+    assert problems(tmp_path / "b") == []
+    with pytest.raises(UserError, match=r"ended early \(interrupted\); only a complete campaign"):
+        plan_of(tmp_path / "b")
+
+
+def test_a_run_that_was_killed_says_to_run_it_again(tmp_path):
+    wish = plan(tmp_path)
+
+    def killed(lines):
+        yield next(iter(in_memory(lines)))
+        raise MemoryError("as good as any crash")
+
+    with pytest.raises(MemoryError):
+        simulate_live(wish, tmp_path / "b", played(wish.program)[0], pace=killed)
+    assert problems(tmp_path / "b") == [f"{tmp_path / 'b'}: unfinished; run it again with --overwrite"]
+    with pytest.raises(UserError, match="is unfinished; only a complete campaign"):
+        plan_of(tmp_path / "b")
