@@ -129,13 +129,15 @@ def campaign_head(name: str, here: str) -> None:
                 link.classes("here").props("aria-current=page")
 
 
-def later(build: Callable[[], None]) -> None:
+def later(build: Callable[[], Awaitable[None] | None]) -> None:
     """Build what is below the first screen a moment later, so that the first screen is there at once."""
     holder = ui.column().classes("w-full gap-4")
 
-    def fill() -> None:
+    async def fill() -> None:
         with holder:
-            build()
+            result = build()
+            if inspect.isawaitable(result):
+                await result
 
     ui.timer(LATER_S, fill, once=True)
 

@@ -34,7 +34,7 @@ async def page(studio: Studio, c: str = "", on: str = "") -> None:
         add_fit_form(studio, c)
         return
     _choose(studio, c, on)
-    view = await aside(_view, studio, c, on or c)
+    view = await aside(view_of, studio, c, on or c)
     facts(_errors(view.comparison["channels"]))
     _worst(view.comparison["worst"])
     caption = (
@@ -65,7 +65,7 @@ def _choose(studio: Studio, c: str, on: str) -> None:
         )
 
 
-def _view(studio: Studio, c: str, on: str) -> View:
+def view_of(studio: Studio, c: str, on: str) -> View:
     """The comparison, worked out anew when the model or the recording has changed."""
     recording = studio.workspace.campaign(on).folder / "recording.csv"
     files = stamp(model_path(studio, c), recording, studio.effects_file)

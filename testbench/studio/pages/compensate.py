@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ from testbench.studio.jobs import Job, State
 from testbench.studio.models import held_out_choices
 from testbench.studio.picture import plot
 from testbench.studio.studio import Studio
-from testbench.studio.widgets import address, attempt, campaign_head, facts, guarded, job_card, subheading
+from testbench.studio.widgets import address, attempt, campaign_head, facts, guarded, job_card, later, subheading
 
 TARGETS = {"force": "force", "displacement": "displacement"}
 NETWORKS = {"4,2,2": "4, 2, 2 (the paper)", "8,4,4": "8, 4, 4", "16,8": "16, 8"}
@@ -114,17 +115,26 @@ def _show(studio: Studio, c: str, target: str, score: dict[str, Any]) -> None:
             holder.clear()
             job_card(studio, job, lambda ended: ui.download(header) if ended.state is State.DONE else None)
 
-    if rows:
-        plot(
-            figures.before_and_after(rows, names, target),
-            "r² before and after compensation (1 is perfect); whiskers: 95 % intervals over 60 s blocks; dotted: the "
-            "means that the paper reports for its two knits.",
-        )
+    plot(
+        figures.before_and_after(rows, names, target),
+        "r² before and after compensation (1 is perfect); whiskers: 95 % intervals over 60 s blocks; dotted: the "
+        "means that the paper reports for its two knits.",
+    )
+    later(partial(_recordings, rows, names, target))
+
+
+def _recordings(rows: list[dict[str, Any]], names: list[str], target: str) -> None:
+    """One recording at a time, the last of them first."""
     with ui.tabs().props("dense align=left no-caps") as tabs:
         for number, (name, row) in enumerate(zip(names, rows, strict=True)):
             ui.tab(str(number), f"{name} ({row['role']})")
-    with ui.tab_panels(tabs, value=str(len(rows) - 1)).classes("w-full").style("background:transparent"):
-        for number, row in enumerate(rows):
-            with ui.tab_panel(str(number)).classes("p-0 gap-4"):
-                plot(figures.over_time(row, target), "The whole recording; below, its first and its last minute.")
-                plot(figures.scatter(row, target), "Against the measurement: on the line, the sensor would be right.")
+    holder = ui.column().classes("w-full gap-4")
+
+    def show(row: dict[str, Any]) -> None:
+        holder.clear()
+        with holder:
+            plot(figures.over_time(row, target), "The whole recording; below, its first and its last minute.")
+            plot(figures.scatter(row, target), "Against the measurement: on the line, the sensor would be right.")
+
+    tabs.on_value_change(lambda event: show(rows[int(event.value)]))
+    tabs.set_value(str(len(rows) - 1))

@@ -15,7 +15,17 @@ from testbench.studio import models
 from testbench.studio.memory import stamp
 from testbench.studio.picture import plot, zooming_plot
 from testbench.studio.studio import Studio
-from testbench.studio.widgets import address, aside, attempt, campaign_head, guarded, subheading, trouble
+from testbench.studio.widgets import (
+    address,
+    aside,
+    attempt,
+    campaign_head,
+    guarded,
+    later,
+    subheading,
+    trouble,
+    working,
+)
 
 if TYPE_CHECKING:
     from testbench.discrepancy.contribution import Contribution
@@ -99,7 +109,7 @@ class _Candidates:
                 for number, entry in enumerate(ranking, 1):
                     self._card(number, entry)
             self.detail = ui.column().classes("gap-3 w-full")
-        ui.timer(0.05, partial(self._look, chosen), once=True)
+        later(partial(self._look, chosen))
 
     def _card(self, number: int, entry: Mapping[str, Any]) -> None:
         removed = figures.removed_percent(entry["gain"])
@@ -126,7 +136,9 @@ class _Candidates:
         await attempt(lambda: self._show(entry))
 
     async def _show(self, entry: Mapping[str, Any]) -> None:
-        look, shown = await aside(self._predicted, entry)
+        self.detail.clear()
+        with self.detail, working("Working out what it would add"):
+            look, shown = await aside(self._predicted, entry)
         self.detail.clear()
         with self.detail:
             with ui.row().classes("items-center justify-between w-full"):

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import contextlib
 from functools import partial
 from pathlib import Path
 
 from nicegui import ui
 
+from gcode.support.errors import UserError
 from testbench.recording import Recording
 from testbench.report import recording_figures as figures
+from testbench.studio.models import model_path
+from testbench.studio.pages.compare import view_of
 from testbench.studio.picture import plot, zooming_plot
 from testbench.studio.studio import Studio
 from testbench.studio.widgets import address, aside, campaign_head, facts, guarded, later, trouble
@@ -29,6 +33,7 @@ async def page(studio: Studio, c: str = "") -> None:
     zooming_plot(partial(figures.time_series, recording), caption)
     path = studio.workspace.campaign(c).folder / "recording.csv"
     later(partial(_below, c, recording, path))
+    later(partial(_prepare, studio, c))
 
 
 def _below(c: str, recording: Recording, path: Path) -> None:
@@ -43,3 +48,10 @@ def _below(c: str, recording: Recording, path: Path) -> None:
         if path.with_name("program.tap").is_file():
             align = ui.button("Compare with the plan", icon="compare_arrows").props("outline")
             align.on_click(lambda: ui.navigate.to(address("/align", c=c)))
+
+
+async def _prepare(studio: Studio, c: str) -> None:
+    """Work the comparison out while the recording is looked at: it is what comes next."""
+    if model_path(studio, c).is_file():
+        with contextlib.suppress(UserError):  # the page of the comparison will say it
+            await aside(view_of, studio, c, c)
