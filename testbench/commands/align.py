@@ -39,7 +39,7 @@ def run(args: argparse.Namespace) -> int:
     if args.json:
         print(json.dumps(asdict(found)))
     else:
-        print(f"{path}: the plan began {found.delay_s:.3f} s after the recording")
+        print(f"{path}: the plan began {round(found.delay_s, 3) + 0.0:.3f} s after the recording")
         print(f"{path}: the plan's clock runs {found.drift_ppm:+.0f} ppm fast against the recorder's")
         print(f"{path}: aligned, correlation {found.correlation:.5f}, difference {found.rms_mm * 1e3:.1f} um rms")
     if args.out:
