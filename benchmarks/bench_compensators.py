@@ -1,6 +1,6 @@
 """The tuned compensator against the paper's network on held-out recordings, simulated and measured.
 
-    python benchmarks/bench_compensators.py [--seeds 10] [--sets 11,12] [-j 2] [--campaigns DIR]
+    python benchmarks/bench_compensators.py [--seeds 10] [--sets 21,22] [-j 2] [--campaigns DIR]
 
 Every choice of the tuned one is made on the training recording alone. The campaigns are of numbers that nothing was
 developed on. Dead networks count among "all seeds".
@@ -51,7 +51,7 @@ def measured() -> Iterator[tuple[str, list[Recording]]]:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--seeds", type=int, default=10)
-    parser.add_argument("--sets", default="11,12", help="campaign numbers")
+    parser.add_argument("--sets", default="21,22", help="campaign numbers")
     parser.add_argument("--campaigns", type=Path, default=Path(tempfile.gettempdir()) / "knitbench-bench")
     parser.add_argument("--sensor", help="only those whose name starts so: pes, lycra, strip")
     parser.add_argument("-j", "--jobs", type=int, default=2)
@@ -80,13 +80,13 @@ def row(name: str, series: dict[int, Series], target: str, seeds: int) -> str:
     every, live, tuned = paper.r2.mean(), paper.live.mean(), means.mean()
     low, high = difference(paper, ours.predictions_of(better, tests), tests)
     recipe = better[0].recipe
-    memory = " + ".join(name.split("_")[0] for name, used in recipe["history"].items() if used) or "bank alone"
+    memory = "; ".join(f"{member['history']} L2 {member['l2']:g}" for member in recipe["members"])
     return (
         f"{name:14} {target:12} {every:9.3f} {paper.dead.sum():2}/{seeds:<2} {live:6.3f} "
         f"{paper.best_of(min(5, seeds)).mean():9.3f} {f'{tuned:.3f} ({means.std():.3f})':>14} {means.min():6.3f} "
         f"{tuned - every:+6.3f} {tuned - live:+6.3f} {f'{low:+.3f}..{high:+.3f}':>15} "
-        f"{better[0].parameter_count:6}  {memory}, a = {recipe['factor']:g}, N = {recipe['count']}, "
-        f"{tuple(recipe['sizes'])}, L2 {recipe['l2']:g}"
+        f"{better[0].parameter_count:6}  a = {recipe['factor']:g}, N = {recipe['count']}, "
+        f"{tuple(recipe['sizes'])}: {memory}"
     )
 
 

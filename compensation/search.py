@@ -1,8 +1,10 @@
 """The sweep over smoothing banks and topologies: 8 x 114 = 912 candidates, each from several seeds.
 
 The enumeration: 20 topologies (non-increasing shares 1, 1/2, 1/4 of a base in one to four layers, the first layer
-being the base), 7 bases, sizes rounded down, every topology with a layer below 2 left out: 114 hidden-layer tuples,
-no two alike. Each is trained behind 8 smoothing banks.
+being the base), sizes rounded down, every topology with a layer below 2 left out, and no tuple twice. A base of 2 or
+3 then gives 4 networks, one of 4 to 7 gives 10, a larger one 20. The paper counts 114, so with one base below 4 there
+are b of 4 to 7 and c above with b + 2 c = 11; which ones it took is not known here. `BASES` is one such list.
+Each network is trained behind 8 smoothing banks.
 """
 
 from __future__ import annotations
@@ -53,15 +55,15 @@ def topologies() -> list[tuple[float, ...]]:
     return [(1.0, *tail) for tail in tails]
 
 
-def hidden_layers() -> list[tuple[int, ...]]:
+def hidden_layers(bases: Sequence[int] = BASES) -> list[tuple[int, ...]]:
     """Every distinct tuple of layer sizes."""
-    found = (tuple(math.floor(base * share) for share in shares) for base in BASES for shares in topologies())
+    found = (tuple(math.floor(base * share) for share in shares) for base in bases for shares in topologies())
     return list(dict.fromkeys(sizes for sizes in found if min(sizes) >= SMALLEST_LAYER))
 
 
-def candidates() -> list[Candidate]:
-    """All 912."""
-    return [Candidate(factor, count, sizes) for factor, count in BANKS for sizes in hidden_layers()]
+def candidates(bases: Sequence[int] = BASES) -> list[Candidate]:
+    """Every network behind every bank: 912 with the default bases."""
+    return [Candidate(factor, count, sizes) for factor, count in BANKS for sizes in hidden_layers(bases)]
 
 
 def evaluate(task: Task, candidate: Candidate, seed: int) -> dict[str, Any]:
@@ -137,7 +139,7 @@ def sweep(
     Raises
     ------
     UserError
-        If `results` belongs to another sweep.
+        If `results` belongs to another sweep, or a worker process on this machine was killed.
     """
     done = _open_results(Path(results), task)
     known = {(row["key"], row["seed"]) for row in done}
@@ -155,11 +157,18 @@ def sweep(
 def _run(
     task: Task, jobs: Sequence[tuple[Candidate, int]], workers: int, backend: str, scheduler: str | None
 ) -> Iterator[dict[str, Any]]:
+    from concurrent.futures.process import BrokenProcessPool
+
     from joblib import Parallel, delayed, parallel_config
 
     calls = [delayed(evaluate)(task, candidate, seed) for candidate, seed in jobs]
     if backend != "dask":
-        yield from Parallel(n_jobs=workers, return_as="generator_unordered")(calls)
+        try:
+            yield from Parallel(n_jobs=workers, return_as="generator_unordered")(calls)
+        except BrokenProcessPool:
+            raise UserError(
+                "a worker process was killed (out of memory?); what was done is kept: run the search again to go on"
+            ) from None
         return
     try:
         from distributed import Client

@@ -8,10 +8,10 @@ Four things make it better than the paper's network at the same input:
   conductance shifted a little up and down, so that it learns from changes rather than from absolute values.
 - The mean over several starts; dead ones are left out.
 
-Cross-validation predicts each half of the recording from the other: neighbouring samples are alike, so folds of
-single samples would judge nothing, and a test is at least as far from the training as its halves are from one
-another. Chosen is not the smallest error but the simplest choice within one standard error of it (Breiman, Friedman,
-Olshen and Stone, Classification and Regression Trees, 1984): a recording is a small sample.
+Cross-validation predicts each half of the recording from the other, and each quarter from the rest: neighbouring
+samples are alike, so folds of single samples would judge nothing, and a test is at least as far from the training as
+its halves are from one another. One recording is a small sample all the same: which memories help is often left open.
+The networks are then shared out among all that are within two standard errors of the best.
 """
 
 from __future__ import annotations
@@ -22,28 +22,29 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from compensation.adam import BATCH, train_adam
 from compensation.compensator import Compensator
 from compensation.engines import Fit
 from compensation.history import NO_HISTORY, History
+from compensation.lessons import Lessons, lessons
 from compensation.network import Network
 from compensation.preprocessing import Series
-from compensation.score import BLOCK_S, r2
+from compensation.score import r2
 from compensation.training import Options, describe, training_arrays, untrained
 
 FloatArray = NDArray[np.float64]
 
-# In the order of preference where the error does not tell.
 MOTION_TAUS_S, PLAY_RADII = (0.5, 2.0, 8.0, 32.0), (0.2, 0.5, 1.0)
 HISTORIES = (NO_HISTORY, History((), PLAY_RADII), History(MOTION_TAUS_S), History(MOTION_TAUS_S, PLAY_RADII))
-PENALTIES = (3.0, 1.0, 0.3, 0.1, 0.03)
+PENALTIES = (0.03, 0.1, 0.3, 1.0, 3.0)
+# The first is taken where the others are not surely better.
 BANKS = ((2.5, 7), (2.5, 8), (1.75, 10))
-SIZES: tuple[tuple[int, ...], ...] = ((8,), (16, 8))
-FOLDS, FOLD_NETWORKS, ENSEMBLE = 2, 4, 8
-# The history's features are standardised to this spread: a little more penalised than the bank's, which have about 1.
-HISTORY_SPREAD = 0.5
-STATE_SHIFT = 0.1
-ROWS, SMALL_BATCH, RATE, AVERAGING, MAX_EPOCHS = 2_000, 40, 4e-3, 0.9, 1_000
+SIZES: tuple[tuple[int, ...], ...] = ((8,), (4,))
+START_L2 = 0.1
+# Standard errors by which one error must exceed another to count as larger.
+SURE = 2.0
+# Folds, and networks averaged in each.
+FOLDS = ((2, 3), (4, 2))
+ENSEMBLE = 8
 
 
 @dataclass(frozen=True)
@@ -56,61 +57,11 @@ class Choice:
 
 
 @dataclass(frozen=True)
-class Lessons:
-    """What networks learn from: features of the recording as it is, and with its conductance shifted.
+class Decision:
+    """What the networks are to be: a choice for each kind of memory kept, the best first; and all that was tried."""
 
-    Attributes
-    ----------
-    blank : Compensator
-        Scalers, bank and history.
-    versions : tuple of ndarray, each shape (n, k)
-        The first is the recording as it is.
-    truth : ndarray, shape (n,)
-        Standardised target.
-    shift, scale : ndarray, shape (k,)
-        ``versions`` hold ``(feature - shift) * scale``.
-    block_rows : int
-        Rows of a minute.
-    """
-
-    blank: Compensator
-    versions: tuple[FloatArray, ...]
-    truth: FloatArray
-    shift: FloatArray
-    scale: FloatArray
-    block_rows: int
-
-    def fit(self, kept: NDArray[np.bool_], options: Options, seed: int) -> Network:
-        """Train one network, on standardised features, on the rows that are kept."""
-        step = max(len(self.truth) // ROWS, 1)
-        # Each version is thinned out at rows of its own, so that together they cover the recording.
-        picks = [
-            np.arange(index * step // len(self.versions), len(kept), step) for index in range(len(self.versions))
-        ]
-        picks = [rows[kept[rows]] for rows in picks]
-        features = np.concatenate([version[rows] for version, rows in zip(self.versions, picks, strict=True)])
-        truth = np.concatenate([self.truth[rows] for rows in picks])
-        # MLPRegressor divides L2 by the batch size: as much of it here as in batches of its own size.
-        l2 = options.l2 * SMALL_BATCH / BATCH
-        network, _ = train_adam(
-            features, truth, options.sizes, seed, l2, MAX_EPOCHS, batch=SMALL_BATCH, rate=RATE, averaging=AVERAGING
-        )
-        return network
-
-
-def lessons(series: Sequence[Series], target: str, options: Options) -> Lessons:
-    """Features and target of all training recordings, one after the other."""
-    blank = untrained(series, target, options)
-    features, truth = training_arrays(blank, series)
-    shift, scale = np.zeros(blank.input_count), np.ones(blank.input_count)
-    own = features[:, len(blank.alphas) :]
-    shift[len(blank.alphas) :] = own.mean(axis=0)
-    scale[len(blank.alphas) :] = HISTORY_SPREAD / np.maximum(own.std(axis=0), 1e-9)
-    moved = [training_arrays(_shifted(blank, by), series)[0] for by in (STATE_SHIFT, -STATE_SHIFT)]
-    versions = tuple((values - shift) * scale for values in (features, *moved))
-    duration_s = sum(part.time_s[-1] - part.time_s[0] for part in series)
-    block_rows = max(int(len(truth) * BLOCK_S / duration_s), 1)
-    return Lessons(blank, versions, truth, shift, scale, block_rows)
+    members: tuple[Choice, ...]
+    tried: tuple[Choice, ...]
 
 
 def tune(
@@ -140,104 +91,136 @@ def choose(
     target: str,
     options: Options,
     progress: Callable[[str], None] = lambda note: None,
-) -> tuple[Choice, list[Choice]]:
-    """Choose history and penalty, then the bank, then the size; return the chosen and all that were tried.
+) -> Decision:
+    """Choose the bank, then histories and their penalties, then the size.
 
     The seeds of cross-validation are fixed: the choice depends on the recording alone.
     """
     tried: list[Choice] = []
-    chosen = None
-    for stage in (histories_and_penalties, banks, sizes):
-        for candidate in stage(options if chosen is None else chosen.options):
-            tried.append(cross_validated(series, target, candidate))
-            progress(_note(tried[-1]))
-        chosen = simplest(tried)
-    assert chosen is not None
-    return chosen, tried
+
+    def judged(candidates: Sequence[Options]) -> list[Choice]:
+        found = []
+        for candidate in candidates:
+            found.append(cross_validated(series, target, candidate))
+            progress(_note(found[-1]))
+        tried.extend(found)
+        return found
+
+    start = replace(options, sizes=SIZES[0], l2=START_L2, history=NO_HISTORY)
+    bank = first_unless_better(judged([replace(start, factor=a, count=n) for a, n in BANKS])).options
+    members = not_worse([_smallest(judged(penalties(replace(bank, history=history)))) for history in HISTORIES])
+    others = judged([replace(members[0].options, sizes=size) for size in SIZES[1:]])
+    sizes = first_unless_better([members[0], *others]).options.sizes
+    resized = tuple(replace(choice, options=replace(choice.options, sizes=sizes)) for choice in members)
+    return Decision(resized, tuple(tried))
 
 
 def steps() -> int:
     """How often `tune` reports progress."""
-    return len(HISTORIES) * len(PENALTIES) + len(BANKS) - 1 + len(SIZES) - 1 + ENSEMBLE
+    return len(BANKS) + len(HISTORIES) * len(PENALTIES) + len(SIZES) - 1 + ENSEMBLE
 
 
-def histories_and_penalties(options: Options) -> list[Options]:
-    """Every history with every penalty, with the first bank and size."""
-    (factor, count), size = BANKS[0], SIZES[0]
-    start = replace(options, factor=factor, count=count, sizes=size)
-    return [replace(start, history=history, l2=l2) for l2 in PENALTIES for history in HISTORIES]
+def penalties(options: Options) -> list[Options]:
+    """Every penalty, with everything else as it is."""
+    return [replace(options, l2=l2) for l2 in PENALTIES]
 
 
-def banks(options: Options) -> list[Options]:
-    """The other banks, with everything else as it is."""
-    return [replace(options, factor=factor, count=count) for factor, count in BANKS[1:]]
+def first_unless_better(choices: Sequence[Choice]) -> Choice:
+    """The first, or the best if that one is surely better."""
+    best = _smallest(choices)
+    return best if _excess(choices[0], best) > SURE else choices[0]
 
 
-def sizes(options: Options) -> list[Options]:
-    """The other sizes, with everything else as it is."""
-    return [replace(options, sizes=size) for size in SIZES[1:]]
+def not_worse(choices: Sequence[Choice]) -> tuple[Choice, ...]:
+    """Those that are not surely worse than the best, which comes first."""
+    best = _smallest(choices)
+    return (best, *(choice for choice in choices if choice is not best and _excess(choice, best) <= SURE))
 
 
-def simplest(tried: Sequence[Choice]) -> Choice:
-    """The first of those whose error is within one standard error of the smallest; earlier ones are simpler."""
-    best = min(tried, key=lambda choice: float(choice.errors.mean()))
+def _smallest(choices: Sequence[Choice]) -> Choice:
+    return min(choices, key=lambda choice: float(choice.errors.mean()))
 
-    def near(choice: Choice) -> bool:
-        more = choice.errors - best.errors
-        return bool(more.mean() <= more.std(ddof=1) / np.sqrt(len(more)))
 
-    return next(choice for choice in tried if choice is best or near(choice))
+def _excess(choice: Choice, best: Choice) -> float:
+    """How much larger its error is, in standard errors of the difference over blocks."""
+    more = choice.errors - best.errors
+    spread = float(more.std(ddof=1)) / np.sqrt(len(more))
+    return float(more.mean()) / spread if spread > 0 else 0.0
 
 
 def cross_validated(series: Sequence[Series], target: str, options: Options) -> Choice:
-    """Predict each of `FOLDS` contiguous blocks by networks that have not seen it."""
+    """Predict contiguous blocks by networks that have not seen them, for every way of cutting in `FOLDS`."""
     learned = lessons(series, target, options)
-    fold = np.arange(len(learned.truth)) * FOLDS // len(learned.truth)
+    predictions = [_predicted(learned, options, folds, networks) for folds, networks in FOLDS]
+    squares = np.mean([(learned.truth - prediction) ** 2 for prediction in predictions], axis=0)
+    blocks = np.array_split(squares, max(len(squares) // learned.block_rows, 5))
+    score = float(np.mean([r2(learned.truth, prediction) for prediction in predictions]))
+    return Choice(options, np.array([block.mean() for block in blocks]), score)
+
+
+def _predicted(learned: Lessons, options: Options, folds: int, networks: int) -> FloatArray:
+    fold = np.arange(len(learned.truth)) * folds // len(learned.truth)
     prediction = np.empty_like(learned.truth)
-    for held_out in range(FOLDS):
+    for held_out in range(folds):
         kept = fold != held_out
-        fits = [learned.fit(kept, options, start) for start in range(FOLD_NETWORKS)]
+        fits = [learned.fit(kept, options, start) for start in range(networks)]
         prediction[~kept] = np.mean([network(learned.versions[0][~kept]) for network in fits], axis=0)
-    blocks = np.array_split((learned.truth - prediction) ** 2, max(len(prediction) // learned.block_rows, FOLDS))
-    return Choice(options, np.array([block.mean() for block in blocks]), r2(learned.truth, prediction))
+    return prediction
 
 
 def ensemble(
     series: Sequence[Series],
     target: str,
-    choice: tuple[Choice, Sequence[Choice]],
+    decision: Decision,
     seed: int,
     progress: Callable[[str], None] = lambda note: None,
 ) -> Compensator:
-    """The mean of `ENSEMBLE` networks from `seed` on, made as `choose` says."""
-    chosen, tried = choice
-    options, learned = replace(chosen.options, seed=seed), lessons(series, target, chosen.options)
-    everything, networks = np.ones(len(learned.truth), dtype=bool), []
-    for start in range(seed, seed + ENSEMBLE):
-        networks.append(learned.fit(everything, options, start))
-        progress(f"network {start}")
-    plain = learned.versions[0]
-    live = [network for network in networks if not network.is_dead(plain)] or networks
-    prediction = np.mean([network(plain) for network in live], axis=0)
+    """The mean of `ENSEMBLE` networks from `seed` on, shared out among the decision's members."""
+    best = decision.members[0]
+    whole = _union([choice.options.history for choice in decision.members])
+    lesson = [lessons(series, target, choice.options) for choice in decision.members]
+    blank = untrained(series, target, replace(best.options, history=whole))
+    features, truth = training_arrays(blank, series)
+    everything, networks = np.ones(len(truth), dtype=bool), []
+    for number in range(ENSEMBLE):
+        learned = lesson[number % len(lesson)]
+        options = decision.members[number % len(lesson)].options
+        network = learned.fit(everything, options, seed + number).absorbing(learned.shift, learned.scale)
+        networks.append(_widened(network, len(blank.alphas), options.history, whole))
+        progress(f"network {seed + number}")
+    live = [network for network in networks if not network.is_dead(features)] or networks
+    prediction = np.mean([network(features) for network in live], axis=0)
     fits = [Fit(network, np.empty(0)) for network in networks]
-    recipe = describe(series, options, fits, plain) | {
+    recipe = describe(series, best.options, fits, features) | {
         "method": "tuned",
         "engine": "fast",
         "restarts": ENSEMBLE,
-        "seed": options.seed,
-        "history": {name: list(values) for name, values in vars(options.history).items()},
-        "training_r2": r2(learned.truth, prediction),
-        "cross_validated_r2": chosen.r2,
-        "cross_validation": [_summary(choice) for choice in tried],
+        "seed": seed,
+        "training_r2": r2(truth, prediction),
+        "cross_validated_r2": best.r2,
+        "members": [_summary(choice) for choice in decision.members],
+        "cross_validation": [_summary(choice) for choice in decision.tried],
     }
-    trained = tuple(network.absorbing(learned.shift, learned.scale) for network in live)
-    return replace(learned.blank, networks=trained, recipe=recipe)
+    return replace(blank, networks=tuple(live), recipe=recipe)
 
 
-def _shifted(blank: Compensator, by: float) -> Compensator:
-    """Reads a conductance as if it were higher by `by` standard deviations."""
-    scaling = blank.scaling_in
-    return replace(blank, scaling_in=replace(scaling, mean=scaling.mean - by * scaling.scale))
+def _union(histories: Sequence[History]) -> History:
+    return History(
+        max((history.motion_taus_s for history in histories), key=len),
+        max((history.play_radii for history in histories), key=len),
+    )
+
+
+def _widened(network: Network, filters: int, own: History, whole: History) -> Network:
+    """The same network with the inputs of `whole`: those that it does not know have no weight."""
+    first = network.weights[0]
+    motions = len(own.motion_taus_s)
+    rows = [first[:filters]]
+    rows.append(
+        first[filters : filters + motions] if motions else np.zeros((len(whole.motion_taus_s), first.shape[1]))
+    )
+    rows.append(first[filters + motions :] if own.play_radii else np.zeros((len(whole.play_radii), first.shape[1])))
+    return replace(network, weights=(np.concatenate(rows), *network.weights[1:]))
 
 
 def _note(choice: Choice) -> str:

@@ -17,6 +17,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "-o", "--output", required=True, metavar="JSONL", help="results; an interrupted search resumes"
     )
     parser.add_argument("--seeds", type=int, default=5, metavar="K", help="seeds a candidate (default 5)")
+    parser.add_argument(
+        "--bases",
+        metavar="A,B,..",
+        help="widths of the first layer; default 2,4,8,12,16,24,32, which gives the paper's 114 networks",
+    )
     parser.add_argument("--sample", type=int, metavar="N", help="only N of the candidates, spread evenly")
     parser.add_argument("--engine", choices=("fast", "exact", "sklearn"), default="fast", help="default fast")
     parser.add_argument("--workers", type=int, default=2, metavar="N", help="processes (default 2)")
@@ -43,7 +48,7 @@ def run(args: argparse.Namespace) -> int:
             raise UserError(f"--{name} must be at least 1, got {getattr(args, name)}")
     paths = tuple(str(Path(path).resolve()) for path in args.recordings)
     task = search.Task(paths, args.gauge_length_mm, args.target, args.engine)
-    chosen = search.candidates()
+    chosen = search.candidates(_bases(args.bases) if args.bases else search.BASES)
     if args.sample:
         chosen = chosen[:: max(len(chosen) // args.sample, 1)][: args.sample]
     jobs = [(candidate, seed) for seed in range(args.seeds) for candidate in chosen]
@@ -62,6 +67,18 @@ def run(args: argparse.Namespace) -> int:
     print(_certainty(ranking, agreement, args.seeds))
     print(f"wrote {args.output}" + (f", {args.plot}" if args.plot else ""))
     return 0
+
+
+def _bases(text: str) -> tuple[int, ...]:
+    from gcode.support.errors import UserError
+
+    try:
+        bases = tuple(int(part) for part in text.split(","))
+    except ValueError:
+        bases = ()
+    if not bases or not all(2 <= base <= 256 for base in bases):
+        raise UserError(f"--bases must be whole numbers from 2 to 256 with commas, such as 4,8,16; got {text!r}")
+    return bases
 
 
 def _table(ranking) -> str:

@@ -33,6 +33,11 @@ def test_912_candidates_none_twice():
     assert min(min(candidate.sizes) for candidate in found) == 2
 
 
+@pytest.mark.parametrize(("base", "count"), [(2, 4), (3, 4), (4, 10), (7, 10), (8, 20), (33, 20)])
+def test_how_many_networks_a_base_gives(base, count):
+    assert len(search.hidden_layers([base])) == count
+
+
 def some_jobs(count: int = 3, seeds: int = 2):
     return [(candidate, seed) for seed in range(seeds) for candidate in search.candidates()[: count * 40 : 40]]
 
@@ -115,6 +120,8 @@ def test_command_prints_table_picture_and_certainty(task, tmp_path, capsys):
     assert len(out.read_text().splitlines()) == 1 + 8
     assert main([*words, "--seeds", "0", "-o", str(out)]) == 2
     assert "--seeds must be at least 1" in capsys.readouterr().err
+    assert main([*words, "--bases", "4,1", "-o", str(out)]) == 2
+    assert "--bases must be whole numbers from 2" in capsys.readouterr().err
 
 
 @pytest.mark.slow

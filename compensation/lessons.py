@@ -1,0 +1,91 @@
+"""What the tuned compensator's networks learn from, and how one of them is trained.
+
+The state of a knit is never the same twice: beside the recording as it is, there are versions of it with the
+conductance shifted a little up and down, so that a network learns from changes rather than from absolute values.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compensation.adam import BATCH, train_adam
+from compensation.compensator import Compensator
+from compensation.network import Network
+from compensation.preprocessing import Series
+from compensation.score import BLOCK_S
+from compensation.training import Options, training_arrays, untrained
+
+FloatArray = NDArray[np.float64]
+
+# The history's features are standardised to this spread: a little more penalised than the bank's, which have about 1.
+HISTORY_SPREAD = 0.5
+STATE_SHIFT = 0.1
+ROWS, SMALL_BATCH, RATE, AVERAGING, MAX_EPOCHS = 2_000, 40, 4e-3, 0.9, 1_000
+
+
+@dataclass(frozen=True)
+class Lessons:
+    """What networks learn from: features of the recording as it is, and with its conductance shifted.
+
+    Attributes
+    ----------
+    blank : Compensator
+        Scalers, bank and history.
+    versions : tuple of ndarray, each shape (n, k)
+        The first is the recording as it is.
+    truth : ndarray, shape (n,)
+        Standardised target.
+    shift, scale : ndarray, shape (k,)
+        ``versions`` hold ``(feature - shift) * scale``.
+    block_rows : int
+        Rows of a minute.
+    """
+
+    blank: Compensator
+    versions: tuple[FloatArray, ...]
+    truth: FloatArray
+    shift: FloatArray
+    scale: FloatArray
+    block_rows: int
+
+    def fit(self, kept: NDArray[np.bool_], options: Options, seed: int) -> Network:
+        """Train one network, on standardised features, on the rows that are kept."""
+        step = max(len(self.truth) // ROWS, 1)
+        # Each version is thinned out at rows of its own, so that together they cover the recording.
+        picks = [
+            np.arange(index * step // len(self.versions), len(kept), step) for index in range(len(self.versions))
+        ]
+        picks = [rows[kept[rows]] for rows in picks]
+        features = np.concatenate([version[rows] for version, rows in zip(self.versions, picks, strict=True)])
+        truth = np.concatenate([self.truth[rows] for rows in picks])
+        # MLPRegressor divides L2 by the batch size: as much of it here as in batches of its own size.
+        l2 = options.l2 * SMALL_BATCH / BATCH
+        network, _ = train_adam(
+            features, truth, options.sizes, seed, l2, MAX_EPOCHS, batch=SMALL_BATCH, rate=RATE, averaging=AVERAGING
+        )
+        return network
+
+
+def lessons(series: Sequence[Series], target: str, options: Options) -> Lessons:
+    """Features and target of all training recordings, one after the other."""
+    blank = untrained(series, target, options)
+    features, truth = training_arrays(blank, series)
+    shift, scale = np.zeros(blank.input_count), np.ones(blank.input_count)
+    own = features[:, len(blank.alphas) :]
+    shift[len(blank.alphas) :] = own.mean(axis=0)
+    scale[len(blank.alphas) :] = HISTORY_SPREAD / np.maximum(own.std(axis=0), 1e-9)
+    moved = [training_arrays(_shifted(blank, by), series)[0] for by in (STATE_SHIFT, -STATE_SHIFT)]
+    versions = tuple((values - shift) * scale for values in (features, *moved))
+    duration_s = sum(part.time_s[-1] - part.time_s[0] for part in series)
+    block_rows = max(int(len(truth) * BLOCK_S / duration_s), 1)
+    return Lessons(blank, versions, truth, shift, scale, block_rows)
+
+
+def _shifted(blank: Compensator, by: float) -> Compensator:
+    """Reads a conductance as if it were higher by `by` standard deviations."""
+    scaling = blank.scaling_in
+    return replace(blank, scaling_in=replace(scaling, mean=scaling.mean - by * scaling.scale))
