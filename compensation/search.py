@@ -22,6 +22,7 @@ from gcode.support.errors import UserError
 
 SHARES, MAX_LAYERS, SMALLEST_LAYER = (1.0, 0.5, 0.25), 4, 2
 BASES = (2, 4, 8, 12, 16, 24, 32)
+DASK_ROUND = 50
 BANKS = ((1.5, 7), (1.5, 14), (1.75, 7), (1.75, 10), (2.0, 7), (2.0, 9), (2.5, 5), (2.5, 7))
 
 
@@ -159,26 +160,35 @@ def _run(
 ) -> Iterator[dict[str, Any]]:
     from concurrent.futures.process import BrokenProcessPool
 
+    from joblib import Parallel, delayed
+
+    if backend == "dask":
+        yield from _on_cluster(task, jobs, workers, scheduler)
+        return
+    calls = (delayed(evaluate)(task, candidate, seed) for candidate, seed in jobs)
+    try:
+        yield from Parallel(n_jobs=workers, return_as="generator_unordered")(calls)
+    except BrokenProcessPool:
+        raise UserError(
+            "a worker process was killed (out of memory?); what was done is kept: run the search again to go on"
+        ) from None
+
+
+def _on_cluster(
+    task: Task, jobs: Sequence[tuple[Candidate, int]], workers: int, scheduler: str | None
+) -> Iterator[dict[str, Any]]:
     from joblib import Parallel, delayed, parallel_config
 
-    calls = [delayed(evaluate)(task, candidate, seed) for candidate, seed in jobs]
-    if backend != "dask":
-        try:
-            yield from Parallel(n_jobs=workers, return_as="generator_unordered")(calls)
-        except BrokenProcessPool:
-            raise UserError(
-                "a worker process was killed (out of memory?); what was done is kept: run the search again to go on"
-            ) from None
-        return
     try:
         from distributed import Client
     except ImportError:
         raise UserError("--backend dask needs dask: pip install 'knitbench[dask]'") from None
+    calls = [delayed(evaluate)(task, candidate, seed) for candidate, seed in jobs]
     with Client(scheduler) if scheduler else Client(n_workers=workers, threads_per_worker=1):
         # joblib's Dask backend returns lists only: go in rounds, so that a kill costs one round.
-        for begin in range(0, len(calls), 50):
+        for begin in range(0, len(calls), DASK_ROUND):
             with parallel_config(backend="dask"):
-                yield from Parallel()(calls[begin : begin + 50])
+                yield from Parallel()(calls[begin : begin + DASK_ROUND])
 
 
 def _open_results(path: Path, task: Task) -> list[dict[str, Any]]:

@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -65,7 +66,7 @@ def test_a_killed_worker_process_ends_the_sweep_with_a_sentence(task, undisturbe
 
     def kill_one(note, killed=[]):  # noqa: B006
         if not killed:
-            killed.append(next(iter(get_reusable_executor()._processes)))
+            killed.append(next(iter(get_reusable_executor(reuse=True)._processes)))
             os.kill(killed[0], signal.SIGKILL)
 
     results = tmp_path / "s.jsonl"
@@ -75,17 +76,21 @@ def test_a_killed_worker_process_ends_the_sweep_with_a_sentence(task, undisturbe
 
 
 @pytest.mark.filterwarnings("ignore")
-def test_a_killed_node_of_a_cluster_does_not_matter(task, undisturbed, tmp_path):
+def test_a_killed_node_of_a_cluster_does_not_matter(task, undisturbed, tmp_path, monkeypatch):
+    """Killed while it works on the second round; the cluster starts another, and every row is there."""
     distributed = pytest.importorskip("distributed")
+    monkeypatch.setattr(search, "DASK_ROUND", 16)
     with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
-        first = cluster.workers[0].pid
+        first, timers = cluster.workers[0].pid, []
 
-        def kill_one(note, killed=[]):  # noqa: B006
-            if not killed:
-                killed.append(first)
-                os.kill(first, signal.SIGKILL)
+        def kill_one(note):
+            if not timers:
+                timers.append(threading.Timer(0.2, os.kill, (first, signal.SIGKILL)))
+                timers[0].start()
 
         address = cluster.scheduler_address
         rows = search.sweep(task, JOBS, tmp_path / "s.jsonl", backend="dask", scheduler=address, progress=kill_one)
-        assert first not in [worker.pid for worker in cluster.workers.values()]
+        timers[0].join()
+    with pytest.raises(ProcessLookupError):
+        os.kill(first, 0)
     assert ordered(rows) == undisturbed
