@@ -5,8 +5,9 @@
     python datasets/tune_presets.py --fresh -o .   start from the plausible values, write ./pes.json and ./lycra.json
 
 Tuning moves each parameter as little from its plausible value as the figures allow (least squares with a prior) and
-starts from the preset as it is. It uses a quick stand-in for the paper's network, whose offset from the network is
-measured in between. T, A and B are consecutive campaigns of one sensor, with rests of 10 min between them.
+starts from the preset as it is; after a fresh start, run it again on its own result (same -o, no --fresh) until the
+table is good: the valley is long and bent. It uses a quick stand-in for the paper's network, whose offset from the
+network is measured in between. T, A and B are consecutive campaigns of one sensor, with rests of 10 min between them.
 """
 
 from __future__ import annotations
@@ -113,9 +114,10 @@ def steps_between(model: KnitModel, other: KnitModel) -> FloatArray:
     return np.array(steps)
 
 
-def model_in_file(name: str) -> KnitModel:
-    """The preset as it is."""
-    path = PRESETS / f"{name}.json"
+def model_in_file(name: str, folder: Path = PRESETS) -> KnitModel:
+    """The preset as it is in `folder`, or in the package if it is not there."""
+    path = folder / f"{name}.json"
+    path = path if path.is_file() else PRESETS / f"{name}.json"
     return model_from_dict(read_json(path, "preset"), load_catalogue(), str(path))
 
 
@@ -235,7 +237,7 @@ def main() -> int:
     args = parser.parse_args()
     fine = True
     for name in args.names:
-        model = model_in_file(name)
+        model = model_in_file(name, args.folder)
         if not args.check:
             model = tune(name, start_model(name) if args.fresh else model)
             write_json(args.folder / f"{name}.json", model.to_dict())
