@@ -13,9 +13,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from compensation.adam import train_adam
+from compensation.adam import BATCH, train_adam
 from compensation.compensator import Compensator
-from compensation.engines import MAX_EPOCHS, Fit
+from compensation.engines import Fit
+from compensation.lessons import AVERAGING, MAX_EPOCHS, RATE, SMALL_BATCH
+from compensation.network import Network
 from compensation.preprocessing import Series
 from compensation.score import r2
 from compensation.training import Options, describe, training_arrays, untrained
@@ -24,9 +26,10 @@ from testbench.knit.model import KnitModel
 FloatArray = NDArray[np.float64]
 
 TWIN_SEEDS = (901, 902, 903)
-# Few: two minutes correct the model's errors, but would also teach the network to forget the drift.
-FINISH_EPOCHS, NETWORKS = 20, 8
+# Two minutes correct the model's errors, but in many epochs would also teach the network to forget the drift.
+FINISH_EPOCHS, NETWORKS = (0, 5, 20, 60), 5
 SIZES, L2 = (16, 8), 0.1
+THINNING = 15
 
 
 def simulated(
@@ -64,6 +67,9 @@ def train_from_twin(
 ) -> Compensator:
     """Pre-train on the model's campaigns, finish on the measurement.
 
+    How long to finish is chosen on the measurement alone: pre-trained networks are finished on its first half for
+    each number of `FINISH_EPOCHS` and judged on the second.
+
     Parameters
     ----------
     model : KnitModel
@@ -74,22 +80,70 @@ def train_from_twin(
         Of the sensor; largest strain of the campaigns to come.
     """
     options = replace(options or Options(), sizes=SIZES, l2=L2)
+    return finished(pretrained(model, target, gauge_length_mm, amplitude, options, progress), measured, options)
+
+
+def pretrained(
+    model: KnitModel,
+    target: str,
+    gauge_length_mm: float,
+    amplitude: float,
+    options: Options,
+    progress: Callable[[str], None] = lambda note: None,
+) -> Compensator:
+    """Networks that know the model's campaigns only."""
     twins = simulated(model, target, gauge_length_mm, amplitude, options.rate_hz, TWIN_SEEDS)
     # Scales come from the twin: the measurement is too short to have seen the range that drift leads to.
     blank = untrained(twins, target, options)
     features, truth = training_arrays(blank, twins)
-    seen, wanted = training_arrays(blank, [measured])
-    fits = []
+    starts = []
     for seed in range(options.seed, options.seed + NETWORKS):
-        start, _ = train_adam(features, truth, options.sizes, seed, options.l2, MAX_EPOCHS)
-        fits.append(Fit(*train_adam(seen, wanted, options.sizes, seed, options.l2, FINISH_EPOCHS, start)))
+        starts.append(_learned(features[::THINNING], truth[::THINNING], seed, options))
         progress(f"network {seed}")
-    networks = tuple(fit.network for fit in fits if not fit.network.is_dead(features)) or (fits[0].network,)
+    live = tuple(network for network in starts if not network.is_dead(features)) or tuple(starts[:1])
+    return replace(blank, networks=live, recipe={"twin_campaigns": [part.source for part in twins]})
+
+
+def finished(start: Compensator, measured: Series, options: Options) -> Compensator:
+    """The same networks after some epochs on the measurement."""
+    seen, wanted = training_arrays(start, [measured])
+    starts = start.networks
+    epochs = _finishing_epochs(starts, seen, wanted, options)
+    networks = tuple(_finished(network, seen, wanted, epochs, options) for network in starts)
     mean = np.mean([network(seen) for network in networks], axis=0)
-    recipe = describe([measured], options, fits, seen) | {
-        "method": "twin",
-        "restarts": NETWORKS,
-        "training_r2": r2(wanted, mean),
-        "twin_campaigns": [part.source for part in twins],
-    }
-    return replace(blank, networks=networks, recipe=recipe)
+    fits = [Fit(network, np.empty(0)) for network in networks]
+    recipe = (
+        dict(start.recipe)
+        | describe([measured], options, fits, seen)
+        | {
+            "method": "twin",
+            "engine": "fast",
+            "restarts": NETWORKS,
+            "dead_networks": NETWORKS - len(starts),
+            "finishing_epochs": epochs,
+            "training_r2": r2(wanted, mean),
+        }
+    )
+    return replace(start, networks=networks, recipe=recipe)
+
+
+def _learned(features: FloatArray, truth: FloatArray, seed: int, options: Options) -> Network:
+    l2 = options.l2 * SMALL_BATCH / BATCH
+    return train_adam(
+        features, truth, options.sizes, seed, l2, MAX_EPOCHS, batch=SMALL_BATCH, rate=RATE, averaging=AVERAGING
+    )[0]
+
+
+def _finished(start: Network, seen: FloatArray, wanted: FloatArray, epochs: int, options: Options) -> Network:
+    return train_adam(seen, wanted, options.sizes, options.seed, options.l2, epochs, start)[0]
+
+
+def _finishing_epochs(starts: Sequence[Network], seen: FloatArray, wanted: FloatArray, options: Options) -> int:
+    """The number of epochs after which the first half of the measurement has taught most about the second."""
+    half = len(wanted) // 2
+
+    def error(epochs: int) -> float:
+        finished = [_finished(start, seen[:half], wanted[:half], epochs, options) for start in starts]
+        return float(np.mean((np.mean([network(seen[half:]) for network in finished], axis=0) - wanted[half:]) ** 2))
+
+    return min(FINISH_EPOCHS, key=error)

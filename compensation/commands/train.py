@@ -67,6 +67,7 @@ def run(args: argparse.Namespace) -> int:
     from compensation.scorecard import score_recordings
     from compensation.training import Options
 
+    _check(args)
     options = Options(
         sizes=parse_sizes(args.hidden),
         factor=args.factor,
@@ -88,7 +89,20 @@ def run(args: argparse.Namespace) -> int:
         f"{compensator.parameter_count} parameters, {recipe['dead_networks']} of {recipe['restarts']} starts dead"
         f"\nwrote {args.output}"
     )
+    if recipe["dead_networks"] == recipe["restarts"]:
+        note += "\nwarning: the network is dead, its output hardly moves: give another --seed or more --restarts"
     return finish(args, score_recordings(compensator, recordings), note)
+
+
+def _check(args: argparse.Namespace) -> None:
+    from gcode.support.errors import UserError
+
+    if args.restarts < 1:
+        raise UserError(f"--restarts must be at least 1, got {args.restarts}")
+    if not 0 <= args.l2 < float("inf"):
+        raise UserError(f"--l2 must be a number from 0 on, got {args.l2:g}")
+    if not 0 <= args.seed < 2**31:
+        raise UserError(f"--seed must be from 0 to 2147483647, got {args.seed}")
 
 
 def _from_data(args: argparse.Namespace, recordings: list[Recording], options: Options) -> Compensator:

@@ -9,8 +9,9 @@ import pytest
 
 from compensation import compensator_files
 from compensation.cli import main
+from compensation.preprocessing import series_of
 from compensation.scorecard import score_recordings
-from compensation.training import Options, train
+from compensation.training import Options, train, train_on_series
 from gcode.support.errors import UserError
 from testbench.recording_files import write_recording_csv
 
@@ -146,3 +147,35 @@ def test_the_measured_strip_whose_conductance_falls(real_folder):
     row = score_recordings(compensator, [test])["recordings"][0]
     assert row["r2_before"] < 0.55
     assert row["r2_after"] > 0.83
+
+
+def test_no_dead_network_is_kept_where_several_starts_are_asked_for(recordings):
+    """Seed 2 on is looked at when the first ones are dead; the publication's single start is kept as it is."""
+    series = [series_of(recordings[0].between(0, 60), "force", 20.0)]
+    single = [train_on_series(series, "force", Options(restarts=1, seed=seed, engine="fast")) for seed in range(12)]
+    dead = [one.recipe["dead_networks"] == 1 for one in single]
+    assert any(dead)
+    first_dead = dead.index(True)
+    options = Options(restarts=2, seed=first_dead, engine="fast")
+    found = train_on_series(series, "force", options)
+    assert found.recipe["dead_networks"] < found.recipe["restarts"]
+
+
+@pytest.mark.parametrize(
+    ("words", "match"),
+    [
+        (["--restarts", "0"], "--restarts must be at least 1"),
+        (["--l2", "-1"], "--l2 must be"),
+        (["--seed", "-5"], "--seed must be"),
+        (["--factor", "0.5"], "must be a number above 1"),
+        (["--hidden", "4,x"], "--hidden must be"),
+        (["--engine", "foo"], "--engine must be"),
+    ],
+)
+def test_settings_that_make_no_sense_are_refused(recordings, tmp_path, capsys, words, match):
+    path = tmp_path / "r.csv"
+    write_recording_csv(path, recordings[0].between(0, 30))
+    start = ["train", str(path), "--gauge-length-mm", "25", "--target", "force", "-o", str(tmp_path / "c.json")]
+    assert main([*start, *words]) == 2
+    assert match in capsys.readouterr().err
+    assert not (tmp_path / "c.json").exists()

@@ -1,0 +1,92 @@
+"""From the twin: two minutes of measurement with a fitted knit model behind them, and without.
+
+    python benchmarks/bench_twin.py [--trials 5] [--campaigns DIR]
+
+A trial is one campaign number (simulated sensors: the first 2 min of T) or one window (measured strip: five windows
+of 2 min of its training recording). The baseline model is fitted on those 2 min, as `testbench fit` does; the twin is
+pre-trained on campaigns simulated from it and finished on the same 2 min. All are scored on the whole of A and B.
+"""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from compensation import reproduction as ours
+from compensation import twin
+from compensation.paper_campaigns import TAB, campaigns
+from compensation.preprocessing import TARGETS, series_of
+from compensation.training import Options, train_on_series
+from testbench.discrepancy.baseline import starting_baseline
+from testbench.discrepancy.fit import fit
+from testbench.discrepancy.measurement import coarser, prepare
+from testbench.recording import Recording, read_recording
+
+STRIP = Path(__file__).resolve().parents[1] / "../shared/data/real/cb_silicone_strip"
+STRIP_RUNS = ("cb7.5_s2_multisine_600s", "cb7.5_s2_multisine_300s_a", "cb7.5_s2_random_sawtooth_a")
+NUMBERS = (21, 22, 23, 11, 12)
+SHORT_S = 120.0
+METHODS = ("best of 5", "tuned", "twin", "not finished")
+
+
+class Trial(NamedTuple):
+    """Two minutes to learn from, recordings to be judged on, and the largest strain in them."""
+
+    short: Recording
+    tests: list[Recording]
+    amplitude: float
+
+
+def trials(sensor: str, folder: Path, count: int) -> Iterator[Trial]:
+    """The trials of one sensor."""
+    if sensor == "strip":
+        long, *tests = (read_recording(STRIP / f"{name}.csv", 40.0) for name in STRIP_RUNS)
+        for index in range(count):
+            yield Trial(long.between(SHORT_S * index, SHORT_S * (index + 1)), tests, 0.25)
+        return
+    for number in NUMBERS[:count]:
+        long, *tests = campaigns(folder, sensor, runs=TAB, number=number).values()
+        yield Trial(long.between(0.0, SHORT_S), tests, 0.3)
+
+
+def scores(trial: Trial, target: str) -> list[float]:
+    """Mean r2 over the tests, in the order of `METHODS`."""
+    options = Options()
+    measured = series_of(trial.short, target, options.rate_hz)
+    tests = [series_of(recording, target, options.rate_hz) for recording in trial.tests]
+    measurement = prepare(trial.short)
+    model = fit(starting_baseline(measurement), [coarser(measurement, 10.0)]).model
+    own = replace(options, sizes=twin.SIZES, l2=twin.L2)
+    unfinished = twin.pretrained(model, target, trial.short.gauge_length_mm, trial.amplitude, own)
+    with_twin = twin.finished(unfinished, measured, own)
+    rivals = [train_on_series([measured], target, options), ours.tuned(measured, target), with_twin, unfinished]
+    return [float(np.mean(ours.scores_of(one, tests))) for one in rivals]
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--trials", type=int, default=5, choices=range(1, 6))
+    parser.add_argument("--campaigns", type=Path, default=Path(tempfile.gettempdir()) / "knitbench-bench")
+    parser.add_argument("--sensor", choices=("pes", "lycra", "strip"), action="append", help="default: all three")
+    args = parser.parse_args()
+    args.campaigns.mkdir(parents=True, exist_ok=True)
+    print(f"mean r2 over A and B after {SHORT_S:g} s of measurement; {args.trials} trials: mean (worst), then each")
+    print(f"{'sensor':6} {'target':12}" + "".join(f" {name:>16}" for name in METHODS) + "  twin less tuned, each")
+    for sensor in args.sensor or ("pes", "lycra", "strip"):
+        if sensor == "strip" and not STRIP.is_dir():
+            continue
+        for target in TARGETS:
+            found = np.array([scores(trial, target) for trial in trials(sensor, args.campaigns, args.trials)])
+            cells = [f"{column.mean():.3f} ({column.min():.3f})" for column in found.T]
+            gains = " ".join(f"{gain:+.2f}" for gain in found[:, 2] - found[:, 1])
+            print(f"{sensor:6} {target:12}" + "".join(f" {cell:>16}" for cell in cells) + f"  {gains}", flush=True)
+
+
+if __name__ == "__main__":
+    main()
