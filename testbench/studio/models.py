@@ -28,14 +28,21 @@ def diagnosis_path(studio: Studio, c: str) -> Path:
 
 
 def held_out_choices(studio: Studio, c: str) -> list[str]:
-    """The last third, and campaigns of the same gauge length, which errors may be judged on."""
+    """The last third, and campaigns of the same gauge length, which errors may be judged on; same specimen first."""
+    same, others = companions(studio, c)
+    return [LAST_THIRD, *same, *others]
+
+
+def companions(studio: Studio, c: str) -> tuple[list[str], list[str]]:
+    """Other campaigns of the same gauge length: those of the same specimen, and the rest."""
     own = studio.workspace.campaign(c)
-    others = [
-        other.name
+    found = [
+        other
         for other in studio.workspace.campaigns()
         if other.name != c and other.gauge_length_mm == own.gauge_length_mm
     ]
-    return [LAST_THIRD, *others]
+    same = [other.name for other in found if other.specimen == own.specimen]
+    return same, [other.name for other in found if other.name not in same]
 
 
 def held_out_of(studio: Studio, c: str) -> str:

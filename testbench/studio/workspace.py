@@ -29,12 +29,18 @@ class Campaign:
     origin : str
         ``simulated``, ``recorded`` or ``imported``, as its manifest says; ``""`` when it does not.
     gauge_length_mm : float or None
+    status : str
+        ``complete``, or how it ended; ``recording`` while it is under way, or when it was killed.
+    specimen : str
+        Sensor of the simulated rig, or what was said to be in the clamps; may be empty.
     """
 
     name: str
     folder: Path
     origin: str
     gauge_length_mm: float | None
+    status: str = ""
+    specimen: str = ""
 
 
 class Workspace:
@@ -72,9 +78,10 @@ class Workspace:
     def _describe(self, folder: Path) -> Campaign:
         name = folder.relative_to(self.root).as_posix()
         try:
-            recipe = read_json(folder / MANIFEST, "campaign manifest")["knitbench"]
-            return Campaign(name, folder, str(recipe.get("origin", "")), float(recipe["gauge_length_mm"]))
-        except (UserError, KeyError, TypeError, ValueError):
+            made = read_json(folder / MANIFEST, "campaign manifest")["knitbench"]
+            words = (str(made.get("status", "")), str(made["recipe"].get("sensor") or ""))
+            return Campaign(name, folder, str(made.get("origin", "")), float(made["gauge_length_mm"]), *words)
+        except (UserError, AttributeError, KeyError, TypeError, ValueError):
             return Campaign(name, folder, "", None)
 
     def campaign(self, name: str) -> Campaign:

@@ -44,6 +44,8 @@ class _Card:
             with ui.row().classes("items-center gap-2"):
                 if campaign.origin:
                     ui.label(campaign.origin).classes("tag")
+                if campaign.status not in ("", "complete"):
+                    ui.label(campaign.status).classes("tag bad")
                 self.facts = ui.label("").classes("quiet text-sm")
 
     async def fill(self, studio: Studio, campaign: Campaign) -> None:

@@ -13,7 +13,7 @@ from gcode.support.files import read_json
 from testbench.report import compensator_figures as figures
 from testbench.report.sections import short_name
 from testbench.studio.jobs import Job, State
-from testbench.studio.models import held_out_choices
+from testbench.studio.models import companions
 from testbench.studio.picture import plot
 from testbench.studio.studio import Studio
 from testbench.studio.widgets import address, attempt, campaign_head, facts, guarded, job_card, later, subheading
@@ -58,8 +58,9 @@ def _form(studio: Studio, c: str, target: str) -> None:
         with ui.row().classes("items-center"):
             aim = ui.select(TARGETS, value=target, label="Predict").props("outlined dense").style("width:150px")
             network = ui.select(NETWORKS, value="4,2,2", label="Network").props("outlined dense").style("width:190px")
-            others = held_out_choices(studio, c)[1:]
-            judged = ui.select(others, value=others[:4], multiple=True, label="Judged on").props("outlined dense")
+            same, rest = companions(studio, c)
+            others = [*same, *rest]
+            judged = ui.select(others, value=same[:4], multiple=True, label="Judged on").props("outlined dense")
             judged.style("min-width:280px").props("use-chips")
         if not others:
             alone = "No other campaign has this gauge length: the score will be that of the training itself."

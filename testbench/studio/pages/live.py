@@ -23,6 +23,7 @@ from testbench.studio.widgets import address, aside, attempt, trouble
 KEY = "record"  # one recording at a time
 RIG = "rig"  # the simulated one, where it is behind the port
 REFRESH_S = 0.5
+ENDS = {"interrupted": "stopped by you, every sample is on disk", "alarm": "stopped by a limit"}
 UNFINISHED = ("interrupted", "port lost", "disk full")
 
 
@@ -50,22 +51,23 @@ class Live:
 
     async def _stop(self) -> None:
         self.stop.disable()
+        self.stop.set_text("Stopping …")
         await self.studio.jobs.cancel(self.job)
         rig = self.studio.jobs.find(RIG)
         if rig:
             await self.studio.jobs.cancel(rig)
 
     async def _look(self) -> None:
-        running = self.job.running  # asked before the look, so that the last look sees all
+        over = self.job.ended_s is not None  # asked before the look, so that the last look sees all
         self.due = await aside(self.follower.look) or self.due
         self.facts.set_content(facts_in_words(self.job.latest))
         self.bar.set_value(self.job.share or 0.0)
         said = str(self.job.latest.get("message") or "")
         self.news.set_text(said)
-        self.news.set_visibility(bool(said) and running)
+        self.news.set_visibility(bool(said) and not over)
         if self.due and self.plot.follow(live(self._channels())):
             self.due = False
-        if not running:
+        if over:
             self._ended()
 
     def _channels(self) -> list[LiveChannel]:
@@ -95,7 +97,7 @@ class Live:
             if self.job.state is State.FAILED:
                 trouble(said or self.job.problem, "Every sample up to that moment is on disk.")
             else:
-                ui.label(f"{self.job.title}: {state}. {said}").classes("verdict")
+                ui.label(f"{self.job.title}: {ENDS.get(state, state)}. {said}").classes("verdict")
             with ui.row():
                 self._ways_on(state)
 
