@@ -149,9 +149,10 @@ def at_a_glance(both: Overlay, steps: Sequence[Step], span_s: tuple[float, float
     rows = window(both.time_s, *span_s)
     traces: list[dict[str, Any]] = []
     axes: dict[str, Any] = {}
-    height = (1 - 0.08 * (len(channels) - 1)) / len(channels)
+    gap = 0.15  # room for names of steps on two lines
+    height = (1 - gap * (len(channels) - 1)) / len(channels)
     for row, channel in enumerate(channels):
-        top = 1 - row * (height + 0.08)
+        top = 1 - row * (height + gap)
         domain = [max(top - height, 0.0), max(top, 0.0)]
         left, right = 2 * row, 2 * row + 1
         traces += _measured_against_modelled(both, channel, rows, left)
@@ -162,9 +163,7 @@ def at_a_glance(both: Overlay, steps: Sequence[Step], span_s: tuple[float, float
     shapes = [_floor(2 * row + 1, steps[-1].noise_floor.get(c, 0.0)) for row, c in enumerate(channels)]
     notes = [_floor_note(2 * row + 1, c, steps) for row, c in enumerate(channels)]
     notes.append(style.note("<b>Held-out error</b>", 0.68, 1.0, xanchor="left", yanchor="bottom"))
-    figure = style.figure(traces, height=230 * len(channels) + 60, shapes=shapes, annotations=notes, **axes)
-    figure["layout"]["legend"] |= {"x": 0, "xanchor": "left"}
-    return figure
+    return style.figure(traces, height=240 * len(channels) + 60, shapes=shapes, annotations=notes, **axes)
 
 
 def _measured_against_modelled(both: Overlay, channel: str, rows: slice, axis: int) -> list[dict[str, Any]]:

@@ -14,6 +14,7 @@ from testbench.knit.catalogue import Catalogue, model_from_dict
 from testbench.knit.model import KnitModel
 from testbench.report.comparison_figures import Overlay
 from testbench.report.ladder_figures import Step
+from testbench.report.words import spoken
 
 
 def overlay_of(
@@ -64,7 +65,7 @@ def steps_of(history: Sequence[Mapping[str, Any]]) -> list[Step]:
 def step_label(step: str) -> str:
     """Short name of a step: several shapes of the base laws are one thing to a reader."""
     names = step.removeprefix("+ ").split(", ")
-    return "+ base shapes" if len(names) > 1 and all(name.endswith("_shape") for name in names) else step
+    return "+ base shapes" if len(names) > 1 and all(name.endswith("_shape") for name in names) else spoken(step)
 
 
 def models_of(file: ModelFile, catalogue: Catalogue) -> dict[str, KnitModel]:

@@ -243,4 +243,4 @@ def test_a_base_that_misfits_is_said() -> None:
 
 def test_several_shapes_are_one_step_to_a_reader() -> None:
     assert overlays.step_label("+ elasticity_shape, drift_shape") == "+ base shapes"
-    assert overlays.step_label("+ stress_relaxation") == "+ stress_relaxation"
+    assert overlays.step_label("+ stress_relaxation") == "+ stress relaxation"
