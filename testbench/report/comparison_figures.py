@@ -1,4 +1,4 @@
-"""Figures of a model against a measurement: both over time, the residual, and where it sits. No files, no fitting."""
+"""Figures of a model against a measurement: both over time, the residual under each, loops. No files, no fitting."""
 
 from __future__ import annotations
 
@@ -17,20 +17,6 @@ FloatArray = NDArray[np.float64]
 
 CHANNEL_TITLES = {"force": "Force / N", "conductance": "ln (G / S)"}
 RESIDUAL_TITLES = {"force": "Residual / N", "conductance": "Residual / ln S"}
-COORDINATE_TITLES = {
-    "strain": "Strain",
-    "strain_rate": "Strain rate / 1/s",
-    "elapsed_s": "Elapsed time / s",
-    "largest_strain": "Largest strain so far",
-    "since_reversal_s": "Since the last reversal / s",
-    "since_hold_s": "Into a hold / s",
-    "cycle": "Cycle",
-    "temperature_C": "Temperature / °C",
-}
-LOG_COORDINATES = ("since_reversal_s", "since_hold_s")
-DIRECTIONS = ((1, "stretching", style.BLUE, "triangle-up"), (-1, "releasing", style.VERMILION, "diamond"))
-HEAT_BINS = 24
-FEW = 8  # cells of a map with fewer samples are left blank
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,137 +142,6 @@ def _held_out_shade(both: Overlay, rows: Sequence[str], end_s: float | None) -> 
     return [
         shade | {"x0": both.held_out_from_s, "x1": float(both.time_s[-1]), "line": {"width": 0}, "layer": "below"}
     ]
-
-
-def residual_profiles(maps: Mapping[str, Sequence[Mapping[str, Any]]], channel: str) -> style.Figure:
-    """Mean residual over each coordinate with two standard errors, stretching and releasing apart.
-
-    Parameters
-    ----------
-    maps : mapping of coordinate to cells
-        As in ``testbench compare --json``: each cell has low, high, direction, mean, standard_error.
-    channel : str
-        ``force`` or ``conductance``.
-    """
-    shown = [name for name in COORDINATE_TITLES if len(maps.get(name, ())) > 1]
-    columns = 3
-    traces: list[dict[str, Any]] = []
-    for index, coordinate in enumerate(shown):
-        traces += _profile(maps[coordinate], coordinate, index)
-    axes = _grid_axes(shown, columns, channel)
-    count = -(-len(shown) // columns)
-    return style.figure(_legend_once(traces), height=230 * max(count, 1) + 60, **axes)
-
-
-def _profile(cells: Sequence[Mapping[str, Any]], coordinate: str, index: int) -> list[dict[str, Any]]:
-    split = any(cell["direction"] for cell in cells)
-    groups = DIRECTIONS if split else ((0, "both directions", style.INK, "circle"),)
-    traces = []
-    for direction, name, colour, symbol in groups:
-        mine = [cell for cell in cells if cell["direction"] == direction]
-        if not mine:
-            continue
-        traces.append(
-            {
-                "type": "scatter",
-                "mode": "lines+markers",
-                "name": name,
-                "x": np.array([_centre(cell, coordinate) for cell in mine]),
-                "y": np.array([cell["mean"] for cell in mine]),
-                "error_y": {"array": np.array([2 * cell["standard_error"] for cell in mine]), "color": colour},
-                "marker": {"size": 6, "symbol": symbol, "color": colour},
-                "line": {"width": 1, "color": colour},
-                "xaxis": style.x_ref(index),
-                "yaxis": style.y_ref(index),
-                "hovertemplate": "%{y:.3g} at %{x:.3g}",
-                "showlegend": True,
-            }
-        )
-    return traces
-
-
-def _centre(cell: Mapping[str, Any], coordinate: str) -> float:
-    low, high = float(cell["low"]), float(cell["high"])
-    if coordinate in LOG_COORDINATES:
-        return float(np.sqrt(max(low, high / 20, 1e-3) * max(high, 1e-3)))
-    return (low + high) / 2
-
-
-def _legend_once(traces: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    seen: set[str] = set()
-    for trace in traces:
-        trace["showlegend"] = trace["name"] not in seen
-        seen.add(trace["name"])
-    return traces
-
-
-def _grid_axes(coordinates: list[str], columns: int, channel: str) -> dict[str, Any]:
-    rows = max(-(-len(coordinates) // columns), 1)
-    width, height = (1 - 0.07 * (columns - 1)) / columns, (1 - 0.2 * (rows - 1)) / rows
-    axes = {}
-    for index, coordinate in enumerate(coordinates):
-        row, column = divmod(index, columns)
-        left, top = column * (width + 0.07), 1 - row * (height + 0.2)
-        x_domain, y_domain = [left, min(left + width, 1.0)], [max(top - height, 0.0), max(top, 0.0)]
-        kind = {"type": "log", "dtick": 1} if coordinate in LOG_COORDINATES else {}
-        tick = {"tickformat": ".0%"} if coordinate in ("strain", "largest_strain") else {}
-        axes[style.axis_key("xaxis", index)] = style.axis(
-            COORDINATE_TITLES[coordinate], domain=x_domain, anchor=style.y_ref(index), **kind, **tick
-        )
-        axes[style.axis_key("yaxis", index)] = style.axis(
-            RESIDUAL_TITLES[channel] if column == 0 else "",
-            domain=y_domain,
-            anchor=style.x_ref(index),
-            zeroline=True,
-            zerolinecolor=style.FAINT,
-        )
-    return axes
-
-
-def residual_heat_maps(both: Overlay, label: str | None = None) -> style.Figure:
-    """Mean residual over strain and strain rate, one map a channel: blue where the model is too high."""
-    rate = np.gradient(both.strain, both.time_s)
-    limit = float(np.quantile(np.abs(rate), 0.995)) or 1.0
-    inside = np.abs(rate) <= limit
-    panels = [("Strain / %", "Strain rate / %/s" if i == 0 else "") for i in range(len(both.measured))]
-    traces = []
-    for column, channel in enumerate(both.measured):
-        x, y, z = _heat(100 * both.strain[inside], 100 * rate[inside], both.residual(channel, label)[inside])
-        size = float(np.nanquantile(np.abs(z), 0.98)) if np.isfinite(z).any() else 1.0
-        traces.append(
-            {
-                "type": "heatmap",
-                "x": x,
-                "y": y,
-                "z": z,
-                "zmin": -size,
-                "zmax": size,
-                "colorscale": style.DIVERGING,
-                "xaxis": style.x_ref(column),
-                "yaxis": style.y_ref(column),
-                "colorbar": {
-                    "title": {"text": "N" if channel == "force" else "ln S"},
-                    "thickness": 10,
-                    "outlinewidth": 0,
-                    "x": (1.0 if column == len(both.measured) - 1 else 0.42) + 0.01,
-                },
-                "hovertemplate": "strain %{x:.1f} %, rate %{y:.2f} %/s: %{z:.3g}<extra></extra>",
-            }
-        )
-    axes = style.side_by_side_axes(panels, gap=0.16)
-    notes = [
-        style.note(f"<b>{channel}</b>: measured minus modelled", index * 0.58, 1.0, xanchor="left", yanchor="bottom")
-        for index, channel in enumerate(both.measured)
-    ]
-    return style.figure(traces, height=360, margin={"l": 64, "r": 80, "t": 36, "b": 44}, annotations=notes, **axes)
-
-
-def _heat(x: FloatArray, y: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    counts, x_edges, y_edges = np.histogram2d(x, y, bins=HEAT_BINS)
-    sums, _, _ = np.histogram2d(x, y, bins=(x_edges, y_edges), weights=z)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        means = np.where(counts >= FEW, sums / counts, np.nan)
-    return (x_edges[1:] + x_edges[:-1]) / 2, (y_edges[1:] + y_edges[:-1]) / 2, means.T
 
 
 def modelled_loops(both: Overlay) -> style.Figure:

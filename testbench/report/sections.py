@@ -13,6 +13,7 @@ from testbench.report import (
     diagnosis_figures,
     ladder_figures,
     recording_figures,
+    residual_figures,
     words,
 )
 from testbench.report.comparison_figures import Overlay
@@ -58,10 +59,10 @@ def comparison_section(both: Overlay, comparison: Mapping[str, Any]) -> Section:
     items.append(Picture("comparison-time", comparison_figures.overlay(both), caption))
     items.append(Picture("comparison-loops", comparison_figures.modelled_loops(both), "The same as loops."))
     caption = "Residual over strain and strain rate: orange where the model is too low, blue where it is too high."
-    items.append(Picture("comparison-map", comparison_figures.residual_heat_maps(both), caption))
+    items.append(Picture("comparison-map", residual_figures.heat_maps(both), caption))
     for channel, entry in comparison["channels"].items():
         caption = f"Mean residual of the {channel} over each coordinate, with two standard errors."
-        figure = comparison_figures.residual_profiles(entry["maps"], channel)
+        figure = residual_figures.profiles(entry["maps"], channel)
         items.append(Picture(f"comparison-{channel}", figure, caption))
     return Section("Where the model fails", items)
 

@@ -10,6 +10,7 @@ from typing import Any
 from nicegui import ui
 
 from testbench.report import comparison_figures as figures
+from testbench.report import residual_figures
 from testbench.report.comparison_figures import Overlay
 from testbench.studio.memory import stamp
 from testbench.studio.models import add_fit_form, model_path
@@ -47,10 +48,10 @@ async def page(studio: Studio, c: str = "", on: str = "") -> None:
 
 def _below(view: View) -> None:
     plot(figures.modelled_loops(view.both), "The same as hysteresis loops, three half minutes.")
-    plot(figures.residual_heat_maps(view.both), "Orange where the model is too low, blue where it is too high.")
+    plot(residual_figures.heat_maps(view.both), "Orange where the model is too low, blue where it is too high.")
     for channel, entry in view.comparison["channels"].items():
         caption = f"Mean residual of the {channel} over each coordinate, with two standard errors."
-        plot(figures.residual_profiles(entry["maps"], channel), caption)
+        plot(residual_figures.profiles(entry["maps"], channel), caption)
 
 
 def _choose(studio: Studio, c: str, on: str) -> None:

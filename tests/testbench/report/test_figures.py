@@ -20,6 +20,7 @@ from testbench.report import (
     live_figures,
     overlays,
     recording_figures,
+    residual_figures,
     trajectory_figures,
     words,
 )
@@ -46,10 +47,8 @@ FIGURES: dict[str, Callable[[], Figure | None]] = {
     "overlay": lambda: comparison_figures.overlay(samples.overlay()),
     "overlay, a stretch": lambda: comparison_figures.overlay(samples.overlay(), 20.0, 40.0),
     "modelled loops": lambda: comparison_figures.modelled_loops(samples.overlay()),
-    "heat maps": lambda: comparison_figures.residual_heat_maps(samples.overlay(), "baseline"),
-    "profiles": lambda: comparison_figures.residual_profiles(
-        samples.comparison()["channels"]["force"]["maps"], "force"
-    ),
+    "heat maps": lambda: residual_figures.heat_maps(samples.overlay(), "baseline"),
+    "profiles": lambda: residual_figures.profiles(samples.comparison()["channels"]["force"]["maps"], "force"),
     "ladder": lambda: ladder_figures.ladder(samples.steps(), current=0),
     "at a glance": lambda: ladder_figures.at_a_glance(samples.overlay(), samples.steps(), (20.0, 60.0)),
     "scores": lambda: compensator_figures.before_and_after(

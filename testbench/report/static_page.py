@@ -1,0 +1,167 @@
+"""The paper of a figure that matplotlib draws: axes placed by their domain, legend, shapes, annotations."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from testbench.report import style
+
+DASHES = {"dash": "--", "dot": ":", "dashdot": "-.", "solid": "-"}
+
+
+class Page:
+    """Where the axes lie on the paper."""
+
+    def __init__(self, drawing, layout: dict[str, Any], width_px: float, height_px: float) -> None:
+        self.drawing, self.layout = drawing, layout
+        margin = layout.get("margin", {})
+        self.left, self.right = margin.get("l", 60) / width_px, 1 - margin.get("r", 20) / width_px
+        self.bottom, self.top = margin.get("b", 40) / height_px, 1 - margin.get("t", 30) / height_px
+        self._axes: dict[tuple[str, str], Any] = {}
+
+    def place(self, x: float, y: float) -> tuple[float, float]:
+        """From Plotly's paper coordinates to the figure's."""
+        return self.left + x * (self.right - self.left), self.bottom + y * (self.top - self.bottom)
+
+    def axes_of(self, trace: dict[str, Any]):
+        key = (trace.get("xaxis", "x"), trace.get("yaxis", "y"))
+        if key not in self._axes:
+            self._axes[key] = self._make(*key)
+        return self._axes[key]
+
+    def _make(self, x_name: str, y_name: str):
+        x_axis, y_axis = self.axis(x_name), self.axis(y_name)
+        (x0, x1), (y0, y1) = x_axis.get("domain", [0, 1]), y_axis.get("domain", [0, 1])
+        left, bottom = self.place(x0, y0)
+        right, top = self.place(x1, y1)
+        shared = next((axes for (name, _), axes in self._axes.items() if name == x_name), None)
+        axes = self.drawing.add_axes((left, bottom, right - left, top - bottom), sharex=shared)
+        axes.spines[["top", "right"]].set_visible(False)
+        axes.spines[["left", "bottom"]].set_color(style.FAINT)
+        axes.grid(color=style.RULE, linewidth=0.6)
+        axes.set_axisbelow(True)
+        axes.margins(x=0.02)
+        axes.tick_params(colors=style.MUTED, labelsize=8)
+        _dress(axes.xaxis, axes.set_xscale, axes.set_xlim, x_axis)
+        _dress(axes.yaxis, axes.set_yscale, axes.set_ylim, y_axis)
+        if x_axis.get("anchor", "y") != y_name:  # the shared axis is written once, under the row it belongs to
+            axes.set_xlabel("")
+            axes.tick_params(labelbottom=False)
+        return axes
+
+    def axis(self, name: str) -> dict[str, Any]:
+        return self.layout.get(f"{name[0]}axis{name[1:]}", {})
+
+    def finish(self, data: list[dict[str, Any]]) -> None:
+        """Title, legend, shapes and annotations."""
+        for shape in self.layout.get("shapes", []):
+            self._shape(shape)
+        for item in self.layout.get("annotations", []):
+            self._annotation(item)
+        title = self.layout.get("title", {}).get("text")
+        if title:
+            self.drawing.text(self.left, 0.985, title, ha="left", va="top", fontsize=11, color=style.INK)
+        if self.layout.get("showlegend"):
+            self._legend(data)
+
+    def _legend(self, data: list[dict[str, Any]]) -> None:
+        handles, names = [], []
+        for axes in self._axes.values():
+            found, labels = axes.get_legend_handles_labels()
+            for handle, name in zip(found, labels, strict=True):
+                if name not in names:
+                    handles.append(handle)
+                    names.append(name)
+        if handles:
+            _, top = self.place(0, 1)
+            left = self.layout.get("legend", {}).get("xanchor") == "left"
+            place, anchor = ("lower left", (self.left, top)) if left else ("lower right", (self.right, top))
+            look = {"ncols": len(names), "frameon": False, "fontsize": 8.5}
+            self.drawing.legend(handles, names, loc=place, bbox_to_anchor=anchor, **look)
+
+    def _target(self, item: dict[str, Any]):
+        x_name, y_name = item.get("xref", "x"), item.get("yref", "y")
+        wanted = (x_name.removesuffix(" domain"), y_name.removesuffix(" domain"))
+        return next(
+            axes
+            for (x, y), axes in self._axes.items()
+            if wanted[0] in (x, "paper") and (wanted[1] in (y, "paper") or y_name.endswith("domain"))
+        )
+
+    def _shape(self, shape: dict[str, Any]) -> None:
+        line = shape.get("line", {})
+        look = {"color": line.get("color", style.INK), "linewidth": line.get("width", 1)}
+        for axes in self._shape_axes(shape):
+            if shape["type"] == "rect" and shape.get("yref", "").endswith(("paper", "domain")):
+                axes.axvspan(
+                    shape["x0"], shape["x1"], color=shape["fillcolor"], alpha=shape.get("opacity", 1), lw=0, zorder=0
+                )
+            elif shape["type"] == "rect":
+                axes.axhspan(
+                    shape["y0"], shape["y1"], color=shape["fillcolor"], alpha=shape.get("opacity", 1), lw=0, zorder=0
+                )
+            elif shape.get("xref", "x").endswith(("paper", "domain")):
+                axes.axhline(shape["y0"], linestyle=DASHES[line.get("dash", "solid")], **look)
+            elif shape.get("yref", "y").endswith(("paper", "domain")):
+                axes.axvline(shape["x0"], linestyle=DASHES[line.get("dash", "solid")], **look)
+            else:
+                axes.plot(
+                    [shape["x0"], shape["x1"]],
+                    [shape["y0"], shape["y1"]],
+                    linestyle=DASHES[line.get("dash", "solid")],
+                    **look,
+                )
+
+    def _shape_axes(self, shape: dict[str, Any]) -> list[Any]:
+        if shape.get("yref") == "paper":
+            return [axes for (x, _), axes in self._axes.items() if x == shape.get("xref", "x")]
+        return [self._target(shape)]
+
+    def _annotation(self, item: dict[str, Any]) -> None:
+        font = item.get("font", {})
+        look = {
+            "fontsize": 0.75 * font.get("size", 12),
+            "color": font.get("color", style.INK),
+            "ha": {"left": "left", "right": "right"}.get(item.get("xanchor", ""), "center"),
+            "va": {"top": "top", "bottom": "bottom"}.get(item.get("yanchor", ""), "center"),
+            "weight": "bold" if item["text"].startswith("<b>") else "normal",
+        }
+        text = plain(item["text"])
+        if item.get("xref") == "paper" and item.get("yref") == "paper":
+            self.drawing.text(*self.place(item["x"], item["y"]), text, **look)
+            return
+        axes = self._target(item)
+        coords = ("axes fraction" if item.get("xref", "x").endswith(("paper", "domain")) else "data",
+                  "axes fraction" if item.get("yref", "y").endswith(("paper", "domain")) else "data")  # fmt: skip
+        offset = (item.get("xshift", 0) * 0.72, item.get("yshift", 0) * 0.72)
+        # On a logarithmic axis Plotly counts an annotation's place in decades.
+        x = 10 ** item["x"] if coords[0] == "data" and axes.get_xscale() == "log" else item["x"]
+        axes.annotate(text, (x, item["y"]), xycoords=coords, xytext=offset, textcoords="offset points", **look)
+
+
+def plain(text: str) -> str:
+    """Plotly's little HTML as plain text."""
+    for tag in ("<b>", "</b>", "<i>", "</i>"):
+        text = text.replace(tag, "")
+    return text.replace("<br>", "\n")
+
+
+def _dress(axis, set_scale, set_limits, settings: dict[str, Any]) -> None:
+    text = settings.get("title", {}).get("text", "")
+    axis.set_label_text(plain(text), fontsize=9, color=style.MUTED)
+    log = settings.get("type") == "log"
+    if log:
+        set_scale("log")
+    if "range" in settings:
+        limits = [float(value) for value in settings["range"]]
+        set_limits(*(10 ** np.array(limits) if log else limits))
+    elif settings.get("autorange") == "reversed":
+        axis.set_inverted(True)
+    if "tickvals" in settings:
+        axis.set_ticks(settings["tickvals"], [plain(str(label)) for label in settings["ticktext"]])
+    if not settings.get("showgrid", True):
+        axis.grid(False)
+    if not settings.get("showticklabels", True):
+        axis.set_ticklabels([])
