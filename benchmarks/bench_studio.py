@@ -220,6 +220,9 @@ def main() -> None:
     parser.add_argument("--runs", type=int, default=5)
     parser.add_argument("--minutes", type=float, default=23.0, help="length of the campaigns (default: 23)")
     args = parser.parse_args()
+    if not CHROMIUM.exists():
+        print(f"{CHROMIUM} is not installed: nothing measured")
+        return
     with tempfile.TemporaryDirectory() as scratch, sync_playwright() as play:
         browser = play.chromium.launch(executable_path=str(CHROMIUM), args=["--no-sandbox"])
         root = Path(scratch) / "ws"

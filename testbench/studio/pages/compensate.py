@@ -19,7 +19,13 @@ from testbench.studio.studio import Studio
 from testbench.studio.widgets import address, attempt, campaign_head, facts, guarded, job_card, later, subheading
 
 TARGETS = {"force": "force", "displacement": "displacement"}
-NETWORKS = {"4,2,2": "4, 2, 2 (the paper)", "8,4,4": "8, 4, 4", "16,8": "16, 8"}
+TUNED = "tuned"
+NETWORKS = {
+    "4,2,2": "4, 2, 2 (the paper)",
+    "8,4,4": "8, 4, 4",
+    "16,8": "16, 8",
+    TUNED: "tuned (better, takes longer)",
+}
 
 
 @guarded
@@ -57,7 +63,7 @@ def _form(studio: Studio, c: str, target: str) -> None:
         )
         with ui.row().classes("items-center"):
             aim = ui.select(TARGETS, value=target, label="Predict").props("outlined dense").style("width:150px")
-            network = ui.select(NETWORKS, value="4,2,2", label="Network").props("outlined dense").style("width:190px")
+            network = ui.select(NETWORKS, value="4,2,2", label="Network").props("outlined dense").style("width:240px")
             same, rest = companions(studio, c)
             others = [*same, *rest]
             judged = ui.select(others, value=same[:4], multiple=True, label="Judged on").props("outlined dense")
@@ -70,7 +76,8 @@ def _form(studio: Studio, c: str, target: str) -> None:
 
         def start() -> None:
             argv = ["compensation", "train", str(studio.workspace.campaign(c).folder), "--target", target]
-            argv += ["--hidden", network.value, "-o", str(compensator_path(studio, c, target))]
+            argv += ["--method", TUNED] if network.value == TUNED else ["--hidden", network.value]
+            argv += ["-o", str(compensator_path(studio, c, target))]
             job = studio.jobs.start(f"train:{c}:{target}", f"Training on {c}", argv)
             with holder:
                 holder.clear()
