@@ -1,6 +1,6 @@
 """From the twin: two minutes of measurement with a fitted knit model behind them, and without.
 
-    python benchmarks/bench_twin.py [--trials 5] [--campaigns DIR]
+    python benchmarks/bench_twin.py [--trials 5] [-j 2] [--campaigns DIR]
 
 A trial is one campaign number (simulated sensors: the first 2 min of T) or one window (measured strip: five windows
 of 2 min of its training recording). The baseline model is fitted on those 2 min, as `testbench fit` does; the twin is
@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from joblib import Parallel, delayed
 
 from compensation import reproduction as ours
 from compensation import twin
@@ -73,6 +74,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--trials", type=int, default=5, choices=range(1, 6))
     parser.add_argument("--campaigns", type=Path, default=Path(tempfile.gettempdir()) / "knitbench-bench")
+    parser.add_argument("-j", "--jobs", type=int, default=2)
     parser.add_argument("--sensor", choices=("pes", "lycra", "strip"), action="append", help="default: all three")
     args = parser.parse_args()
     args.campaigns.mkdir(parents=True, exist_ok=True)
@@ -82,7 +84,8 @@ def main() -> None:
         if sensor == "strip" and not STRIP.is_dir():
             continue
         for target in TARGETS:
-            found = np.array([scores(trial, target) for trial in trials(sensor, args.campaigns, args.trials)])
+            cases = trials(sensor, args.campaigns, args.trials)
+            found = np.array(Parallel(n_jobs=args.jobs)(delayed(scores)(trial, target) for trial in cases))
             cells = [f"{column.mean():.3f} ({column.min():.3f})" for column in found.T]
             gains = " ".join(f"{gain:+.2f}" for gain in found[:, 2] - found[:, 1])
             print(f"{sensor:6} {target:12}" + "".join(f" {cell:>16}" for cell in cells) + f"  {gains}", flush=True)
