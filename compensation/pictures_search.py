@@ -9,21 +9,28 @@ from compensation.ranking import Ranked
 from gcode.support.files import atomic_path
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#E69F00", "#56B4E9", "#CC79A7", "#000000", "#999999")
+TICKS = tuple(digit * 10.0**power for power in range(-5, 1) for digit in (1, 2, 3, 5, 7))
+PUBLISHED = "2.5^7 4-2-2"
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
 
 
 def draw_search(ranking: Sequence[Ranked], path: str | Path) -> None:
-    """Write a scatter of mean E over live seeds (bars: standard deviation) against the number of parameters."""
+    """Write a scatter of mean E over live seeds (bars: standard deviation) against the number of parameters.
+
+    Candidates that no seed brought to life are counted in the title and not drawn: their E is 1.
+    """
     import matplotlib
 
     matplotlib.use("Agg")
     from matplotlib.figure import Figure
+    from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
-    figure = Figure(figsize=(9, 5), layout="constrained")
+    figure = Figure(figsize=(10.5, 5), layout="constrained")
     axis = figure.subplots()
-    banks = sorted({row.key.split()[0] for row in ranking})
+    alive = [row for row in ranking if row.dead < row.seeds] or list(ranking)
+    banks = sorted({row.key.split()[0] for row in alive}, key=_numbers)
     for bank, colour, marker in zip(banks, COLOURS, MARKERS, strict=False):
-        rows = [row for row in ranking if row.key.split()[0] == bank]
+        rows = [row for row in alive if row.key.split()[0] == bank]
         a, n = bank.split("^")
         axis.errorbar(
             [row.parameters for row in rows],
@@ -36,9 +43,31 @@ def draw_search(ranking: Sequence[Ranked], path: str | Path) -> None:
             label=f"a = {a}, N = {n}",
         )
     axis.set(xscale="log", yscale="log", xlabel="weights and biases", ylabel="E (smaller is better)")
-    best = ranking[0]
-    axis.set_title(f"{len(ranking)} candidates; best {best.key}: E = {best.E:.4f}", loc="left", fontsize=11)
-    axis.legend(fontsize=8, ncols=2, title="smoothing bank", title_fontsize=8)
+    _point_out(axis, alive[0], "best", (-40, -18))
+    for row in alive:
+        if row.key == PUBLISHED:
+            _point_out(axis, row, "the paper's (4,2,2)", (-95, -42))
+    low, high = alive[0].E, max(row.E for row in alive)
+    ticks = [tick for tick in TICKS if low / 1.3 < tick < high * 1.3]
+    axis.yaxis.set_major_locator(FixedLocator(ticks))
+    axis.yaxis.set_minor_locator(NullLocator())
+    axis.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    never = len(ranking) - len(alive)
+    title = f"{len(ranking)} candidates, {ranking[0].seeds} seeds; best {ranking[0].key}: E = {ranking[0].E:.4f}"
+    axis.set_title(title + (f"; {never} dead from every seed" if never else ""), loc="left", fontsize=11)
+    axis.legend(fontsize=8, title="smoothing bank", title_fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     axis.grid(alpha=0.3, which="both", lw=0.4)
     with atomic_path(path) as temporary:
-        figure.savefig(temporary, dpi=120)
+        figure.savefig(temporary, dpi=110)
+
+
+def _numbers(bank: str) -> tuple[float, int]:
+    a, n = bank.split("^")
+    return float(a), int(n)
+
+
+def _point_out(axis, row: Ranked, text: str, offset: tuple[int, int]) -> None:
+    arrow = {"arrowstyle": "->", "lw": 0.8}
+    axis.annotate(
+        text, (row.parameters, row.E), xytext=offset, textcoords="offset points", fontsize=9, arrowprops=arrow
+    )
