@@ -55,11 +55,11 @@ def _distinct(names: Iterable[str]) -> list[str]:
 
 
 def _added(said: Mapping[str, Any], ideas: Mapping[str, str]) -> list[str]:
-    """Ideas in the model after that were not in the one before; bending a base law is not an effect."""
+    """Ideas in the model after that were not in the one before; bending a base law, or Bouc-Wen loops, is none."""
     before = {entry["name"] for entry in said["model_before"]["effects"]} if "model_before" in said else set()
     after = said["model_after"]["effects"] if "model_after" in said else []
     new = [ideas.get(e["effect"], e["effect"]) for e in after if e["name"] not in before]
-    return [name for name in new if not name.endswith("_shape")]
+    return [name for name in new if not name.endswith("_shape") and name != "hysteresis"]
 
 
 # --- what counts as right ---

@@ -11,8 +11,11 @@ from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.knit.effect import Effect, FloatArray, bounds_of
 from testbench.knit.model import KnitModel
 
-FORCE_SHAPES = ("elasticity_shape", "hysteresis_shape")
+# Bouc-Wen friction is a freedom of the loops, as free slip elements are: neither can imitate all of the other.
+LOOP_SHAPES = ("hysteresis_shape", "hysteresis_bouc_wen")
+FORCE_SHAPES = ("elasticity_shape", *LOOP_SHAPES)
 CONDUCTANCE_SHAPES = ("contact_shape", "drift_shape")
+BOUC_WEN_SHARE = 0.3  # of the slip elements' friction, where its search starts
 SHAPES = FORCE_SHAPES + CONDUCTANCE_SHAPES
 
 
@@ -145,5 +148,13 @@ def with_shapes(model: KnitModel, measurement: Measurement, catalogue: Catalogue
         wanted += CONDUCTANCE_SHAPES
     for name in wanted:
         if name not in model:
-            model = model.plus(framed(effects[name](), model, measurement))
+            model = model.plus(framed(_started(effects[name](), model), model, measurement))
     return model
+
+
+def _started(shape: Effect, model: KnitModel) -> Effect:
+    """A shape where its search starts: at zero, but for Bouc-Wen, whose other parameters do nothing there."""
+    if shape.name != "hysteresis_bouc_wen":
+        return shape
+    friction_N = getattr(model["hysteresis"], "friction_N", 0.1) if "hysteresis" in model else 0.1
+    return shape.replaced(friction_N=BOUC_WEN_SHARE * friction_N)

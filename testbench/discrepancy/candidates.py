@@ -85,7 +85,7 @@ def expand(
     for form in forms:
         if not all(signal in state for signal in form.reads):
             continue
-        base = framed(form(), model, measurement)
+        base = framed(form(), model, measurement).for_recording(state, residual, measurement.dt_s)
         if is_vector(form, form.strength):
             yield from _unit_vectors(base, idea)
             continue

@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from testbench.discrepancy.baseline import SHAPES, with_shapes
+from testbench.discrepancy.baseline import LOOP_SHAPES, SHAPES, with_shapes
 from testbench.discrepancy.errors import rms_errors
 from testbench.discrepancy.evidence import Evidence, Weighing
 from testbench.discrepancy.fit import Fit, fit
 from testbench.discrepancy.ladder import held_errors
 from testbench.discrepancy.measurement import Measurement, coarser
-from testbench.discrepancy.screen import FLEXIBLE, STIFF, WITHOUT_SLIP
+from testbench.discrepancy.screen import CONTACT_BENDS, FLEXIBLE, STIFF, WITHOUT_CONTACT_BENDS, WITHOUT_SLIP
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.model import KnitModel
 
@@ -23,7 +23,6 @@ LEAST_GAIN = 0.02
 REFIT_ITERATIONS = 10
 FIT_RATE_HZ = 12.5  # grid of the fits; errors are judged on the samples as recorded
 SETTLING_ITERATIONS = 30
-IMITATION_TOLERANCE = 0.3  # in ln(squared error)
 SHAPES_MUST_PAY = 0.02  # in ln(RMS), for the flexible base to be kept
 
 
@@ -36,24 +35,38 @@ class Bases:
 
     def bent(self, mode: str) -> KnitModel:
         """The base with the shapes that `mode` allows."""
-        if mode == STIFF:
-            return self.stiff.model
-        if mode == FLEXIBLE:
-            return self.flexible.model
-        if mode == WITHOUT_SLIP:
-            return _without_slip(self.flexible.model)
-        return self.flexible.model.without(mode.removeprefix("without "))
+        return self.stiff.model if mode == STIFF else straightened(self.flexible.model, mode)
+
+
+def straightened(model: KnitModel, mode: str) -> KnitModel:
+    """`model` without the shapes that `mode` forbids."""
+    if mode == FLEXIBLE:
+        return model
+    if mode == WITHOUT_SLIP:
+        return _without_slip(model)
+    if mode == WITHOUT_CONTACT_BENDS:
+        return _straight(model, CONTACT_BENDS)
+    shape = mode.removeprefix("without ")
+    return _less(model, LOOP_SHAPES if shape in LOOP_SHAPES else (shape,))
+
+
+def _less(model: KnitModel, names: Sequence[str]) -> KnitModel:
+    for name in names:
+        model = model.without(name) if name in model else model
+    return model
 
 
 def _without_slip(model: KnitModel) -> KnitModel:
-    """The model without hysteresis_shape and without slip in contact_shape."""
-    if "hysteresis_shape" in model:
-        model = model.without("hysteresis_shape")
-    if "contact_shape" in model:
-        contact = model["contact_shape"]
-        none = {key: (0.0,) * len(getattr(contact, key)) for key in ("slip_weights", "slip_growth")}
-        model = model.replacing("contact_shape", contact.replaced(**none))
-    return model
+    """The model without free loops of force, and without slip in contact_shape."""
+    return _straight(_less(model, LOOP_SHAPES), ("slip_weights", "slip_growth"))
+
+
+def _straight(model: KnitModel, keys: Sequence[str]) -> KnitModel:
+    """The model with these weights of contact_shape at zero."""
+    if "contact_shape" not in model:
+        return model
+    contact = model["contact_shape"]
+    return model.replacing("contact_shape", contact.replaced(**{k: (0.0,) * len(getattr(contact, k)) for k in keys}))
 
 
 @dataclass(frozen=True)
@@ -96,21 +109,18 @@ class Contest:
 
     def base(self) -> Entrant:
         """The base alone: flexible where that pays, stiff elsewhere."""
-        stiff, flexible = (self._scored("", "", one) for one in (self.bases.stiff, self.bases.flexible))
+        stiff, flexible = (self.scored("", "", one) for one in (self.bases.stiff, self.bases.flexible))
         return flexible if flexible.score < stiff.score - SHAPES_MUST_PAY else stiff
 
     def enter(self, entry: Evidence) -> Entrant:
-        """Put an idea's best form in and refit; the base bends freely, unless it would imitate the idea."""
+        """Put an idea's best form in and refit; the base bends freely, or not at all where that was best."""
         self.tell(f"putting in {entry.form} and refitting")
         effect = entry.candidate.at(entry.coefficient)
-        modes = {entry.mode if entry.mode == STIFF else FLEXIBLE, FLEXIBLE}
-        if effect.imitable:
-            modes = {STIFF, entry.mode}
         entrants = []
-        for mode in sorted(modes):
+        for mode in sorted({entry.mode if entry.mode == STIFF else FLEXIBLE, FLEXIBLE}):
             start = self.bases.bent(mode).plus(effect)
             result = fit(start, [self.coarse], max_iterations=REFIT_ITERATIONS)
-            entrants.append(self._scored(entry.form, entry.idea, result))
+            entrants.append(self.scored(entry.form, entry.idea, result))
         return min(entrants, key=lambda one: one.score + (SHAPES_MUST_PAY if _bends(one) else 0.0))
 
     def settled(self, entrant: Entrant) -> Entrant:
@@ -121,15 +131,14 @@ class Contest:
         """
         form = entrant.name
         effect = entrant.fit.model[form]
-        if effect.imitable or not _bends(entrant):
-            return entrant
         self.tell(f"settling {form}")
-        alone = fit(self.bases.stiff.model.plus(effect), [self.coarse])
-        bent = with_shapes(alone.model, self.calibration, self.catalogue)
-        again = self._scored(form, entrant.idea, fit(bent, [self.coarse], max_iterations=SETTLING_ITERATIONS))
-        return min(entrant, again, key=lambda one: one.score)
+        first = entrant.fit if effect.imitable else fit(self.bases.stiff.model.plus(effect), [self.coarse])
+        bent = with_shapes(first.model, self.calibration, self.catalogue)
+        again = self.scored(form, entrant.idea, fit(bent, [self.coarse], max_iterations=SETTLING_ITERATIONS))
+        return again if again.score < entrant.score - (0.0 if _bends(entrant) else SHAPES_MUST_PAY) else entrant
 
-    def _scored(self, name: str, idea: str, result: Fit) -> Entrant:
+    def scored(self, name: str, idea: str, result: Fit) -> Entrant:
+        """A fit with its errors on both recordings."""
         held = held_errors(result.model, self.held)
         both = [rms_errors(result.model, self.calibration), held]
         score = float(np.mean([np.log(value) for errors in both for value in errors.values()]))
@@ -142,25 +151,17 @@ def _bends(entrant: Entrant) -> bool:
 
 def challengers(weighing: Weighing) -> list[Evidence]:
     """The ideas worth a refit: the best, and those that come near."""
-    if not weighing.ranking:
-        return []
-    least = max(LEAST_GAIN, WORTH_A_REFIT * weighing.ranking[0].gain)
-    return [entry for entry in weighing.ranking[:ENTRANTS] if entry.gain >= least]
+    ranking = [entry for entry in weighing.ranking if not entry.candidate.effect.imitable]
+    least = max(LEAST_GAIN, WORTH_A_REFIT * ranking[0].gain) if ranking else 0.0
+    return [entry for entry in ranking[:ENTRANTS] if entry.gain >= least]
 
 
 def reranked(weighing: Weighing, base: Entrant, entrants: Sequence[Entrant]) -> Weighing:
     """The ranking with the refits taken in: half the screening's gain, half the refit's."""
     refit = {entrant.idea: 2 * (base.score - entrant.score) for entrant in entrants}
-    first = [replace(e, gain=_taken_in(e, refit[e.idea])) for e in weighing.ranking if e.idea in refit]
+    first = [replace(e, gain=0.5 * (e.gain + refit[e.idea])) for e in weighing.ranking if e.idea in refit]
     rest = [entry for entry in weighing.ranking if entry.idea not in refit]
     return replace(weighing, ranking=(*sorted(first, key=lambda e: -e.gain), *rest))
-
-
-def _taken_in(entry: Evidence, refit_gain: float) -> float:
-    if entry.candidate.effect.imitable:
-        # It cannot beat the shape that imitates it, only match it with fewer numbers: that is in its gain already.
-        return entry.gain if refit_gain > -IMITATION_TOLERANCE else min(entry.gain, refit_gain)
-    return 0.5 * entry.gain + 0.5 * refit_gain
 
 
 def leftover(before: Mapping[str, float], after: Mapping[str, float], floors: Mapping[str, float]) -> float:

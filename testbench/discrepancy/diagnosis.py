@@ -25,6 +25,7 @@ from testbench.discrepancy.ladder import on_the_ladder
 from testbench.discrepancy.measurement import Measurement, coarser, split
 from testbench.discrepancy.model_file import ModelFile
 from testbench.discrepancy.screen import collect
+from testbench.discrepancy.standin import stand_ins, with_stand_ins
 from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.knit.model import KnitModel
 from testbench.recording import Recording
@@ -42,7 +43,7 @@ STRUCTURE_OVER_NOISE = 3.0  # where nothing is named, more noise floors than thi
 SMALL_GAIN, CROWD = 0.25, 2  # a small gain that so many other ideas half share is the base's own misfit
 TIE_SHARE = 0.15  # of the first's gain; a tie is never wider than
 TIE = 0.08  # ideas closer than this cannot be told apart
-REFITS = 10
+REFITS = 16
 
 
 @dataclass(frozen=True)
@@ -163,7 +164,9 @@ def _concluded(
     contest = Contest(bases, calibration, held, catalogue, tell)
     base = contest.base()
     entrants = {entry.idea: contest.enter(entry) for entry in challengers(weighing)}
-    weighing = reranked(weighing, base, list(entrants.values()))
+    instead = stand_ins(contest, weighing, base)
+    weighing = with_stand_ins(reranked(weighing, base, list(entrants.values())), [e for _, e in instead.values()])
+    entrants |= {idea: entrant for idea, (entrant, _) in instead.items()}
     best = entrants.get(weighing.ranking[0].idea) if weighing.ranking else None
     if best is not None and weighing.ranking[0].gain > _gain_needed(weighing):
         best = contest.settled(best)

@@ -83,9 +83,23 @@ def remounted(model: KnitModel, measurement: Measurement) -> KnitModel:
     free = {f"{name}.{key}" for name, effect in model.effects.items() for key in effect.per_recording}
     if not free:
         return model
+    for name, effect in model.effects.items():
+        if effect.per_recording:
+            model = _placed(model, name, measurement)
     for address in sorted(free):
         model = _best_of_turn(model, address, measurement)
     return fit(model, [measurement], max_iterations=8, addresses=lambda a: a.partition("[")[0] in free).model
+
+
+def _placed(model: KnitModel, name: str, measurement: Measurement) -> KnitModel:
+    """The model with an effect's events where this recording has them, their sizes still open."""
+    effect, base = model[name], model.without(name)
+    state = base.simulate(measurement.signals, measurement.dt_s)
+    here = effect.for_recording(state, measurement.residual(base), measurement.dt_s)
+    if here == effect:
+        return model
+    size = getattr(here, here.strength)
+    return model.replacing(name, here.replaced(**{here.strength: (0.0,) * len(size)}))
 
 
 def _best_of_turn(model: KnitModel, address: str, measurement: Measurement) -> KnitModel:

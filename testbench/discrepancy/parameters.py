@@ -11,8 +11,8 @@ import numpy as np
 from testbench.knit.effect import FloatArray, bounds_of
 from testbench.knit.model import KnitModel
 
-# Parameters that describe the range of the data rather than the sensor: set once, never fitted.
-FRAME_PARAMETERS = frozenset({"span", "span_N", "low_N"})
+# Parameters that describe the data (their range, moments of events), not the sensor: set from them, never fitted.
+FRAME_PARAMETERS = frozenset({"span", "span_N", "low_N", "slip_times_s"})
 
 
 @dataclass(frozen=True)

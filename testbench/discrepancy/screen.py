@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from testbench.discrepancy.baseline import SHAPES
+from testbench.discrepancy.baseline import LOOP_SHAPES, SHAPES
 from testbench.discrepancy.candidates import (
     Candidate,
     candidate_ideas,
@@ -112,10 +112,10 @@ def collect(
             progress(f"screening {idea}")
         for candidate in expand(forms, idea, fitted.model, calibration, parts[0].state, parts[0].residual):
             found = [part.trace(candidate) for part in parts]
-            if all(item is not None for item in found):
+            if _counts(candidate, found):
                 kept.append(candidate)
                 for part, item in zip(parts, found, strict=True):
-                    part.traces.append(item)  # type: ignore[arg-type]
+                    part.traces.append(item or part.nothing)
     free = [_free_columns(part.measurement) for part in parts]
     addresses = tuple(p.address for p in fitted.parameters)
     ridge = prior_ridge(fitted.parameters)
@@ -129,6 +129,13 @@ def collect(
         names = tuple(name for name, _ in free[0])
         weighed[name] = Traces(tuple(kept), both[0], both[1], addresses, fitted.vector, ridge, names)
     return weighed
+
+
+def _counts(candidate: Candidate, found: Sequence[Mapping[str, FloatArray] | None]) -> bool:
+    """Whether a candidate changes anything: in both recordings, or in one if what it does belongs to one."""
+    if candidate.effect.per_recording:
+        return any(item is not None for item in found)
+    return all(item is not None for item in found)
 
 
 FreeColumns = list[tuple[tuple[str, str], FloatArray]]
@@ -164,8 +171,12 @@ class _Columns:
         self.state = model.simulate(measurement.signals, measurement.dt_s)
         self.residual = {c: measurement.measured[c] - self.modelled[c] for c in measurement.channels}
         self.traces: list[dict[str, FloatArray]] = []
+        self.nothing = {c: np.zeros_like(values) for c, values in self.residual.items()}
 
     def trace(self, candidate: Candidate) -> dict[str, FloatArray] | None:
+        if candidate.effect.per_recording:
+            here = candidate.effect.for_recording(self.state, self.residual, self.measurement.dt_s)
+            candidate = replace(candidate, effect=here)
         alone = candidate.effect.imitable
         model, base = (self.unbent, self.plain) if alone else (self.model, self.modelled)
         return trace(candidate, model, self.measurement, base, self.caches[alone])
@@ -196,7 +207,9 @@ def _whitening(part: _Columns, white: bool) -> tuple[dict[str, FloatArray], dict
     return filters, scale
 
 
-STIFF, FLEXIBLE, WITHOUT_SLIP = "stiff", "flexible", "without any slip"
+STIFF, FLEXIBLE = "stiff", "flexible"
+WITHOUT_SLIP, WITHOUT_CONTACT_BENDS = "without any slip", "without bends of the contact law"
+CONTACT_BENDS = ("force_weights", "strain_weights")
 # What an effect that is free in every recording must do better to be preferred to one that is not.
 PRICE_PER_RECORDING = 0.1
 
@@ -228,13 +241,18 @@ class Judgement:
 def modes(traces: Traces) -> dict[str, np.ndarray]:
     """Ways the base may bend: stiff, flexible, and flexible but for one shape; kept sensitivities."""
     owners = np.array([address.split(".")[0] for address in traces.addresses])
+    owners[np.isin(owners, LOOP_SHAPES)] = LOOP_SHAPES[0]  # one freedom, in two parts
     shapes = [shape for shape in SHAPES if shape in owners]
     found = {STIFF: ~np.isin(owners, shapes), FLEXIBLE: np.ones(len(owners), bool)}
     for shape in shapes:
         found[f"without {shape}"] = owners != shape
-    slips = (owners == "hysteresis_shape") | np.array([".slip_" in address for address in traces.addresses])
+    slips = (owners == LOOP_SHAPES[0]) | np.array([".slip_" in address for address in traces.addresses])
     if slips.any():
         found[WITHOUT_SLIP] = ~slips
+    keys = np.array([address.partition(".")[2].partition("[")[0] for address in traces.addresses])
+    bends = (owners == "contact_shape") & np.isin(keys, CONTACT_BENDS)
+    if bends.any():
+        found[WITHOUT_CONTACT_BENDS] = ~bends
     return found
 
 
@@ -314,7 +332,12 @@ def _best_score(traces: Traces, idea: str, members: list[int], across: _Folds, w
 
 
 def _is_linear(effect: Effect) -> bool:
-    return not (effect.nonlinear or effect.per_recording)
+    return _is_additive(effect) and not effect.per_recording
+
+
+def _is_additive(effect: Effect) -> bool:
+    """Whether several points of the shape grid may act together (a spectrum); bends put together bend to anything."""
+    return not (effect.nonlinear or effect.imitable)
 
 
 def _form_score(traces: Traces, idea: str, members: list[int], folds: _Folds, bare: float) -> Score:
@@ -323,7 +346,7 @@ def _form_score(traces: Traces, idea: str, members: list[int], folds: _Folds, ba
     alone = [folds.loss([1 + index], [signed]) for index in members]
     best = int(np.argmin(alone))
     loss = alone[best]
-    if not type(effect).nonlinear and len(members) > 1:
+    if _is_additive(effect) and len(members) > 1:
         loss = min(loss, folds.loss([1 + index for index in members], [signed] * len(members)))
     # Relative to the same base on the same folds, then brought to the scale of the folds across recordings.
     loss = loss / folds.bare * bare
@@ -338,29 +361,47 @@ def best_start(fitted_model: KnitModel, effect: Effect, calibration: Measurement
 
     A fit that adds an effect starts here: from the wrong time constant it would not find the right one.
     """
-    form = type(effect)
-    if not effect.strength or is_vector(form, effect.strength):
-        return effect
+    return best_starts(fitted_model, [effect], calibration)[0]
+
+
+def best_starts(fitted_model: KnitModel, effects: Sequence[Effect], calibration: Measurement) -> list[Effect]:
+    """`best_start` for each of several effects, each on its own."""
     parameters = free_parameters(fitted_model, shape_scales(calibration))
     part = _Columns(fitted_model, parameters, calibration)
-    kept = []
-    for candidate in expand([form], form.name, fitted_model, calibration, part.state, part.residual):
-        found = part.trace(candidate)
-        if found is not None:
-            kept.append(candidate)
-            part.traces.append(found)
+    kept: list[Candidate] = []
+    for effect in effects:
+        form = type(effect)
+        if form.strength and not is_vector(form, form.strength):
+            for candidate in expand([form], form.name, fitted_model, calibration, part.state, part.residual):
+                found = part.trace(candidate)
+                if found is not None:
+                    kept.append(candidate)
+                    part.traces.append(found)
     if not kept:
+        return list(effects)
+    traces = _on_itself(part, kept, parameters, calibration)
+    folds = _Folds(traces, [(traces.first.total, traces.first.total)], np.ones(len(parameters), bool))
+    return [_best_point(effect, traces, folds) for effect in effects]
+
+
+def _best_point(effect: Effect, traces: Traces, folds: _Folds) -> Effect:
+    members = [index for index, candidate in enumerate(traces.candidates) if candidate.form == effect.name]
+    if not members:
         return effect
+    score = _form_score(traces, effect.name, members, folds, folds.bare)
+    return score.best.at(score.coefficient)
+
+
+def _on_itself(
+    part: _Columns, kept: Sequence[Candidate], parameters: Sequence[FreeParameter], calibration: Measurement
+) -> Traces:
+    """Traces to be fitted and judged on the same recording, weighed as they are."""
     plain = {channel: np.ones(1) for channel in calibration.channels}
-    residual = calibration.residual(fitted_model)
-    scale = {channel: max(robust_sd(values[calibration.counts]), 1e-300) for channel, values in residual.items()}
+    scale = {c: max(robust_sd(values[calibration.counts]), 1e-300) for c, values in part.residual.items()}
     inner = grams(part.rows(), calibration, plain, scale, len(parameters), PLAIN_STRIDE)
     empty = Grams(np.zeros_like(inner.blocks), inner.samples, inner.base)
-    values = values_of(fitted_model, parameters)
-    traces = Traces(tuple(kept), inner, empty, tuple(p.address for p in parameters), values, prior_ridge(parameters))
-    folds = _Folds(traces, [(inner.total, inner.total)], np.ones(len(parameters), bool))
-    score = _form_score(traces, form.name, list(range(len(kept))), folds, folds.bare)
-    return score.best.at(score.coefficient)
+    addresses, values = tuple(p.address for p in parameters), values_of(part.model, parameters)
+    return Traces(tuple(kept), inner, empty, addresses, values, prior_ridge(parameters))
 
 
 def prior_ridge(parameters: Sequence[FreeParameter]) -> FloatArray:

@@ -45,6 +45,36 @@ class MullinsSoftening(Effect):
         return {"force_N": signals["force_N"] * (1 - self.softening * lost)}
 
 
+class MullinsSofteningPower(Effect):
+    """Below the largest stretch so far the knit is softer, as a power of how far below it is.
+
+    F *= 1 - softening * (e_max / span)^growth * (1 - (e / e_max)^power)
+
+    Source: pseudo-elasticity as `mullins_softening`; powers of the relative strain in place of its error function.
+    Valid: the first few stretches; no healing; `span` is the largest strain of the recording.
+    """
+
+    name = "mullins_softening_power"
+    idea = "mullins_softening"
+    stage = Stage.MECHANICS
+    reads, writes = ("strain", "force_N"), ("force_N",)
+    strength = "softening"
+    look = "after a stretch, shorter ones need less force, until the old largest stretch is reached again"
+
+    softening: float = parameter(0.2, unit="1", low=0, high=0.9, doc="share of the force lost at zero strain")
+    growth: float = parameter(1.0, unit="1", low=0, high=4, doc="how the loss grows with the largest stretch")
+    power: float = parameter(1.5, unit="1", low=0.3, high=8, scale="log", doc="how late the force comes back")
+    span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain at which the loss is counted")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        from testbench.knit.kernels import running_max
+
+        top = np.maximum(running_max(signals["strain"]), 1e-6)
+        share = np.clip(signals["strain"] / top, 0.0, 1.0)
+        lost = np.minimum((top / self.span) ** self.growth, 1 / 0.9) * (1 - share**self.power)
+        return {"force_N": signals["force_N"] * (1 - self.softening * lost)}
+
+
 class MullinsSofteningDamage(Effect):
     """Each new largest stretch breaks bonds for good: one damage variable for all strains.
 
@@ -153,7 +183,7 @@ class JammingStiffening(Effect):
     stage = Stage.MECHANICS
     reads, writes = ("strain", "force_N"), ("force_N",)
     strength = "stiffness_N"
-    imitable = True
+    imitated_by = "elasticity"
     look = "above a certain strain the force suddenly rises much faster"
 
     stiffness_N: float = parameter(20.0, unit="N", low=0, high=1e4, doc="extra force per unit strain when jammed")
@@ -183,7 +213,7 @@ class JammingStiffeningPower(Effect):
     stage = Stage.MECHANICS
     reads, writes = ("strain", "force_N"), ("force_N",)
     strength = "force_at_30_percent_N"
-    imitable = True
+    imitated_by = "elasticity"
     look = "the last third of the stretch is much stiffer than the first two"
 
     force_at_30_percent_N: float = parameter(0.5, unit="N", low=0, high=1e3, doc="extra force at 30 % strain")
@@ -208,7 +238,7 @@ class JammingStiffeningLocking(Effect):
     stage = Stage.MECHANICS
     reads, writes = ("strain", "force_N"), ("force_N",)
     strength = "force_N"
-    imitable = True
+    imitated_by = "elasticity"
     look = "force rises ever more steeply towards one strain"
 
     force_N: float = parameter(

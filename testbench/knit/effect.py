@@ -102,9 +102,10 @@ class Effect(BaseModel):
     nonlinear : bool
         The response has a threshold (a gap, a clipping level), so a small strength says little about a large one:
         try a grid of magnitudes instead of a finite difference at zero.
-    imitable : bool
-        A freely bending base law could imitate the effect (it depends on the present strain alone, or on direction
-        alone); the diagnosis then compares it with the base law unbent.
+    imitated_by : {"", "elasticity", "contact", "slip"}
+        Freedom of the base laws that could imitate the effect, because it depends on the present strain or force
+        alone ("elasticity", "contact") or on direction alone ("slip"). The diagnosis then lets the effect stand in
+        for that freedom, and prefers it if it does as well with fewer numbers.
     per_recording : tuple of str
         Parameters that belong to one recording, not to the sensor (the phase of a hum): each has its own.
     """
@@ -120,7 +121,7 @@ class Effect(BaseModel):
     look: ClassVar[str] = ""
     optional_reads: ClassVar[tuple[str, ...]] = ()
     nonlinear: ClassVar[bool] = False
-    imitable: ClassVar[bool] = False
+    imitated_by: ClassVar[str] = ""
     per_recording: ClassVar[tuple[str, ...]] = ()
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
@@ -146,6 +147,18 @@ class Effect(BaseModel):
             Measured minus modelled: ``force`` in N, ``conductance`` in ln S, as far as measured.
         """
         return []
+
+    @property
+    def imitable(self) -> bool:
+        """Whether a freely bending base law could imitate the effect."""
+        return bool(self.imitated_by)
+
+    def for_recording(self, signals: Signals, residual: Signals, dt_s: float) -> Effect:
+        """The effect with those `per_recording` parameters that no gradient finds (moments of slips) set from data.
+
+        Arguments as `data_grid`. Default: the effect as it is.
+        """
+        return self
 
     def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
         """A start for a fit, made from measured ``force_N``, ``conductance_S`` and ``strain``.

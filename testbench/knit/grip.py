@@ -1,4 +1,4 @@
-"""What strain the knit really sees: set, slip, backlash, screw."""
+"""What strain the knit really sees: set, backlash, screw, slack (slip of the clamps: `slip.py`)."""
 
 from __future__ import annotations
 
@@ -121,91 +121,6 @@ class PermanentSetWorked(Effect):
         return {"strain": signals["strain"] + self.amount * np.expm1(-cycled_strain(signals) / self.scale)}
 
 
-class ClampSlip(Effect):
-    """The fabric jumps a little out of the clamp whenever the stretch reaches a new level beyond the grip's limit.
-
-    e -= fraction * step * floor((e_max - limit) / step + 1)        for e_max >= limit
-
-    Source: ISO 13934-1:2013 (strip method) warns of slippage in the jaws; the staircase is the simplest law.
-    Valid: a few discrete slips; jumps, where `permanent_set` is smooth.
-    """
-
-    name = "clamp_slip"
-    stage = Stage.KINEMATICS
-    reads, writes = ("strain",), ("strain",)
-    strength = "fraction"
-    nonlinear = True
-    look = "force drops in a jump at a new largest stretch and stays lower at every strain"
-
-    fraction: float = parameter(0.3, unit="1", low=0, high=0.9, doc="slip per step of strain beyond the limit")
-    limit: float = parameter(0.2, unit="1", low=0.01, high=2, scale="log", doc="strain that the grip just holds")
-    step: float = parameter(0.04, unit="1", low=0.02, high=0.5, scale="log", doc="strain between two slips")
-
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        from testbench.knit.kernels import running_max
-
-        steps = np.floor((running_max(signals["strain"]) - self.limit) / self.step + 1)
-        slips = np.maximum(steps, 0.0)
-        return {"strain": signals["strain"] - self.fraction * self.step * (slips - slips[0])}
-
-    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
-        return share_of_strain(self, signals, limit=0.6, step=0.12)
-
-
-class ClampSlipRepeated(Effect):
-    """Each time the stretch passes the grip's limit, the fabric slips by the same amount.
-
-    e -= amount * (number of times e has risen through `limit`)
-
-    Source: as `clamp_slip`.
-    Valid: few passes; a new pass counts after the strain has been 0.02 below the limit.
-    """
-
-    name = "clamp_slip_repeated"
-    idea = "clamp_slip"
-    stage = Stage.KINEMATICS
-    reads, writes = ("strain",), ("strain",)
-    strength = "amount"
-    nonlinear = True
-    look = "every high stretch costs a little force, in jumps, for ever"
-
-    amount: float = parameter(0.002, unit="1", low=0, high=0.1, doc="slip per pass, as strain")
-    limit: float = parameter(0.2, unit="1", low=0.01, high=2, scale="log", doc="strain that the grip just holds")
-
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        from testbench.knit.kernels import crossings
-
-        passes = crossings(signals["strain"], self.limit, self.limit - 0.02)
-        return {"strain": signals["strain"] - self.amount * passes}
-
-    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
-        return share_of_strain(self, signals, limit=0.7)
-
-
-class ClampSlipOnce(Effect):
-    """One slip at one moment.
-
-    e -= amount        from `when_s` on
-
-    Source: as `clamp_slip`.
-    Valid: a single event.
-    """
-
-    name = "clamp_slip_once"
-    idea = "clamp_slip"
-    stage = Stage.KINEMATICS
-    reads, writes = ("time_s", "strain"), ("strain",)
-    strength = "amount"
-    nonlinear = True
-    look = "from one moment on everything looks as if the knit were a little longer"
-
-    amount: float = parameter(0.01, unit="1", low=0, high=0.5, doc="slip, as strain")
-    when_s: float = parameter(35.0, unit="s", low=0.1, high=1e5, scale="log", doc="moment of the slip")
-
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        return {"strain": signals["strain"] - self.amount * (signals["time_s"] >= self.when_s)}
-
-
 class ActuatorBacklash(Effect):
     """Play in the drive: after each reversal the clamp stands still until the gap is crossed.
 
@@ -220,7 +135,7 @@ class ActuatorBacklash(Effect):
     reads, writes = ("strain",), ("strain",)
     strength = "gap"
     nonlinear = True
-    imitable = True
+    imitated_by = "slip"
     look = "after each reversal force and conductance stand still for a fixed displacement"
 
     gap: float = parameter(0.004, unit="1", low=0, high=0.2, doc="full gap, as strain (divide mm by gauge length)")
@@ -229,6 +144,33 @@ class ActuatorBacklash(Effect):
         from testbench.knit.kernels import play
 
         return {"strain": play(signals["strain"], np.array([self.gap / 2]))[0]}
+
+
+class ActuatorBacklashWindup(Effect):
+    """A drive with friction winds up elastically after each reversal before the clamp follows.
+
+    e -= (gap / 2) * z,   dz/de = (1 - z sign(de)) / travel,   z = 0 at the start
+
+    Source: Dahl, A solid friction model, Aerospace Corp. TOR-0158(3107-18)-1 (1968) (friction that builds up over a
+    short travel), times the compliance of the drive.
+    Valid: quasi-static; `actuator_backlash` with a rounded corner.
+    """
+
+    name = "actuator_backlash_windup"
+    idea = "actuator_backlash"
+    stage = Stage.KINEMATICS
+    reads, writes = ("strain",), ("strain",)
+    strength = "gap"
+    imitated_by = "slip"
+    look = "after each reversal force and conductance are late by a displacement that builds up over a short travel"
+
+    gap: float = parameter(0.004, unit="1", low=0, high=0.2, doc="lost motion between out and back, as strain")
+    travel: float = parameter(0.004, unit="1", low=2e-4, high=0.1, scale="log", doc="strain over which it builds up")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        from testbench.knit.kernels import dahl
+
+        return {"strain": signals["strain"] - 0.5 * self.gap * dahl(signals["strain"], self.travel)}
 
 
 class LeadscrewRipple(Effect):

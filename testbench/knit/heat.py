@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
@@ -59,6 +61,46 @@ class SelfHeatingCurrent(Effect):
         conductance = signals["conductance_S"]
         warmth = lowpass(conductance[0] / conductance, self.tau_s, dt_s, start=0.0)
         return {"conductance_S": shifted(conductance, self.coefficient * warmth)}
+
+
+class SelfHeatingDivider(Effect):
+    """The measuring current warms the sensor of a voltage divider: most where it matches the fixed resistor.
+
+    ln G += coefficient * y,   tau y' = 4 q / (1 + q)^2 - y,   q = match * G(0) / G,   y(0) = 0
+
+    Source: power in one resistor of a divider, V^2 R / (R + R_d)^2, relative to its largest value, at R = R_d.
+    Valid: small temperature rise (the feedback of the heat on the power is left out).
+    """
+
+    name = "self_heating_divider"
+    idea = "self_heating"
+    stage = Stage.ELECTRICAL
+    reads, writes = ("conductance_S",), ("conductance_S",)
+    strength = "coefficient"
+    look = "conductance drifts after switching on and after each change of the mean stretch, up or down"
+
+    coefficient: float = parameter(
+        -0.02, unit="1", low=-0.5, high=0.5, doc="change of ln G in the end at the largest power; < 0 for metals"
+    )
+    tau_s: float = parameter(60.0, unit="s", low=1, high=3000, scale="log", doc="thermal time constant")
+    match: float = parameter(1.0, unit="1", low=0.02, high=50, scale="log", doc="R(0) / R_d")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        conductance = signals["conductance_S"]
+        ratio = self.match * conductance[0] / conductance
+        warmth = lowpass(4 * ratio / (1 + ratio) ** 2, self.tau_s, dt_s, start=0.0)
+        return {"conductance_S": shifted(conductance, self.coefficient * warmth)}
+
+    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+        conductance, end_s = signals["conductance_S"], float(signals["time_s"][-1])
+        # matched at the middle, the top and the bottom of what the sensor shows
+        matches = [float(np.quantile(conductance, q) / conductance[0]) for q in (0.1, 0.5, 0.9)]
+        taus_s = [share * end_s for share in (0.01, 0.05, 0.2)]
+        return [
+            {"match": float(np.clip(match, 0.02, 50)), "tau_s": float(np.clip(tau_s, 1, 3000))}
+            for match in matches
+            for tau_s in taus_s
+        ]
 
 
 class TemperatureDrift(Effect):

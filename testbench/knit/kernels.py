@@ -241,3 +241,18 @@ def two_way_lowpass(x: FloatArray, keep_up: float, keep_down: float) -> FloatArr
         y = keep * y + (1.0 - keep) * x[i]
         out[i] = y
     return out
+
+
+@njit("float64[:](float64[:], float64)", cache=True, nogil=True)
+def dahl(x: FloatArray, travel: float) -> FloatArray:
+    """Dahl friction over `x`: dz/dx = (1 - z sign(dx)) / travel, exact along straight lines, z = 0 at the start."""
+    z = np.empty_like(x)
+    state = 0.0
+    z[0] = state
+    for i in range(1, len(x)):
+        dx = x[i] - x[i - 1]
+        if dx != 0.0:
+            end = 1.0 if dx > 0 else -1.0
+            state = end + (state - end) * np.exp(-abs(dx) / travel)
+        z[i] = state
+    return z

@@ -148,7 +148,7 @@ class ContactSaturation(Effect):
     reads, writes = ("contact_force_N",), ("contact_force_N",)
     strength = "inverse_limit_per_N"
     nonlinear = True
-    imitable = True
+    imitated_by = "contact"
     look = "conductance bends to a plateau at high force, force does not"
 
     inverse_limit_per_N: float = parameter(
@@ -187,7 +187,7 @@ class ContactSaturationHard(Effect):
     reads, writes = ("contact_force_N",), ("contact_force_N",)
     strength = "inverse_limit_per_N"
     nonlinear = True
-    imitable = True
+    imitated_by = "contact"
     look = "conductance stops rising at a certain force, force does not"
 
     inverse_limit_per_N: float = parameter(
@@ -203,6 +203,47 @@ class ContactSaturationHard(Effect):
 
     def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
         return guess_limit(self, signals)
+
+
+class ContactSaturationBend(Effect):
+    """Part of the contacts saturates: above a limit only a share of further force presses.
+
+    P -= share * width * ln(1 + exp((P - limit) / width))
+
+    Source: as `contact_saturation`; the bend is the usual smooth ramp.
+    Valid: share 1 is full saturation.
+    """
+
+    name = "contact_saturation_bend"
+    idea = "contact_saturation"
+    stage = Stage.PRESSURE
+    reads, writes = ("contact_force_N",), ("contact_force_N",)
+    strength = "share"
+    imitated_by = "contact"
+    look = "conductance rises more slowly above a certain force, force does not"
+
+    share: float = parameter(0.5, unit="1", low=0, high=1, doc="share of the further force that is lost")
+    limit_N: float = parameter(1.0, unit="N", low=1e-3, high=1e3, scale="log", doc="force at the bend")
+    width_N: float = parameter(0.1, unit="N", low=1e-4, high=1e2, scale="log", doc="force over which it bends")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        pressing_N = signals["contact_force_N"]
+        beyond_N = self.width_N * np.logaddexp(0.0, (pressing_N - self.limit_N) / self.width_N)
+        return {"contact_force_N": pressing_N - self.share * beyond_N}
+
+    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+        pressing_N = signals["contact_force_N"]
+        range_N = max(float(np.ptp(pressing_N)), 1e-2)
+        limits_N = [float(np.quantile(pressing_N, q)) for q in (0.3, 0.55, 0.75, 0.9)]
+        widths_N = (0.02 * range_N, 0.08 * range_N)
+        return [{"limit_N": at, "width_N": width} for at in limits_N if at > 1e-3 for width in widths_N]
+
+    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
+        force_N = signals.get("force_N")
+        if force_N is None:
+            return self
+        top_N = max(float(np.quantile(np.abs(force_N), 0.7)), 1e-3)
+        return self.replaced(limit_N=top_N, width_N=0.05 * top_N)
 
 
 class ContactHysteresis(Effect):

@@ -94,7 +94,7 @@ class AdcSaturation(Effect):
     reads, writes = ("conductance_S",), ("conductance_S",)
     strength = "floor_ohm"
     nonlinear = True
-    imitable = True
+    imitated_by = "contact"
     look = "conductance is cut off flat at the top, at exactly one value"
 
     floor_ohm: float = parameter(1e4, unit="ohm", low=0, high=1e12, doc="smallest resistance that can be read")
@@ -127,7 +127,7 @@ class AdcSaturationHigh(Effect):
     reads, writes = ("conductance_S",), ("conductance_S",)
     strength = "floor_S"
     nonlinear = True
-    imitable = True
+    imitated_by = "contact"
     look = "conductance is cut off flat at the bottom, at exactly one value"
 
     floor_S: float = parameter(1e-6, unit="S", low=0, high=1e6, doc="smallest conductance that can be read")
@@ -150,7 +150,7 @@ class AdcSaturationSoft(Effect):
     G = top * s / (1 + s^hardness)^(1 / hardness),   s = G / top,   top = 1 / floor
 
     Source: output swing near the rail, as amplifier data sheets plot it; `adc_saturation` with a rounded corner.
-    Valid: hardness well above 4: the bend is confined to the last part of the range.
+    Valid: hardness above 12: the bend is confined to the last few per cent below the rail.
     """
 
     name = "adc_saturation_soft"
@@ -159,11 +159,11 @@ class AdcSaturationSoft(Effect):
     reads, writes = ("conductance_S",), ("conductance_S",)
     strength = "floor_ohm"
     nonlinear = True
-    imitable = True
+    imitated_by = "contact"
     look = "conductance flattens out within the last few per cent below one value"
 
     floor_ohm: float = parameter(1e4, unit="ohm", low=0, high=1e12, doc="smallest resistance that can be read")
-    hardness: float = parameter(15.0, unit="1", low=4, high=100, scale="log", doc="sharpness of the corner")
+    hardness: float = parameter(30.0, unit="1", low=12, high=200, scale="log", doc="sharpness of the corner")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         conductance = signals["conductance_S"]
@@ -172,7 +172,7 @@ class AdcSaturationSoft(Effect):
 
     def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
         tops_S = [float(np.quantile(signals["conductance_S"], q)) for q in NEAR_THE_TOP]
-        return [{"floor_ohm": 1 / top_S, "hardness": hardness} for top_S in tops_S for hardness in (8.0, 20.0, 50.0)]
+        return [{"floor_ohm": 1 / top_S, "hardness": hardness} for top_S in tops_S for hardness in (20.0, 60.0)]
 
 
 class AdcSaturationForce(Effect):
@@ -190,7 +190,7 @@ class AdcSaturationForce(Effect):
     reads, writes = ("force_N",), ("force_N",)
     strength = "inverse_range_per_N"
     nonlinear = True
-    imitable = True
+    imitated_by = "elasticity"
     look = "force is cut off flat at the top, at exactly one value"
 
     inverse_range_per_N: float = parameter(0.3, unit="1/N", low=0, high=1e4, doc="inverse of the largest reading")

@@ -13,7 +13,7 @@ from gcode.support.errors import UserError
 from testbench.recording import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE, Recording
 from testbench.worlds import strength as strengths
 from testbench.worlds.base import WORLDS, BaseWorld, draw_world
-from testbench.worlds.chain import Form, Hidden, Scene, run
+from testbench.worlds.chain import Form, Hidden, Scene, Usual, run
 from testbench.worlds.forms import FORMS, UNKNOWN
 from testbench.worlds.kernels import FloatArray, lowpass
 from testbench.worlds.motion import GAUGE_LENGTH_MM, PROTOCOLS, commanded_strain, sample_times
@@ -111,7 +111,9 @@ class _Bench:
         self.noise_kind = str(rng.choice(KINDS)) if noise == "any" else noise
         self.top_N = float(base.force(np.array([0.0, 0.3]))[1])
         self.motion = {part: self._motion(part, minutes, protocol) for part in PARTS}
-        _, ln_g = self.signals("calibration", ())
+        self.usual = Usual()
+        force, ln_g = self.signals("calibration", ())
+        self.usual = Usual(_range(force), _range(ln_g), float(ln_g.mean()))
         swing = float(np.quantile(ln_g, 0.99) - np.quantile(ln_g, 0.01))
         self.floor_N = self.top_N * float(np.exp(rng.uniform(np.log(0.001), np.log(0.003))))
         self.floor_ln = swing * float(np.exp(rng.uniform(np.log(0.0015), np.log(0.004))))
@@ -126,7 +128,7 @@ class _Bench:
 
     def scene(self, part: str) -> Scene:
         t, strain, ambient = self.motion[part]
-        return Scene(t, strain, ambient, self.top_N, (self.seed, zlib.crc32(part.encode())))
+        return Scene(t, strain, ambient, self.top_N, self.usual, (self.seed, zlib.crc32(part.encode())))
 
     def signals(self, part: str, hidden: Sequence[Hidden], base: BaseWorld | None = None) -> Any:
         return run(base or self.base, self.scene(part), hidden)
@@ -212,6 +214,10 @@ class _Bench:
         """Where temperature matters the form says so; elsewhere a thermometer sometimes hangs there for nothing."""
         said = [one.shape["measured"] for one in hidden if "measured" in one.shape]
         return bool(max(said)) if said else bool(_rng(self.seed, "decoy").uniform() < DECOY_SHARE)
+
+
+def _range(values: FloatArray) -> tuple[float, float]:
+    return float(values.min()), float(values.max())
 
 
 def _ambient(t: FloatArray, rng: np.random.Generator) -> FloatArray:

@@ -13,6 +13,22 @@ from testbench.worlds.kernels import FloatArray
 STAGES = ("kinematics", "mechanics", "pressure", "electrical", "readout")
 
 
+@dataclass(frozen=True)
+class Usual:
+    """Range of the sensor without any effect, in the calibration recording.
+
+    Attributes
+    ----------
+    force, ln_g : tuple of float
+        Least and largest force [N] and ln of conductance [S].
+    mean_ln_g : float
+    """
+
+    force: tuple[float, float] = (0.0, 1.0)
+    ln_g: tuple[float, float] = (0.0, 1.0)
+    mean_ln_g: float = 0.0
+
+
 @dataclass
 class Scene:
     """One recording in the making; each stage may replace the signals that it owns.
@@ -25,6 +41,8 @@ class Scene:
         Ambient temperature above its value at the start [K].
     top_N : float
         Force of the base world at 30 % strain: the scale of everything in newtons.
+    usual : Usual
+        What force and ln G of this sensor usually are: converters and contacts have one range, whatever the motion.
     seed : tuple of int
         For effects with events of their own: the same events at every magnitude.
     e, force, pressing, ln_g : ndarray, shape (n,)
@@ -35,6 +53,7 @@ class Scene:
     commanded: FloatArray
     ambient: FloatArray
     top_N: float
+    usual: Usual
     seed: tuple[int, ...]
     e: FloatArray = field(default_factory=lambda: np.empty(0))
     force: FloatArray = field(default_factory=lambda: np.empty(0))

@@ -81,7 +81,7 @@ def saturation_bend(s: Scene, a: float, p: Shape) -> None:
 
 @form("contact_saturation", "ceiling", "electrical", 1.5, sharp=(12, 40))
 def saturation_ceiling(s: Scene, a: float, p: Shape) -> None:
-    top, low = np.quantile(s.ln_g, [0.99, 0.01])
+    low, top = s.usual.ln_g
     swing = top - low
     level = top - a * swing * 0.6
     width = swing / p["sharp"] * a / (a + 0.2)
@@ -93,14 +93,14 @@ def saturation_ceiling(s: Scene, a: float, p: Shape) -> None:
 
 @form("self_heating", "one_mass", "electrical", 2.0, tau=(60, 400), sign=BOTH_SIGNS)
 def heating_one(s: Scene, a: float, p: Shape) -> None:
-    power = np.exp(s.ln_g - s.ln_g.mean())
+    power = np.exp(s.ln_g - s.usual.mean_ln_g)
     power[0] = 0.0  # switched on at the start
     s.ln_g = s.ln_g + p["sign"] * 0.5 * a * lowpass(s.t, power, p["tau"])
 
 
 @form("self_heating", "yarn_and_fabric", "electrical", 2.0, fast=(5, 25), slow=(150, 600), sign=BOTH_SIGNS)
 def heating_two(s: Scene, a: float, p: Shape) -> None:
-    power = np.exp(s.ln_g - s.ln_g.mean())
+    power = np.exp(s.ln_g - s.usual.mean_ln_g)
     power[0] = 0.0
     warm = 0.5 * lowpass(s.t, power, p["fast"]) + 0.5 * lowpass(s.t, power, p["slow"])
     s.ln_g = s.ln_g + p["sign"] * 0.5 * a * warm
@@ -109,7 +109,7 @@ def heating_two(s: Scene, a: float, p: Shape) -> None:
 @form("self_heating", "in_a_divider", "electrical", 4.0, tau=(30, 200), match=(0.4, 2.5), sign=BOTH_SIGNS)
 def heating_divider(s: Scene, a: float, p: Shape) -> None:
     """Power in the sensor of a divider, R / (R + R_d)^2, is largest where both are equal."""
-    ratio = np.exp(-(s.ln_g - s.ln_g.mean())) * p["match"]
+    ratio = np.exp(-(s.ln_g - s.usual.mean_ln_g)) * p["match"]
     power = 4 * ratio / (1 + ratio) ** 2
     power[0] = 0.0
     s.ln_g = s.ln_g + p["sign"] * 0.5 * a * lowpass(s.t, power, p["tau"])

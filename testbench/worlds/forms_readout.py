@@ -36,20 +36,20 @@ def lag_force(s: Scene, a: float, p: Shape) -> None:
 
 @form("adc_saturation", "resistance_clipped", "readout", 0.7, side=[0, 1])
 def clip_resistance(s: Scene, a: float, p: Shape) -> None:
-    low, high = s.ln_g.min(), s.ln_g.max()
+    low, high = s.usual.ln_g
     cut = a * (high - low)
     s.ln_g = np.minimum(s.ln_g, high - cut) if p["side"] else np.maximum(s.ln_g, low + cut)
 
 
 @form("adc_saturation", "force_clipped", "readout", 0.7)
 def clip_force(s: Scene, a: float, p: Shape) -> None:
-    top = s.force.max()
-    s.force = np.minimum(s.force, top - a * (top - s.force.min()))
+    low, high = s.usual.force
+    s.force = np.minimum(s.force, high - a * (high - low))
 
 
 @form("adc_saturation", "amplifier_bends_near_rail", "readout", 1.4, width=(0.005, 0.02))
 def amplifier(s: Scene, a: float, p: Shape) -> None:
-    low, high = s.ln_g.min(), s.ln_g.max()
+    low, high = s.usual.ln_g
     swing = high - low
     rail, width = high - 0.5 * a * swing, p["width"] * swing * a / (a + 0.02)
     s.ln_g = s.ln_g - width * np.logaddexp(0, (s.ln_g - rail) / width)

@@ -6,16 +6,9 @@ import numpy as np
 import pytest
 
 from testbench.knit.damage import CyclicFatigue, JammingStiffening, MullinsSoftening, MullinsSofteningDamage
-from testbench.knit.grip import (
-    ClampSlip,
-    ClampSlipOnce,
-    ClampSlipRepeated,
-    LeadscrewRipple,
-    PermanentSet,
-    PermanentSetRecovering,
-    Slack,
-)
+from testbench.knit.grip import LeadscrewRipple, PermanentSet, PermanentSetRecovering, Slack
 from testbench.knit.kernels import crossings, travelled
+from testbench.knit.slip import ClampSlip, ClampSlipOnce, ClampSlipRepeated
 
 UP = np.linspace(0, 0.3, 301)
 UP_DOWN_UP = np.concatenate([UP, UP[::-1][1:], UP[1:]])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from testbench.worlds.base import WORLDS, draw_world
-from testbench.worlds.chain import Hidden, Scene, run
+from testbench.worlds.chain import Hidden, Scene, Usual, run
 from testbench.worlds.forms import FORMS, UNKNOWN
 from testbench.worlds.motion import commanded_strain, sample_times
 
@@ -21,10 +21,19 @@ OWNED = {
 }
 
 
+def _usual() -> Usual:
+    """Range of the sensor of these tests."""
+    t = sample_times(3, 40.0, np.random.default_rng(1))
+    strain = commanded_strain("perlin", t, np.random.default_rng(2))
+    scene = Scene(t, strain, np.sin(t / 60), 5.0, Usual(), (3,))
+    force, ln_g = run(draw_world("matched", np.random.default_rng(4)), scene)
+    return Usual((force.min(), force.max()), (ln_g.min(), ln_g.max()), ln_g.mean())
+
+
 def _scene(rate_hz: float = 40.0) -> Scene:
     t = sample_times(3, rate_hz, np.random.default_rng(1))
     strain = commanded_strain("perlin", t, np.random.default_rng(2))
-    return Scene(t, strain, np.sin(t / 60), 5.0, (3,))
+    return Scene(t, strain, np.sin(t / 60), 5.0, _usual(), (3,))
 
 
 def _read(form, share: float, rate_hz: float = 40.0) -> dict[str, np.ndarray]:
@@ -72,7 +81,10 @@ def test_the_effect_does_not_depend_on_the_sampling_rate(form):
         plain, hidden = run(base, scene_of()), run(base, scene_of(), [one])
         return [b - a for a, b in zip(plain, hidden, strict=True)]
 
-    coarse, fine = change_on(_scene), change_on(lambda: Scene(fine_t, strain, np.sin(fine_t / 60), 5.0, (3,)))
+    coarse, fine = (
+        change_on(_scene),
+        change_on(lambda: Scene(fine_t, strain, np.sin(fine_t / 60), 5.0, _usual(), (3,))),
+    )
     size, far = 0.0, 0.0
     for change, dense in zip(coarse, fine, strict=True):
         other = np.interp(coarse_t, fine_t, dense)

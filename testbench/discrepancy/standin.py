@@ -1,0 +1,101 @@
+"""Effects that a freely bending base law could imitate: do they do as well as its free shape, with fewer numbers?
+
+A clipped reading, jammed loops or lost motion depend on the present strain, force or direction alone, and so do the
+shapes of the base laws: with both in, neither gains. So the effect goes in *instead* of the shape that could imitate
+it. Where it then explains the recordings as well as dozens of free numbers do, it is the better explanation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from testbench.discrepancy.baseline import framed, with_shapes
+from testbench.discrepancy.candidates import Candidate, candidate_ideas
+from testbench.discrepancy.contest import Contest, Entrant, straightened
+from testbench.discrepancy.evidence import PRICE_OF_SHAPE, Evidence, Weighing
+from testbench.discrepancy.fit import fit
+from testbench.discrepancy.screen import WITHOUT_CONTACT_BENDS, WITHOUT_SLIP, best_starts
+from testbench.knit.effect import Effect
+
+WITHOUT = {"elasticity": "without elasticity_shape", "contact": WITHOUT_CONTACT_BENDS, "slip": WITHOUT_SLIP}
+WORTH_A_TRY = 0.15  # ln(squared error) that an effect must gain on the stiff base
+FINALISTS, FORMS_OF_ONE_IDEA = 3, 2
+ALONE_ITERATIONS, BENT_ITERATIONS = 25, 14
+
+
+def stand_ins(contest: Contest, weighing: Weighing, base: Entrant) -> dict[str, tuple[Entrant, Evidence]]:
+    """The best of the imitable effects, refitted in place of the shapes that could imitate them.
+
+    Returns
+    -------
+    dict of idea to (Entrant, Evidence)
+        With the gain over the base at a fair price: see `_gain`.
+    """
+    found: dict[str, tuple[Entrant, Evidence]] = {}
+    for entrant in _finalists(_alone(contest)):
+        mode = WITHOUT[entrant.fit.model[entrant.name].imitated_by]
+        contest.tell(f"putting in {entrant.name} for the shape that could imitate it")
+        start = with_shapes(entrant.fit.model, contest.calibration, contest.catalogue)
+        result = fit(straightened(start, mode), [contest.coarse], max_iterations=BENT_ITERATIONS)
+        best = min(entrant, contest.scored(entrant.name, entrant.idea, result), key=lambda one: one.score)
+        if entrant.idea not in found or best.score < found[entrant.idea][0].score:
+            found[entrant.idea] = best, _evidence(best, mode, _gain(best, base, weighing.bought.get(mode, 0.0)))
+    return found
+
+
+def _finalists(alone: Sequence[Entrant]) -> list[Entrant]:
+    """The best few, and not only forms of one idea."""
+    chosen: list[Entrant] = []
+    for entrant in alone:
+        if sum(one.idea == entrant.idea for one in chosen) < FORMS_OF_ONE_IDEA:
+            chosen.append(entrant)
+    return chosen[:FINALISTS]
+
+
+def _alone(contest: Contest) -> list[Entrant]:
+    """Every imitable effect on the stiff base, best first; only those that gain at all."""
+    stiff = contest.bases.stiff
+    effects = _imitable(contest)
+    starts = best_starts(stiff.model, effects, contest.coarse) if effects else []
+    before, found = contest.scored("", "", stiff), []
+    for effect in starts:
+        result = fit(stiff.model.plus(effect), [contest.coarse], max_iterations=ALONE_ITERATIONS)
+        found.append(contest.scored(effect.name, effect.idea or effect.name, result))
+    worth = [one for one in found if 2 * (before.score - one.score) > WORTH_A_TRY]
+    return sorted(worth, key=lambda one: one.score)
+
+
+def _imitable(contest: Contest) -> list[Effect]:
+    """Every imitable form that could act on these channels."""
+    model, calibration = contest.bases.stiff.model, contest.coarse
+    state = model.simulate(calibration.signals, calibration.dt_s)
+    forms = [form for found in candidate_ideas(contest.catalogue, model).values() for form in found]
+    usable = [form for form in forms if form.imitated_by and all(signal in state for signal in form.reads)]
+    return [framed(form(), model, calibration) for form in usable]
+
+
+def _gain(entrant: Entrant, base: Entrant, bought: float) -> float:
+    """ln(squared error of the base with the price of its shape / squared error with the effect instead)."""
+    shortfall = 2 * (entrant.score - base.score)
+    return float(np.log1p(PRICE_OF_SHAPE * np.expm1(max(bought, 0.0)))) - shortfall
+
+
+def _evidence(entrant: Entrant, mode: str, gain: float) -> Evidence:
+    effect = entrant.fit.model[entrant.name]
+    candidate = Candidate(entrant.idea, effect, getattr(effect, effect.strength))
+    return Evidence(entrant.idea, entrant.name, gain, {"white": gain, "plain": gain}, mode, candidate, 1.0)
+
+
+def with_stand_ins(weighing: Weighing, found: Sequence[Evidence]) -> Weighing:
+    """The ranking with imitable ideas judged by their refits; those that were not worth one stand last."""
+    judged = {evidence.idea: evidence for evidence in found}
+    rest = [
+        replace(entry, gain=min(entry.gain, 0.0)) if entry.candidate.effect.imitable else entry
+        for entry in weighing.ranking
+        if entry.idea not in judged
+    ]
+    ranking = sorted([*rest, *judged.values()], key=lambda entry: -entry.gain)
+    return replace(weighing, ranking=tuple(ranking))

@@ -1,0 +1,184 @@
+"""The knit slips out of its clamps: in jumps, or sliding; and lost motion that looks like it.
+
+A set of the knit is smooth; what jumps is the clamp.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from testbench.knit.damage import share_of_strain
+from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
+
+MOST_SLIPS = 12
+NEVER_S = 1e5
+
+
+class ClampSlip(Effect):
+    """The fabric jumps a little out of the clamp whenever the stretch reaches a new level beyond the grip's limit.
+
+    e -= fraction * step * floor((e_max - limit) / step + 1)        for e_max >= limit
+
+    Source: ISO 13934-1:2013 (strip method) warns of slippage in the jaws; the staircase is the simplest law.
+    Valid: a few discrete slips; jumps, where `permanent_set` is smooth.
+    """
+
+    name = "clamp_slip"
+    stage = Stage.KINEMATICS
+    reads, writes = ("strain",), ("strain",)
+    strength = "fraction"
+    nonlinear = True
+    look = "force drops in a jump at a new largest stretch and stays lower at every strain"
+
+    fraction: float = parameter(0.3, unit="1", low=0, high=0.9, doc="slip per step of strain beyond the limit")
+    limit: float = parameter(0.2, unit="1", low=0.01, high=2, scale="log", doc="strain that the grip just holds")
+    step: float = parameter(0.04, unit="1", low=0.02, high=0.5, scale="log", doc="strain between two slips")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        from testbench.knit.kernels import running_max
+
+        steps = np.floor((running_max(signals["strain"]) - self.limit) / self.step + 1)
+        slips = np.maximum(steps, 0.0)
+        return {"strain": signals["strain"] - self.fraction * self.step * (slips - slips[0])}
+
+    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
+        return share_of_strain(self, signals, limit=0.6, step=0.12)
+
+
+class ClampSlipRepeated(Effect):
+    """Each time the stretch passes the grip's limit, the fabric slips by the same amount.
+
+    e -= amount * (number of times e has risen through `limit`)
+
+    Source: as `clamp_slip`.
+    Valid: few passes; a new pass counts after the strain has been 0.02 below the limit.
+    """
+
+    name = "clamp_slip_repeated"
+    idea = "clamp_slip"
+    stage = Stage.KINEMATICS
+    reads, writes = ("strain",), ("strain",)
+    strength = "amount"
+    nonlinear = True
+    look = "every high stretch costs a little force, in jumps, for ever"
+
+    amount: float = parameter(0.002, unit="1", low=0, high=0.1, doc="slip per pass, as strain")
+    limit: float = parameter(0.2, unit="1", low=0.01, high=2, scale="log", doc="strain that the grip just holds")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        from testbench.knit.kernels import crossings
+
+        passes = crossings(signals["strain"], self.limit, self.limit - 0.02)
+        return {"strain": signals["strain"] - self.amount * passes}
+
+    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
+        return share_of_strain(self, signals, limit=0.7)
+
+
+class ClampSlipOnce(Effect):
+    """One slip at one moment.
+
+    e -= amount        from `when_s` on
+
+    Source: as `clamp_slip`.
+    Valid: a single event.
+    """
+
+    name = "clamp_slip_once"
+    idea = "clamp_slip"
+    stage = Stage.KINEMATICS
+    reads, writes = ("time_s", "strain"), ("strain",)
+    strength = "amount"
+    nonlinear = True
+    look = "from one moment on everything looks as if the knit were a little longer"
+
+    amount: float = parameter(0.01, unit="1", low=0, high=0.5, doc="slip, as strain")
+    when_s: float = parameter(35.0, unit="s", low=0.1, high=1e5, scale="log", doc="moment of the slip")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        return {"strain": signals["strain"] - self.amount * (signals["time_s"] >= self.when_s)}
+
+
+class ClampSlipSliding(Effect):
+    """Above the grip's limit the fabric slides slowly through the jaws, until it has bedded in.
+
+    e -= amount * (1 - exp(-w / work)),   w = integral of (e - limit)+ dt
+
+    Source: as `clamp_slip`; friction that gives way at a rate that grows with the overload is the simplest law.
+    Valid: no return of the fabric.
+    """
+
+    name = "clamp_slip_sliding"
+    idea = "clamp_slip"
+    stage = Stage.KINEMATICS
+    reads, writes = ("strain",), ("strain",)
+    strength = "amount"
+    look = "time spent at high stretch costs force at every strain; time spent at low stretch costs nothing"
+
+    amount: float = parameter(0.02, unit="1", low=0, high=0.3, doc="slip in the end, as strain")
+    limit: float = parameter(0.2, unit="1", low=0.01, high=2, scale="log", doc="strain that the grip just holds")
+    work_s: float = parameter(5.0, unit="s", low=1e-3, high=1e4, scale="log", doc="strain times seconds for 63 %")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        slid = _overload_s(signals["strain"], self.limit, dt_s)
+        return {"strain": signals["strain"] + self.amount * np.expm1(-slid / self.work_s)}
+
+    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
+        return share_of_strain(self, signals, limit=0.6)
+
+    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+        points = []
+        for share in (0.5, 0.65, 0.8):
+            limit = max(share * float(np.max(signals["strain"])), 0.01)
+            total_s = float(_overload_s(signals["strain"], limit, dt_s)[-1])
+            works_s = [float(np.clip(part * total_s, 1e-3, 1e4)) for part in (0.1, 0.4, 2.0)]
+            points += [{"limit": limit, "work_s": work_s} for work_s in works_s]
+        return points
+
+
+def _overload_s(strain: FloatArray, limit: float, dt_s: float) -> FloatArray:
+    """Time integral of the strain above `limit`, shape (n,)."""
+    over = np.maximum(strain - limit, 0.0)
+    return np.concatenate([[0.0], np.cumsum(0.5 * (over[1:] + over[:-1]) * dt_s)])
+
+
+class ClampSlipEvents(Effect):
+    """Slips at moments of their own in every recording.
+
+    e -= sum of amounts_j        over the slips j with time_j <= t
+
+    The moments are looked for in the data: jumps of the misfit within a fraction of a second, while the knit is
+    being stretched (`testbench.knit.jumps`).
+
+    Source: as `clamp_slip`.
+    Valid: at most twelve slips that count.
+    """
+
+    name = "clamp_slip_events"
+    idea = "clamp_slip"
+    stage = Stage.KINEMATICS
+    reads, writes = ("time_s", "strain"), ("strain",)
+    strength = "amounts"
+    per_recording = ("amounts", "slip_times_s")
+    look = "the misfit jumps within a fraction of a second, several times, and stays"
+
+    amounts: tuple[float, ...] = parameter((0.0,) * MOST_SLIPS, unit="1", low=0, high=0.3, doc="slips, as strain")
+    slip_times_s: tuple[float, ...] = parameter(
+        tuple(3.0 * (k + 1) for k in range(MOST_SLIPS)), unit="s", low=0, high=NEVER_S, doc="their moments"
+    )
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        slipped = np.zeros(len(signals["time_s"]))
+        for amount, when_s in zip(self.amounts, self.slip_times_s, strict=True):
+            if amount:
+                slipped += amount * (signals["time_s"] >= when_s)
+        return {"strain": signals["strain"] - slipped}
+
+    def for_recording(self, signals: Signals, residual: Signals, dt_s: float) -> Effect:
+        from testbench.knit.jumps import slip_times_s
+
+        found_s = slip_times_s(signals, residual, dt_s)[:MOST_SLIPS]
+        rest_s = (NEVER_S,) * (MOST_SLIPS - len(found_s))
+        return self.replaced(slip_times_s=(*found_s, *rest_s))
