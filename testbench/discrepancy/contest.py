@@ -109,7 +109,7 @@ class Contest:
 
     def base(self) -> Entrant:
         """The base alone: flexible where that pays, stiff elsewhere."""
-        stiff, flexible = (self.scored("", "", one) for one in (self.bases.stiff, self.bases.flexible))
+        stiff, flexible = (self.scored("", one) for one in (self.bases.stiff, self.bases.flexible))
         return flexible if flexible.score < stiff.score - SHAPES_MUST_PAY else stiff
 
     def enter(self, entry: Evidence) -> Entrant:
@@ -120,7 +120,7 @@ class Contest:
         for mode in sorted({entry.mode if entry.mode == STIFF else FLEXIBLE, FLEXIBLE}):
             start = self.bases.bent(mode).plus(effect)
             result = fit(start, [self.coarse], max_iterations=REFIT_ITERATIONS)
-            entrants.append(self.scored(entry.form, entry.idea, result))
+            entrants.append(self.scored(entry.form, result))
         return min(entrants, key=lambda one: one.score + (SHAPES_MUST_PAY if _bends(one) else 0.0))
 
     def settled(self, entrant: Entrant) -> Entrant:
@@ -134,14 +134,15 @@ class Contest:
         self.tell(f"settling {form}")
         first = entrant.fit if effect.imitable else fit(self.bases.stiff.model.plus(effect), [self.coarse])
         bent = with_shapes(first.model, self.calibration, self.catalogue)
-        again = self.scored(form, entrant.idea, fit(bent, [self.coarse], max_iterations=SETTLING_ITERATIONS))
+        again = self.scored(form, fit(bent, [self.coarse], max_iterations=SETTLING_ITERATIONS))
         return again if again.score < entrant.score - (0.0 if _bends(entrant) else SHAPES_MUST_PAY) else entrant
 
-    def scored(self, name: str, idea: str, result: Fit) -> Entrant:
+    def scored(self, name: str, result: Fit) -> Entrant:
         """A fit with its errors on both recordings."""
         held = held_errors(result.model, self.held)
         both = [rms_errors(result.model, self.calibration), held]
         score = float(np.mean([np.log(value) for errors in both for value in errors.values()]))
+        idea = result.model[name].idea or name if name else ""
         return Entrant(name, idea, result, score, held)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -58,8 +58,6 @@ class Weighing:
         ln(loss of the best base / loss with a free-form map): what any effect could gain.
     depends_on : tuple of (channel, coordinate, gain)
         What the residual depends on, most first.
-    bought : dict of mode to float
-        ln(loss of the base bending only as `mode` allows / loss of the flexible base): what the rest buys.
     """
 
     ranking: tuple[Evidence, ...]
@@ -67,7 +65,6 @@ class Weighing:
     base_gain: float
     ceiling: float
     depends_on: tuple[tuple[str, str, float], ...]
-    bought: Mapping[str, float] = field(default_factory=dict)
 
 
 def weigh(traces: Mapping[str, Traces]) -> Weighing:
@@ -79,11 +76,7 @@ def weigh(traces: Mapping[str, Traces]) -> Weighing:
     base_mode = min(priced["plain"].base, key=lambda mode: priced["plain"].base[mode])
     base_gain = float(np.mean([np.log(p.base[STIFF] / p.best_base) for p in priced.values()]))
     ceiling = float(np.mean([np.log(_base_loss(judged[n]) / judged[n].ceiling) for n in judged]))
-    bought = {
-        mode: float(np.mean([np.log(j.base[mode] / j.base[FLEXIBLE]) for j in judged.values()]))
-        for mode in judged["plain"].base
-    }
-    return Weighing(tuple(ranking), base_mode, base_gain, max(ceiling, 0.0), _dependence(judged), bought)
+    return Weighing(tuple(ranking), base_mode, base_gain, max(ceiling, 0.0), _dependence(judged))
 
 
 @dataclass(frozen=True)

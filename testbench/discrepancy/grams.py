@@ -91,14 +91,11 @@ class Reduced:
     ----------
     fit : ndarray, shape (m, m)
         Inner products of residual (index 0) and traces on the blocks to fit on, base eliminated.
-    lift : ndarray, shape (q, m)
-        Turns (1, -amounts) into coefficients of all columns.
     judge : ndarray, shape (m, m)
         Inner products on the blocks to judge on, with the base as it was fitted.
     """
 
     fit: FloatArray
-    lift: FloatArray
     judge: FloatArray
 
     def amounts(self, chosen: Sequence[int], signed: Sequence[bool]) -> FloatArray:
@@ -120,13 +117,6 @@ class Reduced:
         vector = np.r_[1.0, -amounts]
         return float(vector @ self.judge[np.ix_(rows, rows)] @ vector)
 
-    def vector(self, chosen: Sequence[int], amounts: FloatArray) -> FloatArray:
-        """Coefficients of all columns, shape (q,)."""
-        short = np.zeros(self.lift.shape[1])
-        short[0] = 1.0
-        short[np.asarray(chosen, int)] = -amounts
-        return self.lift @ short
-
 
 def reduce_to_traces(
     fit_on: FloatArray, judge_on: FloatArray, base: int, ridge: FloatArray, kept: np.ndarray, weights: FloatArray
@@ -146,18 +136,30 @@ def reduce_to_traces(
     weights : ndarray, shape (base,)
         Present values of those it has not: without them the residual is larger by their contribution.
     """
-    count = len(fit_on) - base  # residual and traces
-    inner = 1 + np.flatnonzero(kept)
-    rest = np.r_[0, np.arange(base + 1, len(fit_on))]
-    start = np.zeros((len(fit_on), count))
-    start[rest, np.arange(count)] = 1.0
-    start[1 + np.flatnonzero(~kept), 0] = weights[~kept]
-    matrix = fit_on[np.ix_(inner, inner)] + np.diag(ridge[kept])
-    lift = start.copy()
-    lift[inner] -= np.linalg.solve(matrix, fit_on[inner] @ start)
+    inner, rest = 1 + np.flatnonzero(kept), np.r_[0, np.arange(base + 1, len(fit_on))]
+    residual = np.zeros(len(fit_on))
+    residual[0] = 1.0
+    residual[1 + np.flatnonzero(~kept)] = weights[~kept]
+    outer, cross, own = _split(fit_on, residual, inner, rest)
     # The ridge enters the fit as a penalty on the base's own coefficients.
-    penalty = lift[inner].T @ (ridge[kept][:, None] * lift[inner])
-    return Reduced(lift.T @ fit_on @ lift + penalty, lift, lift.T @ judge_on @ lift)
+    amounts = np.linalg.solve(own + np.diag(ridge[kept]), cross)
+    judged_outer, judged_cross, judged_own = _split(judge_on, residual, inner, rest)
+    mixed = amounts.T @ judged_cross
+    judge = judged_outer - mixed - mixed.T + amounts.T @ (judged_own @ amounts)
+    return Reduced(outer - cross.T @ amounts, judge)
+
+
+def _split(
+    total: FloatArray, residual: FloatArray, inner: np.ndarray, rest: np.ndarray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Inner products among residual and traces, of the base with these, and within the base."""
+    with_all = total @ residual
+    outer = total[np.ix_(rest, rest)]
+    outer[0] = outer[:, 0] = with_all[rest]
+    outer[0, 0] = residual @ with_all
+    cross = total[np.ix_(inner, rest)]
+    cross[:, 0] = with_all[inner]
+    return outer, cross, total[np.ix_(inner, inner)]
 
 
 @njit("float64[::1](float64[:,::1], float64[::1], boolean[::1])", cache=True, nogil=True)
@@ -185,8 +187,3 @@ def nonnegative(matrix: FloatArray, target: FloatArray, signed: np.ndarray) -> F
     normal = np.ascontiguousarray(matrix * np.outer(scale, scale))
     normal[np.diag_indices_from(normal)] = 1.0 + 1e-3
     return _descend(normal, np.ascontiguousarray(target * scale), np.ascontiguousarray(signed)) * scale
-
-
-def block_losses(blocks: FloatArray, vector: FloatArray) -> FloatArray:
-    """Squared misfit in each block, shape (b,), for coefficients of all columns."""
-    return np.einsum("i,bij,j->b", vector, blocks, vector)

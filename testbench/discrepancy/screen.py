@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from testbench.discrepancy.baseline import LOOP_SHAPES, SHAPES
+from testbench.discrepancy.baseline import SHAPES
 from testbench.discrepancy.candidates import (
     Candidate,
     candidate_ideas,
@@ -241,12 +241,13 @@ class Judgement:
 def modes(traces: Traces) -> dict[str, np.ndarray]:
     """Ways the base may bend: stiff, flexible, and flexible but for one shape; kept sensitivities."""
     owners = np.array([address.split(".")[0] for address in traces.addresses])
-    owners[np.isin(owners, LOOP_SHAPES)] = LOOP_SHAPES[0]  # one freedom, in two parts
+    # Bouc-Wen loops stay: what the slip elements would be without them no linear sum can tell.
+    owners[owners == "hysteresis_bouc_wen"] = "hysteresis"
     shapes = [shape for shape in SHAPES if shape in owners]
     found = {STIFF: ~np.isin(owners, shapes), FLEXIBLE: np.ones(len(owners), bool)}
     for shape in shapes:
         found[f"without {shape}"] = owners != shape
-    slips = (owners == LOOP_SHAPES[0]) | np.array([".slip_" in address for address in traces.addresses])
+    slips = (owners == "hysteresis_shape") | np.array([".slip_" in address for address in traces.addresses])
     if slips.any():
         found[WITHOUT_SLIP] = ~slips
     keys = np.array([address.partition(".")[2].partition("[")[0] for address in traces.addresses])
@@ -264,11 +265,12 @@ def judge_ideas(traces: Traces) -> Judgement:
     base: dict[str, float] = {}
     ideas: dict[str, dict[str, float]] = {idea: {} for idea in members}
     spokesmen: dict[tuple[str, str], Score] = {}
+    own = [i for i, candidate in enumerate(traces.candidates) if candidate.effect.per_recording]
     for mode, kept in modes(traces).items():
-        across, within = _Folds(traces, _across(traces), kept), _Folds(traces, _within(traces), kept)
-        base[mode] = across.bare
+        folds = _Judges(_Folds(traces, _across(traces), kept), _Folds(traces, _within(traces), kept, own))
+        base[mode] = folds.across.bare
         for idea, indices in members.items():
-            score = _best_score(traces, idea, indices, across, within)
+            score = _best_score(traces, idea, indices, folds)
             ideas[idea][mode], spokesmen[idea, mode] = score.loss, score
     across = _Folds(traces, _across(traces), modes(traces)[FLEXIBLE])
     groups = {name: _free_loss(traces, across, [name]) for name in dict.fromkeys(traces.features)}
@@ -301,32 +303,65 @@ def _within(traces: Traces) -> list[tuple[FloatArray, FloatArray]]:
 
 
 class _Folds:
-    """The same base fitted and judged on several pairs of block sets."""
+    """The same base fitted and judged on several pairs of block sets.
 
-    def __init__(self, traces: Traces, pairs: Sequence[tuple[FloatArray, FloatArray]], kept: np.ndarray) -> None:
+    Only the candidates `only` (indices; default all) can be judged: fewer columns are quicker.
+    """
+
+    def __init__(
+        self,
+        traces: Traces,
+        pairs: Sequence[tuple[FloatArray, FloatArray]],
+        kept: np.ndarray,
+        only: Sequence[int] | None = None,
+    ) -> None:
         size = traces.first.base
-        self.parts = [reduce_to_traces(fit, judge, size, traces.ridge, kept, traces.weights) for fit, judge in pairs]
+        used = (
+            list(range(len(traces.first.total)))
+            if only is None
+            else [*range(size + 1), *(size + 1 + i for i in only)]
+        )
+        self._place = None if only is None else {1 + index: 1 + place for place, index in enumerate(only)}
+        pick = np.ix_(used, used)
+        self.parts = [
+            reduce_to_traces(fit[pick], judge[pick], size, traces.ridge, kept, traces.weights) for fit, judge in pairs
+        ]
         self.bare = self.loss([], [])
 
     def loss(self, chosen: Sequence[int], signed: Sequence[bool]) -> float:
-        return sum(part.judged(chosen, part.amounts(chosen, signed)) for part in self.parts)
+        places = self._places(chosen)
+        return sum(part.judged(places, part.amounts(places, signed)) for part in self.parts)
+
+    def amount(self, one: int, signed: bool) -> float:
+        """Amount of one column as the first pair would have it."""
+        return float(self.parts[0].amounts(self._places([one]), [signed])[0])
+
+    def _places(self, chosen: Sequence[int]) -> Sequence[int]:
+        return chosen if self._place is None else [self._place[index] for index in chosen]
 
 
-def _best_score(traces: Traces, idea: str, members: list[int], across: _Folds, within: _Folds) -> Score:
+@dataclass(frozen=True)
+class _Judges:
+    """Folds across recordings, and within each for what belongs to one recording."""
+
+    across: _Folds
+    within: _Folds
+
+
+def _best_score(traces: Traces, idea: str, members: list[int], folds: _Judges) -> Score:
     """The best of: each form's single best point; all linear points of one form, or of all forms, together."""
     forms: dict[str, list[int]] = {}
     for index in members:
         forms.setdefault(traces.candidates[index].form, []).append(index)
     scores = []
     for indices in forms.values():
-        effect = traces.candidates[indices[0]].effect
-        folds = within if effect.per_recording else across
-        scores.append(_form_score(traces, idea, indices, folds, across.bare))
+        own = traces.candidates[indices[0]].effect.per_recording
+        scores.append(_form_score(traces, idea, indices, folds.within if own else folds.across, folds.across.bare))
     best = min(scores, key=lambda score: score.loss)
     linear = [index for index in members if _is_linear(traces.candidates[index].effect)]
     if len(forms) > 1 and linear:
         signed = [two_signed(type(traces.candidates[index].effect)) for index in linear]
-        together = across.loss([1 + index for index in linear], signed)
+        together = folds.across.loss([1 + index for index in linear], signed)
         best = replace(best, loss=min(best.loss, together))
     return best
 
@@ -352,8 +387,7 @@ def _form_score(traces: Traces, idea: str, members: list[int], folds: _Folds, ba
     loss = loss / folds.bare * bare
     if effect.per_recording:
         loss += PRICE_PER_RECORDING * max(bare - loss, 0.0)
-    amounts = folds.parts[0].amounts([1 + members[best]], [signed])
-    return Score(idea, loss, traces.candidates[members[best]], float(amounts[0]))
+    return Score(idea, loss, traces.candidates[members[best]], folds.amount(1 + members[best], signed))
 
 
 def best_start(fitted_model: KnitModel, effect: Effect, calibration: Measurement) -> Effect:

@@ -19,6 +19,7 @@ from testbench.discrepancy.evidence import PRICE_OF_SHAPE, Evidence, Weighing
 from testbench.discrepancy.fit import fit
 from testbench.discrepancy.screen import WITHOUT_CONTACT_BENDS, WITHOUT_SLIP, best_starts
 from testbench.knit.effect import Effect
+from testbench.knit.model import KnitModel
 
 WITHOUT = {"elasticity": "without elasticity_shape", "contact": WITHOUT_CONTACT_BENDS, "slip": WITHOUT_SLIP}
 WORTH_A_TRY = 0.15  # ln(squared error) that an effect must gain on the stiff base
@@ -26,7 +27,7 @@ FINALISTS, FORMS_OF_ONE_IDEA = 3, 2
 ALONE_ITERATIONS, BENT_ITERATIONS = 25, 14
 
 
-def stand_ins(contest: Contest, weighing: Weighing, base: Entrant) -> dict[str, tuple[Entrant, Evidence]]:
+def stand_ins(contest: Contest, base: Entrant) -> dict[str, tuple[Entrant, Evidence]]:
     """The best of the imitable effects, refitted in place of the shapes that could imitate them.
 
     Returns
@@ -35,15 +36,22 @@ def stand_ins(contest: Contest, weighing: Weighing, base: Entrant) -> dict[str, 
         With the gain over the base at a fair price: see `_gain`.
     """
     found: dict[str, tuple[Entrant, Evidence]] = {}
+    bare: dict[str, Entrant] = {}
     for entrant in _finalists(_alone(contest)):
         mode = WITHOUT[entrant.fit.model[entrant.name].imitated_by]
         contest.tell(f"putting in {entrant.name} for the shape that could imitate it")
+        if mode not in bare:
+            bare[mode] = _refitted(contest, "", contest.bases.flexible.model, mode)
         start = with_shapes(entrant.fit.model, contest.calibration, contest.catalogue)
-        result = fit(straightened(start, mode), [contest.coarse], max_iterations=BENT_ITERATIONS)
-        best = min(entrant, contest.scored(entrant.name, entrant.idea, result), key=lambda one: one.score)
+        best = min(entrant, _refitted(contest, entrant.name, start, mode), key=lambda one: one.score)
         if entrant.idea not in found or best.score < found[entrant.idea][0].score:
-            found[entrant.idea] = best, _evidence(best, mode, _gain(best, base, weighing.bought.get(mode, 0.0)))
+            found[entrant.idea] = best, _evidence(best, mode, _gain(best, base, bare[mode]))
     return found
+
+
+def _refitted(contest: Contest, name: str, model: KnitModel, mode: str) -> Entrant:
+    result = fit(straightened(model, mode), [contest.coarse], max_iterations=BENT_ITERATIONS)
+    return contest.scored(name, result)
 
 
 def _finalists(alone: Sequence[Entrant]) -> list[Entrant]:
@@ -60,10 +68,10 @@ def _alone(contest: Contest) -> list[Entrant]:
     stiff = contest.bases.stiff
     effects = _imitable(contest)
     starts = best_starts(stiff.model, effects, contest.coarse) if effects else []
-    before, found = contest.scored("", "", stiff), []
+    before, found = contest.scored("", stiff), []
     for effect in starts:
         result = fit(stiff.model.plus(effect), [contest.coarse], max_iterations=ALONE_ITERATIONS)
-        found.append(contest.scored(effect.name, effect.idea or effect.name, result))
+        found.append(contest.scored(effect.name, result))
     worth = [one for one in found if 2 * (before.score - one.score) > WORTH_A_TRY]
     return sorted(worth, key=lambda one: one.score)
 
@@ -77,10 +85,14 @@ def _imitable(contest: Contest) -> list[Effect]:
     return [framed(form(), model, calibration) for form in usable]
 
 
-def _gain(entrant: Entrant, base: Entrant, bought: float) -> float:
-    """ln(squared error of the base with the price of its shape / squared error with the effect instead)."""
+def _gain(entrant: Entrant, base: Entrant, bare: Entrant) -> float:
+    """ln(squared error of the base at the price of its shape / squared error with the effect instead).
+
+    The price is a share of what the shape buys: the errors of the base without it (`bare`) over those with it.
+    """
+    bought = max(2 * (bare.score - base.score), 0.0)
     shortfall = 2 * (entrant.score - base.score)
-    return float(np.log1p(PRICE_OF_SHAPE * np.expm1(max(bought, 0.0)))) - shortfall
+    return float(np.log1p(PRICE_OF_SHAPE * np.expm1(bought))) - shortfall
 
 
 def _evidence(entrant: Entrant, mode: str, gain: float) -> Evidence:

@@ -15,6 +15,8 @@ from testbench.knit.hysteresis import mean_slip
 class ContactRelaxation(Effect):
     """The yarns yield where they touch: the pressing force fades although the knit's force holds.
 
+    With a negative fraction the contacts bed in instead, and seem pressed the harder the longer.
+
     P(t) = P_0(t) - fraction * integral of (1 - exp(-(t - s) / tau)) dP_0(s)
 
     Source: Holm, Electric Contacts (1967) (stress relaxation of contacts); Prony form as `stress_relaxation`.
@@ -27,7 +29,9 @@ class ContactRelaxation(Effect):
     strength = "fraction"
     look = "in a hold the conductance sinks while the force does not"
 
-    fraction: float = parameter(0.3, unit="1", low=0, high=0.95, doc="share of the contact force that is lost")
+    fraction: float = parameter(
+        0.3, unit="1", low=-3, high=0.95, doc="share of the contact force that is lost; below 0: that is gained"
+    )
     tau_s: float = parameter(20.0, unit="s", low=0.1, high=3000, scale="log", doc="time in which 63 % of it is lost")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
@@ -53,7 +57,9 @@ class ContactRelaxationSpectrum(Effect):
     strength = "fraction"
     look = "in a hold the conductance sinks ever more slowly while the force does not"
 
-    fraction: float = parameter(0.3, unit="1", low=0, high=0.95, doc="share of the contact force that is lost")
+    fraction: float = parameter(
+        0.3, unit="1", low=-3, high=0.95, doc="share of the contact force that is lost; below 0: that is gained"
+    )
     shortest_s: float = parameter(1.0, unit="s", low=0.05, high=100, scale="log", doc="shortest relaxation time")
     longest_s: float = parameter(100.0, unit="s", low=1, high=1e5, scale="log", doc="longest relaxation time")
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.optimize import lsq_linear, nnls
 
 from testbench.discrepancy.experiment import planned
-from testbench.discrepancy.grams import block_losses, grams, nonnegative, reduce_to_traces
+from testbench.discrepancy.grams import grams, nonnegative, reduce_to_traces
 from testbench.discrepancy.imitation import bounded
 from testbench.discrepancy.measurement import prepare
 from tests.testbench.discrepancy.samples import record, truth
@@ -40,8 +40,6 @@ def test_elimination_of_the_base_equals_direct_least_squares(example):
     np.testing.assert_allclose(amounts, direct[3:], rtol=1e-6)
     left = float(np.sum((centred[0] - direct @ centred[1:]) ** 2))
     assert reduced.judged([1, 2], amounts) == pytest.approx(left, rel=1e-6)
-    vector = reduced.vector([1, 2], amounts)
-    assert block_losses(made.blocks, vector).sum() == pytest.approx(left, rel=1e-6)
 
 
 def test_a_missing_sensitivity_leaves_its_contribution_in_the_residual(example):
