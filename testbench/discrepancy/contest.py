@@ -7,20 +7,29 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from testbench.discrepancy.baseline import LOOP_SHAPES, SHAPES, with_shapes
+from testbench.discrepancy.baseline import LOOP_SHAPES, SHAPES, framed, with_shapes
+from testbench.discrepancy.candidates import candidate_ideas, is_vector
 from testbench.discrepancy.errors import rms_errors
 from testbench.discrepancy.evidence import Evidence, Weighing
 from testbench.discrepancy.fit import Fit, fit
 from testbench.discrepancy.ladder import held_errors
 from testbench.discrepancy.measurement import Measurement, coarser
-from testbench.discrepancy.screen import CONTACT_BENDS, FLEXIBLE, STIFF, WITHOUT_CONTACT_BENDS, WITHOUT_SLIP
+from testbench.discrepancy.screen import (
+    CONTACT_BENDS,
+    FLEXIBLE,
+    STIFF,
+    WITHOUT_CONTACT_BENDS,
+    WITHOUT_SLIP,
+    best_starts,
+)
 from testbench.knit.catalogue import Catalogue
+from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
 
 ENTRANTS = 3
 WORTH_A_REFIT = 0.4  # of the best gain
 LEAST_GAIN = 0.02
-REFIT_ITERATIONS = 10
+REFIT_ITERATIONS, ALONE_ITERATIONS = 10, 20
 FIT_RATE_HZ = 12.5  # grid of the fits; errors are judged on the samples as recorded
 SETTLING_ITERATIONS = 30
 SHAPES_MUST_PAY = 0.02  # in ln(RMS), for the flexible base to be kept
@@ -113,15 +122,38 @@ class Contest:
         return flexible if flexible.score < stiff.score - SHAPES_MUST_PAY else stiff
 
     def enter(self, entry: Evidence) -> Entrant:
-        """Put an idea's best form in and refit; the base bends freely, or not at all where that was best."""
-        self.tell(f"putting in {entry.form} and refitting")
-        effect = entry.candidate.at(entry.coefficient)
-        entrants = []
-        for mode in sorted({entry.mode if entry.mode == STIFF else FLEXIBLE, FLEXIBLE}):
-            start = self.bases.bent(mode).plus(effect)
-            result = fit(start, [self.coarse], max_iterations=REFIT_ITERATIONS)
-            entrants.append(self.scored(entry.form, result))
+        """Put an idea in and refit; the base bends freely, or not at all where that was best.
+
+        Two forms may speak for the idea: the one that screened best, and the one that fits best on the stiff base,
+        where all parameters of a form can be moved but nothing else can do its work.
+        """
+        self.tell(f"putting in {entry.idea} and refitting")
+        effects = {entry.form: entry.candidate.at(entry.coefficient)}
+        alone = self.alone(self.forms_of(entry.idea))
+        if alone:
+            best = min(alone, key=lambda one: one.score)
+            effects[best.name] = best.fit.model[best.name]
+        bases = [self.bases.flexible.model] + ([self.bases.stiff.model] if entry.mode == STIFF else [])
+        entrants = [self._refitted(model, effect) for model in bases for effect in effects.values()]
         return min(entrants, key=lambda one: one.score + (SHAPES_MUST_PAY if _bends(one) else 0.0))
+
+    def _refitted(self, model: KnitModel, effect: Effect) -> Entrant:
+        return self.scored(effect.name, fit(model.plus(effect), [self.coarse], max_iterations=REFIT_ITERATIONS))
+
+    def forms_of(self, idea: str) -> list[Effect]:
+        """Forms of an idea that a search on the stiff base can start from."""
+        model = self.bases.stiff.model
+        state = model.simulate(self.coarse.signals, self.coarse.dt_s)
+        forms = candidate_ideas(self.catalogue, model).get(idea, [])
+        usable = [f for f in forms if not is_vector(f, f.strength) and all(name in state for name in f.reads)]
+        return [framed(form(), model, self.coarse) for form in usable]
+
+    def alone(self, effects: Sequence[Effect]) -> list[Entrant]:
+        """Each effect fitted on the stiff base."""
+        stiff = self.bases.stiff.model
+        starts = best_starts(stiff, effects, self.coarse) if effects else []
+        fits = [fit(stiff.plus(effect), [self.coarse], max_iterations=ALONE_ITERATIONS) for effect in starts]
+        return [self.scored(effect.name, one) for effect, one in zip(starts, fits, strict=True)]
 
     def settled(self, entrant: Entrant) -> Entrant:
         """The entrant, or the same idea reached another way, whichever does better.
@@ -162,7 +194,7 @@ def reranked(weighing: Weighing, base: Entrant, entrants: Sequence[Entrant]) -> 
     refit = {entrant.idea: 2 * (base.score - entrant.score) for entrant in entrants}
     first = [replace(e, gain=0.5 * (e.gain + refit[e.idea])) for e in weighing.ranking if e.idea in refit]
     rest = [entry for entry in weighing.ranking if entry.idea not in refit]
-    return replace(weighing, ranking=(*sorted(first, key=lambda e: -e.gain), *rest))
+    return replace(weighing, ranking=(*first, *rest))
 
 
 def leftover(before: Mapping[str, float], after: Mapping[str, float], floors: Mapping[str, float]) -> float:

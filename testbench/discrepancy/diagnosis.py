@@ -19,7 +19,7 @@ from testbench.discrepancy.contest import (
     worst_over_noise,
 )
 from testbench.discrepancy.errors import noise_floors
-from testbench.discrepancy.evidence import Evidence, Weighing, weigh
+from testbench.discrepancy.evidence import Evidence, Weighing, ranked_with_costs, weigh
 from testbench.discrepancy.fit import fit
 from testbench.discrepancy.ladder import on_the_ladder
 from testbench.discrepancy.measurement import Measurement, coarser, split
@@ -167,6 +167,7 @@ def _concluded(
     entrants = {entry.idea: contest.enter(entry) for entry in challengers(weighing)}
     instead = stand_ins(contest, base)
     weighing = with_stand_ins(reranked(weighing, base, list(entrants.values())), [e for _, e in instead.values()])
+    weighing = ranked_with_costs(weighing, calibration.signals.keys())
     entrants |= {idea: entrant for idea, (entrant, _) in instead.items()}
     best = entrants.get(weighing.ranking[0].idea) if weighing.ranking else None
     if best is not None and weighing.ranking[0].gain > _gain_needed(weighing):

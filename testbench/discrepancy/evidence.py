@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -114,6 +114,24 @@ def _evidence(idea: str, judged: Mapping[str, Judgement], priced: Mapping[str, _
     gains = {name: float(np.log(p.best_base / p.ideas[idea][mode])) for name, p in priced.items()}
     score = judged["plain"].spokesmen[idea, mode]
     return Evidence(idea, score.best.form, totals[mode], gains, mode, score.best, score.coefficient)
+
+
+def ranked_with_costs(weighing: Weighing, measured: Collection[str]) -> Weighing:
+    """The ranking, best first, after each idea has paid for being rare or for imitating others easily.
+
+    Parameters
+    ----------
+    measured : collection of str
+        Signals that were recorded: an effect that follows a measured temperature pays nothing.
+    """
+    paid = [replace(entry, gain=entry.gain * (1 - _cost(entry, measured))) for entry in weighing.ranking]
+    return replace(weighing, ranking=tuple(sorted(paid, key=lambda entry: -entry.gain)))
+
+
+def _cost(entry: Evidence, measured: Collection[str]) -> float:
+    effect = entry.candidate.effect
+    known = bool(effect.optional_reads) and all(name in measured for name in effect.optional_reads)
+    return 0.0 if known else effect.cost
 
 
 def _base_loss(judgement: Judgement) -> float:

@@ -106,6 +106,9 @@ class Effect(BaseModel):
         Freedom of the base laws that could imitate the effect, because it depends on the present strain or force
         alone ("elasticity", "contact") or on direction alone ("slip"). The diagnosis then lets the effect stand in
         for that freedom, and prefers it if it does as well with fewer numbers.
+    cost : float
+        Share of what it explains that a diagnosis takes off, because the effect is rare or imitates others easily (an
+        unmeasured room explains any slow drift). Nothing is taken off where all `optional_reads` were measured.
     per_recording : tuple of str
         Parameters that belong to one recording, not to the sensor (the phase of a hum): each has its own.
     """
@@ -122,6 +125,7 @@ class Effect(BaseModel):
     optional_reads: ClassVar[tuple[str, ...]] = ()
     nonlinear: ClassVar[bool] = False
     imitated_by: ClassVar[str] = ""
+    cost: ClassVar[float] = 0.0
     per_recording: ClassVar[tuple[str, ...]] = ()
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:

@@ -94,6 +94,7 @@ class CoatingWear(Effect):
     """
 
     name = "coating_wear"
+    cost = 0.15
     stage = Stage.ELECTRICAL
     reads, writes = ("strain", "conductance_S"), ("conductance_S",)
     strength = "loss"
@@ -117,6 +118,7 @@ class CoatingCracks(Effect):
     """
 
     name = "coating_cracks"
+    cost = 0.15
     stage = Stage.ELECTRICAL
     reads, writes = ("strain", "conductance_S"), ("conductance_S",)
     strength = "loss"

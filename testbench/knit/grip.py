@@ -183,6 +183,7 @@ class LeadscrewRipple(Effect):
     """
 
     name = "leadscrew_ripple"
+    cost = 0.15
     stage = Stage.KINEMATICS
     reads, writes = ("strain",), ("strain",)
     strength = "amplitude"
@@ -208,6 +209,7 @@ class Slack(Effect):
     """
 
     name = "slack"
+    cost = 0.15
     stage = Stage.KINEMATICS
     reads, writes = ("strain",), ("strain",)
     strength = "slack"

@@ -66,6 +66,7 @@ class YarnElongation(Effect):
     """
 
     name = "yarn_elongation"
+    cost = 0.15
     stage = Stage.ELECTRICAL
     reads, writes = ("strain", "conductance_S"), ("conductance_S",)
     strength = "gauge"

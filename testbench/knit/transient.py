@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
@@ -60,7 +62,7 @@ class ElectricalOvershootMagnitude(Effect):
 class ElectricalOvershootReversal(Effect):
     """Each reversal of the motion sends a transient of the same size, whatever the speed.
 
-    ln G += gain * (s - y) / 2,   tau y' = s - y,   s = tanh(e' / rate0) is the smoothed direction
+    ln G += gain * (s - y) / 2,   tau y' = s - y,   rise s' = tanh(e' / rate0) - s: the smoothed direction
 
     Source: simplest law of yarns that turn over at their contacts when the motion turns.
     Valid: rate0 is far below the speeds in the recording.
@@ -78,9 +80,14 @@ class ElectricalOvershootReversal(Effect):
     rate0_per_s: float = parameter(
         0.003, unit="1/s", low=1e-4, high=0.1, scale="log", doc="rate below which the knit counts as still"
     )
+    rise_s: float = parameter(0.05, unit="s", low=0.02, high=30, scale="log", doc="time in which the spike rises")
+
+    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+        points = [{"tau_s": tau_s, "rise_s": 0.05} for tau_s in (0.7, 2.0, 6.0, 20.0)]
+        return points + [{"tau_s": tau_s, "rise_s": tau_s} for tau_s in (1.0, 3.0, 8.0)]
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        direction = np.tanh(rate(signals["strain"], dt_s) / self.rate0_per_s)
+        direction = lowpass(np.tanh(rate(signals["strain"], dt_s) / self.rate0_per_s), self.rise_s, dt_s)
         turned = direction - lowpass(direction, self.tau_s, dt_s)
         return {"conductance_S": shifted(signals["conductance_S"], 0.5 * self.gain * turned)}
 
@@ -122,6 +129,7 @@ class ShoulderPeak(Effect):
     """
 
     name = "shoulder_peak"
+    cost = 0.15
     stage = Stage.ELECTRICAL
     reads, writes = ("strain", "conductance_S"), ("conductance_S",)
     strength = "gain"
@@ -145,6 +153,7 @@ class RateResistance(Effect):
     """
 
     name = "rate_resistance"
+    cost = 0.15
     stage = Stage.ELECTRICAL
     reads, writes = ("strain", "conductance_S"), ("conductance_S",)
     strength = "gain"
@@ -168,6 +177,7 @@ class RateResistanceMagnitude(Effect):
 
     name = "rate_resistance_magnitude"
     idea = "rate_resistance"
+    cost = 0.15
     stage = Stage.ELECTRICAL
     reads, writes = ("strain", "conductance_S"), ("conductance_S",)
     strength = "gain"
