@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from testbench.commands._arguments import add_effects, add_recording, load_recording
 
+if TYPE_CHECKING:
+    from gcode.support.console import Progress
+
 SUMMARY = "say which physical effect the model is missing, with the evidence"
 EXAMPLE = "testbench diagnose campaign-1 --held-out campaign-2 --json diagnosis.json"
+CONTEST_STEPS = 9  # about as many steps of the progress as there are fits besides the screening
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -15,6 +21,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_recording(parser)
     parser.add_argument("--model", metavar="M", help="diagnose this model.json instead of the baseline")
     add_effects(parser)
+    parser.add_argument(
+        "--repeat", type=int, default=1, metavar="N", help="find up to N effects, each put in before the next search"
+    )
     parser.add_argument("--json", metavar="OUT", help="write the whole diagnosis here ('-' prints it)")
     parser.add_argument("-o", "--output", metavar="MODEL", help="write the model with what was found put in")
     parser.add_argument("--quiet", action="store_true", help="no progress on stderr")
@@ -25,12 +34,16 @@ def run(args: argparse.Namespace) -> int:
     import json
     import sys
 
+    from gcode.support.console import Progress
+    from gcode.support.errors import UserError
     from gcode.support.files import write_json
-    from testbench.discrepancy import diagnose
     from testbench.discrepancy.model_file import check_same_set_up, load_model_file
+    from testbench.discrepancy.repeat import diagnose_repeatedly
     from testbench.discrepancy.tables import diagnosis_table
     from testbench.knit.catalogue import load_catalogue
 
+    if args.repeat < 1:
+        raise UserError(f"--repeat: must be 1 or more, got {args.repeat}")
     catalogue = load_catalogue(args.effects)
     file = load_model_file(args.model, catalogue) if args.model else None
     gauge_length_mm = args.gauge_length_mm or (file.gauge_length_mm if file else None) or None
@@ -38,28 +51,28 @@ def run(args: argparse.Namespace) -> int:
     held = load_recording(args.held_out, gauge_length_mm) if args.held_out else None
     if file is not None:
         check_same_set_up(file, recording, args.model)
-    tell = None if args.quiet else _teller(sys.stderr.isatty())
-    diagnosis = diagnose(recording, held, file.model if file else None, catalogue, tell)
+    progress = Progress("diagnosing", (len(catalogue.ideas()) + CONTEST_STEPS) * args.repeat)
+    tell = None if args.quiet else _telling(progress)
+    found = diagnose_repeatedly(recording, held, file.model if file else None, catalogue, tell, args.repeat)
     if tell and sys.stderr.isatty():
         print("\r\x1b[K", end="", file=sys.stderr)
     if args.output:
-        diagnosis.after.save(args.output)
+        found[-1].after.save(args.output)
+    whole = found[0].to_dict() if args.repeat == 1 else {"diagnoses": [one.to_dict() for one in found]}
     if args.json == "-":
-        print(json.dumps(diagnosis.to_dict(), indent=2))
+        print(json.dumps(whole, indent=2))
         return 0
     if args.json:
-        write_json(args.json, diagnosis.to_dict())
-    print(diagnosis_table(diagnosis))
+        write_json(args.json, whole)
+    print("\n\n".join(diagnosis_table(one) for one in found))
     return 0
 
 
-def _teller(live: bool):
-    """Progress on stderr: one line redrawn where somebody watches, a line a stage elsewhere."""
-    import sys
+def _telling(progress: Progress) -> Callable[[str], None]:
+    """Steps of a progress line whose number is only nearly known beforehand."""
 
     def tell(text: str) -> None:
-        if not live and text.startswith("screening"):
-            return
-        print(f"\r\x1b[K{text} ..." if live else f"{text} ...", end="" if live else "\n", file=sys.stderr, flush=True)
+        progress.total = max(progress.total, progress.done + 2)
+        progress.step(text)
 
     return tell

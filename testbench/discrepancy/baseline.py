@@ -138,8 +138,20 @@ def framed(effect: Effect, model: KnitModel, measurement: Measurement) -> Effect
     return effect.replaced(**{key: frame[key] for key in fields if key in frame})
 
 
-def with_shapes(model: KnitModel, measurement: Measurement, catalogue: Catalogue | None = None) -> KnitModel:
-    """Add shape freedom to every base law that the model has, framed by the range of the data."""
+def without_shapes(model: KnitModel) -> KnitModel:
+    """The model with its base laws unbent."""
+    for name in SHAPES:
+        model = model.without(name) if name in model else model
+    return model
+
+
+def with_shapes(
+    model: KnitModel, measurement: Measurement, catalogue: Catalogue | None = None, like: KnitModel | None = None
+) -> KnitModel:
+    """Add shape freedom to every base law that the model has, framed by the range of the data.
+
+    Shapes that the model `like` has start as they are there.
+    """
     effects = (catalogue or load_catalogue()).effects
     wanted: tuple[str, ...] = ()
     if FORCE_CHANNEL in measurement.measured:
@@ -148,7 +160,8 @@ def with_shapes(model: KnitModel, measurement: Measurement, catalogue: Catalogue
         wanted += CONDUCTANCE_SHAPES
     for name in wanted:
         if name not in model:
-            model = model.plus(framed(_started(effects[name](), model), model, measurement))
+            shape = like[name] if like is not None and name in like else _started(effects[name](), model)
+            model = model.plus(framed(shape, model, measurement))
     return model
 
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
 
-from testbench.discrepancy.baseline import SHAPES, starting_baseline, with_shapes
+from testbench.discrepancy.baseline import SHAPES, starting_baseline, with_shapes, without_shapes
 from testbench.discrepancy.contest import (
     FIT_RATE_HZ,
     Bases,
@@ -20,18 +20,18 @@ from testbench.discrepancy.contest import (
 )
 from testbench.discrepancy.errors import noise_floors
 from testbench.discrepancy.evidence import Evidence, Weighing, ranked_with_costs, weigh
-from testbench.discrepancy.fit import fit
+from testbench.discrepancy.fit import Fit, fit
 from testbench.discrepancy.ladder import on_the_ladder
 from testbench.discrepancy.measurement import Measurement, coarser, split
 from testbench.discrepancy.model_file import ModelFile
 from testbench.discrepancy.screen import collect
 from testbench.discrepancy.standin import stand_ins, with_stand_ins
+from testbench.discrepancy.telling import Progress, silent
 from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.knit.model import KnitModel
 from testbench.recording import Recording
 
 Verdict = Literal["missing", "nothing_missing", "unknown"]
-Progress = Callable[[str], None]
 
 # Set on simulated sensors whose physics is written apart from this model (benchmarks/bench_diagnosis.py).
 GAIN_TO_NAME = 0.075  # an idea must gain this much to be called missing,
@@ -140,28 +140,33 @@ def diagnose(
     UserError
         If the recordings are too short or still, have a constant channel, or do not fit together.
     """
-    tell = progress or _silent
+    tell = progress or silent
     catalogue = catalogue or load_catalogue()
     calibration, held = split(recording, held_out)
     tell("fitting the baseline")
     coarse = coarser(calibration, FIT_RATE_HZ)
-    stiff = fit(model or starting_baseline(calibration, catalogue), [coarse])
+    start = model or starting_baseline(calibration, catalogue)
+    stiff = fit(without_shapes(start), [coarse])
     tell("fitting the shape of the base laws")
-    flexible = fit(with_shapes(stiff.model, calibration, catalogue), [coarse], max_iterations=REFITS)
+    bent = with_shapes(stiff.model, calibration, catalogue, like=start)
+    flexible = fit(bent, [coarse], max_iterations=REFITS)
     weighing = weigh(collect(flexible, stiff.model, calibration, held, catalogue, tell))
-    return _concluded(weighing, Bases(stiff, flexible), calibration, held, catalogue, tell)
+    # What the user has is the model as given; where its laws bend already, so does what it is compared with.
+    given = flexible if any(name in SHAPES for name in start) else stiff
+    return _concluded(weighing, Bases(stiff, flexible), given, calibration, held, catalogue, tell)
 
 
 def _concluded(
     weighing: Weighing,
     bases: Bases,
+    given: Fit,
     calibration: Measurement,
     held: Measurement,
     catalogue: Catalogue,
     tell: Progress,
 ) -> Diagnosis:
     floors = noise_floors(held)
-    before = on_the_ladder(bases.stiff, None, "baseline", calibration, held)
+    before = on_the_ladder(given, None, "baseline", calibration, held)
     contest = Contest(bases, calibration, held, catalogue, tell)
     base = contest.base()
     entrants = {entry.idea: contest.enter(entry) for entry in challengers(weighing)}
@@ -176,7 +181,7 @@ def _concluded(
     left = leftover(base.held, reached, floors)
     verdict = verdict_of(weighing, left, worst_over_noise(reached, floors))
     winner = best if verdict == "missing" and best else base
-    misfits = tuple(name for name in winner.fit.model if name in SHAPES and name not in bases.stiff.model)
+    misfits = tuple(name for name in winner.fit.model if name in SHAPES and name not in given.model)
     after = before
     if misfits:
         after = on_the_ladder(bases.flexible, after, "+ shape freedom", calibration, held)
@@ -184,10 +189,6 @@ def _concluded(
         after = on_the_ladder(best.fit, after, f"+ {best.name}", calibration, held)
     first, last = (file.history[-1]["errors"]["held_out"] for file in (before, after))
     return Diagnosis(verdict, weighing, _tied(weighing, verdict), misfits, left, before, after, first, last, floors)
-
-
-def _silent(_text: str) -> None:
-    return None
 
 
 def verdict_of(weighing: Weighing, left: float, over_noise: float) -> Verdict:

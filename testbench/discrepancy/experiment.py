@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import contextlib
 import itertools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,6 +23,7 @@ from testbench.discrepancy.fit import SAMPLES_PER_INDEPENDENT
 from testbench.discrepancy.imitation import imitate
 from testbench.discrepancy.measurement import BURN_IN_S, Measurement
 from testbench.discrepancy.protocols import NOISE, Bounds, menu
+from testbench.discrepancy.telling import Progress, silent
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel, inputs
 from testbench.recording import DISPLACEMENT, Recording
@@ -34,7 +35,6 @@ ROOM_C, SWING_K, SWING_S = 23.0, 1.0, 1500.0  # a room with a thermostat, where 
 # Kass & Raftery, J. Am. Statist. Assoc. 90 (1995) 773: twice the log odds of 2, 6 and 10.
 GRADES = ((1.0, "cannot tell"), (3.0, "a hint"), (5.0, "strong"), (np.inf, "decisive"))
 
-Progress = Callable[[str], None]
 Noise = Mapping[str, float]
 
 
@@ -145,7 +145,7 @@ def propose(
         If the rivals are fewer than two or the same, or no protocol keeps the limits.
     """
     _check(rivals, noise)
-    tell = progress or _silent
+    tell = progress or silent
     stages = _stages(bounds, seed, noise, temperature)
     options = {}
     for stage in stages:
@@ -178,10 +178,6 @@ def drivable(bounds: Bounds, seed: int) -> dict[str, Made]:
                 with contextlib.suppress(UserError):
                     found[name] = make(spec, seed, bounds.gauge_length_mm)
     return found
-
-
-def _silent(_text: str) -> None:
-    return None
 
 
 def _check(rivals: Sequence[Rival], noise: Noise) -> None:

@@ -5,10 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from testbench.knit.damage import CyclicFatigue, JammingStiffening, MullinsSoftening, MullinsSofteningDamage
-from testbench.knit.grip import LeadscrewRipple, PermanentSet, PermanentSetRecovering, Slack
-from testbench.knit.kernels import crossings, travelled
-from testbench.knit.slip import ClampSlip, ClampSlipOnce, ClampSlipRepeated
+from testbench.knit.damage import (
+    CyclicFatigue,
+    JammingStiffening,
+    MullinsSoftening,
+    MullinsSofteningDamage,
+    MullinsSofteningPower,
+)
+from testbench.knit.grip import ActuatorBacklashWindup, LeadscrewRipple, PermanentSet, PermanentSetRecovering, Slack
+from testbench.knit.kernels import travelled
 
 UP = np.linspace(0, 0.3, 301)
 UP_DOWN_UP = np.concatenate([UP, UP[::-1][1:], UP[1:]])
@@ -22,6 +27,13 @@ def test_virgin_curve_is_not_softened_and_the_second_stretch_is() -> None:
     soft = factor(MullinsSoftening(softening=0.3), UP_DOWN_UP)
     np.testing.assert_array_equal(soft[:301], 1.0)
     assert np.all(soft[301:900] < 1.0)
+    assert soft[-1] == pytest.approx(1.0)
+
+
+def test_powers_soften_below_the_largest_stretch_only() -> None:
+    soft = factor(MullinsSofteningPower(softening=0.4, growth=1, power=2, span=0.3), UP_DOWN_UP)
+    np.testing.assert_allclose(soft[:301], 1.0, atol=1e-5)
+    np.testing.assert_allclose(soft[300:601], 1 - 0.4 * (1 - (UP[::-1] / 0.3) ** 2))
     assert soft[-1] == pytest.approx(1.0)
 
 
@@ -58,31 +70,18 @@ def test_recovering_set_of_a_hold_grows_exponentially() -> None:
     np.testing.assert_allclose(0.2 - strain[1:], 0.02 * -np.expm1(-(t[1:] - 0.25) / 100), atol=1e-6)
 
 
-def test_slips_are_a_staircase_of_the_largest_stretch() -> None:
-    strain = ClampSlip(fraction=0.5, limit=0.1, step=0.1).apply({"strain": UP_DOWN_UP}, 0.05)["strain"]
-    lost = UP_DOWN_UP - strain
-    np.testing.assert_allclose(lost[[50, 150, 250, 600, 750]], [0, 0.05, 0.10, 0.15, 0.15], atol=1e-12)
-
-
-def test_each_pass_slips_once_more() -> None:
-    strain = ClampSlipRepeated(amount=0.01, limit=0.15).apply({"strain": UP_DOWN_UP}, 0.05)["strain"]
-    np.testing.assert_allclose((UP_DOWN_UP - strain)[[0, 300, 600, 900]], [0, 0.01, 0.01, 0.02], atol=1e-12)
-
-
-def test_a_pass_needs_a_return_before_it_counts_again() -> None:
-    wiggle = np.array([0.0, 0.21, 0.195, 0.21, 0.1, 0.21])
-    np.testing.assert_array_equal(crossings(wiggle, 0.2, 0.18), [0, 1, 1, 1, 1, 2])
-
-
-def test_single_slip_happens_at_its_moment() -> None:
-    time_s = np.arange(5.0)
-    strain = ClampSlipOnce(amount=0.1, when_s=3).apply({"time_s": time_s, "strain": np.ones(5)}, 1.0)["strain"]
-    np.testing.assert_allclose(strain, [1, 1, 1, 0.9, 0.9])
-
-
 def test_slack_is_taken_up_first() -> None:
     strain = Slack(slack=0.1).apply({"strain": np.array([-0.05, 0.0, 0.05, 0.1, 0.3])}, 1.0)["strain"]
     np.testing.assert_allclose(strain, [-0.05, 0, 0, 0, 0.2])
+
+
+def test_windup_closes_exponentially_over_its_travel() -> None:
+    effect = ActuatorBacklashWindup(gap=0.01, travel=0.02)
+    lost = UP_DOWN_UP - effect.apply({"strain": UP_DOWN_UP}, 1.0)["strain"]
+    np.testing.assert_allclose(lost[:301], 0.005 * -np.expm1(-UP / 0.02))
+    back = 0.3 - UP_DOWN_UP[300:601]
+    turned = lost[300]
+    np.testing.assert_allclose(lost[300:601], -0.005 + (turned + 0.005) * np.exp(-back / 0.02))
 
 
 def test_ripple_repeats_with_the_pitch() -> None:
@@ -94,6 +93,4 @@ def test_ripple_repeats_with_the_pitch() -> None:
 def test_onsets_start_a_fit_inside_the_strain_that_was_reached() -> None:
     measured = {"strain": UP_DOWN_UP}
     assert JammingStiffening().initial_guess(measured, 1.0).model_dump()["onset"] == pytest.approx(0.21)
-    assert ClampSlip().initial_guess(measured, 1.0).model_dump()["limit"] == pytest.approx(0.18)
-    assert ClampSlipRepeated().initial_guess(measured, 1.0).model_dump()["limit"] == pytest.approx(0.21)
     assert JammingStiffening().initial_guess({}, 1.0) == JammingStiffening()

@@ -1,0 +1,90 @@
+"""Slip of the clamps against closed-form answers, and the jumps by which it is found."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from testbench.knit.jumps import jumps, slip_times_s
+from testbench.knit.kernels import crossings
+from testbench.knit.slip import (
+    NEVER_S,
+    ClampSlip,
+    ClampSlipEvents,
+    ClampSlipOnce,
+    ClampSlipRepeated,
+    ClampSlipSliding,
+)
+
+UP = np.linspace(0, 0.3, 301)
+UP_DOWN_UP = np.concatenate([UP, UP[::-1][1:], UP[1:]])
+
+
+def test_slips_are_a_staircase_of_the_largest_stretch() -> None:
+    strain = ClampSlip(fraction=0.5, limit=0.1, step=0.1).apply({"strain": UP_DOWN_UP}, 0.05)["strain"]
+    lost = UP_DOWN_UP - strain
+    np.testing.assert_allclose(lost[[50, 150, 250, 600, 750]], [0, 0.05, 0.10, 0.15, 0.15], atol=1e-12)
+
+
+def test_each_pass_slips_once_more() -> None:
+    strain = ClampSlipRepeated(amount=0.01, limit=0.15).apply({"strain": UP_DOWN_UP}, 0.05)["strain"]
+    np.testing.assert_allclose((UP_DOWN_UP - strain)[[0, 300, 600, 900]], [0, 0.01, 0.01, 0.02], atol=1e-12)
+
+
+def test_a_pass_needs_a_return_before_it_counts_again() -> None:
+    wiggle = np.array([0.0, 0.21, 0.195, 0.21, 0.1, 0.21])
+    np.testing.assert_array_equal(crossings(wiggle, 0.2, 0.18), [0, 1, 1, 1, 1, 2])
+
+
+def test_single_slip_happens_at_its_moment() -> None:
+    time_s = np.arange(5.0)
+    strain = ClampSlipOnce(amount=0.1, when_s=3).apply({"time_s": time_s, "strain": np.ones(5)}, 1.0)["strain"]
+    np.testing.assert_allclose(strain, [1, 1, 1, 0.9, 0.9])
+
+
+def test_sliding_adds_up_the_time_beyond_the_limit() -> None:
+    held = np.full(1001, 0.25)
+    effect = ClampSlipSliding(amount=0.02, limit=0.2, work_s=1.0)
+    lost = held - effect.apply({"strain": held}, 0.02)["strain"]
+    np.testing.assert_allclose(lost, 0.02 * -np.expm1(-0.05 * 0.02 * np.arange(1001)), atol=1e-12)
+    assert np.all(effect.apply({"strain": 0.15 * held / 0.25}, 0.02)["strain"] == 0.15)
+
+
+def test_onsets_start_a_fit_inside_the_strain_that_was_reached() -> None:
+    measured = {"strain": UP_DOWN_UP}
+    assert ClampSlip().initial_guess(measured, 1.0).model_dump()["limit"] == pytest.approx(0.18)
+    assert ClampSlipRepeated().initial_guess(measured, 1.0).model_dump()["limit"] == pytest.approx(0.21)
+    assert ClampSlipSliding().initial_guess(measured, 1.0).model_dump()["limit"] == pytest.approx(0.18)
+
+
+def test_events_lengthen_the_knit_from_their_moments_on() -> None:
+    time_s = np.arange(6.0)
+    times_s = (2.0, 4.0) + (NEVER_S,) * 10
+    effect = ClampSlipEvents(amounts=(0.1, 0.05) + (0.02,) * 10, slip_times_s=times_s)
+    strain = effect.apply({"time_s": time_s, "strain": np.ones(6)}, 1.0)["strain"]
+    np.testing.assert_allclose(1 - strain, [0, 0, 0.1, 0.1, 0.15, 0.15])
+
+
+def test_a_straight_line_has_no_jumps_and_a_step_has_its_height() -> None:
+    x = 3.0 * np.arange(200) + 2.0 * (np.arange(200) >= 100)
+    found = jumps(x, 0.04)
+    assert np.max(np.abs(found[:90])) < 1e-9
+    assert np.max(found) == pytest.approx(2.0)
+    assert abs(int(np.argmax(found)) - 100) <= 2
+
+
+@settings(max_examples=15, derandomize=True, deadline=None)
+@given(st.integers(0, 10_000))
+def test_slips_are_found_where_they_were_and_nowhere_without(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    time_s = np.arange(0, 120, 0.04)
+    strain = 0.15 - 0.1 * np.cos(0.4 * time_s)
+    signals = {"time_s": time_s, "strain": strain}
+    smooth = 0.2 * np.sin(0.23 * time_s) + 0.01 * rng.standard_normal(len(time_s))
+    assert slip_times_s(signals, {"force": smooth}, 0.04) == ()
+    # in the middle of a way out
+    when_s = np.array([4.0, 51.0, 98.0]) + rng.uniform(-1, 1, 3)
+    slipped = smooth - 0.16 * np.sum(time_s[:, None] >= when_s, axis=1)
+    np.testing.assert_allclose(sorted(slip_times_s(signals, {"force": slipped}, 0.04)), when_s, atol=0.13)
