@@ -38,7 +38,7 @@ GAIN_TO_NAME = 0.075  # an idea must gain this much to be called missing,
 GAIN_TO_NAME_IMITABLE = 0.04  # or this much where the gain is counted after the price of the shape it replaces
 SHARE_OF_CEILING = 0.55  # an idea that gains less than this share of what a free-form map finds,
 LEFT_UNEXPLAINED = 0.15  # and leaves more than this share of the error above the noise,
-MOST_UNEXPLAINED = 0.4  # or one that leaves more than this share whatever the map finds,
+MOST_UNEXPLAINED, LARGE_GAIN = 0.4, 0.5  # or leaves more than this share and gains less than this much,
 OVER_NOISE = 2.5  # and more than this many noise floors, is a stand-in for something else
 STRUCTURE_OVER_NOISE = 3.0  # where nothing is named, more noise floors than this are structure
 SMALL_GAIN, CROWD = 0.25, 2  # a small gain that so many other ideas half share is the base's own misfit
@@ -196,7 +196,7 @@ def verdict_of(weighing: Weighing, left: float, over_noise: float) -> Verdict:
     gain = weighing.ranking[0].gain if weighing.ranking else 0.0
     enough = gain > _gain_needed(weighing) and not _crowded(weighing)
     short = gain < SHARE_OF_CEILING * weighing.ceiling
-    poor = left > MOST_UNEXPLAINED or (short and left > LEFT_UNEXPLAINED)
+    poor = (left > MOST_UNEXPLAINED and gain < LARGE_GAIN) or (short and left > LEFT_UNEXPLAINED)
     stand_in = poor and over_noise > OVER_NOISE
     if enough and not stand_in:
         return "missing"

@@ -14,7 +14,7 @@ from testbench.discrepancy.experiment import Rival, drivable, planned, propose
 from testbench.discrepancy.fit import fit
 from testbench.discrepancy.model_file import ModelFile
 from testbench.discrepancy.protocols import MENU, NOISE, Bounds, menu
-from tests.testbench.discrepancy.samples import CATALOGUE, NOISE_LN, NOISE_N, truth
+from tests.testbench.discrepancy.samples import CATALOGUE, NOISE_LN, NOISE_N, record, truth, write_csv
 
 FLOORS = {"force": NOISE_N, "conductance": NOISE_LN}
 BOUNDS = Bounds(duration_s=300)
@@ -109,3 +109,26 @@ def test_command_writes_the_winner(tmp_path, capsys):
 def test_command_says_what_it_needs(tmp_path, capsys):
     assert main(["experiment", "one.json"]) == 2
     assert "two rival MODEL files" in capsys.readouterr().err
+
+
+def test_command_takes_the_tied_effects_of_a_diagnosis(tmp_path, capsys):
+    recording = write_csv(record(truth(), 120), tmp_path / "r.csv")
+    errors = {"held_out": FLOORS, "calibration": FLOORS}
+    step = {"step": "baseline", "model": truth().to_dict(), "noise_floor": FLOORS, "errors": errors}
+    ranked = [{"effect": name, "form": name} for name in ("self_heating", "load_cell_creep", "stress_relaxation")]
+    tied = ["load_cell_creep", "stress_relaxation"]
+    said = {"verdict": "nothing_missing", "tied": tied, "ranking": ranked, "history": [step]}
+    (tmp_path / "d.json").write_text(json.dumps(said))
+    place = ["--fit", recording, "--gauge-length-mm", "25", "--duration-s", "120"]
+    assert main(["experiment", "--diagnosis", str(tmp_path / "d.json"), *place]) == 0
+    out = capsys.readouterr().out
+    assert "load_cell_creep against stress_relaxation" in out
+    assert "self_heating" not in out
+
+
+def test_command_refuses_what_is_no_diagnosis(tmp_path, capsys):
+    recording = write_csv(record(truth(), 60), tmp_path / "r.csv")
+    (tmp_path / "d.json").write_text('{"verdict": "missing"}')
+    where = ["--diagnosis", str(tmp_path / "d.json"), "--fit", recording, "--gauge-length-mm", "25"]
+    assert main(["experiment", *where]) == 2
+    assert "not a diagnosis" in capsys.readouterr().err
