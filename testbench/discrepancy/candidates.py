@@ -32,11 +32,14 @@ class Candidate:
         With the shape parameters of this point and a small strength.
     strength : float
         That strength; a trace's coefficient times it is the strength the data ask for.
+    from_data : bool
+        The strength is a level seen in the data (where a reading is clipped), not to be scaled.
     """
 
     idea: str
     effect: Effect
     strength: float
+    from_data: bool = False
 
     @property
     def form(self) -> str:
@@ -45,7 +48,7 @@ class Candidate:
 
     def at(self, coefficient: float) -> Effect:
         """The effect at `coefficient` times the small strength, within its bounds."""
-        if is_vector(type(self.effect), self.effect.strength):
+        if self.from_data or is_vector(type(self.effect), self.effect.strength):
             return self.effect
         extra = bounds_of(type(self.effect).model_fields[self.effect.strength])
         if self.effect.nonlinear:
@@ -91,9 +94,10 @@ def expand(
             continue
         points = base.data_grid(state, residual, measurement.dt_s)
         for values in points or _shape_grid(form, measurement):
-            for strength in [values[form.strength]] if form.strength in values else _strengths(form):
+            seen = form.strength in values
+            for strength in [values[form.strength]] if seen else _strengths(form):
                 effect = base.replaced(**values | {form.strength: strength})
-                yield Candidate(idea, effect, strength)
+                yield Candidate(idea, effect, strength, seen)
 
 
 def _unit_vectors(effect: Effect, idea: str) -> Iterator[Candidate]:

@@ -14,14 +14,7 @@ from testbench.discrepancy.evidence import Evidence, Weighing
 from testbench.discrepancy.fit import Fit, fit
 from testbench.discrepancy.ladder import held_errors
 from testbench.discrepancy.measurement import Measurement, coarser
-from testbench.discrepancy.screen import (
-    CONTACT_BENDS,
-    FLEXIBLE,
-    STIFF,
-    WITHOUT_CONTACT_BENDS,
-    WITHOUT_SLIP,
-    best_starts,
-)
+from testbench.discrepancy.screen import FLEXIBLE, STIFF, WITHOUT_SLIP, best_starts
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
@@ -53,8 +46,6 @@ def straightened(model: KnitModel, mode: str) -> KnitModel:
         return model
     if mode == WITHOUT_SLIP:
         return _without_slip(model)
-    if mode == WITHOUT_CONTACT_BENDS:
-        return _straight(model, CONTACT_BENDS)
     shape = mode.removeprefix("without ")
     return _less(model, LOOP_SHAPES if shape in LOOP_SHAPES else (shape,))
 
@@ -67,15 +58,12 @@ def _less(model: KnitModel, names: Sequence[str]) -> KnitModel:
 
 def _without_slip(model: KnitModel) -> KnitModel:
     """The model without free loops of force, and without slip in contact_shape."""
-    return _straight(_less(model, LOOP_SHAPES), ("slip_weights", "slip_growth"))
-
-
-def _straight(model: KnitModel, keys: Sequence[str]) -> KnitModel:
-    """The model with these weights of contact_shape at zero."""
-    if "contact_shape" not in model:
-        return model
-    contact = model["contact_shape"]
-    return model.replacing("contact_shape", contact.replaced(**{k: (0.0,) * len(getattr(contact, k)) for k in keys}))
+    model = _less(model, LOOP_SHAPES)
+    if "contact_shape" in model:
+        contact = model["contact_shape"]
+        none = {key: (0.0,) * len(getattr(contact, key)) for key in ("slip_weights", "slip_growth")}
+        model = model.replacing("contact_shape", contact.replaced(**none))
+    return model
 
 
 @dataclass(frozen=True)

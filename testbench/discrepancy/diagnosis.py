@@ -35,7 +35,7 @@ Verdict = Literal["missing", "nothing_missing", "unknown"]
 
 # Set on simulated sensors whose physics is written apart from this model (benchmarks/bench_diagnosis.py).
 GAIN_TO_NAME = 0.075  # an idea must gain this much to be called missing,
-GAIN_TO_NAME_IMITABLE = 0.04  # or this much where the gain is counted after the price of the shape it replaces
+GAIN_TO_NAME_IMITABLE = 0.075  # or this much where the gain is counted after the price of the shape it replaces
 SHARE_OF_CEILING = 0.55  # an idea that gains less than this share of what a free-form map finds,
 LEFT_UNEXPLAINED = 0.15  # and leaves more than this share of the error above the noise,
 MOST_UNEXPLAINED, LARGE_GAIN = 0.4, 0.5  # or leaves more than this share and gains less than this much,

@@ -208,8 +208,7 @@ def _whitening(part: _Columns, white: bool) -> tuple[dict[str, FloatArray], dict
 
 
 STIFF, FLEXIBLE = "stiff", "flexible"
-WITHOUT_SLIP, WITHOUT_CONTACT_BENDS = "without any slip", "without bends of the contact law"
-CONTACT_BENDS = ("force_weights", "strain_weights")
+WITHOUT_SLIP = "without any slip"
 # What an effect that is free in every recording must do better to be preferred to one that is not.
 PRICE_PER_RECORDING = 0.1
 
@@ -250,10 +249,6 @@ def modes(traces: Traces) -> dict[str, np.ndarray]:
     slips = (owners == "hysteresis_shape") | np.array([".slip_" in address for address in traces.addresses])
     if slips.any():
         found[WITHOUT_SLIP] = ~slips
-    keys = np.array([address.partition(".")[2].partition("[")[0] for address in traces.addresses])
-    bends = (owners == "contact_shape") & np.isin(keys, CONTACT_BENDS)
-    if bends.any():
-        found[WITHOUT_CONTACT_BENDS] = ~bends
     return found
 
 

@@ -18,12 +18,16 @@ from testbench.discrepancy.candidates import Candidate, candidate_ideas
 from testbench.discrepancy.contest import Contest, Entrant, straightened
 from testbench.discrepancy.evidence import PRICE_OF_SHAPE, Evidence, Weighing
 from testbench.discrepancy.fit import fit
-from testbench.discrepancy.screen import FLEXIBLE, WITHOUT_CONTACT_BENDS, WITHOUT_SLIP
+from testbench.discrepancy.screen import FLEXIBLE, WITHOUT_SLIP
+from testbench.knit.effect import Stage
 from testbench.knit.model import KnitModel
 
-WITHOUT = {"elasticity": "without elasticity_shape", "contact": WITHOUT_CONTACT_BENDS, "slip": WITHOUT_SLIP}
+WITHOUT = {"elasticity": "without elasticity_shape", "contact": "without contact_shape", "slip": WITHOUT_SLIP}
 WORTH_A_TRY = 0.15  # ln(squared error) that an effect must gain on the stiff base
 FINALISTS, FORMS_OF_ONE_IDEA = 3, 2
+WORTH_A_DOUBT = 0.05
+OTHER_LOOPS = 0.25  # ln(squared error) that Bouc-Wen loops buy
+OTHER_KIND = 0.1  # share of the gain that counts then
 BENT_ITERATIONS, BESIDE_ITERATIONS = 14, 8
 
 
@@ -45,7 +49,10 @@ def stand_ins(contest: Contest, base: Entrant) -> dict[str, tuple[Entrant, Evide
         start = with_shapes(entrant.fit.model, contest.calibration, contest.catalogue)
         instead = min(entrant, _refitted(contest, entrant.name, start, mode), key=lambda one: one.score)
         beside = _refitted(contest, entrant.name, with_shapes(instead.fit.model, contest.calibration), FLEXIBLE)
-        gain = max(_gain(instead, base, bare[mode]), 2 * (base.score - beside.score))
+        gain = _gain(instead, base, bare[mode])
+        if gain > WORTH_A_DOUBT:
+            gain *= _trust(contest, instead, base)
+        gain = max(gain, 2 * (base.score - beside.score))
         best = min(instead, beside, key=lambda one: one.score)
         if entrant.idea not in found or gain > found[entrant.idea][1].gain:
             found[entrant.idea] = best, _evidence(best, mode, gain)
@@ -85,6 +92,19 @@ def _gain(entrant: Entrant, base: Entrant, bare: Entrant) -> float:
     bought = max(2 * (bare.score - base.score), 0.0)
     shortfall = 2 * (entrant.score - base.score)
     return float(np.log1p(PRICE_OF_SHAPE * np.expm1(bought))) - shortfall
+
+
+def _trust(contest: Contest, entrant: Entrant, base: Entrant) -> float:
+    """How far to believe that a law of the sensor bends because of the effect, and not of itself.
+
+    Where the loops are of another kind than the base's (Bouc-Wen instead of slip elements), so are the elastic and
+    the contact law, most likely. A converter has nothing to do with that.
+    """
+    if entrant.fit.model[entrant.name].stage is Stage.READOUT:
+        return 1.0
+    slip_only = contest.bases.flexible.model.without("hysteresis_bouc_wen")
+    without = contest.scored("", fit(slip_only, [contest.coarse], max_iterations=BENT_ITERATIONS))
+    return OTHER_KIND if 2 * (without.score - base.score) > OTHER_LOOPS else 1.0
 
 
 def _evidence(entrant: Entrant, mode: str, gain: float) -> Evidence:

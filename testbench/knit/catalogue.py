@@ -98,6 +98,7 @@ BUILT_IN = {
     "load_cell_creep_log": "testbench.knit.readout:LoadCellCreepLog",
     "load_cell_zero_drift": "testbench.knit.readout:LoadCellZeroDrift",
     "periodic_interference": "testbench.knit.readout:PeriodicInterference",
+    "periodic_interference_wave": "testbench.knit.readout:PeriodicInterferenceWave",
     "periodic_interference_force": "testbench.knit.readout:PeriodicInterferenceForce",
     # shape freedom of the base laws
     "elasticity_shape": "testbench.knit.shape:ElasticityShape",

@@ -8,9 +8,11 @@ import numpy as np
 
 from testbench.knit import spectra
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
-from testbench.knit.filters import lowpass, memory
+from testbench.knit.filters import lowpass, memory, shifted
 
-NEAR_THE_TOP = (0.6, 0.75, 0.85, 0.92, 0.96, 0.985)  # quantiles at which a read-out may clip
+WEAK_CLIPS = (0.97, 0.99)  # quantiles at which a read-out may clip so rarely that nothing piles up
+LINES, LINE_BINS = 3, 4  # lines of a spectrum that are tried, and how wide one is
+PILE = 0.04  # share of the samples that makes a pile
 
 
 class ChannelLag(Effect):
@@ -80,6 +82,24 @@ class ChannelLagDelay(Effect):
         return {"conductance_S": np.interp(now, np.arange(len(conductance)), conductance)}
 
 
+def _measured_ln(signals: Signals, residual: Signals) -> FloatArray:
+    """ln of the conductance as it was measured."""
+    return np.log(signals["conductance_S"]) + residual.get("conductance", 0.0)
+
+
+def _levels(values: FloatArray, side: float) -> list[float]:
+    """Levels at which `values` may be clipped, at the top (`side` 1) or at the bottom (-1).
+
+    A clipped reading piles up at one value: where the values of the outer half lie closest together.
+    """
+    ordered = np.sort(side * values)
+    outer = ordered[len(ordered) // 2 :]
+    count = max(int(PILE * len(ordered)), 2)
+    first = int(np.argmin(outer[count - 1 :] - outer[: len(outer) - count + 1]))
+    pile = float(np.median(outer[first : first + count]))
+    return [side * level for level in (pile, *(float(np.quantile(ordered, q)) for q in WEAK_CLIPS))]
+
+
 class AdcSaturation(Effect):
     """The converter cannot read resistances below a floor: conductance is clipped at the top.
 
@@ -109,7 +129,7 @@ class AdcSaturation(Effect):
         return self.replaced(floor_ohm=float(1 / np.quantile(signals["conductance_S"], 0.95)))
 
     def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
-        return [{"floor_ohm": float(1 / np.quantile(signals["conductance_S"], q))} for q in NEAR_THE_TOP]
+        return [{"floor_ohm": float(np.exp(-level))} for level in _levels(_measured_ln(signals, residual), 1.0)]
 
 
 class AdcSaturationHigh(Effect):
@@ -141,7 +161,7 @@ class AdcSaturationHigh(Effect):
         return self.replaced(floor_S=float(np.quantile(signals["conductance_S"], 0.05)))
 
     def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
-        return [{"floor_S": float(np.quantile(signals["conductance_S"], 1 - q))} for q in NEAR_THE_TOP]
+        return [{"floor_S": float(np.exp(level))} for level in _levels(_measured_ln(signals, residual), -1.0)]
 
 
 class AdcSaturationSoft(Effect):
@@ -171,8 +191,8 @@ class AdcSaturationSoft(Effect):
         return {"conductance_S": conductance * np.exp(-np.logaddexp(0.0, self.hardness * load) / self.hardness)}
 
     def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
-        tops_S = [float(np.quantile(signals["conductance_S"], q)) for q in NEAR_THE_TOP]
-        return [{"floor_ohm": 1 / top_S, "hardness": hardness} for top_S in tops_S for hardness in (20.0, 60.0)]
+        tops_S = np.exp(_levels(_measured_ln(signals, residual), 1.0))
+        return [{"floor_ohm": float(1 / top_S), "hardness": h} for top_S in tops_S for h in (20.0, 60.0)]
 
 
 class AdcSaturationForce(Effect):
@@ -205,7 +225,7 @@ class AdcSaturationForce(Effect):
         return self.replaced(inverse_range_per_N=1 / max(float(np.quantile(signals["force_N"], 0.95)), 1e-3))
 
     def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
-        tops_N = (float(np.quantile(signals["force_N"], q)) for q in NEAR_THE_TOP)
+        tops_N = _levels(signals["force_N"] + residual.get("force", 0.0), 1.0)
         return [{"inverse_range_per_N": 1 / top_N} for top_N in tops_N if top_N > 1e-3]
 
 
@@ -313,6 +333,43 @@ class PeriodicInterference(Effect):
         return _waves(residual.get("conductance"), dt_s)
 
 
+class PeriodicInterferenceWave(Effect):
+    """A periodic disturbance that is no pure sine rides on the conductance.
+
+    ln G += amplitude * (sin(a) + second * sin(2 a) + third * sin(3 a)),   a = 2 pi f t + phase
+
+    Source: Fourier series, three terms; as `periodic_interference`.
+    Valid: one stable frequency, its third harmonic below half the sampling rate.
+    """
+
+    name = "periodic_interference_wave"
+    idea = "periodic_interference"
+    stage = Stage.READOUT
+    reads, writes = ("time_s", "conductance_S"), ("conductance_S",)
+    strength = "amplitude"
+    per_recording = ("phase_rad",)
+    look = "a wave of fixed shape rides on the conductance, in holds too; lines at multiples of one frequency"
+
+    amplitude: float = parameter(0.01, unit="1", low=0, high=0.5, doc="amplitude of the first harmonic in ln G")
+    frequency_Hz: float = parameter(1.0, unit="Hz", low=0.02, high=20, scale="log", doc="frequency as sampled")
+    phase_rad: float = parameter(0.0, unit="rad", low=-3.2, high=3.2, doc="phase at the start")
+    second: float = parameter(0.0, unit="1", low=-2, high=2, doc="second harmonic over the first")
+    third: float = parameter(0.0, unit="1", low=-2, high=2, doc="third harmonic over the first")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        angle = 2 * np.pi * self.frequency_Hz * signals["time_s"] + self.phase_rad
+        wave = np.sin(angle) + self.second * np.sin(2 * angle) + self.third * np.sin(3 * angle)
+        return {"conductance_S": shifted(signals["conductance_S"], self.amplitude * wave)}
+
+    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
+        if "conductance_S" not in signals:
+            return self
+        return self.replaced(frequency_Hz=strongest_frequency_Hz(np.log(signals["conductance_S"]), dt_s))
+
+    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+        return _waves(residual.get("conductance"), dt_s)
+
+
 class PeriodicInterferenceForce(Effect):
     """A periodic disturbance rides on the force reading.
 
@@ -348,24 +405,35 @@ class PeriodicInterferenceForce(Effect):
 
 
 def _waves(residual: FloatArray | None, dt_s: float) -> list[dict[str, Any]]:
-    """The sharpest line of the residual, in and out of phase: together they reach any phase."""
+    """The sharpest lines of the residual, in and out of phase: together they reach any phase."""
     if residual is None:
         return []
-    frequency = strongest_frequency_Hz(residual, dt_s)
-    return [{"frequency_Hz": frequency, "phase_rad": phase} for phase in (-np.pi / 2, 0.0, np.pi / 2, np.pi)]
+    lines_Hz = sharpest_lines_Hz(residual, dt_s, LINES)
+    phases = (-np.pi / 2, 0.0, np.pi / 2, np.pi)
+    return [{"frequency_Hz": frequency, "phase_rad": phase} for frequency in lines_Hz for phase in phases]
 
 
 def strongest_frequency_Hz(x: FloatArray, dt_s: float) -> float:
     """Frequency of the sharpest line of `x`, above 0.02 Hz and below 20 Hz: the peak over its surroundings."""
+    return sharpest_lines_Hz(x, dt_s, 1)[0]
+
+
+def sharpest_lines_Hz(x: FloatArray, dt_s: float, most: int) -> list[float]:
+    """Frequencies of the lines of `x` that stand out most from their surroundings, the sharpest first."""
     from scipy.ndimage import median_filter
 
     power = np.abs(np.fft.rfft((x - x.mean()) * np.hanning(len(x)))) ** 2
     frequency = np.fft.rfftfreq(len(x), dt_s)
     contrast = power / np.maximum(median_filter(power, size=51), 1e-300)
-    allowed = (frequency > 0.02) & (frequency < 20)
-    if not allowed.any():
-        return 1.0
-    return _refined(x - x.mean(), dt_s, float(frequency[allowed][np.argmax(contrast[allowed])]))
+    contrast[(frequency <= 0.02) | (frequency >= 20)] = 0.0
+    if not contrast.any():
+        return [1.0]
+    found: list[float] = []
+    while len(found) < most and contrast.any():
+        at = int(np.argmax(contrast))
+        found.append(_refined(x - x.mean(), dt_s, float(frequency[at])))
+        contrast[max(at - LINE_BINS, 0) : at + LINE_BINS + 1] = 0.0
+    return found
 
 
 def _refined(x: FloatArray, dt_s: float, near_Hz: float) -> float:
