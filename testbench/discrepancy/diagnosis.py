@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -45,6 +46,7 @@ SMALL_GAIN, CROWD = 0.25, 2  # a small gain that so many other ideas half share 
 TIE_SHARE = 0.15  # of the first's gain; a tie is never wider than
 TIE = 0.08  # ideas closer than this cannot be told apart
 REFITS = 16
+WORKERS = 2
 
 
 @dataclass(frozen=True)
@@ -169,8 +171,10 @@ def _concluded(
     before = on_the_ladder(given, None, "baseline", calibration, held)
     contest = Contest(bases, calibration, held, catalogue, tell)
     base = contest.base()
-    entrants = {entry.idea: contest.enter(entry) for entry in challengers(weighing)}
-    instead = stand_ins(contest, base)
+    with ThreadPoolExecutor(WORKERS) as pool:  # the kernels let go of the interpreter: threads do run side by side
+        others = pool.submit(stand_ins, contest, base)
+        entrants = {entry.idea: contest.enter(entry) for entry in challengers(weighing)}
+        instead = others.result()
     weighing = with_stand_ins(reranked(weighing, base, list(entrants.values())), [e for _, e in instead.values()])
     weighing = ranked_with_costs(weighing, calibration.signals.keys())
     entrants |= {idea: entrant for idea, (entrant, _) in instead.items()}

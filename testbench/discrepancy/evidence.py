@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -69,7 +70,8 @@ class Weighing:
 
 def weigh(traces: Mapping[str, Traces]) -> Weighing:
     """Judge every idea under both weighings and rank by the mean gain."""
-    judged = {name: judge_ideas(one) for name, one in traces.items()}
+    with ThreadPoolExecutor(len(traces)) as pool:
+        judged = dict(zip(traces, pool.map(judge_ideas, traces.values()), strict=True))
     priced = {name: _priced(judgement) for name, judgement in judged.items()}
     ideas = set.intersection(*(set(judgement.ideas) for judgement in judged.values()))
     ranking = sorted((_evidence(idea, judged, priced) for idea in ideas), key=lambda e: -e.gain)
