@@ -75,10 +75,13 @@ def _check_names(path: Path, names: list[str]) -> None:
             )
 
 
+SPELLINGS = {FORCE: ("force", "load", "kraft"), RESISTANCE: ("resist", "widerstand", "ohm")}
+
+
 def _may_be(name: str, channel: str) -> bool:
-    quantity, _, unit = channel.partition("_")
-    stem, _, ending = name.rpartition("_")
-    return not stem or quantity in stem.lower() or ending.lower().endswith(unit.lower())
+    """Whether a name speaks of the channel, or ends in its unit; other columns (a cycle number) mean nothing here."""
+    unit = channel.rpartition("_")[2].lower()
+    return any(word in name.lower() for word in SPELLINGS[channel]) or name.lower().rpartition("_")[2] == unit
 
 
 def read_columns(path: Path, growing: bool = False) -> dict[str, np.ndarray]:

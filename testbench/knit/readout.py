@@ -239,6 +239,7 @@ class LoadCellCreep(Effect):
     """
 
     name = "load_cell_creep"
+    cost = 0.1  # data sheets promise hundredths of a per cent
     stage = Stage.READOUT
     reads, writes = ("force_N",), ("force_N",)
     strength = "fraction"
@@ -263,6 +264,7 @@ class LoadCellCreepLog(Effect):
 
     name = "load_cell_creep_log"
     idea = "load_cell_creep"
+    cost = 0.1  # data sheets promise hundredths of a per cent
     stage = Stage.READOUT
     reads, writes = ("force_N",), ("force_N",)
     strength = "per_decade"
@@ -288,6 +290,7 @@ class LoadCellZeroDrift(Effect):
 
     name = "load_cell_zero_drift"
     idea = "load_cell_creep"
+    cost = 0.1  # data sheets promise hundredths of a per cent
     stage = Stage.READOUT
     reads, writes = ("time_s", "force_N"), ("force_N",)
     strength = "drift_N"

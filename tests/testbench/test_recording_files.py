@@ -57,6 +57,13 @@ def written(folder, text):
     return path
 
 
+@pytest.mark.parametrize("name", ["strain", "cycle", "Index", "phase"])
+def test_a_column_that_is_neither_force_nor_resistance_hides_none(tmp_path, name):
+    recording = read_recording(written(tmp_path, GOOD.replace("resistance_ohm", name)), 25.0)
+    assert recording.has("force_N")
+    assert not recording.has("resistance_ohm")
+
+
 def test_other_channels_may_stand_beside_or_instead(tmp_path):
     text = GOOD.replace("resistance_ohm", "displacement_planned_mm").replace("force_N", "temperature_C")
     assert list(read_recording(written(tmp_path, text), 25.0).channels) == [
