@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from testbench.discrepancy.baseline import LOOP_SHAPES, SHAPES, framed, with_shapes
-from testbench.discrepancy.candidates import candidate_ideas, is_vector
+from testbench.discrepancy.candidates import Candidate, candidate_ideas, is_vector
 from testbench.discrepancy.errors import rms_errors
 from testbench.discrepancy.evidence import Evidence, Weighing
 from testbench.discrepancy.fit import Fit, fit
@@ -179,10 +179,20 @@ def challengers(weighing: Weighing) -> list[Evidence]:
 
 def reranked(weighing: Weighing, base: Entrant, entrants: Sequence[Entrant]) -> Weighing:
     """The ranking with the refits taken in: half the screening's gain, half the refit's."""
-    refit = {entrant.idea: 2 * (base.score - entrant.score) for entrant in entrants}
-    first = [replace(e, gain=0.5 * (e.gain + refit[e.idea])) for e in weighing.ranking if e.idea in refit]
-    rest = [entry for entry in weighing.ranking if entry.idea not in refit]
+    refitted = {entrant.idea: entrant for entrant in entrants}
+    first = [_taken_in(e, refitted[e.idea], base) for e in weighing.ranking if e.idea in refitted]
+    rest = [entry for entry in weighing.ranking if entry.idea not in refitted]
     return replace(weighing, ranking=(*first, *rest))
+
+
+def _taken_in(entry: Evidence, entrant: Entrant, base: Entrant) -> Evidence:
+    """The evidence with the refit's gain, and the form that did best."""
+    gain = 0.5 * entry.gain + (base.score - entrant.score)
+    if entrant.name == entry.form:
+        return replace(entry, gain=gain)
+    effect = entrant.fit.model[entrant.name]
+    candidate = Candidate(entrant.idea, effect, getattr(effect, effect.strength), from_data=True)
+    return replace(entry, gain=gain, form=entrant.name, candidate=candidate, coefficient=1.0)
 
 
 def leftover(before: Mapping[str, float], after: Mapping[str, float], floors: Mapping[str, float]) -> float:

@@ -74,6 +74,7 @@ BUILT_IN = {
     "piezoresistance_percolation": "testbench.knit.piezoresistance:PiezoresistancePercolation",
     "electrical_overshoot": "testbench.knit.transient:ElectricalOvershoot",
     "electrical_overshoot_magnitude": "testbench.knit.transient:ElectricalOvershootMagnitude",
+    "electrical_overshoot_motion": "testbench.knit.transient:ElectricalOvershootMotion",
     "electrical_overshoot_reversal": "testbench.knit.transient:ElectricalOvershootReversal",
     "electrical_overshoot_force": "testbench.knit.transient:ElectricalOvershootForce",
     "shoulder_peak": "testbench.knit.transient:ShoulderPeak",

@@ -59,6 +59,34 @@ class ElectricalOvershootMagnitude(Effect):
         return {"conductance_S": shifted(signals["conductance_S"], self.gain * shaken)}
 
 
+class ElectricalOvershootMotion(Effect):
+    """While it moves at all, the conductance stands at another level.
+
+    ln G += gain * y,   tau y' = tanh(|e'| / rate0) - y
+
+    Source: simplest law of contacts that slide, or do not: the level hardly depends on how fast.
+    Valid: small shift; a long `tau_s` makes the level come and go slowly.
+    """
+
+    name = "electrical_overshoot_motion"
+    idea = "electrical_overshoot"
+    stage = Stage.ELECTRICAL
+    reads, writes = ("strain", "conductance_S"), ("conductance_S",)
+    strength = "gain"
+    look = "conductance steps to another level when motion begins and back when it ends"
+
+    gain: float = parameter(0.05, unit="1", low=-3, high=3, doc="change of ln G in motion")
+    tau_s: float = parameter(0.5, unit="s", low=0.02, high=100, scale="log", doc="time in which the level changes")
+    rate0_per_s: float = parameter(0.02, unit="1/s", low=1e-4, high=1, scale="log", doc="rate that counts as motion")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        moving = np.tanh(np.abs(rate(signals["strain"], dt_s)) / self.rate0_per_s)
+        return {"conductance_S": shifted(signals["conductance_S"], self.gain * lowpass(moving, self.tau_s, dt_s))}
+
+    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+        return [{"tau_s": tau_s, "rate0_per_s": r} for tau_s in (0.1, 1.0, 5.0) for r in (0.005, 0.02, 0.08)]
+
+
 class ElectricalOvershootReversal(Effect):
     """Each reversal of the motion sends a transient of the same size, whatever the speed.
 
@@ -153,7 +181,8 @@ class RateResistance(Effect):
     """
 
     name = "rate_resistance"
-    cost = 0.15
+    # A conductance that answers to motion: one idea, whatever the law.
+    idea = "electrical_overshoot"
     stage = Stage.ELECTRICAL
     reads, writes = ("strain", "conductance_S"), ("conductance_S",)
     strength = "gain"
@@ -176,8 +205,7 @@ class RateResistanceMagnitude(Effect):
     """
 
     name = "rate_resistance_magnitude"
-    idea = "rate_resistance"
-    cost = 0.15
+    idea = "electrical_overshoot"
     stage = Stage.ELECTRICAL
     reads, writes = ("strain", "conductance_S"), ("conductance_S",)
     strength = "gain"
