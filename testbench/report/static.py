@@ -51,7 +51,15 @@ def write_figure(figure: style.Figure, path: str | Path, width_px: int = WIDTH_P
     from matplotlib import rc_context
 
     with rc_context(RC), atomic_path(path) as temporary:
-        drawing.savefig(temporary, dpi=DOTS_PER_INCH * scale, format=suffix, metadata=metadata)
+        # Wide tick labels push the axis title out of the page: the page grows as far as needed.
+        drawing.savefig(
+            temporary,
+            dpi=DOTS_PER_INCH * scale,
+            format=suffix,
+            metadata=metadata,
+            bbox_inches="tight",
+            pad_inches=0.05,
+        )
 
 
 def draw(figure: style.Figure, width_px: int = WIDTH_PX):
