@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from testbench.discrepancy.baseline import SHAPES, starting_baseline, with_shapes, without_shapes
 from testbench.discrepancy.contest import (
@@ -171,7 +172,8 @@ def _concluded(
     before = on_the_ladder(given, None, "baseline", calibration, held)
     contest = Contest(bases, calibration, held, catalogue, tell)
     base = contest.base()
-    with ThreadPoolExecutor(WORKERS) as pool:  # the kernels let go of the interpreter: threads do run side by side
+    # The kernels let go of the interpreter, so threads do run side by side; those of BLAS would only fight them.
+    with threadpool_limits(1, "blas"), ThreadPoolExecutor(WORKERS) as pool:
         others = pool.submit(stand_ins, contest, base)
         entrants = {entry.idea: contest.enter(entry) for entry in challengers(weighing)}
         instead = others.result()
