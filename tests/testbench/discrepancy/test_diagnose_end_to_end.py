@@ -11,6 +11,7 @@ from testbench.discrepancy.baseline import starting_baseline
 from testbench.discrepancy.compare import compare
 from testbench.discrepancy.ladder import fitted_file
 from testbench.discrepancy.measurement import split
+from testbench.discrepancy.repeat import diagnose_repeatedly
 from testbench.knit.catalogue import load_catalogue
 from testbench.recording import read_recording
 from testbench.worlds import make_case
@@ -41,6 +42,35 @@ def test_an_obvious_effect_is_named(effect):
     assert result.verdict == "missing"
     assert effect in [entry.idea for entry in result.weighing.ranking[:2]]
     assert all(result.error_after[c] <= 1.02 * result.error_before[c] for c in result.error_before)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("effect", "form"),
+    [
+        ("adc_saturation", "resistance_clipped"),
+        ("clamp_slip", "few_big_jumps"),
+        ("jamming_stiffening", "locking_limit"),
+    ],
+)
+def test_what_a_shape_or_a_set_could_imitate_is_told_from_it(effect, form):
+    case = make_case(effect, strength=15, seed=2, minutes=6, rate_hz=20, form=form)
+    result = diagnose(case.calibration, case.held_out)
+    assert result.verdict == "missing"
+    # A hard clip of the reading and contacts that saturate at once differ by the drift alone.
+    assert effect in [entry.idea for entry in result.weighing.ranking[:2]]
+    worst = max(result.error_after[c] / result.noise_floor[c] for c in result.noise_floor)
+    assert worst < 0.5 * max(result.error_before[c] / result.noise_floor[c] for c in result.noise_floor)
+
+
+@pytest.mark.slow
+def test_two_hidden_effects_are_found_one_after_the_other():
+    case = make_case("stress_relaxation,channel_lag", strength=10, seed=5, minutes=6, rate_hz=20)
+    found = diagnose_repeatedly(case.calibration, case.held_out, most=2)
+    assert {one.weighing.ranking[0].idea for one in found} == {"stress_relaxation", "channel_lag"}
+    steps = [step["step"] for step in found[-1].after.history]
+    assert steps[0] == "baseline"
+    assert len(steps) >= 3
 
 
 OWN = '''
