@@ -50,7 +50,9 @@ lint: $(VENV)/.dev ## ruff, mypy, import-linter
 	@$(BIN)/ruff check . && $(BIN)/ruff format --check . && $(BIN)/mypy && $(BIN)/lint-imports
 
 bench: $(VENV)/.dev ## the benchmarks; each prints its own table
-	@for b in benchmarks/bench_*.py; do echo "== $$b"; $(BIN)/python $$b || exit 1; done
+	@for b in benchmarks/bench_*.py; do \
+	  case $$b in *bench_training*) few="--sample 10";; *bench_twin*) few="--trials 2";; *) few="";; esac; \
+	  echo "== $$b $$few"; $(BIN)/python $$b $$few || exit 1; done
 
 lock: $(VENV)/.boot ## pin the dependencies again (hashes, no host names)
 	@bash requirements/lock.sh "$(BIN)/uv"
