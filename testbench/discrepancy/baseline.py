@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 from scipy.optimize import least_squares
 
@@ -138,9 +140,9 @@ def framed(effect: Effect, model: KnitModel, measurement: Measurement) -> Effect
     return effect.replaced(**{key: frame[key] for key in fields if key in frame})
 
 
-def without_shapes(model: KnitModel) -> KnitModel:
-    """The model with its base laws unbent."""
-    for name in SHAPES:
+def without_shapes(model: KnitModel, names: Iterable[str] = SHAPES) -> KnitModel:
+    """The model with its base laws unbent: without those of the shapes `names` that it has."""
+    for name in names:
         model = model.without(name) if name in model else model
     return model
 

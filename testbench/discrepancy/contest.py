@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from testbench.discrepancy.baseline import LOOP_SHAPES, SHAPES, framed, with_shapes
+from testbench.discrepancy.baseline import LOOP_SHAPES, SHAPES, framed, with_shapes, without_shapes
 from testbench.discrepancy.candidates import Candidate, candidate_ideas, is_vector
 from testbench.discrepancy.errors import rms_errors
 from testbench.discrepancy.evidence import Evidence, Weighing
@@ -35,10 +35,6 @@ class Bases:
     stiff: Fit
     flexible: Fit
 
-    def bent(self, mode: str) -> KnitModel:
-        """The base with the shapes that `mode` allows."""
-        return self.stiff.model if mode == STIFF else straightened(self.flexible.model, mode)
-
 
 def straightened(model: KnitModel, mode: str) -> KnitModel:
     """`model` without the shapes that `mode` forbids."""
@@ -47,18 +43,12 @@ def straightened(model: KnitModel, mode: str) -> KnitModel:
     if mode == WITHOUT_SLIP:
         return _without_slip(model)
     shape = mode.removeprefix("without ")
-    return _less(model, LOOP_SHAPES if shape in LOOP_SHAPES else (shape,))
-
-
-def _less(model: KnitModel, names: Sequence[str]) -> KnitModel:
-    for name in names:
-        model = model.without(name) if name in model else model
-    return model
+    return without_shapes(model, LOOP_SHAPES if shape in LOOP_SHAPES else (shape,))
 
 
 def _without_slip(model: KnitModel) -> KnitModel:
     """The model without free loops of force, and without slip in contact_shape."""
-    model = _less(model, LOOP_SHAPES)
+    model = without_shapes(model, LOOP_SHAPES)
     if "contact_shape" in model:
         contact = model["contact_shape"]
         none = {key: (0.0,) * len(getattr(contact, key)) for key in ("slip_weights", "slip_growth")}
@@ -88,6 +78,12 @@ class Entrant:
     score: float
     held: Mapping[str, float]
 
+    @property
+    def candidate(self) -> Candidate:
+        """The effect as it was fitted."""
+        effect = self.fit.model[self.name]
+        return Candidate(self.idea, effect, getattr(effect, effect.strength), from_data=True)
+
 
 class Contest:
     """Refits entrants on the calibration recording and scores them on both."""
@@ -103,6 +99,8 @@ class Contest:
         self.bases, self.calibration, self.held = bases, calibration, held
         self.coarse = coarser(calibration, FIT_RATE_HZ)
         self.catalogue, self.tell = catalogue, tell
+        self._ideas = candidate_ideas(catalogue, bases.stiff.model)
+        self._signals = frozenset(bases.stiff.model.simulate(self.coarse.signals, self.coarse.dt_s))
 
     def base(self) -> Entrant:
         """The base alone: flexible where that pays, stiff elsewhere."""
@@ -130,11 +128,15 @@ class Contest:
 
     def forms_of(self, idea: str) -> list[Effect]:
         """Forms of an idea that a search on the stiff base can start from."""
-        model = self.bases.stiff.model
-        state = model.simulate(self.coarse.signals, self.coarse.dt_s)
-        forms = candidate_ideas(self.catalogue, model).get(idea, [])
-        usable = [f for f in forms if not is_vector(f, f.strength) and all(name in state for name in f.reads)]
-        return [framed(form(), model, self.coarse) for form in usable]
+        return self._started(self._ideas.get(idea, ()))
+
+    def imitable_forms(self) -> list[Effect]:
+        """Those of all ideas that a shape of the base could imitate."""
+        return self._started(form for forms in self._ideas.values() for form in forms if form.imitated_by)
+
+    def _started(self, forms: Iterable[type[Effect]]) -> list[Effect]:
+        usable = [f for f in forms if not is_vector(f, f.strength) and self._signals.issuperset(f.reads)]
+        return [framed(form(), self.bases.stiff.model, self.coarse) for form in usable]
 
     def alone(self, effects: Sequence[Effect]) -> list[Entrant]:
         """Each effect fitted on the stiff base."""
@@ -190,9 +192,7 @@ def _taken_in(entry: Evidence, entrant: Entrant, base: Entrant) -> Evidence:
     gain = 0.5 * entry.gain + (base.score - entrant.score)
     if entrant.name == entry.form:
         return replace(entry, gain=gain)
-    effect = entrant.fit.model[entrant.name]
-    candidate = Candidate(entrant.idea, effect, getattr(effect, effect.strength), from_data=True)
-    return replace(entry, gain=gain, form=entrant.name, candidate=candidate, coefficient=1.0)
+    return replace(entry, gain=gain, form=entrant.name, candidate=entrant.candidate, coefficient=1.0)
 
 
 def leftover(before: Mapping[str, float], after: Mapping[str, float], floors: Mapping[str, float]) -> float:

@@ -36,8 +36,7 @@ from testbench.recording import Recording
 Verdict = Literal["missing", "nothing_missing", "unknown"]
 
 # Set on simulated sensors whose physics is written apart from this model (benchmarks/bench_diagnosis.py).
-GAIN_TO_NAME = 0.075  # an idea must gain this much to be called missing,
-GAIN_TO_NAME_IMITABLE = 0.075  # or this much where the gain is counted after the price of the shape it replaces
+GAIN_TO_NAME = 0.075  # an idea must gain this much to be called missing
 SHARE_OF_CEILING = 0.55  # an idea that gains less than this share of what a free-form map finds,
 LEFT_UNEXPLAINED = 0.15  # and leaves more than this share of the error above the noise,
 MOST_UNEXPLAINED, LARGE_GAIN = 0.4, 0.5  # or leaves more than this share and gains less than this much,
@@ -181,7 +180,7 @@ def _concluded(
     weighing = ranked_with_costs(weighing, calibration.signals.keys())
     entrants |= {idea: entrant for idea, (entrant, _) in instead.items()}
     best = entrants.get(weighing.ranking[0].idea) if weighing.ranking else None
-    if best is not None and weighing.ranking[0].gain > _gain_needed(weighing):
+    if best is not None and weighing.ranking[0].gain > GAIN_TO_NAME:
         best = contest.settled(best)
     reached = best.held if best else base.held
     left = leftover(base.held, reached, floors)
@@ -200,7 +199,7 @@ def _concluded(
 def verdict_of(weighing: Weighing, left: float, over_noise: float) -> Verdict:
     """Missing, nothing missing, or unknown, from the gains and from what is left over."""
     gain = weighing.ranking[0].gain if weighing.ranking else 0.0
-    enough = gain > _gain_needed(weighing) and not _crowded(weighing)
+    enough = gain > GAIN_TO_NAME and not _crowded(weighing)
     short = gain < SHARE_OF_CEILING * weighing.ceiling
     poor = (left > MOST_UNEXPLAINED and gain < LARGE_GAIN) or (short and left > LEFT_UNEXPLAINED)
     stand_in = poor and over_noise > OVER_NOISE
@@ -213,11 +212,6 @@ def _crowded(weighing: Weighing) -> bool:
     """Whether a small gain is shared by many ideas: then each nibbles at a misfit that belongs to none of them."""
     first, *others = (entry.gain for entry in weighing.ranking)
     return first < SMALL_GAIN and sum(gain > 0.5 * first for gain in others) >= CROWD
-
-
-def _gain_needed(weighing: Weighing) -> float:
-    imitable = bool(weighing.ranking) and weighing.ranking[0].candidate.effect.imitable
-    return GAIN_TO_NAME_IMITABLE if imitable else GAIN_TO_NAME
 
 
 def _tied(weighing: Weighing, verdict: Verdict) -> tuple[str, ...]:

@@ -10,11 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
 from testbench.discrepancy.baseline import with_shapes
-from testbench.discrepancy.candidates import Candidate, candidate_ideas
 from testbench.discrepancy.contest import Contest, Entrant, straightened
 from testbench.discrepancy.evidence import PRICE_OF_SHAPE, Evidence, Weighing
 from testbench.discrepancy.fit import fit
@@ -27,7 +27,7 @@ WORTH_A_TRY = 0.15  # ln(squared error) that an effect must gain on the stiff ba
 FINALISTS, FORMS_OF_ONE_IDEA = 3, 2
 WORTH_A_DOUBT = 0.05
 OTHER_LOOPS = 0.25  # ln(squared error) that Bouc-Wen loops buy
-OTHER_KIND = 0.1  # share of the gain that counts then
+OTHER_KIND = 0.1  # share of the gain that counts where the loops are of another kind
 BENT_ITERATIONS, BESIDE_ITERATIONS = 14, 8
 
 
@@ -40,18 +40,21 @@ def stand_ins(contest: Contest, base: Entrant) -> dict[str, tuple[Entrant, Evide
         With the gain over the base at a fair price: see `_gain`.
     """
     found: dict[str, tuple[Entrant, Evidence]] = {}
-    bare: dict[str, Entrant] = {}
+    # Asked for by several effects, fitted once.
+    bare = cache(lambda mode: _refitted(contest, "", contest.bases.flexible.model, mode))
+    other_loops = cache(lambda: _has_other_loops(contest, base))
     for entrant in _finalists(_alone(contest)):
-        mode = WITHOUT[entrant.fit.model[entrant.name].imitated_by]
+        effect = entrant.fit.model[entrant.name]
+        mode = WITHOUT[effect.imitated_by]
         contest.tell(f"putting in {entrant.name} for the shape that could imitate it")
-        if mode not in bare:
-            bare[mode] = _refitted(contest, "", contest.bases.flexible.model, mode)
         start = with_shapes(entrant.fit.model, contest.calibration, contest.catalogue)
         instead = min(entrant, _refitted(contest, entrant.name, start, mode), key=lambda one: one.score)
-        beside = _refitted(contest, entrant.name, with_shapes(instead.fit.model, contest.calibration), FLEXIBLE)
-        gain = _gain(instead, base, bare[mode])
-        if gain > WORTH_A_DOUBT:
-            gain *= _trust(contest, instead, base)
+        bent = with_shapes(instead.fit.model, contest.calibration, contest.catalogue)
+        beside = _refitted(contest, entrant.name, bent, FLEXIBLE)
+        gain = _gain(instead, base, bare(mode))
+        # A converter has nothing to do with the kind of the sensor.
+        if gain > WORTH_A_DOUBT and effect.stage is not Stage.READOUT and other_loops():
+            gain *= OTHER_KIND
         gain = max(gain, 2 * (base.score - beside.score))
         best = min(instead, beside, key=lambda one: one.score)
         if entrant.idea not in found or gain > found[entrant.idea][1].gain:
@@ -76,10 +79,8 @@ def _finalists(alone: Sequence[Entrant]) -> list[Entrant]:
 
 def _alone(contest: Contest) -> list[Entrant]:
     """Every imitable effect on the stiff base, best first; only those that gain at all."""
-    model = contest.bases.stiff.model
-    effects = [effect for idea in candidate_ideas(contest.catalogue, model) for effect in contest.forms_of(idea)]
     before = contest.scored("", contest.bases.stiff)
-    found = contest.alone([effect for effect in effects if effect.imitable])
+    found = contest.alone(contest.imitable_forms())
     worth = [one for one in found if 2 * (before.score - one.score) > WORTH_A_TRY]
     return sorted(worth, key=lambda one: one.score)
 
@@ -94,23 +95,18 @@ def _gain(entrant: Entrant, base: Entrant, bare: Entrant) -> float:
     return float(np.log1p(PRICE_OF_SHAPE * np.expm1(bought))) - shortfall
 
 
-def _trust(contest: Contest, entrant: Entrant, base: Entrant) -> float:
-    """How far to believe that a law of the sensor bends because of the effect, and not of itself.
+def _has_other_loops(contest: Contest, base: Entrant) -> bool:
+    """Whether the loops are of another kind than the base's: Bouc-Wen instead of slip elements.
 
-    Where the loops are of another kind than the base's (Bouc-Wen instead of slip elements), so are the elastic and
-    the contact law, most likely. A converter has nothing to do with that.
+    Then so are the elastic and the contact law, most likely: they bend of themselves, and not because of an effect.
     """
-    if entrant.fit.model[entrant.name].stage is Stage.READOUT:
-        return 1.0
     slip_only = contest.bases.flexible.model.without("hysteresis_bouc_wen")
     without = contest.scored("", fit(slip_only, [contest.coarse], max_iterations=BENT_ITERATIONS))
-    return OTHER_KIND if 2 * (without.score - base.score) > OTHER_LOOPS else 1.0
+    return 2 * (without.score - base.score) > OTHER_LOOPS
 
 
 def _evidence(entrant: Entrant, mode: str, gain: float) -> Evidence:
-    effect = entrant.fit.model[entrant.name]
-    candidate = Candidate(entrant.idea, effect, getattr(effect, effect.strength))
-    return Evidence(entrant.idea, entrant.name, gain, {"white": gain, "plain": gain}, mode, candidate, 1.0)
+    return Evidence(entrant.idea, entrant.name, gain, {"white": gain, "plain": gain}, mode, entrant.candidate, 1.0)
 
 
 def with_stand_ins(weighing: Weighing, found: Sequence[Evidence]) -> Weighing:

@@ -336,7 +336,7 @@ class PeriodicInterference(Effect):
         return _waves(residual.get("conductance"), dt_s)
 
 
-class PeriodicInterferenceWave(Effect):
+class PeriodicInterferenceWave(PeriodicInterference):
     """A periodic disturbance that is no pure sine rides on the conductance.
 
     ln G += amplitude * (sin(a) + second * sin(2 a) + third * sin(3 a)),   a = 2 pi f t + phase
@@ -347,15 +347,9 @@ class PeriodicInterferenceWave(Effect):
 
     name = "periodic_interference_wave"
     idea = "periodic_interference"
-    stage = Stage.READOUT
-    reads, writes = ("time_s", "conductance_S"), ("conductance_S",)
-    strength = "amplitude"
-    per_recording = ("phase_rad",)
     look = "a wave of fixed shape rides on the conductance, in holds too; lines at multiples of one frequency"
 
     amplitude: float = parameter(0.01, unit="1", low=0, high=0.5, doc="amplitude of the first harmonic in ln G")
-    frequency_Hz: float = parameter(1.0, unit="Hz", low=0.02, high=20, scale="log", doc="frequency as sampled")
-    phase_rad: float = parameter(0.0, unit="rad", low=-3.2, high=3.2, doc="phase at the start")
     second: float = parameter(0.0, unit="1", low=-2, high=2, doc="second harmonic over the first")
     third: float = parameter(0.0, unit="1", low=-2, high=2, doc="third harmonic over the first")
 
@@ -363,14 +357,6 @@ class PeriodicInterferenceWave(Effect):
         angle = 2 * np.pi * self.frequency_Hz * signals["time_s"] + self.phase_rad
         wave = np.sin(angle) + self.second * np.sin(2 * angle) + self.third * np.sin(3 * angle)
         return {"conductance_S": shifted(signals["conductance_S"], self.amplitude * wave)}
-
-    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
-        if "conductance_S" not in signals:
-            return self
-        return self.replaced(frequency_Hz=strongest_frequency_Hz(np.log(signals["conductance_S"]), dt_s))
-
-    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
-        return _waves(residual.get("conductance"), dt_s)
 
 
 class PeriodicInterferenceForce(Effect):

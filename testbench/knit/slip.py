@@ -1,4 +1,4 @@
-"""The knit slips out of its clamps: in jumps, or sliding; and lost motion that looks like it.
+"""The knit slips out of its clamps: in jumps, or sliding.
 
 A set of the knit is smooth; what jumps is the clamp.
 """
