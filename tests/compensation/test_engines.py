@@ -18,7 +18,7 @@ def problem(rows: int = 1500, columns: int = 5):
     return features, (target - target.mean()) / target.std()
 
 
-@pytest.mark.parametrize("sizes", [(4, 2, 2), (6,), (16, 8), (3, 3, 3, 3)])
+@pytest.mark.parametrize("sizes", [(4, 2, 2), (6,), (16, 8), (3, 3, 3, 3), (21, 14, 11)])
 @pytest.mark.parametrize(("seed", "l2"), [(0, 1e-4), (11, 1.0)])
 def test_exact_engine_reproduces_the_loss_curve(sizes, seed, l2):
     features, target = problem()
