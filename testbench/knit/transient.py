@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
-from testbench.knit.filters import lowpass, rate, shifted
+from testbench.knit.filters import lagging_rate, lowpass, rate, shifted
 
 
 class ElectricalOvershoot(Effect):
@@ -54,7 +54,7 @@ class ElectricalOvershootMagnitude(Effect):
     tau_s: float = parameter(3.0, unit="s", low=0.1, high=300, scale="log", doc="time in which it heals")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        speed = np.abs(rate(signals["strain"], dt_s))
+        speed = np.abs(lagging_rate(signals["strain"], dt_s))
         shaken = self.tau_s * lowpass(speed, self.tau_s, dt_s)
         return {"conductance_S": shifted(signals["conductance_S"], self.gain * shaken)}
 
