@@ -110,8 +110,8 @@ class Contest:
     def enter(self, entry: Evidence) -> Entrant:
         """Put an idea in and refit; the base bends freely, or not at all where that was best.
 
-        Two forms may speak for the idea: the one that screened best, and the one that fits best on the stiff base,
-        where all parameters of a form can be moved but nothing else can do its work.
+        Several forms may speak for the idea: the one that screened best, the one that fits best on the stiff base,
+        where all parameters of a form can be moved but nothing else can do its work, and those made of events.
         """
         self.tell(f"putting in {entry.idea} and refitting")
         effects = {entry.form: entry.candidate.at(entry.coefficient)}
@@ -119,6 +119,7 @@ class Contest:
         if alone:
             best = min(alone, key=lambda one: one.score)
             effects[best.name] = best.fit.model[best.name]
+        effects |= {effect.name: effect for effect in self.events_of(entry.idea)}
         bases = [self.bases.flexible.model] + ([self.bases.stiff.model] if entry.mode == STIFF else [])
         entrants = [self._refitted(model, effect) for model in bases for effect in effects.values()]
         return min(entrants, key=lambda one: one.score + (SHAPES_MUST_PAY if _bends(one) else 0.0))
@@ -137,6 +138,18 @@ class Contest:
     def _started(self, forms: Iterable[type[Effect]]) -> list[Effect]:
         usable = [f for f in forms if not is_vector(f, f.strength) and self._signals.issuperset(f.reads)]
         return [framed(form(), self.bases.stiff.model, self.coarse) for form in usable]
+
+    def events_of(self, idea: str) -> list[Effect]:
+        """Forms of an idea that consist of events, placed where the misfit of the flexible base has them."""
+        model, here = self.bases.flexible.model, self.calibration
+        usable = [form for form in self._ideas.get(idea, ()) if self._signals.issuperset(form.reads)]
+        forms = [form for form in usable if is_vector(form, form.strength)]
+        if not forms:
+            return []
+        state, residual = model.simulate(here.signals, here.dt_s), here.residual(model)
+        starts = [framed(form(), model, here) for form in forms]
+        placed = [(start, start.for_recording(state, residual, here.dt_s)) for start in starts]
+        return [effect for start, effect in placed if effect != start]
 
     def alone(self, effects: Sequence[Effect]) -> list[Entrant]:
         """Each effect fitted on the stiff base."""

@@ -26,6 +26,7 @@ from testbench.discrepancy.fit import Fit, fit
 from testbench.discrepancy.ladder import on_the_ladder
 from testbench.discrepancy.measurement import Measurement, coarser, split
 from testbench.discrepancy.model_file import ModelFile
+from testbench.discrepancy.runoff import run_off
 from testbench.discrepancy.screen import collect
 from testbench.discrepancy.standin import stand_ins, with_stand_ins
 from testbench.discrepancy.telling import Progress, silent
@@ -179,9 +180,8 @@ def _concluded(
     weighing = with_stand_ins(reranked(weighing, base, list(entrants.values())), [e for _, e in instead.values()])
     weighing = ranked_with_costs(weighing, calibration.signals.keys())
     entrants |= {idea: entrant for idea, (entrant, _) in instead.items()}
+    weighing, entrants = run_off(contest, weighing, entrants, base, GAIN_TO_NAME)
     best = entrants.get(weighing.ranking[0].idea) if weighing.ranking else None
-    if best is not None and weighing.ranking[0].gain > GAIN_TO_NAME:
-        best = contest.settled(best)
     reached = best.held if best else base.held
     left = leftover(base.held, reached, floors)
     verdict = verdict_of(weighing, left, worst_over_noise(reached, floors))

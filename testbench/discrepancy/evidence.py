@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
@@ -126,14 +126,20 @@ def ranked_with_costs(weighing: Weighing, measured: Collection[str]) -> Weighing
     measured : collection of str
         Signals that were recorded: an effect that follows a measured temperature pays nothing.
     """
-    paid = [replace(entry, gain=entry.gain * (1 - _cost(entry, measured))) for entry in weighing.ranking]
-    return replace(weighing, ranking=tuple(sorted(paid, key=lambda entry: -entry.gain)))
+    paid = [replace(entry, gain=entry.gain * share_after_costs(entry, measured)) for entry in weighing.ranking]
+    return ranked(weighing, paid)
 
 
-def _cost(entry: Evidence, measured: Collection[str]) -> float:
+def ranked(weighing: Weighing, entries: Iterable[Evidence]) -> Weighing:
+    """The weighing with these entries, best first."""
+    return replace(weighing, ranking=tuple(sorted(entries, key=lambda entry: -entry.gain)))
+
+
+def share_after_costs(entry: Evidence, measured: Collection[str]) -> float:
+    """Share of the gain that an idea keeps after its cost."""
     effect = entry.candidate.effect
     known = bool(effect.optional_reads) and all(name in measured for name in effect.optional_reads)
-    return 0.0 if known else effect.cost
+    return 1.0 if known else 1.0 - effect.cost
 
 
 def _base_loss(judgement: Judgement) -> float:

@@ -92,14 +92,10 @@ def remounted(model: KnitModel, measurement: Measurement) -> KnitModel:
 
 
 def _placed(model: KnitModel, name: str, measurement: Measurement) -> KnitModel:
-    """The model with an effect's events where this recording has them, their sizes still open."""
+    """The model with an effect's events where this recording has them."""
     effect, base = model[name], model.without(name)
     state = base.simulate(measurement.signals, measurement.dt_s)
-    here = effect.for_recording(state, measurement.residual(base), measurement.dt_s)
-    if here == effect:
-        return model
-    size = getattr(here, here.strength)
-    return model.replacing(name, here.replaced(**{here.strength: (0.0,) * len(size)}))
+    return model.replacing(name, effect.for_recording(state, measurement.residual(base), measurement.dt_s))
 
 
 def _best_of_turn(model: KnitModel, address: str, measurement: Measurement) -> KnitModel:

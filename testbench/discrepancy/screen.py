@@ -175,8 +175,10 @@ class _Columns:
 
     def trace(self, candidate: Candidate) -> dict[str, FloatArray] | None:
         if candidate.effect.per_recording:
-            here = candidate.effect.for_recording(self.state, self.residual, self.measurement.dt_s)
-            candidate = replace(candidate, effect=here)
+            effect = candidate.effect
+            here = effect.for_recording(self.state, self.residual, self.measurement.dt_s)
+            same_size = {effect.strength: getattr(effect, effect.strength)}
+            candidate = replace(candidate, effect=here.replaced(**same_size))
         alone = candidate.effect.imitable
         model, base = (self.unbent, self.plain) if alone else (self.model, self.modelled)
         return trace(candidate, model, self.measurement, base, self.caches[alone])

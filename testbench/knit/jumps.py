@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from testbench.knit.effect import FloatArray, Signals
@@ -9,31 +11,51 @@ from testbench.knit.effect import FloatArray, Signals
 WINDOW_S = 0.3  # long enough to average the noise, short enough that the misfit runs straight
 SKIP_S = 0.05  # around the jump itself, which the averaging of samples blurs
 APART_S = 1.0
+LEAST_MOTION = 1e-4  # as strain: slower than this nothing is said about how steep the sensor is
 LEAST = 7.0  # in standard deviations of what the noise and the bends of the misfit make where nothing jumps
 MAD_TO_SD = 1.4826
+SIGNAL = {"force": "force_N", "conductance": "conductance_S"}
 
 
-def slip_times_s(signals: Signals, residual: Signals, dt_s: float) -> tuple[float, ...]:
-    """Moments at which the knit seems to have slipped, the clearest first [s].
+def slips(signals: Signals, residual: Signals, dt_s: float) -> list[tuple[float, float]]:
+    """Moments at which the knit seems to have slipped [s], and by how much (as strain), the largest slip first.
 
-    Straight lines are fitted to the misfit just before and just after each sample; where they do not meet, by far
-    more than the noise makes and than elsewhere, something jumped. A slip lowers the force, and comes on the way out.
+    Straight lines are fitted to the misfit just before and just after each sample; where they do not meet, something
+    jumped. A slip comes on the way out, and lowers force and conductance as releasing the knit by that much would:
+    how well one length explains the jumps of all channels tells it from a jump of the misfit, which is large where
+    the sensor is steep and asks for hardly any length there.
 
     Parameters
     ----------
     signals : mapping of str to ndarray, each shape (n,)
-        ``time_s`` and ``strain``.
+        ``time_s``, ``strain``, and what the model makes of them: ``force_N``, ``conductance_S``.
     residual : mapping of str to ndarray, each shape (n,)
         Measured minus modelled: ``force`` in N, ``conductance`` in ln S.
     """
+    steepness = _steepness(signals, residual.keys(), dt_s)
+    jump = {channel: jumps(values, dt_s) for channel, values in residual.items()}
+    usual = {channel: _usual(residual[channel], jump[channel], dt_s) for channel in residual}
+    steep = np.array([steepness[channel] / usual[channel] for channel in residual])
+    jumped = np.array([jump[channel] / usual[channel] for channel in residual])
+    information = np.maximum(np.sum(steep**2, axis=0), 1e-300)
+    slip = -np.sum(steep * jumped, axis=0) / information
+    explained = slip**2 * information
+    left = np.sum(jumped**2, axis=0) - explained
     outward = np.gradient(signals["strain"]) > 0
-    squared = np.zeros(len(outward))
-    for channel, values in residual.items():
-        jump = jumps(values, dt_s)
-        score = jump / _usual(values, jump, dt_s)
-        squared += np.minimum(score, 0.0) ** 2 if channel == "force" else score**2
-    clear = np.where(outward, np.sqrt(squared), 0.0) / LEAST
-    return tuple(float(signals["time_s"][i]) for i in _peaks(clear, dt_s))
+    clear = outward & (slip > 0) & (explained - left > LEAST**2)
+    found = _peaks(np.where(clear, slip, 0.0), dt_s)
+    return [(float(signals["time_s"][i]), float(slip[i])) for i in found]
+
+
+def _steepness(signals: Signals, channels: Iterable[str], dt_s: float) -> dict[str, FloatArray]:
+    """Change of force [N] and of ln G by unit of strain in the motion at each sample, each shape (n,)."""
+    half = int(WINDOW_S / dt_s)
+    at = np.arange(len(signals["strain"]))
+    before, after = np.maximum(at - half, 0), np.minimum(at + half, len(at) - 1)
+    moved = signals["strain"][after] - signals["strain"][before]
+    moved = np.where(np.abs(moved) < LEAST_MOTION, LEAST_MOTION, moved)
+    modelled = {c: np.log(signals[SIGNAL[c]]) if c == "conductance" else signals[SIGNAL[c]] for c in channels}
+    return {channel: (values[after] - values[before]) / moved for channel, values in modelled.items()}
 
 
 def jumps(x: FloatArray, dt_s: float) -> FloatArray:
@@ -64,11 +86,11 @@ def _usual(x: FloatArray, jump: FloatArray, dt_s: float) -> float:
     return max(noise * np.sqrt(8 / count), MAD_TO_SD * float(np.median(np.abs(jump))), 1e-300)
 
 
-def _peaks(score: FloatArray, dt_s: float) -> list[int]:
-    """Indices of the largest scores above 1, apart from each other, largest first."""
-    left, apart = score.copy(), int(APART_S / dt_s)
+def _peaks(size: FloatArray, dt_s: float) -> list[int]:
+    """Indices of the largest sizes above 0, apart from each other, largest first."""
+    left, apart = size.copy(), int(APART_S / dt_s)
     found: list[int] = []
-    while np.max(left) > 1:
+    while np.max(left) > 0:
         at = int(np.argmax(left))
         found.append(at)
         left[max(at - apart, 0) : at + apart] = 0

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from testbench.knit.damage import share_of_strain
-from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
+from testbench.knit.effect import Effect, FloatArray, Signals, Stage, bounds_of, parameter
 
 MOST_SLIPS = 12
 NEVER_S = 1e5
@@ -177,8 +177,9 @@ class ClampSlipEvents(Effect):
         return {"strain": signals["strain"] - slipped}
 
     def for_recording(self, signals: Signals, residual: Signals, dt_s: float) -> Effect:
-        from testbench.knit.jumps import slip_times_s
+        from testbench.knit.jumps import slips
 
-        found_s = slip_times_s(signals, residual, dt_s)[:MOST_SLIPS]
-        rest_s = (NEVER_S,) * (MOST_SLIPS - len(found_s))
-        return self.replaced(slip_times_s=(*found_s, *rest_s))
+        most = bounds_of(type(self).model_fields["amounts"])["high"]
+        found = [(when_s, min(amount, most)) for when_s, amount in slips(signals, residual, dt_s)[:MOST_SLIPS]]
+        times_s, amounts = zip(*found, *[(NEVER_S, 0.0)] * (MOST_SLIPS - len(found)), strict=True)
+        return self.replaced(slip_times_s=times_s, amounts=amounts)

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from testbench.knit.jumps import jumps, slip_times_s
+from testbench.knit.jumps import jumps, slips
 from testbench.knit.kernels import crossings
 from testbench.knit.slip import (
     NEVER_S,
@@ -81,10 +81,12 @@ def test_slips_are_found_where_they_were_and_nowhere_without(seed: int) -> None:
     rng = np.random.default_rng(seed)
     time_s = np.arange(0, 120, 0.04)
     strain = 0.15 - 0.1 * np.cos(0.4 * time_s)
-    signals = {"time_s": time_s, "strain": strain}
+    signals = {"time_s": time_s, "strain": strain, "force_N": 8 * strain}
     smooth = 0.2 * np.sin(0.23 * time_s) + 0.01 * rng.standard_normal(len(time_s))
-    assert slip_times_s(signals, {"force": smooth}, 0.04) == ()
+    assert slips(signals, {"force": smooth}, 0.04) == []
     # in the middle of a way out
     when_s = np.array([4.0, 51.0, 98.0]) + rng.uniform(-1, 1, 3)
     slipped = smooth - 0.16 * np.sum(time_s[:, None] >= when_s, axis=1)
-    np.testing.assert_allclose(sorted(slip_times_s(signals, {"force": slipped}, 0.04)), when_s, atol=0.13)
+    found_s, amounts = np.transpose(sorted(slips(signals, {"force": slipped}, 0.04)))
+    np.testing.assert_allclose(found_s, when_s, atol=0.13)
+    np.testing.assert_allclose(amounts, 0.02, rtol=0.3)

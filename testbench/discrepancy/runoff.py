@@ -1,0 +1,67 @@
+"""The run-off: ideas that came close to the first are settled in full, and their refits decide.
+
+Screening is to first order and on a base that has taken part of the effect over; where two ideas come close, that is
+worth less than how near the noise each of them gets once everything may move.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from testbench.discrepancy.contest import Contest, Entrant
+from testbench.discrepancy.evidence import Evidence, Weighing, ranked, share_after_costs
+
+CLOSE = 0.25  # of the first's gain
+MOST = 3
+SHARE_OF_REFIT = 0.8
+
+
+def run_off(
+    contest: Contest,
+    weighing: Weighing,
+    entrants: Mapping[str, Entrant],
+    base: Entrant,
+    least_gain: float,
+) -> tuple[Weighing, dict[str, Entrant]]:
+    """Settle the first idea and those that come close, and rank again.
+
+    Parameters
+    ----------
+    weighing : Weighing
+        Ranked, costs paid.
+    entrants : mapping of idea to Entrant
+    base : Entrant
+        What the gains are counted from.
+    least_gain : float
+        Ideas below it are not worth settling.
+    """
+    settled = {entry.idea: contest.settled(entrants[entry.idea]) for entry in _close(weighing, entrants, least_gain)}
+    if len(settled) > 1:
+        measured = contest.calibration.signals.keys()
+        entries = [_decided(e, settled.get(e.idea), base, measured) for e in weighing.ranking]
+        weighing = ranked(weighing, entries)
+    return weighing, {**entrants, **settled}
+
+
+def _close(weighing: Weighing, entrants: Mapping[str, Entrant], least_gain: float) -> list[Evidence]:
+    """The first, and those whose gain can be compared with it; imitable ideas have paid another kind of price."""
+    ranking = [entry for entry in weighing.ranking if entry.idea in entrants and entry.gain > least_gain]
+    if not ranking or ranking[0].idea != weighing.ranking[0].idea:
+        return []
+    first, *others = ranking
+    if first.candidate.effect.imitable:
+        return [first]
+    near = [e for e in others if e.gain > (1 - CLOSE) * first.gain and not e.candidate.effect.imitable]
+    return [first, *near][:MOST]
+
+
+def _decided(entry: Evidence, entrant: Entrant | None, base: Entrant, measured: Collection[str]) -> Evidence:
+    if entrant is None:
+        return entry
+    screened = float(np.mean(list(entry.gains.values())))
+    refitted = 2 * (base.score - entrant.score)
+    gain = SHARE_OF_REFIT * refitted + (1 - SHARE_OF_REFIT) * screened
+    return replace(entry, gain=share_after_costs(entry, measured) * gain)
