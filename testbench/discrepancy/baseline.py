@@ -137,7 +137,7 @@ def framed(effect: Effect, model: KnitModel, measurement: Measurement) -> Effect
     if force is not None:
         low, high = float(np.min(force)), float(np.max(force))
         frame |= {"low_N": low, "span_N": max(high - low, 1e-3)}
-    return effect.replaced(**{key: frame[key] for key in fields if key in frame})
+    return effect.near(**{key: frame[key] for key in fields if key in frame})
 
 
 def without_shapes(model: KnitModel, names: Iterable[str] = SHAPES) -> KnitModel:

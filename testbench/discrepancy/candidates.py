@@ -50,12 +50,10 @@ class Candidate:
         """The effect at `coefficient` times the small strength, within its bounds."""
         if self.from_data or is_vector(type(self.effect), self.effect.strength):
             return self.effect
-        extra = bounds_of(type(self.effect).model_fields[self.effect.strength])
         if self.effect.nonlinear:
             # The trace of a threshold does not scale with it: stay near the point that was tried.
             coefficient = float(np.clip(coefficient, 0.7, 1.4))
-        value = float(np.clip(coefficient * self.strength, extra["low"], extra["high"]))
-        return self.effect.replaced(**{self.effect.strength: value})
+        return self.effect.near(**{self.effect.strength: coefficient * self.strength})
 
 
 def candidate_ideas(catalogue: Catalogue, model: KnitModel) -> dict[str, list[type[Effect]]]:
@@ -96,7 +94,7 @@ def expand(
         for values in points or _shape_grid(form, measurement):
             seen = form.strength in values
             for strength in [values[form.strength]] if seen else _strengths(form):
-                effect = base.replaced(**values | {form.strength: strength})
+                effect = base.near(**values | {form.strength: strength})
                 yield Candidate(idea, effect, strength, seen)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from testbench.discrepancy.measurement import CONDUCTANCE_CHANNEL, FORCE_CHANNEL, Measurement
-from testbench.discrepancy.noise import noise_floor, robust_sd
+from testbench.discrepancy.noise import noise_floor, spread
 from testbench.discrepancy.parameters import FreeParameter, free_parameters, values_of, with_values
 from testbench.discrepancy.sensitivity import sensitivities
 from testbench.knit.effect import FloatArray
@@ -177,7 +177,7 @@ class _Problem:
         for measurement, cache in zip(self.measurements, self.caches, strict=True):
             for channel, values in measurement.residual(model, cache).items():
                 residuals.setdefault(channel, []).append(values[measurement.counts])
-        return {c: max(robust_sd(np.concatenate(r)), self.floor[c], 1e-12) for c, r in residuals.items()}
+        return {c: max(spread(np.concatenate(r)), self.floor[c], 1e-12) for c, r in residuals.items()}
 
     def cost(self, model: KnitModel, scale: Mapping[str, float]) -> float:
         total = self._prior_cost(values_of(model, self.parameters))

@@ -10,11 +10,22 @@ from testbench.knit.effect import FloatArray
 
 AR_ORDER = 3
 MAD_TO_SD = 1.4826
+OUTLIER = 10.0
 
 
 def robust_sd(values: FloatArray) -> float:
     """Standard deviation from the median absolute deviation; outliers do not count."""
     return float(MAD_TO_SD * np.median(np.abs(values - np.median(values))))
+
+
+def spread(values: FloatArray) -> float:
+    """Root mean square about the median, outliers pulled in to `OUTLIER` robust standard deviations.
+
+    What is rare but there counts (the ramps between long holds), a glitch hardly.
+    """
+    off = values - np.median(values)
+    limit = OUTLIER * robust_sd(values)
+    return float(np.sqrt(np.mean(np.clip(off, -limit, limit) ** 2)))
 
 
 def noise_floor(values: FloatArray) -> float:

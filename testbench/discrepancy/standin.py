@@ -14,7 +14,7 @@ from functools import cache
 
 import numpy as np
 
-from testbench.discrepancy.baseline import with_shapes
+from testbench.discrepancy.baseline import with_shapes, without_shapes
 from testbench.discrepancy.contest import Contest, Entrant, straightened
 from testbench.discrepancy.evidence import PRICE_OF_SHAPE, Evidence, Weighing
 from testbench.discrepancy.fit import fit
@@ -100,7 +100,7 @@ def _has_other_loops(contest: Contest, base: Entrant) -> bool:
 
     Then so are the elastic and the contact law, most likely: they bend of themselves, and not because of an effect.
     """
-    slip_only = contest.bases.flexible.model.without("hysteresis_bouc_wen")
+    slip_only = without_shapes(contest.bases.flexible.model, ("hysteresis_bouc_wen",))
     without = contest.scored("", fit(slip_only, [contest.coarse], max_iterations=BENT_ITERATIONS))
     return 2 * (without.score - base.score) > OTHER_LOOPS
 

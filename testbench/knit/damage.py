@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from testbench.knit.effect import Effect, FloatArray, Signals, Stage, bounds_of, parameter
+from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 from testbench.knit.filters import DEAD_BAND_STRAIN
 
 
@@ -106,11 +106,8 @@ def share_of_strain(effect: Effect, signals: Signals, **shares: float) -> Effect
     """Parameters set to these shares of the largest measured strain, within their bounds."""
     if "strain" not in signals:
         return effect
-    top, values = float(np.max(signals["strain"])), {}
-    for key, share in shares.items():
-        extra = bounds_of(type(effect).model_fields[key])
-        values[key] = min(max(share * top, extra["low"]), extra["high"])
-    return effect.replaced(**values)
+    top = float(np.max(signals["strain"]))
+    return effect.near(**{key: share * top for key, share in shares.items()})
 
 
 def cycled_strain(signals: Signals) -> FloatArray:

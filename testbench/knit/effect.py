@@ -180,6 +180,16 @@ class Effect(BaseModel):
         """A copy with some parameters changed, validated."""
         return type(self).model_validate({**self.model_dump(), **changes})
 
+    def near(self, **changes: Any) -> Effect:
+        """A copy with some parameters changed, each moved into its bounds: for guesses from data."""
+        return self.replaced(**{key: self._into_bounds(key, value) for key, value in changes.items()})
+
+    def _into_bounds(self, key: str, value: Any) -> Any:
+        if isinstance(value, tuple):
+            return tuple(self._into_bounds(key, entry) for entry in value)
+        extra = bounds_of(type(self).model_fields[key])
+        return min(max(float(value), extra["low"]), extra["high"])
+
 
 def check_bounds(owner: type[Effect], key: str, field: FieldInfo, value: Any) -> None:
     """Check vector entries too (pydantic's own bounds cover scalars)."""

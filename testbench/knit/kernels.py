@@ -256,3 +256,21 @@ def dahl(x: FloatArray, travel: float) -> FloatArray:
             state = end + (state - end) * np.exp(-abs(dx) / travel)
         z[i] = state
     return z
+
+
+@njit("float64[:](float64[:], float64)", cache=True, nogil=True)
+def since_turn(x: FloatArray, back: float) -> FloatArray:
+    """Samples since `x` last turned; a turn is known once `x` has come back from its extreme by more than `back`."""
+    since = np.empty_like(x)
+    heading, extreme, at, turned = 0.0, x[0], 0, 0
+    for i in range(len(x)):
+        if heading == 0.0 and abs(x[i] - x[0]) > back:
+            heading = 1.0 if x[i] > x[0] else -1.0
+            extreme, at = x[i], i
+        elif (x[i] - extreme) * heading > 0.0:
+            extreme, at = x[i], i
+        elif (extreme - x[i]) * heading > back:
+            turned, heading = at, -heading
+            extreme, at = x[i], i
+        since[i] = i - turned
+    return since

@@ -22,7 +22,7 @@ def guess_rest_ohm(effect: Effect, signals: Signals) -> Effect:
         return effect
     low = strain <= np.quantile(strain, 0.05)
     rest_ohm = float(1 / np.median(conductance[low]))
-    return effect.replaced(rest_ohm=min(max(rest_ohm, 1e-3), 1e12))
+    return effect.near(rest_ohm=rest_ohm)
 
 
 class Piezoresistance(Effect):

@@ -130,7 +130,7 @@ def guess_limit(effect: Effect, signals: Signals) -> Effect:
     if force_N is None:
         return effect
     top_N = max(float(np.quantile(np.abs(force_N), 0.9)), 1e-3)
-    return effect.replaced(inverse_limit_per_N=1 / top_N)
+    return effect.near(inverse_limit_per_N=1 / top_N)
 
 
 def _limits(signals: Signals, quantiles: tuple[float, ...]) -> list[dict[str, Any]]:
@@ -249,7 +249,7 @@ class ContactSaturationBend(Effect):
         if force_N is None:
             return self
         top_N = max(float(np.quantile(np.abs(force_N), 0.7)), 1e-3)
-        return self.replaced(limit_N=top_N, width_N=0.05 * top_N)
+        return self.near(limit_N=top_N, width_N=0.05 * top_N)
 
 
 class ContactHysteresis(Effect):
@@ -280,4 +280,4 @@ class ContactHysteresis(Effect):
         force_N = signals.get("force_N")
         if force_N is None:
             return self
-        return self.replaced(threshold_N=min(max(0.05 * float(np.ptp(force_N)), 1e-3), 100.0))
+        return self.near(threshold_N=0.05 * float(np.ptp(force_N)))

@@ -126,7 +126,7 @@ class AdcSaturation(Effect):
     def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
         if "conductance_S" not in signals:
             return self
-        return self.replaced(floor_ohm=float(1 / np.quantile(signals["conductance_S"], 0.95)))
+        return self.near(floor_ohm=float(1 / np.quantile(signals["conductance_S"], 0.95)))
 
     def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
         return [{"floor_ohm": float(np.exp(-level))} for level in _levels(_measured_ln(signals, residual), 1.0)]
@@ -158,7 +158,7 @@ class AdcSaturationHigh(Effect):
     def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
         if "conductance_S" not in signals:
             return self
-        return self.replaced(floor_S=float(np.quantile(signals["conductance_S"], 0.05)))
+        return self.near(floor_S=float(np.quantile(signals["conductance_S"], 0.05)))
 
     def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
         return [{"floor_S": float(np.exp(level))} for level in _levels(_measured_ln(signals, residual), -1.0)]
@@ -222,7 +222,7 @@ class AdcSaturationForce(Effect):
     def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
         if "force_N" not in signals:
             return self
-        return self.replaced(inverse_range_per_N=1 / max(float(np.quantile(signals["force_N"], 0.95)), 1e-3))
+        return self.near(inverse_range_per_N=1 / max(float(np.quantile(signals["force_N"], 0.95)), 1e-3))
 
     def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
         tops_N = _levels(signals["force_N"] + residual.get("force", 0.0), 1.0)
@@ -330,7 +330,7 @@ class PeriodicInterference(Effect):
     def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
         if "conductance_S" not in signals:
             return self
-        return self.replaced(frequency_Hz=strongest_frequency_Hz(np.log(signals["conductance_S"]), dt_s))
+        return self.near(frequency_Hz=strongest_frequency_Hz(np.log(signals["conductance_S"]), dt_s))
 
     def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
         return _waves(residual.get("conductance"), dt_s)
@@ -387,7 +387,7 @@ class PeriodicInterferenceForce(Effect):
     def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
         if "force_N" not in signals:
             return self
-        return self.replaced(frequency_Hz=strongest_frequency_Hz(signals["force_N"], dt_s))
+        return self.near(frequency_Hz=strongest_frequency_Hz(signals["force_N"], dt_s))
 
     def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
         return _waves(residual.get("force"), dt_s)

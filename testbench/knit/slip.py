@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from testbench.knit.damage import share_of_strain
-from testbench.knit.effect import Effect, FloatArray, Signals, Stage, bounds_of, parameter
+from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 
 MOST_SLIPS = 12
 NEVER_S = 1e5
@@ -179,7 +179,6 @@ class ClampSlipEvents(Effect):
     def for_recording(self, signals: Signals, residual: Signals, dt_s: float) -> Effect:
         from testbench.knit.jumps import slips
 
-        most = bounds_of(type(self).model_fields["amounts"])["high"]
-        found = [(when_s, min(amount, most)) for when_s, amount in slips(signals, residual, dt_s)[:MOST_SLIPS]]
+        found = slips(signals, residual, dt_s)[:MOST_SLIPS]
         times_s, amounts = zip(*found, *[(NEVER_S, 0.0)] * (MOST_SLIPS - len(found)), strict=True)
-        return self.replaced(slip_times_s=times_s, amounts=amounts)
+        return self.near(slip_times_s=times_s, amounts=amounts)

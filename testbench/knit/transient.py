@@ -9,6 +9,12 @@ import numpy as np
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 from testbench.knit.filters import lagging_rate, lowpass, rate, shifted
 
+# Spikes to try: sudden ones, and ones that rise as slowly as they settle.
+SPIKES: list[dict[str, Any]] = [
+    *({"tau_s": tau_s, "rise_s": 0.05} for tau_s in (0.7, 2.0, 6.0, 20.0)),
+    *({"tau_s": tau_s, "rise_s": tau_s} for tau_s in (1.0, 3.0, 8.0)),
+]
+
 
 class ElectricalOvershoot(Effect):
     """After each change of strain the conductance overshoots and comes back.
@@ -111,11 +117,45 @@ class ElectricalOvershootReversal(Effect):
     rise_s: float = parameter(0.05, unit="s", low=0.02, high=30, scale="log", doc="time in which the spike rises")
 
     def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
-        points = [{"tau_s": tau_s, "rise_s": 0.05} for tau_s in (0.7, 2.0, 6.0, 20.0)]
-        return points + [{"tau_s": tau_s, "rise_s": tau_s} for tau_s in (1.0, 3.0, 8.0)]
+        return SPIKES
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         direction = lowpass(np.tanh(rate(signals["strain"], dt_s) / self.rate0_per_s), self.rise_s, dt_s)
+        turned = direction - lowpass(direction, self.tau_s, dt_s)
+        return {"conductance_S": shifted(signals["conductance_S"], 0.5 * self.gain * turned)}
+
+
+class ElectricalOvershootTurn(Effect):
+    """Each turn of the motion sends a transient; stopping and going on the same way sends none.
+
+    ln G += gain * (s - y) / 2,   tau y' = s - y,   rise s' = d - s
+    d = stop operator of the strain over `back`, from -1 (releasing) to 1 (stretching); it stays in a hold
+
+    Source: as `electrical_overshoot_reversal`, with the memory of a stop operator (Visintin, Differential Models of
+    Hysteresis (1994)) in the place of the rate.
+    Valid: turns that come back by more than `back`.
+    """
+
+    name = "electrical_overshoot_turn"
+    idea = "electrical_overshoot"
+    stage = Stage.ELECTRICAL
+    reads, writes = ("strain", "conductance_S"), ("conductance_S",)
+    strength = "gain"
+    look = "a spike of the conductance after every turn of the motion, none when it stops or goes on after a hold"
+
+    gain: float = parameter(0.05, unit="1", low=-3, high=3, doc="change of ln G at a turn")
+    tau_s: float = parameter(2.0, unit="s", low=0.5, high=100, scale="log", doc="time in which it settles")
+    back: float = parameter(0.004, unit="1", low=2e-4, high=0.1, scale="log", doc="half the strain that makes a turn")
+    rise_s: float = parameter(0.05, unit="s", low=0.02, high=30, scale="log", doc="time in which the spike rises")
+
+    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+        return SPIKES
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        from testbench.knit.kernels import mean_stop
+
+        heading = mean_stop(np.ascontiguousarray(signals["strain"]), np.array([self.back]))
+        direction = lowpass(heading, self.rise_s, dt_s)
         turned = direction - lowpass(direction, self.tau_s, dt_s)
         return {"conductance_S": shifted(signals["conductance_S"], 0.5 * self.gain * turned)}
 

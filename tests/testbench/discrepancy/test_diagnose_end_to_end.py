@@ -27,6 +27,30 @@ def test_nothing_hidden_nothing_found():
     assert result.tied == ()
 
 
+def test_resistance_alone_is_enough():
+    """Without force there are no free loops of force in the base: nothing may ask for them."""
+    case = make_case(
+        "adc_saturation", 10, "other_drift", 5013, 5, 12, protocol="return_to_zero", channels=["resistance_ohm"]
+    )
+    result = diagnose(case.calibration, case.held_out)
+    assert (result.verdict, result.weighing.ranking[0].idea) == ("missing", "adc_saturation")
+
+
+@pytest.mark.slow
+def test_a_guess_from_the_data_stays_within_its_bounds():
+    """Long holds have their sharpest line below the lowest frequency of a hum."""
+    case = make_case("none", 5, "other_drift", 5002, 5, 40, protocol="holds")
+    assert diagnose(case.calibration, case.held_out).verdict == "nothing_missing"
+
+
+@pytest.mark.slow
+def test_of_two_that_come_close_the_refits_decide():
+    case = make_case("mullins_softening", 15, "mismatched", 9021)
+    result = diagnose(case.calibration, case.held_out)
+    assert result.weighing.ranking[0].idea == "mullins_softening"
+    assert all(result.error_after[c] < 1.05 * case.truth["noise_floor"][c] for c in result.error_after)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "effect",

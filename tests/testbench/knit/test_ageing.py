@@ -1,0 +1,40 @@
+"""Contacts that age between turns, against closed-form answers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from testbench.knit.ageing import ContactAgeing
+from testbench.knit.kernels import since_turn
+from testbench.knit.transient import ElectricalOvershootTurn
+
+DT_S = 0.05
+T = np.arange(0, 60, DT_S)
+TRIANGLE = 0.1 * np.abs((T / 10 + 1) % 2 - 1)  # turns at 10, 20, ... s
+
+
+def test_a_turn_is_dated_back_to_the_extreme_once_it_is_known() -> None:
+    x = np.array([0.0, 1.0, 2.0, 3.0, 2.9, 2.0, 1.0, 0.9, 1.0, 2.0, 3.0])
+    np.testing.assert_array_equal(since_turn(x, 0.5), [0, 1, 2, 3, 4, 2, 3, 4, 5, 2, 3])
+
+
+def test_wobbles_below_the_threshold_are_no_turns() -> None:
+    x = 0.3 * T / T[-1] + 0.001 * np.sin(9 * T)
+    np.testing.assert_array_equal(since_turn(x, 0.01), np.arange(len(x)))
+
+
+def test_ageing_is_the_logarithm_of_the_time_since_the_turn() -> None:
+    effect = ContactAgeing(gain=0.2, tau_s=2.0, back=0.005)
+    out = effect.apply({"strain": TRIANGLE, "conductance_S": np.ones_like(T)}, DT_S)["conductance_S"]
+    # 0.5 s after a turn it is known (0.005 at 0.01 / s)
+    later = (T > 10.6) & ((T % 10) > 0.6)
+    np.testing.assert_allclose(np.log(out[later]), 0.2 * np.log1p((T[later] % 10) / 2.0), atol=1e-9)
+
+
+def test_a_spike_comes_at_a_turn_and_not_when_a_hold_ends_the_same_way() -> None:
+    strain = np.interp(T, [0, 10, 20, 30, 60], [0, 0.1, 0.1, 0.2, 0.0])
+    effect = ElectricalOvershootTurn(gain=0.1, tau_s=1.0, back=0.001)
+    out = np.log(effect.apply({"strain": strain, "conductance_S": np.ones_like(T)}, DT_S)["conductance_S"])
+    assert np.max(np.abs(out[(T > 12) & (T < 30)])) < 1e-3
+    assert out[T > 30].min() == pytest.approx(-0.1, abs=0.03)
