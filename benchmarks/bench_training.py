@@ -31,7 +31,6 @@ from compensation.training import Options, training_arrays, untrained
 
 ORDER = ("fast", "exact", "sklearn")
 EQUAL = 1e-10
-STRIDE = 563
 
 
 class Result(NamedTuple):
@@ -60,8 +59,7 @@ def main() -> None:
     args.campaigns.mkdir(parents=True, exist_ok=True)
     series = prepared(campaigns(args.campaigns, args.sensor, runs=TAB), args.target)
     everything = search.candidates()
-    # A stride near the golden section and prime to 912 walks through banks, bases and depths alike.
-    sample = [everything[index * STRIDE % len(everything)] for index in range(min(args.sample, len(everything)))]
+    sample = search.spread(everything, args.sample)
     begin = time.perf_counter()
     engines = ORDER[:2] if args.without_sklearn else ORDER
     calls = (delayed(compared)(series, args.target, candidate, engines) for candidate in sample)

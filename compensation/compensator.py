@@ -95,6 +95,11 @@ class Compensator:
         return None if self.irregular else self.rate_hz
 
     @property
+    def slowest_s(self) -> float:
+        """Time constant (s) of the slowest filter of the bank."""
+        return 1.0 / (self.rate_hz * float(min(self.alphas)))
+
+    @property
     def input_count(self) -> int:
         """Features that each network takes."""
         return len(self.alphas) + self.history.count

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -9,7 +10,7 @@ from compensation.ranking import Ranked
 from gcode.support.files import atomic_path
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#E69F00", "#56B4E9", "#CC79A7", "#000000", "#999999")
-TICKS = tuple(digit * 10.0**power for power in range(-5, 1) for digit in (1, 2, 3, 5, 7))
+DIGITS = (1, 2, 3, 5, 7)
 PUBLISHED = "2.5^7 4-2-2"
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
 
@@ -47,11 +48,10 @@ def draw_search(ranking: Sequence[Ranked], path: str | Path) -> None:
     for row in alive:
         if row.key == PUBLISHED:
             _point_out(axis, row, "the paper's (4,2,2)", (-95, -42))
-    low, high = alive[0].E, max(row.E for row in alive)
-    ticks = [tick for tick in TICKS if low / 1.3 < tick < high * 1.3]
-    axis.yaxis.set_major_locator(FixedLocator(ticks))
-    axis.yaxis.set_minor_locator(NullLocator())
-    axis.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    for scale, values in ((axis.xaxis, [row.parameters for row in alive]), (axis.yaxis, [row.E for row in alive])):
+        scale.set_major_locator(FixedLocator(_ticks(min(values), max(values))))
+        scale.set_minor_locator(NullLocator())
+        scale.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     never = len(ranking) - len(alive)
     title = f"{len(ranking)} candidates, {ranking[0].seeds} seeds; best {ranking[0].key}: E = {ranking[0].E:.4f}"
     axis.set_title(title + (f"; {never} dead from every seed" if never else ""), loc="left", fontsize=11)
@@ -59,6 +59,16 @@ def draw_search(ranking: Sequence[Ranked], path: str | Path) -> None:
     axis.grid(alpha=0.3, which="both", lw=0.4)
     with atomic_path(path) as temporary:
         figure.savefig(temporary, dpi=110)
+
+
+def _ticks(low: float, high: float) -> list[float]:
+    """Round numbers on a logarithmic axis: few digits a decade over a wide range, more over a narrow one."""
+    digits = DIGITS if high / low < 100 else (1, 3)
+    if high / low < 3:
+        digits = (1, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9)
+    powers = range(math.floor(math.log10(low)) - 1, math.ceil(math.log10(high)) + 1)
+    every = (digit * 10.0**power for power in powers for digit in digits)
+    return [tick for tick in every if low / 1.3 < tick < high * 1.3]
 
 
 def _numbers(bank: str) -> tuple[float, int]:

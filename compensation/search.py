@@ -23,6 +23,7 @@ from gcode.support.errors import UserError
 SHARES, MAX_LAYERS, SMALLEST_LAYER = (1.0, 0.5, 0.25), 4, 2
 BASES = (2, 4, 8, 12, 16, 24, 32)
 DASK_ROUND = 50
+RANKED_BY = ("seed", "parameters", "dead", "E", "r2_A", "r2_B")
 BANKS = ((1.5, 7), (1.5, 14), (1.75, 7), (1.75, 10), (2.0, 7), (2.0, 9), (2.5, 5), (2.5, 7))
 
 
@@ -65,6 +66,14 @@ def hidden_layers(bases: Sequence[int] = BASES) -> list[tuple[int, ...]]:
 def candidates(bases: Sequence[int] = BASES) -> list[Candidate]:
     """Every network behind every bank: 912 with the default bases."""
     return [Candidate(factor, count, sizes) for factor, count in BANKS for sizes in hidden_layers(bases)]
+
+
+def spread(everything: Sequence[Candidate], count: int) -> list[Candidate]:
+    """So many of them, spread over banks and networks; a larger count keeps those of a smaller one."""
+    size = len(everything)
+    # Steps of the golden section, and without a common divisor: no bank and no network is met more often than others.
+    stride = next(step for step in range(max(int(size * (5**0.5 - 1) / 2), 1), 0, -1) if math.gcd(step, size) == 1)
+    return [everything[index * stride % size] for index in range(min(count, size))]
 
 
 def evaluate(task: Task, candidate: Candidate, seed: int) -> dict[str, Any]:
@@ -184,7 +193,12 @@ def _on_cluster(
     except ImportError:
         raise UserError("--backend dask needs dask: pip install 'knitbench[dask]'") from None
     calls = [delayed(evaluate)(task, candidate, seed) for candidate, seed in jobs]
-    with Client(scheduler) if scheduler else Client(n_workers=workers, threads_per_worker=1):
+    try:
+        client = Client(scheduler) if scheduler else Client(n_workers=workers, threads_per_worker=1)
+    except (OSError, ValueError) as error:
+        where = f"--scheduler {scheduler}: no Dask scheduler answers there" if scheduler else "--backend dask"
+        raise UserError(f"{where} ({error})") from None
+    with client:
         # joblib's Dask backend returns lists only: go in rounds, so that a kill costs one round.
         for begin in range(0, len(calls), DASK_ROUND):
             with parallel_config(backend="dask"):
@@ -202,15 +216,25 @@ def _open_results(path: Path, task: Task) -> list[dict[str, Any]]:
                 f"cannot write {path}: {error.strerror or error}; choose another place with -o"
             ) from error
         return []
-    text = path.read_text(encoding="utf-8")
-    whole = text[: text.rfind("\n") + 1]
-    if whole != text:
-        # A kill in the middle of a line: that job is done again.
-        path.write_text(whole, encoding="utf-8")
     try:
+        text = path.read_text(encoding="utf-8")
+        whole = text[: text.rfind("\n") + 1]
         first, *rows = [json.loads(line) for line in whole.splitlines()]
-    except ValueError:
+    except (OSError, ValueError):
         raise UserError(f"{path}: not a search of knitbench; choose another file with -o") from None
     if first != header:
         raise UserError(f"{path}: holds a search of other recordings, target or engine; choose another file with -o")
+    for line, row in enumerate(rows, start=2):
+        if not _is_result(row):
+            raise UserError(f"{path}: line {line} is not a result of a search; take the line out, or use another -o")
+    if whole != text:
+        # A kill in the middle of a line: that job is done again.
+        path.write_text(whole, encoding="utf-8")
     return rows
+
+
+def _is_result(row: Any) -> bool:
+    """Whether a line holds what the ranking needs."""
+    if not isinstance(row, dict) or not isinstance(row.get("key"), str):
+        return False
+    return all(isinstance(row.get(name), int | float) for name in RANKED_BY)

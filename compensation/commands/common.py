@@ -8,6 +8,10 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from testbench.recording import Recording
 
+PICTURES = (".png", ".pdf", ".svg")
+# Wider or deeper networks than these have no place on a chip, and fill the memory instead.
+WIDEST, DEEPEST = 256, 8
+
 
 def add_recordings(parser: argparse.ArgumentParser) -> None:
     """The positional recordings and their gauge length."""
@@ -22,6 +26,23 @@ def read_all(args: argparse.Namespace) -> list[Recording]:
     from testbench.recording import read_recording
 
     return [read_recording(path, args.gauge_length_mm) for path in args.recordings]
+
+
+def check_places(output: str | None, picture: str | None) -> None:
+    """Refuse a file that cannot be written before the work that would go into it."""
+    from pathlib import Path
+
+    from gcode.support.errors import UserError
+
+    if picture and Path(picture).suffix.lower() not in PICTURES:
+        raise UserError(f"--plot must end in {', '.join(PICTURES)}, got {picture}")
+    for flag, path in (("-o", output), ("--plot", picture)):
+        if not path:
+            continue
+        if Path(path).is_dir():
+            raise UserError(f"{flag} {path} is a folder; give the name of a file")
+        if not Path(path).resolve().parent.is_dir():
+            raise UserError(f"cannot write {path}: its folder does not exist; choose another place with {flag}")
 
 
 def score_table(scores: dict[str, Any]) -> str:
@@ -43,6 +64,11 @@ def score_table(scores: dict[str, Any]) -> str:
         "r2 raw: conductance and target standardised per recording (the paper's); rho2: the best straight line; "
         f"95 %: bootstrap over 60 s blocks; {unit}: RMS error"
     )
+    if scores["compensator"]["per_recording_scaling"]:
+        lines.append(
+            "scaled per recording: the mean and the spread of each recording's own target were used, which no "
+            "sensor in use knows"
+        )
     return "\n".join(lines)
 
 
@@ -59,8 +85,11 @@ def parse_sizes(text: str) -> tuple[int, ...]:
         sizes = tuple(int(part) for part in text.split(","))
     except ValueError:
         sizes = ()
-    if not sizes or min(sizes) < 1:
-        raise UserError(f"--hidden must be positive numbers with commas, such as 4,2,2; got {text!r}")
+    if not (1 <= len(sizes) <= DEEPEST and all(1 <= size <= WIDEST for size in sizes)):
+        raise UserError(
+            f"--hidden must be at most {DEEPEST} whole numbers from 1 to {WIDEST} with commas, such as 4,2,2; "
+            f"got {text!r}"
+        )
     return sizes
 
 

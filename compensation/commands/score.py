@@ -23,11 +23,12 @@ def run(args: argparse.Namespace) -> int:
     """Score, print, and write what was asked for."""
     import json
 
-    from compensation.commands.common import finish, read_all
+    from compensation.commands.common import check_places, finish, read_all
     from compensation.compensator_files import load
     from compensation.scorecard import score_recordings
     from gcode.support.files import write_text
 
+    check_places(args.output, args.plot)
     scores = score_recordings(load(args.compensator), read_all(args))
     scores["compensator"]["file"] = args.compensator
     if args.output:

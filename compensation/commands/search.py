@@ -20,7 +20,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--bases",
         metavar="A,B,..",
-        help="widths of the first layer; default 2,4,8,12,16,24,32, which gives the paper's 114 networks",
+        help="widths of the first layer; default 2,4,8,12,16,24,32, which gives 114 networks, as many as the paper's",
     )
     parser.add_argument("--sample", type=int, metavar="N", help="only N of the candidates, spread evenly")
     parser.add_argument("--engine", choices=("fast", "exact", "sklearn"), default="fast", help="default fast")
@@ -39,6 +39,7 @@ def run(args: argparse.Namespace) -> int:
     from pathlib import Path
 
     from compensation import search
+    from compensation.commands.common import check_places
     from compensation.ranking import rank, split_half_agreement
     from gcode.support.console import Progress
     from gcode.support.errors import UserError
@@ -46,11 +47,14 @@ def run(args: argparse.Namespace) -> int:
     for name in ("seeds", "workers", "sample"):
         if getattr(args, name) is not None and getattr(args, name) < 1:
             raise UserError(f"--{name} must be at least 1, got {getattr(args, name)}")
+    if args.scheduler and args.backend != "dask":
+        raise UserError("--scheduler needs --backend dask")
+    check_places(args.output, args.plot)
     paths = tuple(str(Path(path).resolve()) for path in args.recordings)
     task = search.Task(paths, args.gauge_length_mm, args.target, args.engine)
     chosen = search.candidates(_bases(args.bases) if args.bases else search.BASES)
     if args.sample:
-        chosen = chosen[:: max(len(chosen) // args.sample, 1)][: args.sample]
+        chosen = search.spread(chosen, args.sample)
     jobs = [(candidate, seed) for seed in range(args.seeds) for candidate in chosen]
     search.check(task)
     progress = Progress("search", len(jobs))

@@ -15,6 +15,9 @@ if TYPE_CHECKING:
 SUMMARY = "Train a compensator on recorded campaigns."
 EXAMPLE = "compensation train campaigns/pes-T --target force -o pes.compensator.json"
 
+# What --method paper is told, and the other methods choose themselves.
+OWN_CHOICES = ("hidden", "factor", "count", "l2", "restarts", "engine")
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
@@ -24,7 +27,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--method",
         choices=("paper", "tuned"),
-        default="paper",
         help="paper (default): EMA + (4,2,2), best of 5 starts; tuned: better, every choice by cross-validation",
     )
     parser.add_argument(
@@ -35,18 +37,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--strain",
         type=float,
-        default=0.3,
         metavar="X",
         help="twin: largest strain to prepare for (default 0.3)",
     )
-    parser.add_argument("--hidden", default="4,2,2", metavar="A,B,..", help="paper: hidden layers (default 4,2,2)")
-    parser.add_argument("--factor", type=float, default=2.5, metavar="A", help="paper: factors A^-i (default 2.5)")
-    parser.add_argument("--count", type=int, default=7, metavar="N", help="paper: number of filters (default 7)")
-    parser.add_argument("--l2", type=float, default=1e-4, help="paper: MLPRegressor's alpha (default 1e-4)")
+    parser.add_argument("--hidden", metavar="A,B,..", help="paper: hidden layers (default 4,2,2)")
+    parser.add_argument("--factor", type=float, metavar="A", help="paper: factors A^-i (default 2.5)")
+    parser.add_argument("--count", type=int, metavar="N", help="paper: number of filters (default 7)")
+    parser.add_argument("--l2", type=float, help="paper: MLPRegressor's alpha (default 1e-4)")
     parser.add_argument(
         "--restarts",
         type=int,
-        default=5,
         metavar="K",
         help="paper: keep the best of K starts (default 5; the publication: 1)",
     )
@@ -55,30 +55,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--per-recording", action="store_true", help="standardise each recording by itself (needs all of it)"
     )
-    parser.add_argument("--engine", default="exact", help="exact (default), fast, or sklearn (the reference)")
+    parser.add_argument("--engine", help="paper: exact (default), fast, or sklearn (the reference)")
     parser.add_argument("--json", action="store_true", help="print the training score as JSON")
     parser.add_argument("--plot", metavar="PNG", help="write a picture of the training score")
 
 
 def run(args: argparse.Namespace) -> int:
     """Train, save, and show the score on the training recordings."""
-    from compensation.commands.common import finish, parse_sizes, read_all
+    from compensation.commands.common import check_places, finish, read_all
     from compensation.compensator_files import save
     from compensation.scorecard import score_recordings
-    from compensation.training import Options
 
-    _check(args)
-    options = Options(
-        sizes=parse_sizes(args.hidden),
-        factor=args.factor,
-        count=args.count,
-        l2=args.l2,
-        seed=args.seed,
-        restarts=args.restarts,
-        irregular=args.irregular,
-        per_recording=args.per_recording,
-        engine=args.engine,
-    )
+    options = _options(args)
+    check_places(args.output, args.plot)
     recordings = read_all(args)
     compensator = _from_twin(args, recordings, options) if args.twin else _from_data(args, recordings, options)
     save(args.output, compensator)
@@ -91,15 +80,44 @@ def run(args: argparse.Namespace) -> int:
     )
     if recipe["dead_networks"] == recipe["restarts"]:
         note += "\nwarning: the network is dead, its output hardly moves: give another --seed or more --restarts"
+    slowest_s, longest_s = compensator.slowest_s, max(recording.duration_s for recording in recordings)
+    if slowest_s > longest_s and not args.twin:
+        note += (
+            f"\nwarning: the slowest filter remembers {slowest_s:.0f} s and the longest recording has "
+            f"{longest_s:.0f} s: what it learned may not hold in a longer one; take a smaller --factor or --count"
+        )
     return finish(args, score_recordings(compensator, recordings), note)
+
+
+def _options(args: argparse.Namespace) -> Options:
+    """The options that were given, checked; the others are the paper's."""
+    from compensation.commands.common import parse_sizes
+    from compensation.engines import engine
+    from compensation.training import Options
+
+    _check(args)
+    given = {name: getattr(args, name) for name in OWN_CHOICES if getattr(args, name) is not None}
+    if "hidden" in given:
+        given["sizes"] = parse_sizes(given.pop("hidden"))
+    options = Options(seed=args.seed, irregular=args.irregular, per_recording=args.per_recording, **given)
+    engine(options.engine)
+    return options
 
 
 def _check(args: argparse.Namespace) -> None:
     from gcode.support.errors import UserError
 
-    if args.restarts < 1:
+    chosen = "--twin" if args.twin else "--method tuned" if args.method == "tuned" else ""
+    for name in OWN_CHOICES:
+        if chosen and getattr(args, name) is not None:
+            raise UserError(f"--{name} is for --method paper only: {chosen} makes that choice itself; leave it out")
+    if args.twin and args.method:
+        raise UserError("--twin is a method of its own; leave --method out")
+    if args.strain is not None and not args.twin:
+        raise UserError("--strain says what the twin prepares for; it needs --twin")
+    if args.restarts is not None and args.restarts < 1:
         raise UserError(f"--restarts must be at least 1, got {args.restarts}")
-    if not 0 <= args.l2 < float("inf"):
+    if args.l2 is not None and not 0 <= args.l2 < float("inf"):
         raise UserError(f"--l2 must be a number from 0 on, got {args.l2:g}")
     if not 0 <= args.seed < 2**31:
         raise UserError(f"--seed must be from 0 to 2147483647, got {args.seed}")
@@ -111,7 +129,7 @@ def _from_data(args: argparse.Namespace, recordings: list[Recording], options: O
     from gcode.support.console import Progress
 
     tuned = args.method == "tuned"
-    progress = Progress("training", tuning.steps() if tuned else args.restarts)
+    progress = Progress("training", tuning.steps() if tuned else options.restarts)
     return train(recordings, args.target, options, progress.step, tuned)
 
 
@@ -124,10 +142,11 @@ def _from_twin(args: argparse.Namespace, recordings: list[Recording], options: O
 
     if len(recordings) != 1:
         raise UserError(f"--twin finishes on one short recording, got {len(recordings)}")
-    if not 0 < args.strain <= 2:
-        raise UserError(f"--strain must be above 0 and at most 2, got {args.strain:g}")
+    strain = 0.3 if args.strain is None else args.strain
+    if not 0 < strain <= 2:
+        raise UserError(f"--strain must be above 0 and at most 2, got {strain:g}")
     model = load_model_file(args.twin).model
     measured = series_of(recordings[0], args.target, options.rate_hz)
     gauge_mm = recordings[0].gauge_length_mm
     progress = Progress("training", twin.NETWORKS)
-    return twin.train_from_twin(model, measured, args.target, gauge_mm, args.strain, options, progress.step)
+    return twin.train_from_twin(model, measured, args.target, gauge_mm, strain, options, progress.step)

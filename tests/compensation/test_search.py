@@ -66,6 +66,34 @@ def test_results_of_another_sweep_are_refused(task, tmp_path):
         search.sweep(task, [], results)
 
 
+@pytest.mark.parametrize("line", ['{"a": 1}', "[1, 2]", '{"key": "x", "seed": 0, "E": "low"}'])
+def test_a_line_that_is_no_result_is_named_and_nothing_is_changed(task, tmp_path, line):
+    results = tmp_path / "s.jsonl"
+    search.sweep(task, [], results)
+    results.write_text(results.read_text() + line + "\nhalf a li")
+    before = results.read_text()
+    with pytest.raises(UserError, match="line 2 is not a result"):
+        search.sweep(task, [], results)
+    assert results.read_text() == before
+
+
+def test_a_binary_file_is_not_a_search(task, tmp_path):
+    (tmp_path / "s.jsonl").write_bytes(b"\x80\x04\x95\x00")
+    with pytest.raises(UserError, match="not a search"):
+        search.sweep(task, [], tmp_path / "s.jsonl")
+
+
+def test_a_small_sample_meets_many_banks_and_networks():
+    """Every 114th candidate would be one and the same network."""
+    everything = search.candidates()
+    eight = search.spread(everything, 8)
+    assert len({(one.factor, one.count) for one in eight}) >= 6
+    assert len({one.sizes for one in eight}) == 8
+    assert search.spread(everything, 40)[:8] == eight
+    assert {one.key for one in search.spread(everything, 5000)} == {one.key for one in everything}
+    assert {one.key for one in search.spread(everything[:2], 5)} == {one.key for one in everything[:2]}
+
+
 def row(key: str, seed: int, error: float, dead: bool = False) -> dict:
     return {
         "key": key,
@@ -122,6 +150,10 @@ def test_command_prints_table_picture_and_certainty(task, tmp_path, capsys):
     assert "--seeds must be at least 1" in capsys.readouterr().err
     assert main([*words, "--bases", "4,1", "-o", str(out)]) == 2
     assert "--bases must be whole numbers from 2" in capsys.readouterr().err
+    assert main([*words, "--scheduler", "tcp://here:1", "-o", str(out)]) == 2
+    assert "--scheduler needs --backend dask" in capsys.readouterr().err
+    assert main([*words, "-o", str(out), "--plot", "s.txt"]) == 2
+    assert "--plot must end in .png" in capsys.readouterr().err
 
 
 @pytest.mark.slow

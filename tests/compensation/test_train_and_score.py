@@ -169,7 +169,17 @@ def test_no_dead_network_is_kept_where_several_starts_are_asked_for(recordings):
         (["--seed", "-5"], "--seed must be"),
         (["--factor", "0.5"], "must be a number above 1"),
         (["--hidden", "4,x"], "--hidden must be"),
+        (["--hidden", "4000000"], "from 1 to 256"),
+        (["--hidden", "2,2,2,2,2,2,2,2,2"], "at most 8"),
         (["--engine", "foo"], "--engine must be"),
+        (["--factor", "1e30"], "slowest filter"),
+        (["--count", "500"], "slowest filter"),
+        (["--plot", "picture.txt"], "--plot must end in .png"),
+        (["--plot", "nowhere/picture.png"], "choose another place with --plot"),
+        (["--method", "tuned", "--hidden", "8"], "--hidden is for --method paper only: --method tuned"),
+        (["--twin", "m.json", "--restarts", "3"], "--restarts is for --method paper only: --twin"),
+        (["--twin", "m.json", "--method", "tuned"], "leave --method out"),
+        (["--strain", "0.5"], "it needs --twin"),
     ],
 )
 def test_settings_that_make_no_sense_are_refused(recordings, tmp_path, capsys, words, match):
@@ -179,3 +189,26 @@ def test_settings_that_make_no_sense_are_refused(recordings, tmp_path, capsys, w
     assert main([*start, *words]) == 2
     assert match in capsys.readouterr().err
     assert not (tmp_path / "c.json").exists()
+
+
+def test_a_place_that_cannot_be_written_is_refused_before_the_work(recordings, tmp_path, capsys, monkeypatch):
+    path = tmp_path / "r.csv"
+    write_recording_csv(path, recordings[0].between(0, 30))
+    monkeypatch.setattr("compensation.training.train", lambda *_: pytest.fail("trained"))
+    start = ["train", str(path), "--gauge-length-mm", "25", "--target", "force", "-o"]
+    for place, match in ((tmp_path / "no" / "c.json", "choose another place with -o"), (tmp_path, "is a folder")):
+        assert main([*start, str(place)]) == 2
+        assert match in capsys.readouterr().err
+
+
+def test_the_score_of_scaling_per_recording_says_what_it_knows(recordings, tmp_path, capsys):
+    path, out = tmp_path / "r.csv", tmp_path / "c.json"
+    write_recording_csv(path, recordings[0].between(0, 20))
+    words = ["train", str(path), "--gauge-length-mm", "25", "--target", "force", "--restarts", "1", "-o", str(out)]
+    assert main([*words, "--per-recording"]) == 0
+    printed = capsys.readouterr().out
+    assert "no sensor in use knows" in printed
+    # 2.5^7 samples at 20 Hz are 31 s.
+    assert "the slowest filter remembers 31 s and the longest recording has 20 s" in printed
+    assert main(words) == 0
+    assert "no sensor in use knows" not in capsys.readouterr().out
