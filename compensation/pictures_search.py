@@ -10,7 +10,8 @@ from compensation.ranking import Ranked
 from gcode.support.files import atomic_path
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#E69F00", "#56B4E9", "#CC79A7", "#000000", "#999999")
-DIGITS = (1, 2, 3, 5, 7)
+# Ticks in a decade, for axes whose ends differ by more and more.
+NARROW, MIDDLE, WIDE = (1, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9), (1, 2, 3, 5, 7), (1, 3)
 PUBLISHED = "2.5^7 4-2-2"
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
 
@@ -63,9 +64,7 @@ def draw_search(ranking: Sequence[Ranked], path: str | Path) -> None:
 
 def _ticks(low: float, high: float) -> list[float]:
     """Round numbers on a logarithmic axis: few digits a decade over a wide range, more over a narrow one."""
-    digits = DIGITS if high / low < 100 else (1, 3)
-    if high / low < 3:
-        digits = (1, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9)
+    digits: Sequence[float] = NARROW if high / low < 3 else MIDDLE if high / low < 100 else WIDE
     powers = range(math.floor(math.log10(low)) - 1, math.ceil(math.log10(high)) + 1)
     every = (digit * 10.0**power for power in powers for digit in digits)
     return [tick for tick in every if low / 1.3 < tick < high * 1.3]
