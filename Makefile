@@ -51,7 +51,7 @@ lint: $(VENV)/.dev ## ruff, mypy, import-linter
 
 bench: $(VENV)/.dev ## the benchmarks; each prints its own table
 	@for b in benchmarks/bench_*.py; do \
-	  case $$b in *bench_training*) few="--sample 10";; *bench_twin*) few="--trials 2";; *) few="";; esac; \
+	  case $$b in *bench_twin*) few="--trials 2";; *) few="";; esac; \
 	  echo "== $$b $$few"; $(BIN)/python $$b $$few || exit 1; done
 
 lock: $(VENV)/.boot ## pin the dependencies again (hashes, no host names)

@@ -3,15 +3,17 @@
     python benchmarks/bench_twin.py [--trials 5] [-j 2] [--campaigns DIR]
 
 A trial is one campaign number (simulated sensors: the first 2 min of T) or one window (measured strip: five windows
-of 2 min of its training recording). The baseline model is fitted on those 2 min, as `testbench fit` does; the twin is
-pre-trained on campaigns simulated from it and finished on the same 2 min. All are scored on the whole of A and B.
+of 2 min of its training recording). The baseline model is fitted on those 2 min, as `testbench fit` does. The twin
+fits it again with the memories it lacks, simulates campaigns from it and its near kin, and learns from these and from
+the 2 min. Beside it: the same from the baseline as it is, and without the 2 min among the lessons. All are scored on
+the whole of A and B.
 """
 
 from __future__ import annotations
 
 import argparse
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
@@ -21,19 +23,22 @@ from joblib import Parallel, delayed
 
 from compensation import reproduction as ours
 from compensation import twin
+from compensation.compensator import Compensator
 from compensation.paper_campaigns import TAB, campaigns
 from compensation.preprocessing import TARGETS, series_of
 from compensation.training import Options, train_on_series
+from compensation.twin_models import plausible
 from testbench.discrepancy.baseline import starting_baseline
 from testbench.discrepancy.fit import fit
 from testbench.discrepancy.measurement import coarser, prepare
+from testbench.knit.model import KnitModel
 from testbench.recording import Recording, read_recording
 
 STRIP = Path(__file__).resolve().parents[1] / "../shared/data/real/cb_silicone_strip"
 STRIP_RUNS = ("cb7.5_s2_multisine_600s", "cb7.5_s2_multisine_300s_a", "cb7.5_s2_random_sawtooth_a")
 NUMBERS = (21, 22, 23, 11, 12)
 SHORT_S = 120.0
-METHODS = ("best of 5", "tuned", "twin", "not finished")
+METHODS = ("best of 5", "tuned", "twin", "baseline twin", "lessons of twin")
 
 
 class Trial(NamedTuple):
@@ -63,10 +68,20 @@ def scores(trial: Trial, target: str) -> list[float]:
     tests = [series_of(recording, target, options.rate_hz) for recording in trial.tests]
     measurement = prepare(trial.short)
     model = fit(starting_baseline(measurement), [coarser(measurement, 10.0)]).model
-    own = replace(options, sizes=twin.SIZES, l2=twin.L2)
-    unfinished = twin.pretrained(model, target, trial.short.gauge_length_mm, trial.amplitude, own)
-    with_twin = twin.finished(unfinished, measured, own)
-    rivals = [train_on_series([measured], target, options), ours.tuned(measured, target), with_twin, unfinished]
+    own = replace(options, sizes=twin.SIZES, l2=twin.L2, history=twin.HISTORY)
+
+    def from_twin(models: Sequence[KnitModel], share: float = twin.SHARE) -> Compensator:
+        lengths = (target, trial.short.gauge_length_mm, trial.amplitude, options.rate_hz)
+        return twin.learned(twin.simulated(models, *lengths), measured, target, own, share=share)
+
+    models = plausible(model, trial.short)
+    rivals = [
+        train_on_series([measured], target, options),
+        ours.tuned(measured, target),
+        from_twin(models),
+        from_twin([model] * len(models)),
+        from_twin(models, share=0.0),
+    ]
     return [float(np.mean(ours.scores_of(one, tests))) for one in rivals]
 
 

@@ -32,7 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--twin",
         metavar="MODEL",
-        help="pre-train on campaigns simulated from this fitted model (testbench fit), finish on one short CAMPAIGN",
+        help="learn from one short CAMPAIGN and from campaigns simulated from this fitted model (testbench fit)",
     )
     parser.add_argument(
         "--strain",
@@ -135,18 +135,15 @@ def _from_data(args: argparse.Namespace, recordings: list[Recording], options: O
 
 def _from_twin(args: argparse.Namespace, recordings: list[Recording], options: Options) -> Compensator:
     from compensation import twin
-    from compensation.preprocessing import series_of
     from gcode.support.console import Progress
     from gcode.support.errors import UserError
     from testbench.discrepancy.model_file import load_model_file
 
     if len(recordings) != 1:
-        raise UserError(f"--twin finishes on one short recording, got {len(recordings)}")
+        raise UserError(f"--twin learns from one short recording, got {len(recordings)}")
     strain = 0.3 if args.strain is None else args.strain
     if not 0 < strain <= 2:
         raise UserError(f"--strain must be above 0 and at most 2, got {strain:g}")
     model = load_model_file(args.twin).model
-    measured = series_of(recordings[0], args.target, options.rate_hz)
-    gauge_mm = recordings[0].gauge_length_mm
-    progress = Progress("training", twin.NETWORKS)
-    return twin.train_from_twin(model, measured, args.target, gauge_mm, strain, options, progress.step)
+    progress = Progress("training", twin.steps())
+    return twin.train_from_twin(model, recordings[0], args.target, strain, options, progress.step)
