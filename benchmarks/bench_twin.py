@@ -38,7 +38,7 @@ STRIP = Path(__file__).resolve().parents[1] / "../shared/data/real/cb_silicone_s
 STRIP_RUNS = ("cb7.5_s2_multisine_600s", "cb7.5_s2_multisine_300s_a", "cb7.5_s2_random_sawtooth_a")
 NUMBERS = (21, 22, 23, 11, 12)
 SHORT_S = 120.0
-METHODS = ("best of 5", "tuned", "twin", "baseline twin", "lessons of twin")
+METHODS = ("best of 5", "tuned", "twin", "baseline twin", "twin alone")
 
 
 class Trial(NamedTuple):
