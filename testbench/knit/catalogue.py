@@ -45,6 +45,7 @@ BUILT_IN = {
     "stress_relaxation_spectrum": "testbench.knit.relaxation:StressRelaxationSpectrum",
     "stress_relaxation_power": "testbench.knit.relaxation:StressRelaxationPower",
     "stress_relaxation_log": "testbench.knit.relaxation:StressRelaxationLog",
+    "stress_relaxation_nonlinear": "testbench.knit.relaxation:StressRelaxationNonlinear",
     "viscous_rate_stiffening": "testbench.knit.relaxation:ViscousRateStiffening",
     "viscous_rate_stiffening_eyring": "testbench.knit.relaxation:ViscousRateStiffeningEyring",
     "viscous_rate_stiffening_log": "testbench.knit.relaxation:ViscousRateStiffeningLog",

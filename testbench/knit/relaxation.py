@@ -114,6 +114,35 @@ class StressRelaxationLog(Effect):
         return {"force_N": signals["force_N"] - lost}
 
 
+class StressRelaxationNonlinear(Effect):
+    """The more the knit is loaded, the larger the share of its force that decays.
+
+    F(t) = F_e(t) - fraction * integral of (1 - exp(-(t - s) / tau)) dD(s),   D = span sgn(F_e) (|F_e| / span)^power
+
+    Source: Schapery, Polym. Eng. Sci. 9 (1969) 295 (nonlinear viscoelasticity; here one exponential, driven by a
+    power of the force).
+    Valid: one dominant relaxation time; `span_N` is the range of the force.
+    """
+
+    name = "stress_relaxation_nonlinear"
+    idea = "stress_relaxation"
+    stage = Stage.MECHANICS
+    reads, writes = ("force_N",), ("force_N",)
+    strength = "fraction"
+    look = "in a hold the force decays by a larger share the higher it was"
+
+    fraction: float = parameter(0.2, unit="1", low=0, high=3, doc="share of the force lost in the end, at full force")
+    tau_s: float = parameter(20.0, unit="s", low=0.05, high=3000, scale="log", doc="time in which 63 % of it is lost")
+    power: float = parameter(1.6, unit="1", low=0.4, high=4, scale="log", doc="1 loses the same share at any force")
+    span_N: float = parameter(5.0, unit="N", low=1e-3, high=1e4, doc="range of the force")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        force_N = signals["force_N"]
+        driving_N = self.span_N * np.sign(force_N) * (np.abs(force_N) / self.span_N) ** self.power
+        lost_N = lowpass(driving_N, self.tau_s, dt_s) - driving_N[0]
+        return {"force_N": force_N - self.fraction * lost_N}
+
+
 class ViscousRateStiffening(Effect):
     """A dashpot beside the knit: force grows with the rate of strain, by a power of it.
 

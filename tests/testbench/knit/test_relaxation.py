@@ -10,6 +10,7 @@ from testbench.knit.filters import hold_coefficients, lowpass, memory, rate
 from testbench.knit.relaxation import (
     StressRelaxation,
     StressRelaxationLog,
+    StressRelaxationNonlinear,
     StressRelaxationPower,
     StressRelaxationSpectrum,
     ViscousRateStiffening,
@@ -44,6 +45,21 @@ def test_logarithmic_relaxation_after_a_step_loses_the_same_per_decade() -> None
     force = StressRelaxationLog(per_decade=0.06, tau_s=1.0).apply({"force_N": STEP}, DT_S)["force_N"]
     at = np.searchsorted(T, [1.0, 19.0, 199.0])
     np.testing.assert_allclose(force[at], 1 - 0.06 * np.log10(1 + T[at] - DT_S / 2), atol=2e-4)
+
+
+def test_nonlinear_relaxation_of_half_the_force_loses_less_than_half() -> None:
+    full, half = (
+        StressRelaxationNonlinear(fraction=0.3, tau_s=5.0, power=2.0, span_N=1.0).apply({"force_N": f * STEP}, DT_S)
+        for f in (1.0, 0.5)
+    )
+    assert full["force_N"][-1] == pytest.approx(0.7, abs=1e-6)
+    assert half["force_N"][-1] == pytest.approx(0.5 - 0.3 * 0.25, abs=1e-6)
+
+
+def test_nonlinear_relaxation_with_power_one_is_the_linear_one() -> None:
+    linear = StressRelaxation(fraction=0.3, tau_s=5.0).apply({"force_N": STEP}, DT_S)["force_N"]
+    same = StressRelaxationNonlinear(fraction=0.3, tau_s=5.0, power=1.0).apply({"force_N": STEP}, DT_S)["force_N"]
+    np.testing.assert_allclose(same, linear, atol=1e-12)
 
 
 def test_box_spectrum_loses_its_whole_fraction_in_the_end() -> None:
