@@ -199,7 +199,8 @@ def _concluded(
 def verdict_of(weighing: Weighing, left: float, over_noise: float) -> Verdict:
     """Missing, nothing missing, or unknown, from the gains and from what is left over."""
     gain = weighing.ranking[0].gain if weighing.ranking else 0.0
-    enough = gain > GAIN_TO_NAME and not _crowded(weighing)
+    # What makes the held-out error larger is not named, whatever it gained in calibration.
+    enough = gain > GAIN_TO_NAME and not _crowded(weighing) and left < 1
     short = gain < SHARE_OF_CEILING * weighing.ceiling
     poor = (left > MOST_UNEXPLAINED and gain < LARGE_GAIN) or (short and left > LEFT_UNEXPLAINED)
     stand_in = poor and over_noise > OVER_NOISE
