@@ -84,6 +84,7 @@ BUILT_IN = {
     "rate_resistance": "testbench.knit.transient:RateResistance",
     "rate_resistance_magnitude": "testbench.knit.transient:RateResistanceMagnitude",
     "self_heating": "testbench.knit.heat:SelfHeating",
+    "self_heating_two_masses": "testbench.knit.heat:SelfHeatingTwoMasses",
     "self_heating_current": "testbench.knit.heat:SelfHeatingCurrent",
     "self_heating_divider": "testbench.knit.heat:SelfHeatingDivider",
     "temperature_drift": "testbench.knit.heat:TemperatureDrift",

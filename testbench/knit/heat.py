@@ -36,6 +36,40 @@ class SelfHeating(Effect):
         return {"conductance_S": shifted(conductance, self.coefficient * warmth)}
 
 
+class SelfHeatingTwoMasses(Effect):
+    """The measuring current warms the yarn at once and the fabric around it slowly.
+
+    ln G += coefficient * (share * y_1 + (1 - share) * y_2),   tau_k y_k' = G / G(0) - y_k,   y_k(0) = 0
+
+    Source: as `self_heating`, with two thermal masses.
+    Valid: small temperature rise; constant voltage.
+    """
+
+    name = "self_heating_two_masses"
+    idea = "self_heating"
+    stage = Stage.ELECTRICAL
+    reads, writes = ("conductance_S",), ("conductance_S",)
+    strength = "coefficient"
+    look = "conductance comes back within seconds after each change of the stretch, and drifts for minutes besides"
+
+    coefficient: float = parameter(
+        -0.02, unit="1", low=-0.5, high=0.5, doc="change of ln G in the end at the starting power; < 0 for metals"
+    )
+    fast_s: float = parameter(12.0, unit="s", low=1, high=100, scale="log", doc="thermal time constant of the yarn")
+    slow_s: float = parameter(300.0, unit="s", low=30, high=3000, scale="log", doc="that of the fabric")
+    share: float = parameter(0.5, unit="1", low=0, high=1, doc="share of the yarn")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        conductance = signals["conductance_S"]
+        power = conductance / conductance[0]
+        yarn, fabric = (lowpass(power, tau_s, dt_s, start=0.0) for tau_s in (self.fast_s, self.slow_s))
+        warmth = self.share * yarn + (1 - self.share) * fabric
+        return {"conductance_S": shifted(conductance, self.coefficient * warmth)}
+
+    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+        return [{"fast_s": fast_s, "slow_s": slow_s} for fast_s in (4.0, 12.0, 30.0) for slow_s in (150.0, 500.0)]
+
+
 class SelfHeatingCurrent(Effect):
     """The measuring current warms the sensor; at constant current the more, the worse it conducts.
 

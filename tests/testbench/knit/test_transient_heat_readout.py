@@ -5,7 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from testbench.knit.heat import SelfHeating, SelfHeatingCurrent, TemperatureDrift, ThermalSoftening
+from testbench.knit.heat import (
+    SelfHeating,
+    SelfHeatingCurrent,
+    SelfHeatingTwoMasses,
+    TemperatureDrift,
+    ThermalSoftening,
+)
 from testbench.knit.readout import (
     AdcSaturation,
     AdcSaturationForce,
@@ -74,6 +80,12 @@ def test_self_heating_starts_cold_and_ends_at_its_coefficient(
 ) -> None:
     change = log_change(cls(coefficient=-0.1, tau_s=8.0))
     np.testing.assert_allclose(change, 0.1 * np.expm1(-T / 8.0), atol=1e-12)
+
+
+def test_two_masses_warm_each_in_its_own_time() -> None:
+    change = log_change(SelfHeatingTwoMasses(coefficient=-0.1, fast_s=4.0, slow_s=50.0, share=0.25))
+    expected = 0.1 * (0.25 * np.expm1(-T / 4.0) + 0.75 * np.expm1(-T / 50.0))
+    np.testing.assert_allclose(change, expected, atol=1e-12)
 
 
 def test_measured_temperature_is_used_where_there_is_one() -> None:
