@@ -11,6 +11,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from testbench.discrepancy.baseline import SHAPES, starting_baseline, with_shapes, without_shapes
+from testbench.discrepancy.confidence import with_intervals
 from testbench.discrepancy.contest import (
     FIT_RATE_HZ,
     Bases,
@@ -110,6 +111,7 @@ def _ranked(entry: Evidence, tied: tuple[str, ...]) -> dict[str, Any]:
         "form": entry.form,
         "gain": entry.gain,
         "gains": dict(entry.gains),
+        "held_out_gain": list(entry.held_out) if entry.held_out else None,
         "error_share_left": float(np.exp(-0.5 * entry.gains["plain"])),
         "tied_for_first": entry.idea in tied,
         "start": entry.candidate.at(entry.coefficient).model_dump(mode="json"),
@@ -181,6 +183,7 @@ def _concluded(
     weighing = ranked_with_costs(weighing, calibration.signals.keys())
     entrants |= {idea: entrant for idea, (entrant, _) in instead.items()}
     weighing, entrants = run_off(contest, weighing, entrants, base, GAIN_TO_NAME)
+    weighing = with_intervals(weighing, entrants, base.fit.model, held)
     best = entrants.get(weighing.ranking[0].idea) if weighing.ranking else None
     reached = best.held if best else base.held
     left = leftover(base.held, reached, floors)

@@ -16,6 +16,9 @@ from testbench.discrepancy.screen import FLEXIBLE, STIFF, Judgement, Traces, jud
 PRICE_OF_SHAPE = 0.08
 
 
+Interval = tuple[float, float, float]  # value, low, high
+
+
 @dataclass(frozen=True)
 class Evidence:
     """One idea's case.
@@ -32,6 +35,9 @@ class Evidence:
     candidate : Candidate
     coefficient : float
         Of its trace, from the calibration recording.
+    held_out : (value, low, high), optional
+        ln(squared held-out error without / with it) once put in and refitted, with its 95 % interval; None where it
+        was not worth a refit.
     """
 
     idea: str
@@ -41,6 +47,7 @@ class Evidence:
     mode: str
     candidate: Candidate
     coefficient: float
+    held_out: Interval | None = None
 
 
 @dataclass(frozen=True)

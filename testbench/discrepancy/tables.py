@@ -9,6 +9,7 @@ from typing import Any
 from testbench.discrepancy.compare import Comparison
 from testbench.discrepancy.diagnosis import Diagnosis
 from testbench.discrepancy.errors import channel_name
+from testbench.discrepancy.evidence import Evidence
 from testbench.discrepancy.measurement import UNIT_OF
 from testbench.discrepancy.model_file import ModelFile
 
@@ -81,11 +82,11 @@ def comparison_table(result: Comparison) -> str:
 def diagnosis_table(diagnosis: Diagnosis) -> str:
     """Verdict, ranking and the fall of the error."""
     weighing = diagnosis.weighing
-    lines = [_verdict_line(diagnosis), "", f"{'rank':<6}{'effect':<28}{'form':<34}{'error left':>11}{'gain':>8}"]
+    title = f"{'rank':<6}{'effect':<26}{'form':<34}{'gain':>6}  held-out error left (95 %)"
+    lines = [_verdict_line(diagnosis), "", title]
     for place, entry in enumerate(weighing.ranking[:6], 1):
-        left = f"{100 * math.exp(-0.5 * entry.gains['plain']):.0f} %"
         tied = "  (tied)" if entry.idea in diagnosis.tied else ""
-        lines.append(f"{place:<6}{entry.idea:<28}{entry.form:<34}{left:>11}{entry.gain:>8.2f}{tied}")
+        lines.append(f"{place:<6}{entry.idea:<26}{entry.form:<34}{entry.gain:>6.2f}  {_error_left(entry)}{tied}")
     if diagnosis.verdict == "unknown":
         lines.append("what is left depends most on:")
         lines += [f"  {channel}: {coordinate}" for channel, coordinate, _ in weighing.depends_on[:3]]
@@ -93,6 +94,14 @@ def diagnosis_table(diagnosis: Diagnosis) -> str:
         lines.append(f"the base laws misfit in themselves; shape freedom used: {', '.join(diagnosis.base_misfits)}")
     lines += ["", ladder_table(diagnosis.after)]
     return "\n".join(lines)
+
+
+def _error_left(entry: Evidence) -> str:
+    """Share of the base's error on samples that no fit has seen; a dash where the idea was not worth a refit."""
+    if entry.held_out is None:
+        return "-"
+    value, high, low = (100 * math.exp(-0.5 * gain) for gain in entry.held_out)
+    return f"{value:.0f} % ({low:.0f} to {high:.0f})"
 
 
 def _verdict_line(diagnosis: Diagnosis) -> str:

@@ -25,7 +25,9 @@ def removed_percent(gain: float) -> float:
 
 
 def candidates(diagnosis: Mapping[str, Any]) -> style.Figure:
-    """What each effect would take off the held-out error, best first; whiskers: the two ways of weighing.
+    """What each effect would take off the held-out error, best first: weighed (bars), and measured (dots).
+
+    A dot is the held-out error after a refit with the effect in, its whiskers the 95 % interval over blocks of 60 s.
 
     Parameters
     ----------
@@ -36,7 +38,6 @@ def candidates(diagnosis: Mapping[str, Any]) -> style.Figure:
     shapes, notes = _ceiling(diagnosis)
     places = np.arange(len(ranking))
     removed = np.array([removed_percent(entry["gain"]) for entry in ranking])
-    ends = np.array([sorted(removed_percent(gain) for gain in entry["gains"].values()) for entry in ranking])
     bar = {
         "type": "bar",
         "orientation": "h",
@@ -44,13 +45,7 @@ def candidates(diagnosis: Mapping[str, Any]) -> style.Figure:
         "y": places,
         "width": 0.62,
         "marker": {"color": [_colour(diagnosis, number) for number in range(len(ranking))]},
-        "hovertemplate": "%{x:.1f} % of the held-out error<extra></extra>",
-        "error_x": {
-            "array": np.maximum(ends[:, -1] - removed, 0.0) if len(ranking) else np.empty(0),
-            "arrayminus": np.maximum(removed - ends[:, 0], 0.0) if len(ranking) else np.empty(0),
-            "symmetric": False,
-            "color": style.INK,
-        },
+        "hovertemplate": "weighed: %{x:.1f} % of the held-out error<extra></extra>",
     }
     names = [entry["effect"].replace("_", " ") for entry in ranking]
     axes: dict[str, Any] = {
@@ -60,13 +55,33 @@ def candidates(diagnosis: Mapping[str, Any]) -> style.Figure:
         ),
     }
     return style.figure(
-        [bar],
+        [bar, _measured(ranking)],
         height=70 + 34 * max(len(ranking), 2),
         margin={"l": 190, "r": 20, "t": 26, "b": 44},
         shapes=shapes,
         annotations=notes,
         **axes,
     )
+
+
+def _measured(ranking: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Dots with intervals, for those that were refitted."""
+    refitted = [(place, entry["held_out_gain"]) for place, entry in enumerate(ranking) if entry.get("held_out_gain")]
+    ends = np.array([[removed_percent(gain) for gain in gains] for _, gains in refitted]).reshape(-1, 3)
+    return {
+        "type": "scatter",
+        "mode": "markers",
+        "x": ends[:, 0],
+        "y": [place for place, _ in refitted],
+        "marker": {"color": style.INK, "size": 8},
+        "error_x": {
+            "array": ends[:, 2] - ends[:, 0],
+            "arrayminus": ends[:, 0] - ends[:, 1],
+            "symmetric": False,
+            "color": style.INK,
+        },
+        "hovertemplate": "refitted: %{x:.1f} % of the held-out error<extra></extra>",
+    }
 
 
 def _colour(diagnosis: Mapping[str, Any], number: int) -> str:

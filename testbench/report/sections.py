@@ -211,8 +211,9 @@ def diagnosis_section(diagnosis: Mapping[str, Any]) -> Section:
     items += [base] if base else []
     if diagnosis["ranking"]:
         caption = (
-            "What each effect would take off the held-out error, its best form speaking for it; the whiskers span "
-            "two ways of weighing, the dashed line is what a free-form map of the residual finds."
+            "What each effect would take off the held-out error, its best form speaking for it: weighed beforehand "
+            "(bars) and measured after a refit (dots, 95 % over blocks of 60 s). The dashed line is what a free-form "
+            "map of the residual finds."
         )
         items.append(Picture("candidates", diagnosis_figures.candidates(diagnosis), caption))
     depends = diagnosis_figures.dependence(diagnosis)

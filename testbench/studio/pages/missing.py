@@ -79,8 +79,9 @@ async def _answer(studio: Studio, c: str, diagnosis: Mapping[str, Any], pick: st
         _experiment(c, diagnosis)
     plot(
         figures.candidates(diagnosis),
-        "What each effect would take off the error on samples that no fit has seen; whiskers: two ways of weighing; "
-        "dashed: what a free-form map of the residual would take off.",
+        "What each effect would take off the error on samples that no fit has seen: weighed beforehand (bars), "
+        "measured after a refit (dots, 95 % over blocks of 60 s); dashed: what a free-form map of the residual would "
+        "take off.",
     )
     chosen = next((entry for entry in ranking if entry["form"] == pick), ranking[0])
     _Candidates(studio, c, diagnosis).build(ranking, chosen)

@@ -1,0 +1,28 @@
+"""Intervals of a fall of the held-out error."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from testbench.discrepancy.confidence import gain_interval
+
+
+def test_the_same_fall_everywhere_is_certain():
+    energy = {"force": np.arange(1.0, 21.0), "conductance": np.ones(20)}
+    half = {channel: values / 4 for channel, values in energy.items()}
+    assert gain_interval(energy, half) == pytest.approx((np.log(4),) * 3)
+
+
+def test_a_fall_in_some_blocks_only_is_uncertain_and_covers_the_truth():
+    """Blocks fall by e on average (log-normal ratios): the interval covers that in about 95 of 100 draws."""
+    rng = np.random.default_rng(7)
+    hits, widths = 0, []
+    for _ in range(200):
+        before = np.ones(25)
+        after = np.exp(-1 + 0.5 * rng.standard_normal(25) - 0.125)
+        _, low, high = gain_interval({"force": before}, {"force": after})
+        hits += low < 1.0 < high
+        widths.append(high - low)
+    assert 0.88 <= hits / 200 <= 0.99
+    assert np.mean(widths) == pytest.approx(4 * 0.53 / 5, rel=0.15)
