@@ -23,7 +23,7 @@ from testbench.knit.effect import Stage
 from testbench.knit.model import KnitModel
 
 WITHOUT = {"elasticity": "without elasticity_shape", "contact": "without contact_shape", "slip": WITHOUT_SLIP}
-WORTH_A_TRY = 0.15  # ln(squared error) that an effect must gain on the stiff base
+WORTH_A_TRY = 0.05  # ln(squared error) that an effect must gain on the stiff base
 FINALISTS, FORMS_OF_ONE_IDEA = 3, 2
 WORTH_A_DOUBT = 0.05
 OTHER_LOOPS = 0.25  # ln(squared error) that Bouc-Wen loops buy

@@ -93,6 +93,7 @@ BUILT_IN = {
     "thermal_softening": "testbench.knit.heat:ThermalSoftening",
     # read-out
     "channel_lag": "testbench.knit.readout:ChannelLag",
+    "channel_lag_resistance": "testbench.knit.readout:ChannelLagResistance",
     "channel_lag_force": "testbench.knit.readout:ChannelLagForce",
     "channel_lag_delay": "testbench.knit.readout:ChannelLagDelay",
     "adc_saturation": "testbench.knit.readout:AdcSaturation",

@@ -28,12 +28,36 @@ class ChannelLag(Effect):
     stage = Stage.READOUT
     reads, writes = ("conductance_S",), ("conductance_S",)
     strength = "tau_s"
+    nonlinear = True
     look = "conductance comes later than force, so their loop widens with speed"
 
     tau_s: float = parameter(0.2, unit="s", low=0, high=10, doc="time constant of the filter")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         return {"conductance_S": lowpass(signals["conductance_S"], self.tau_s, dt_s)}
+
+
+class ChannelLagResistance(Effect):
+    """The reading of the resistance, not of the conductance, is filtered: steps up and steps down differ.
+
+    tau y' = R - y,   the reading is 1 / y
+
+    Source: as `channel_lag`, for an ohmmeter that averages.
+    Valid: the resistance channel lags; told from `channel_lag` where the resistance changes a lot within tau.
+    """
+
+    name = "channel_lag_resistance"
+    idea = "channel_lag"
+    stage = Stage.READOUT
+    reads, writes = ("conductance_S",), ("conductance_S",)
+    strength = "tau_s"
+    nonlinear = True
+    look = "conductance comes later than force, and later when it rises than when it falls"
+
+    tau_s: float = parameter(0.2, unit="s", low=0, high=10, doc="time constant of the filter")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        return {"conductance_S": 1 / lowpass(1 / signals["conductance_S"], self.tau_s, dt_s)}
 
 
 class ChannelLagForce(Effect):
@@ -50,6 +74,7 @@ class ChannelLagForce(Effect):
     stage = Stage.READOUT
     reads, writes = ("force_N",), ("force_N",)
     strength = "tau_s"
+    nonlinear = True
     look = "force comes later than displacement and conductance"
 
     tau_s: float = parameter(0.2, unit="s", low=0, high=10, doc="time constant of the filter")
@@ -72,6 +97,7 @@ class ChannelLagDelay(Effect):
     stage = Stage.READOUT
     reads, writes = ("conductance_S",), ("conductance_S",)
     strength = "delay_s"
+    nonlinear = True
     look = "conductance is the same curve, later"
 
     delay_s: float = parameter(0.2, unit="s", low=0, high=10, doc="delay")
