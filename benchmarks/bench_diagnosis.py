@@ -4,6 +4,7 @@
     python benchmarks/bench_diagnosis.py --quick                         every effect once in two worlds, at 5x
     python benchmarks/bench_diagnosis.py --full --results r.jsonl -j 2   everything; resumes where it stopped
     python benchmarks/bench_diagnosis.py --results r.jsonl --report      only the tables of what is there
+    python benchmarks/bench_diagnosis.py --kinds 60 --seeds 4 -j 2       short, slow, one channel, ...: any kind
 
 Strength is what the world's own base laws cannot absorb, over the noise floor (testbench/worlds/strength.py).
 """
@@ -24,8 +25,10 @@ from diagnosis_score import Row, score, tables
 from joblib import Parallel, delayed
 
 from testbench.knit.catalogue import Catalogue, load_catalogue
-from testbench.recording import Recording
+from testbench.recording import FORCE, RESISTANCE, Recording
 from testbench.worlds import CATALOGUE, OUTSIDE, make_case
+from testbench.worlds.base import WORLDS
+from testbench.worlds.motion import PROTOCOLS
 
 Diagnose = Callable[[Recording, Recording, Catalogue], Any]
 PAIRS = (
@@ -49,6 +52,8 @@ class Job:
     minutes: float = 23.0
     rate_hz: float = 40.0
     noise: str = "any"
+    protocol: str = "perlin"
+    channels: str = f"{FORCE},{RESISTANCE}"
 
     @property
     def key(self) -> str:
@@ -79,9 +84,59 @@ def jobs_of(
     return [jobs[k] for k in order]
 
 
+ON_FORCE = (
+    "stress_relaxation",
+    "viscous_rate_stiffening",
+    "mullins_softening",
+    "cyclic_fatigue",
+    "jamming_stiffening",
+    "permanent_set",
+    "clamp_slip",
+    "actuator_backlash",
+    "load_cell_creep",
+)
+OF_ONE_READING = ("load_cell_creep", "periodic_interference", "channel_lag", "adc_saturation")
+
+
+def kinds_of(count: int, seed: int) -> list[Job]:
+    """Cases of any kind: how long, how often sampled, which motion, which channels, which sensor, all drawn."""
+    rng = np.random.default_rng(seed)
+
+    def drawn(number: int) -> Job:
+        effect = str(rng.choice([*CATALOGUE, "none", "none", "none"]))
+        world, protocol = str(rng.choice(sorted(WORLDS))), str(rng.choice(sorted(PROTOCOLS)))
+        channels = [f"{FORCE},{RESISTANCE}"] * 2
+        # Only where the effect can be seen: contacts of carbon black feel no force, some faults are of one reading.
+        channels += [FORCE] if effect in ON_FORCE or effect == "none" else []
+        unfelt = world == "carbon_black" and effect in ON_FORCE
+        channels += [RESISTANCE] if not unfelt and effect not in OF_ONE_READING else []
+        return Job(
+            effect,
+            float(rng.choice([5, 10])),
+            world,
+            1000 * seed + number,
+            minutes=float(rng.choice([5, 10, 23])),
+            rate_hz=float(rng.choice([12, 40, 100])),
+            protocol=protocol,
+            channels=str(rng.choice(channels)),
+        )
+
+    return [drawn(number) for number in range(count)]
+
+
 def run_job(job: Job, diagnose: Diagnose) -> Row:
     """Make the case, diagnose it, score it. A diagnosis that raises is a row too: it must not stop the others."""
-    case = make_case(job.effect, job.strength, job.world, job.seed, job.minutes, job.rate_hz, job.noise)
+    case = make_case(
+        job.effect,
+        job.strength,
+        job.world,
+        job.seed,
+        job.minutes,
+        job.rate_hz,
+        job.noise,
+        protocol=job.protocol,
+        channels=job.channels.split(","),
+    )
     catalogue = load_catalogue()
     ideas = {name: effect.idea or name for name, effect in catalogue.effects.items()}
     if job.left_out:
@@ -161,6 +216,7 @@ def arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--strengths", type=_numbers, help="such as 2,5,15")
     parser.add_argument("--worlds", default="matched,mismatched", help="such as matched,mismatched,carbon_black")
     parser.add_argument("--seeds", type=_range, help="such as 0:5")
+    parser.add_argument("--kinds", type=int, metavar="N", help="N recordings of any kind instead")
     parser.add_argument("--limit", type=int, help="stop after so many cases")
     parser.add_argument("--results", type=Path, help="JSON lines to append to and to resume from")
     parser.add_argument("--report", action="store_true", help="print the tables of --results and run nothing")
@@ -185,8 +241,11 @@ def main(argv: Sequence[str] | None = None) -> None:
         return
     strengths = args.strengths or ([2.0, 5.0, 15.0] if args.full else [5.0])
     seeds = args.seeds or (list(range(5)) if args.full else [0])
-    jobs = jobs_of(args.effects.split(","), strengths, args.worlds.split(","), seeds)
-    taste = 6 if not (args.quick or args.full or args.seeds or args.strengths) else None
+    if args.kinds:
+        jobs = [job for seed in seeds for job in kinds_of(args.kinds, seed)]
+    else:
+        jobs = jobs_of(args.effects.split(","), strengths, args.worlds.split(","), seeds)
+    taste = 6 if not (args.quick or args.full or args.kinds or args.seeds or args.strengths) else None
     jobs = jobs[: args.limit or taste]
     print("\n" + tables(run_all(jobs, the_diagnosis, args.results, args.jobs)))
 

@@ -114,6 +114,7 @@ def tables(rows: Sequence[Row]) -> str:
     """All tables, as Markdown."""
     good = [row for row in rows if "error" not in row]
     parts = [by_world_and_strength(good), nothing_unknown_two(good), by_effect(good), confusions(good)]
+    parts = [by_kind(good), *parts] if by_kind(good) else parts
     failed = [f"{row['key']}: {row['error']}" for row in rows if "error" in row]
     return "\n\n".join(parts + (["Failed:\n" + "\n".join(failed)] if failed else []))
 
@@ -149,6 +150,26 @@ def by_world_and_strength(rows: Sequence[Row]) -> str:
         )
     header = ["one hidden", "strength", "right first", "ranked first", "in top 3", "said missing"]
     return _table([*header, "error before / floor", "after", "seconds"], lines)
+
+
+KINDS = {"minutes": "minutes", "rate_hz": "samples a second", "protocol": "motion", "channels": "channels"}
+
+
+def by_kind(rows: Sequence[Row]) -> str:
+    """Where recordings are of several kinds: how well each kind does; else empty."""
+    lines = []
+    for key, words in KINDS.items():
+        groups = _groups([row for row in rows if key in row], key)
+        if len(groups) < 2:
+            continue
+        for (value,), group in groups.items():
+            single = [row for row in group if is_single(row)]
+            none = [row for row in group if row["expected"] == "nothing_missing"]
+            shown = f"{value:g}" if isinstance(value, float) else value.replace("_", " ").replace(",", ", ")
+            alarms = share(none, said("missing"))
+            lines.append([words, shown, share(single, first), share(single, top3), median(single, "after"), alarms])
+    header = ["recordings by", "", "right first", "in top 3", "error after / floor", "false alarms"]
+    return _table(header, lines) if lines else ""
 
 
 def nothing_unknown_two(rows: Sequence[Row]) -> str:
