@@ -14,6 +14,7 @@ from testbench.discrepancy.evidence import Evidence, Weighing
 from testbench.discrepancy.fit import Fit, fit
 from testbench.discrepancy.ladder import held_errors
 from testbench.discrepancy.measurement import Measurement, coarser
+from testbench.discrepancy.noise import robust_sd
 from testbench.discrepancy.screen import FLEXIBLE, STIFF, WITHOUT_SLIP, best_starts
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import Effect
@@ -169,8 +170,11 @@ class Contest:
         self.tell(f"settling {form}")
         first = entrant.fit if effect.imitable else fit(self.bases.stiff.model.plus(effect), [self.coarse])
         bent = with_shapes(first.model, self.calibration, self.catalogue)
-        again = self.scored(form, fit(bent, [self.coarse], max_iterations=SETTLING_ITERATIONS))
-        return again if again.score < entrant.score - (0.0 if _bends(entrant) else SHAPES_MUST_PAY) else entrant
+        again = fit(bent, [self.coarse], max_iterations=SETTLING_ITERATIONS)
+        # Where ln G dives now and then, its dives would decide about everything: once more, with hardly a say.
+        without_dives = fit(again.model, [self.coarse], max_iterations=REFIT_ITERATIONS, scale_by=robust_sd)
+        best = min((self.scored(form, one) for one in (again, without_dives)), key=lambda one: one.score)
+        return best if best.score < entrant.score - (0.0 if _bends(entrant) else SHAPES_MUST_PAY) else entrant
 
     def scored(self, name: str, result: Fit) -> Entrant:
         """A fit with its errors on both recordings."""

@@ -97,6 +97,7 @@ def fit(
     max_iterations: int = MAX_ITERATIONS,
     progress: Callable[[str], None] | None = None,
     addresses: Callable[[str], bool] | None = None,
+    scale_by: Callable[[FloatArray], float] = spread,
 ) -> Fit:
     """Fit the free parameters of `model` to one or several measurements at once.
 
@@ -115,6 +116,8 @@ def fit(
         Called with a short text after each iteration.
     addresses : callable, optional
         Whether to fit the parameter of this address (``effect.parameter``); default all.
+    scale_by : callable, optional
+        What a channel's residuals are measured by: `spread`, or `robust_sd`, under which what is rare hardly counts.
 
     Raises
     ------
@@ -124,7 +127,7 @@ def fit(
     parameters = free_parameters(model, shape_scales(measurements[0]), only)
     if addresses is not None:
         parameters = [p for p in parameters if addresses(p.address)]
-    problem = _Problem(parameters, measurements)
+    problem = _Problem(parameters, measurements, scale_by)
     x = values_of(model, parameters)
     scale = problem.scale_of(model)
     damping, iterations = 1e-3, 0
@@ -160,8 +163,13 @@ class _Normal:
 class _Problem:
     """Residuals, cost and normal equations over all measurements."""
 
-    def __init__(self, parameters: Sequence[FreeParameter], measurements: Sequence[Measurement]) -> None:
-        self.parameters, self.measurements = parameters, measurements
+    def __init__(
+        self,
+        parameters: Sequence[FreeParameter],
+        measurements: Sequence[Measurement],
+        scale_by: Callable[[FloatArray], float],
+    ) -> None:
+        self.parameters, self.measurements, self.scale_by = parameters, measurements, scale_by
         self.caches = [SimulationCache() for _ in measurements]
         self.low = np.array([p.to_fit(p.low) for p in parameters])
         self.high = np.array([p.to_fit(p.high) for p in parameters])
@@ -177,7 +185,7 @@ class _Problem:
         for measurement, cache in zip(self.measurements, self.caches, strict=True):
             for channel, values in measurement.residual(model, cache).items():
                 residuals.setdefault(channel, []).append(values[measurement.counts])
-        return {c: max(spread(np.concatenate(r)), self.floor[c], 1e-12) for c, r in residuals.items()}
+        return {c: max(self.scale_by(np.concatenate(r)), self.floor[c], 1e-12) for c, r in residuals.items()}
 
     def cost(self, model: KnitModel, scale: Mapping[str, float]) -> float:
         total = self._prior_cost(values_of(model, self.parameters))

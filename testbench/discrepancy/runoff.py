@@ -16,7 +16,7 @@ from testbench.discrepancy.evidence import Evidence, Weighing, ranked, share_aft
 
 CLOSE = 0.25  # of the first's gain
 MOST = 3
-SHARE_OF_REFIT = 0.8
+SHARE_OF_REFIT = 0.95
 
 
 def run_off(
