@@ -11,8 +11,9 @@ from testbench.knit.effect import FloatArray, Signals
 WINDOW_S = 0.3  # long enough to average the noise, short enough that the misfit runs straight
 SKIP_S = 0.05  # around the jump itself, which the averaging of samples blurs
 APART_S = 1.0
+PULLED = 0.5  # quantile of the strain above which a grip may give way
 LEAST_MOTION = 1e-4  # as strain: slower than this nothing is said about how steep the sensor is
-LEAST = 7.0  # in standard deviations of what the noise and the bends of the misfit make where nothing jumps
+LEAST = 5.0  # in standard deviations of what the noise and the bends of the misfit make where nothing jumps
 MAD_TO_SD = 1.4826
 SIGNAL = {"force": "force_N", "conductance": "conductance_S"}
 
@@ -41,8 +42,10 @@ def slips(signals: Signals, residual: Signals, dt_s: float) -> list[tuple[float,
     slip = -np.sum(steep * jumped, axis=0) / information
     explained = slip**2 * information
     left = np.sum(jumped**2, axis=0) - explained
-    outward = np.gradient(signals["strain"]) > 0
-    clear = outward & (slip > 0) & (explained - left > LEAST**2)
+    strain = signals["strain"]
+    # A grip gives way where the knit pulls, not where it hangs loose.
+    pulled = (np.gradient(strain) > 0) & (strain > np.quantile(strain, PULLED))
+    clear = pulled & (slip > 0) & (explained - left > LEAST**2)
     found = _peaks(np.where(clear, slip, 0.0), dt_s)
     return [(float(signals["time_s"][i]), float(slip[i])) for i in found]
 
