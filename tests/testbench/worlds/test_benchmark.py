@@ -23,7 +23,8 @@ class Fake:
     """Says always the same."""
 
     def __init__(self, verdict: str, *ranked: str):
-        self.said = {"verdict": verdict, "ranking": [{"effect": name} for name in ranked]}
+        ranking = [{"effect": name, "gain": 1.0} for name in ranked]
+        self.said = {"verdict": verdict, "ranking": ranking, "ceiling_gain": 0.5, "left_unexplained": 0.1}
 
     def to_dict(self) -> dict:
         errors = {"force": 0.02, "conductance": 0.01}
