@@ -113,8 +113,9 @@ def median(rows: Sequence[Row], key: str) -> str:
 def tables(rows: Sequence[Row]) -> str:
     """All tables, as Markdown."""
     good = [row for row in rows if "error" not in row]
-    parts = [by_world_and_strength(good), nothing_unknown_two(good), by_effect(good), confusions(good)]
-    parts = [by_kind(good), *parts] if by_kind(good) else parts
+    kinds = by_kind(good)
+    parts = [kinds] if kinds else []
+    parts += [by_world_and_strength(good), nothing_unknown_two(good), by_effect(good), confusions(good)]
     failed = [f"{row['key']}: {row['error']}" for row in rows if "error" in row]
     return "\n\n".join(parts + (["Failed:\n" + "\n".join(failed)] if failed else []))
 

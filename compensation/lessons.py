@@ -69,6 +69,10 @@ class Lessons:
         )
         return network
 
+    def fit_on_all(self, options: Options, seed: int) -> Network:
+        """Train one network on every row, for features as they come."""
+        return self.fit(np.ones(len(self.truth), dtype=bool), options, seed).absorbing(self.shift, self.scale)
+
 
 def lessons(series: Sequence[Series], target: str, options: Options) -> Lessons:
     """Features and target of all training recordings, one after the other."""

@@ -181,11 +181,11 @@ def ensemble(
     lesson = [lessons(series, target, choice.options) for choice in decision.members]
     blank = untrained(series, target, replace(best.options, history=whole))
     features, truth = training_arrays(blank, series)
-    everything, networks = np.ones(len(truth), dtype=bool), []
+    networks = []
     for number in range(ENSEMBLE):
         learned = lesson[number % len(lesson)]
         options = decision.members[number % len(lesson)].options
-        network = learned.fit(everything, options, seed + number).absorbing(learned.shift, learned.scale)
+        network = learned.fit_on_all(options, seed + number)
         networks.append(_widened(network, len(blank.alphas), options.history, whole))
         progress(f"network {seed + number}")
     live = [network for network in networks if not network.is_dead(features)] or networks

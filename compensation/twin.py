@@ -117,9 +117,9 @@ def learned(
     copies = max(round(share / (1.0 - share) * campaign_rows / len(measured)), 1) if share else 0
     series = [*twins, *[measured] * copies]
     learning = lessons(series, target, options)
-    everything, networks = np.ones(len(learning.truth), dtype=bool), []
+    networks = []
     for seed in range(options.seed, options.seed + NETWORKS):
-        networks.append(learning.fit(everything, options, seed).absorbing(learning.shift, learning.scale))
+        networks.append(learning.fit_on_all(options, seed))
         progress(f"network {seed}")
     features, truth = training_arrays(learning.blank, [measured])
     live = tuple(network for network in networks if not network.is_dead(features)) or tuple(networks[:1])

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from testbench.discrepancy.measurement import Measurement
 from testbench.knit.effect import FloatArray
-from testbench.knit.kernels import running_max
+from testbench.knit.kernels import running_max, turns
 
 RATE_SMOOTHING_S = 0.15
 HOLD_RATE = 2e-4  # 1/s; slower than this is a hold
@@ -29,16 +28,16 @@ def coordinates(measurement: Measurement) -> dict[str, FloatArray]:
     rate = strain_rate(strain, measurement.dt_s)
     direction = np.where(np.abs(rate) < HOLD_RATE, 0.0, np.sign(rate))
     threshold = max(0.01 * float(np.ptp(strain)), 1e-4)
-    since, turns = reversals(strain, threshold)
+    _, known, count = turns(np.ascontiguousarray(strain), threshold)
     found = {
         "strain": strain,
         "strain_rate": rate,
         "direction": direction,
         "elapsed_s": measurement.signals["time_s"],
         "largest_strain": running_max(np.ascontiguousarray(strain)),
-        "since_reversal_s": since * measurement.dt_s,
+        "since_reversal_s": (np.arange(len(strain)) - known) * measurement.dt_s,
         "since_hold_s": _run_length(direction == 0) * measurement.dt_s,
-        "cycle": np.floor(turns / 2),
+        "cycle": np.floor(count / 2),
     }
     if "temperature_C" in measurement.signals:
         found["temperature_C"] = measurement.signals["temperature_C"]
@@ -50,25 +49,6 @@ def strain_rate(strain: FloatArray, dt_s: float) -> FloatArray:
     width = max(round(RATE_SMOOTHING_S / dt_s), 1)
     padded = np.pad(np.gradient(strain, dt_s), (width // 2, width - 1 - width // 2), mode="edge")
     return np.convolve(padded, np.full(width, 1 / width), mode="valid")
-
-
-@njit("Tuple((float64[:], float64[:]))(float64[:], float64)", cache=True, nogil=True)
-def reversals(x: FloatArray, threshold: float) -> tuple[FloatArray, FloatArray]:
-    """Samples since the last reversal, and how many there were, each shape (n,).
-
-    A reversal counts when the motion has come back from its extreme by `threshold`; wobbles below do not.
-    """
-    since, turns = np.zeros_like(x), np.zeros_like(x)
-    extreme, direction, last, count = x[0], 0.0, 0, 0.0
-    for i in range(len(x)):
-        if direction == 0.0 and abs(x[i] - x[0]) > threshold:
-            direction, extreme = np.sign(x[i] - x[0]), x[i]
-        elif (x[i] - extreme) * direction > 0:
-            extreme = x[i]
-        elif (extreme - x[i]) * direction > threshold:
-            direction, extreme, last, count = -direction, x[i], i, count + 1.0
-        since[i], turns[i] = i - last, count
-    return since, turns
 
 
 def _run_length(inside: np.ndarray) -> FloatArray:

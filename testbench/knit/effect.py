@@ -143,6 +143,8 @@ class Effect(BaseModel):
     def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
         """Parameter points worth a try on these data, where a generic grid would miss them; default: none.
 
+        What lies beyond a bound is moved onto it.
+
         Parameters
         ----------
         signals : mapping of str to ndarray, each shape (n,)

@@ -130,11 +130,7 @@ class SelfHeatingDivider(Effect):
         # matched at the middle, the top and the bottom of what the sensor shows
         matches = [float(np.quantile(conductance, q) / conductance[0]) for q in (0.1, 0.5, 0.9)]
         taus_s = [share * end_s for share in (0.01, 0.05, 0.2)]
-        return [
-            {"match": float(np.clip(match, 0.02, 50)), "tau_s": float(np.clip(tau_s, 1, 3000))}
-            for match in matches
-            for tau_s in taus_s
-        ]
+        return [{"match": match, "tau_s": tau_s} for match in matches for tau_s in taus_s]
 
 
 class TemperatureDrift(Effect):

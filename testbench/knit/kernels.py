@@ -258,11 +258,15 @@ def dahl(x: FloatArray, travel: float) -> FloatArray:
     return z
 
 
-@njit("float64[:](float64[:], float64)", cache=True, nogil=True)
-def since_turn(x: FloatArray, back: float) -> FloatArray:
-    """Samples since `x` last turned; a turn is known once `x` has come back from its extreme by more than `back`."""
-    since = np.empty_like(x)
-    heading, extreme, at, turned = 0.0, x[0], 0, 0
+@njit("Tuple((float64[:], float64[:], float64[:]))(float64[:], float64)", cache=True, nogil=True)
+def turns(x: FloatArray, back: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Where `x` last turned, where that became known, and how often it has turned, each shape (n,).
+
+    A turn is known once `x` has come back from its extreme by more than `back`; wobbles below are none.
+    """
+    turned, known, count = np.empty_like(x), np.empty_like(x), np.empty_like(x)
+    heading, extreme, at = 0.0, x[0], 0
+    last_turned, last_known, so_far = 0, 0, 0
     for i in range(len(x)):
         if heading == 0.0 and abs(x[i] - x[0]) > back:
             heading = 1.0 if x[i] > x[0] else -1.0
@@ -270,7 +274,12 @@ def since_turn(x: FloatArray, back: float) -> FloatArray:
         elif (x[i] - extreme) * heading > 0.0:
             extreme, at = x[i], i
         elif (extreme - x[i]) * heading > back:
-            turned, heading = at, -heading
-            extreme, at = x[i], i
-        since[i] = i - turned
-    return since
+            last_turned, last_known, so_far = at, i, so_far + 1
+            heading, extreme, at = -heading, x[i], i
+        turned[i], known[i], count[i] = last_turned, last_known, so_far
+    return turned, known, count
+
+
+def since_turn(x: FloatArray, back: float) -> FloatArray:
+    """Samples since `x` last turned: see `turns`."""
+    return np.arange(len(x)) - turns(x, back)[0]

@@ -133,8 +133,7 @@ class ClampSlipSliding(Effect):
         for share in (0.5, 0.65, 0.8):
             limit = max(share * float(np.max(signals["strain"])), 0.01)
             total_s = float(_overload_s(signals["strain"], limit, dt_s)[-1])
-            works_s = [float(np.clip(part * total_s, 1e-3, 1e4)) for part in (0.1, 0.4, 2.0)]
-            points += [{"limit": limit, "work_s": work_s} for work_s in works_s]
+            points += [{"limit": limit, "work_s": part * total_s} for part in (0.1, 0.4, 2.0)]
         return points
 
 
