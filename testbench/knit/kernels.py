@@ -283,3 +283,25 @@ def turns(x: FloatArray, back: float) -> tuple[FloatArray, FloatArray, FloatArra
 def since_turn(x: FloatArray, back: float) -> FloatArray:
     """Samples since `x` last turned: see `turns`."""
     return np.arange(len(x)) - turns(x, back)[0]
+
+
+@njit("float64[:](float64[:], float64, float64, float64)", cache=True, nogil=True)
+def overstress_flow(over: FloatArray, rate: float, hardening: float, power: float) -> FloatArray:
+    """Set s that flows as ``ds = rate ((over - hardening s)+)^power`` per sample, zero at the start.
+
+    Exact for an overload that stands still at its mean over each step, so that no rate makes it overshoot.
+    """
+    out = np.empty_like(over)
+    flowed = 0.0
+    out[0] = flowed
+    for i in range(1, len(over)):
+        beyond = 0.5 * (over[i - 1] + over[i]) - hardening * flowed
+        if beyond > 0.0:
+            if power > 1.001:
+                sooner = (power - 1.0) * hardening * rate * beyond ** (power - 1.0)
+                kept = (1.0 + sooner) ** (-1.0 / (power - 1.0))
+            else:
+                kept = math.exp(-hardening * rate)
+            flowed += beyond * (1.0 - kept) / hardening
+        out[i] = flowed
+    return out

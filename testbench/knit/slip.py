@@ -10,13 +10,14 @@ from typing import Any
 import numpy as np
 
 from testbench.knit.damage import share_of_strain
-from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
+from testbench.knit.effect import Effect, FloatArray, Signals, parameter
+from testbench.knit.length import Lengthening, overload_s
 
 MOST_SLIPS = 12
 NEVER_S = 1e5
 
 
-class ClampSlip(Effect):
+class ClampSlip(Lengthening):
     """The fabric jumps a little out of the clamp whenever the stretch reaches a new level beyond the grip's limit.
 
     e -= fraction * step * floor((e_max - limit) / step + 1)        for e_max >= limit
@@ -26,8 +27,6 @@ class ClampSlip(Effect):
     """
 
     name = "clamp_slip"
-    stage = Stage.KINEMATICS
-    reads, writes = ("strain",), ("strain",)
     strength = "fraction"
     nonlinear = True
     look = "force drops in a jump at a new largest stretch and stays lower at every strain"
@@ -36,18 +35,18 @@ class ClampSlip(Effect):
     limit: float = parameter(0.2, unit="1", low=0.01, high=2, scale="log", doc="strain that the grip just holds")
     step: float = parameter(0.04, unit="1", low=0.02, high=0.5, scale="log", doc="strain between two slips")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def added(self, signals: Signals, dt_s: float) -> FloatArray:
         from testbench.knit.kernels import running_max
 
         steps = np.floor((running_max(signals["strain"]) - self.limit) / self.step + 1)
         slips = np.maximum(steps, 0.0)
-        return {"strain": signals["strain"] - self.fraction * self.step * (slips - slips[0])}
+        return self.fraction * self.step * (slips - slips[0])
 
     def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
         return share_of_strain(self, signals, limit=0.6, step=0.12)
 
 
-class ClampSlipRepeated(Effect):
+class ClampSlipRepeated(Lengthening):
     """Each time the stretch passes the grip's limit, the fabric slips by the same amount.
 
     e -= amount * (number of times e has risen through `limit`)
@@ -58,8 +57,6 @@ class ClampSlipRepeated(Effect):
 
     name = "clamp_slip_repeated"
     idea = "clamp_slip"
-    stage = Stage.KINEMATICS
-    reads, writes = ("strain",), ("strain",)
     strength = "amount"
     nonlinear = True
     look = "every high stretch costs a little force, in jumps, for ever"
@@ -67,17 +64,21 @@ class ClampSlipRepeated(Effect):
     amount: float = parameter(0.002, unit="1", low=0, high=0.1, doc="slip per pass, as strain")
     limit: float = parameter(0.2, unit="1", low=0.01, high=2, scale="log", doc="strain that the grip just holds")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def added(self, signals: Signals, dt_s: float) -> FloatArray:
         from testbench.knit.kernels import crossings
 
         passes = crossings(signals["strain"], self.limit, self.limit - 0.02)
-        return {"strain": signals["strain"] - self.amount * passes}
+        return self.amount * passes
 
     def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
         return share_of_strain(self, signals, limit=0.7)
 
+    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+        top = float(np.max(signals["strain"]))
+        return [{"limit": share * top} for share in (0.4, 0.6, 0.75, 0.9)]
 
-class ClampSlipOnce(Effect):
+
+class ClampSlipOnce(Lengthening):
     """One slip at one moment.
 
     e -= amount        from `when_s` on
@@ -88,8 +89,7 @@ class ClampSlipOnce(Effect):
 
     name = "clamp_slip_once"
     idea = "clamp_slip"
-    stage = Stage.KINEMATICS
-    reads, writes = ("time_s", "strain"), ("strain",)
+    reads = ("time_s", "strain")
     strength = "amount"
     nonlinear = True
     look = "from one moment on everything looks as if the knit were a little longer"
@@ -97,11 +97,11 @@ class ClampSlipOnce(Effect):
     amount: float = parameter(0.01, unit="1", low=0, high=0.5, doc="slip, as strain")
     when_s: float = parameter(35.0, unit="s", low=0.1, high=1e5, scale="log", doc="moment of the slip")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        return {"strain": signals["strain"] - self.amount * (signals["time_s"] >= self.when_s)}
+    def added(self, signals: Signals, dt_s: float) -> FloatArray:
+        return self.amount * (signals["time_s"] >= self.when_s)
 
 
-class ClampSlipSliding(Effect):
+class ClampSlipSliding(Lengthening):
     """Above the grip's limit the fabric slides slowly through the jaws, until it has bedded in.
 
     e -= amount * (1 - exp(-w / work)),   w = integral of (e - limit)+ dt
@@ -112,8 +112,6 @@ class ClampSlipSliding(Effect):
 
     name = "clamp_slip_sliding"
     idea = "clamp_slip"
-    stage = Stage.KINEMATICS
-    reads, writes = ("strain",), ("strain",)
     strength = "amount"
     look = "time spent at high stretch costs force at every strain; time spent at low stretch costs nothing"
 
@@ -121,9 +119,9 @@ class ClampSlipSliding(Effect):
     limit: float = parameter(0.2, unit="1", low=0.01, high=2, scale="log", doc="strain that the grip just holds")
     work_s: float = parameter(5.0, unit="s", low=1e-3, high=1e4, scale="log", doc="strain times seconds for 63 %")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        slid = _overload_s(signals["strain"], self.limit, dt_s)
-        return {"strain": signals["strain"] + self.amount * np.expm1(-slid / self.work_s)}
+    def added(self, signals: Signals, dt_s: float) -> FloatArray:
+        slid = overload_s(signals["strain"], self.limit, dt_s)
+        return -self.amount * np.expm1(-slid / self.work_s)
 
     def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
         return share_of_strain(self, signals, limit=0.6)
@@ -132,18 +130,12 @@ class ClampSlipSliding(Effect):
         points = []
         for share in (0.5, 0.65, 0.8):
             limit = max(share * float(np.max(signals["strain"])), 0.01)
-            total_s = float(_overload_s(signals["strain"], limit, dt_s)[-1])
+            total_s = float(overload_s(signals["strain"], limit, dt_s)[-1])
             points += [{"limit": limit, "work_s": part * total_s} for part in (0.1, 0.4, 2.0)]
         return points
 
 
-def _overload_s(strain: FloatArray, limit: float, dt_s: float) -> FloatArray:
-    """Time integral of the strain above `limit`, shape (n,)."""
-    over = np.maximum(strain - limit, 0.0)
-    return np.concatenate([[0.0], np.cumsum(0.5 * (over[1:] + over[:-1]) * dt_s)])
-
-
-class ClampSlipEvents(Effect):
+class ClampSlipEvents(Lengthening):
     """Slips at moments of their own in every recording.
 
     e -= sum of amounts_j        over the slips j with time_j <= t
@@ -157,8 +149,7 @@ class ClampSlipEvents(Effect):
 
     name = "clamp_slip_events"
     idea = "clamp_slip"
-    stage = Stage.KINEMATICS
-    reads, writes = ("time_s", "strain"), ("strain",)
+    reads = ("time_s", "strain")
     strength = "amounts"
     per_recording = ("amounts", "slip_times_s")
     look = "the misfit jumps within a fraction of a second, several times, and stays"
@@ -168,12 +159,12 @@ class ClampSlipEvents(Effect):
         tuple(3.0 * (k + 1) for k in range(MOST_SLIPS)), unit="s", low=0, high=NEVER_S, doc="their moments"
     )
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def added(self, signals: Signals, dt_s: float) -> FloatArray:
         slipped = np.zeros(len(signals["time_s"]))
         for amount, when_s in zip(self.amounts, self.slip_times_s, strict=True):
             if amount:
                 slipped += amount * (signals["time_s"] >= when_s)
-        return {"strain": signals["strain"] - slipped}
+        return slipped
 
     def for_recording(self, signals: Signals, residual: Signals, dt_s: float) -> Effect:
         from testbench.knit.jumps import slips
