@@ -141,16 +141,26 @@ class Contest:
         return [framed(form(), self.bases.stiff.model, self.coarse) for form in usable]
 
     def events_of(self, idea: str) -> list[Effect]:
-        """Forms of an idea that consist of events, placed where the misfit of the flexible base has them."""
-        model, here = self.bases.flexible.model, self.calibration
+        """Forms of an idea that consist of events, placed where the misfit has them.
+
+        That of the stiff base shows them best: what bent to follow the past of events has wiggles between them.
+        """
         usable = [form for form in self._ideas.get(idea, ()) if self._signals.issuperset(form.reads)]
         forms = [form for form in usable if is_vector(form, form.strength)]
         if not forms:
             return []
-        state, residual = model.simulate(here.signals, here.dt_s), here.residual(model)
-        starts = [framed(form(), model, here) for form in forms]
-        placed = [(start, start.for_recording(state, residual, here.dt_s)) for start in starts]
-        return [effect for start, effect in placed if effect != start]
+        for model in (self.bases.stiff.model, self.bases.flexible.model):
+            starts = [framed(form(), model, self.calibration) for form in forms]
+            placed = [(start, self._placed(start, model)) for start in starts]
+            found = [effect for start, effect in placed if effect != start]
+            if found:
+                return found
+        return []
+
+    def _placed(self, effect: Effect, model: KnitModel) -> Effect:
+        """An effect with its events where the misfit of `model` has them."""
+        here = self.calibration
+        return effect.for_recording(model.simulate(here.signals, here.dt_s), here.residual(model), here.dt_s)
 
     def alone(self, effects: Sequence[Effect]) -> list[Entrant]:
         """Each effect fitted on the stiff base."""
@@ -167,6 +177,8 @@ class Contest:
         """
         form = entrant.name
         effect = entrant.fit.model[form]
+        if is_vector(type(effect), effect.strength):
+            effect = self._placed(effect, entrant.fit.model.without(form))
         self.tell(f"settling {form}")
         first = entrant.fit if effect.imitable else fit(self.bases.stiff.model.plus(effect), [self.coarse])
         bent = with_shapes(first.model, self.calibration, self.catalogue)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 import numpy as np
 
 from testbench.knit.effect import FloatArray, Signals
@@ -12,7 +10,8 @@ WINDOW_S = 0.3  # long enough to average the noise, short enough that the misfit
 SKIP_S = 0.05  # around the jump itself, which the averaging of samples blurs
 APART_S = 1.0
 PULLED = 0.5  # quantile of the strain above which a grip may give way
-LEAST_MOTION = 1e-4  # as strain: slower than this nothing is said about how steep the sensor is
+STRAIN_BINS = 20  # over which force and ln G are averaged to see how steep the sensor is
+STIFFER_BACK = (1.0, 2.0, 4.0)  # friction makes the force drop so many times faster on the first way back
 LEAST = 5.0  # in standard deviations of what the noise and the bends of the misfit make where nothing jumps
 MAD_TO_SD = 1.4826
 SIGNAL = {"force": "force_N", "conductance": "conductance_S"}
@@ -22,9 +21,9 @@ def slips(signals: Signals, residual: Signals, dt_s: float) -> list[tuple[float,
     """Moments at which the knit seems to have slipped [s], and by how much (as strain), the largest slip first.
 
     Straight lines are fitted to the misfit just before and just after each sample; where they do not meet, something
-    jumped. A slip comes on the way out, and lowers force and conductance as releasing the knit by that much would:
-    how well one length explains the jumps of all channels tells it from a jump of the misfit, which is large where
-    the sensor is steep and asks for hardly any length there.
+    jumped. A slip lowers force and conductance as releasing the knit by that much would: how well one length explains
+    the jumps of all channels tells it from a jump of the misfit. (On the way out or back, or in a hold: a grip may
+    give way a while after the load has come.)
 
     Parameters
     ----------
@@ -33,32 +32,36 @@ def slips(signals: Signals, residual: Signals, dt_s: float) -> list[tuple[float,
     residual : mapping of str to ndarray, each shape (n,)
         Measured minus modelled: ``force`` in N, ``conductance`` in ln S.
     """
-    steepness = _steepness(signals, residual.keys(), dt_s)
+    strain = signals["strain"]
     jump = {channel: jumps(values, dt_s) for channel, values in residual.items()}
     usual = {channel: _usual(residual[channel], jump[channel], dt_s) for channel in residual}
-    steep = np.array([steepness[channel] / usual[channel] for channel in residual])
+    steep = {channel: _steepness(strain, signals[SIGNAL[channel]], channel) / usual[channel] for channel in residual}
     jumped = np.array([jump[channel] / usual[channel] for channel in residual])
-    information = np.maximum(np.sum(steep**2, axis=0), 1e-300)
-    slip = -np.sum(steep * jumped, axis=0) / information
-    explained = slip**2 * information
-    left = np.sum(jumped**2, axis=0) - explained
-    strain = signals["strain"]
+    slip, clear = np.zeros(len(strain)), np.full(len(strain), LEAST**2)
+    for stiffer in STIFFER_BACK if len(steep) > 1 else (1.0,):
+        rows = np.array([steep[c] * (stiffer if c == "force" else 1.0) for c in residual])
+        length = -np.sum(rows * jumped, axis=0) / np.maximum(np.sum(rows**2, axis=0), 1e-300)
+        explained = length**2 * np.sum(rows**2, axis=0)
+        clearly = 2 * explained - np.sum(jumped**2, axis=0)
+        better = clearly > clear
+        slip[better], clear[better] = length[better], clearly[better]
     # A grip gives way where the knit pulls, not where it hangs loose.
-    pulled = (np.gradient(strain) > 0) & (strain > np.quantile(strain, PULLED))
-    clear = pulled & (slip > 0) & (explained - left > LEAST**2)
-    found = _peaks(np.where(clear, slip, 0.0), dt_s)
+    found = _peaks(np.where(strain > np.quantile(strain, PULLED), slip, 0.0), dt_s)
     return [(float(signals["time_s"][i]), float(slip[i])) for i in found]
 
 
-def _steepness(signals: Signals, channels: Iterable[str], dt_s: float) -> dict[str, FloatArray]:
-    """Change of force [N] and of ln G by unit of strain in the motion at each sample, each shape (n,)."""
-    half = int(WINDOW_S / dt_s)
-    at = np.arange(len(signals["strain"]))
-    before, after = np.maximum(at - half, 0), np.minimum(at + half, len(at) - 1)
-    moved = signals["strain"][after] - signals["strain"][before]
-    moved = np.where(np.abs(moved) < LEAST_MOTION, LEAST_MOTION, moved)
-    modelled = {c: np.log(signals[SIGNAL[c]]) if c == "conductance" else signals[SIGNAL[c]] for c in channels}
-    return {channel: (values[after] - values[before]) / moved for channel, values in modelled.items()}
+def _steepness(strain: FloatArray, values: FloatArray, channel: str) -> FloatArray:
+    """Mean change of force [N] or ln G by unit of strain at the strain of each sample, shape (n,)."""
+    values = np.log(values) if channel == "conductance" else values
+    edges = np.linspace(np.min(strain), np.max(strain), STRAIN_BINS + 1)
+    bins = np.clip(np.digitize(strain, edges) - 1, 0, STRAIN_BINS - 1)
+    count = np.bincount(bins, minlength=STRAIN_BINS)
+    seen = np.flatnonzero(count)
+    if len(seen) < 2:
+        return np.zeros_like(strain)
+    level = np.bincount(bins, values, STRAIN_BINS)[seen] / count[seen]
+    middle = 0.5 * (edges[:-1] + edges[1:])[seen]
+    return np.interp(strain, middle, np.gradient(level, middle))
 
 
 def jumps(x: FloatArray, dt_s: float) -> FloatArray:

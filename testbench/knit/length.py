@@ -10,8 +10,9 @@ from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 class Lengthening(Effect):
     """Base of set and slip: a length is added between the clamps, and a limp fabric bears no compression.
 
-    e = max(e - added, min(e, -pretension))
+    e = max((e - added) / (1 + renewed added), min(e, -pretension))
 
+    `renewed` says how much of the added length stretches along: all of it where the knit itself grew longer.
     Where the force starts to rise on the next stretch tells a knit that grew longer from one that became softer.
 
     Source: ISO 13934-1:2013 (pretension against slack). A subclass says how much is added.
@@ -25,13 +26,17 @@ class Lengthening(Effect):
         0.0, unit="1", low=0, high=0.3, doc="strain it was mounted with: so far below the start it still pulls"
     )
 
+    renewed: float = parameter(0.0, unit="1", low=0, high=1, doc="share of the added length that stretches along")
+
     def added(self, signals: Signals, dt_s: float) -> FloatArray:
         """Length gained so far, as strain, shape (n,)."""
         raise NotImplementedError
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         strain = signals["strain"]
-        return {"strain": np.maximum(strain - self.added(signals, dt_s), np.minimum(strain, -self.pretension))}
+        added = self.added(signals, dt_s)
+        stretched = (strain - added) / (1 + self.renewed * added)
+        return {"strain": np.maximum(stretched, np.minimum(strain, -self.pretension))}
 
 
 def overload_s(strain: FloatArray, limit: float, dt_s: float) -> FloatArray:

@@ -170,7 +170,7 @@ class PermanentSetCreep(Lengthening):
 
     e -= amount * ln(1 + w / scale_s),   w = integral of e+ / span dt
 
-    Source: logarithmic creep, Nabarro & de Villiers, The Physics of Creep (1995); the time is weighed by stretch.
+    Source: Cottrell, J. Mech. Phys. Solids 1 (1952) 53 (logarithmic creep); the time is weighed by the stretch.
     Valid: no recovery within the recording; `span` is the largest strain of the recording.
     """
 

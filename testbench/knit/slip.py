@@ -5,6 +5,7 @@ A set of the knit is smooth; what jumps is the clamp.
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 import numpy as np
@@ -33,7 +34,7 @@ class ClampSlip(Lengthening):
 
     fraction: float = parameter(0.3, unit="1", low=0, high=0.9, doc="slip per step of strain beyond the limit")
     limit: float = parameter(0.2, unit="1", low=0.01, high=2, scale="log", doc="strain that the grip just holds")
-    step: float = parameter(0.04, unit="1", low=0.02, high=0.5, scale="log", doc="strain between two slips")
+    step: float = parameter(0.04, unit="1", low=0.005, high=0.5, scale="log", doc="strain between two slips")
 
     def added(self, signals: Signals, dt_s: float) -> FloatArray:
         from testbench.knit.kernels import running_max
@@ -44,6 +45,14 @@ class ClampSlip(Lengthening):
 
     def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
         return share_of_strain(self, signals, limit=0.6, step=0.12)
+
+    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+        top = float(np.max(signals["strain"]))
+        return [
+            {"limit": limit * top, "step": max(step * top, 0.005), "fraction": fraction}
+            for limit, step in itertools.product((0.45, 0.55, 0.65), (0.07, 0.11, 0.16, 0.24))
+            for fraction in (0.08, 0.3)
+        ]
 
 
 class ClampSlipRepeated(Lengthening):
@@ -99,6 +108,15 @@ class ClampSlipOnce(Lengthening):
 
     def added(self, signals: Signals, dt_s: float) -> FloatArray:
         return self.amount * (signals["time_s"] >= self.when_s)
+
+    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+        from testbench.knit.jumps import slips
+
+        end_s = float(signals["time_s"][-1])
+        seen = [
+            {"when_s": max(when_s, 0.1), "amount": amount} for when_s, amount in slips(signals, residual, dt_s)[:2]
+        ]
+        return seen or [{"when_s": max(share * end_s, 0.1)} for share in (0.2, 0.4, 0.6, 0.8)]
 
 
 class ClampSlipSliding(Lengthening):

@@ -1,4 +1,4 @@
-"""Softening, jamming, slip and set against closed-form answers."""
+"""Softening, jamming and the drive against closed-form answers."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from testbench.knit.damage import (
     MullinsSofteningDamage,
     MullinsSofteningPower,
 )
-from testbench.knit.grip import ActuatorBacklashWindup, LeadscrewRipple, PermanentSet, PermanentSetRecovering, Slack
+from testbench.knit.grip import ActuatorBacklashWindup, LeadscrewRipple, Slack
 from testbench.knit.kernels import travelled
 
 UP = np.linspace(0, 0.3, 301)
@@ -56,18 +56,6 @@ def test_jamming_adds_its_stiffness_beyond_the_onset() -> None:
     force_N = force["force_N"]
     assert force_N[99] == 0.0
     assert (force_N[250] - force_N[200]) / 0.05 == pytest.approx(50.0)
-
-
-def test_quick_set_is_a_share_of_the_largest_stretch() -> None:
-    strain = PermanentSet(fraction=0.2, tau_s=0.01).apply({"strain": UP_DOWN_UP}, 1.0)["strain"]
-    assert strain[600] == pytest.approx(-0.2 * 0.3, rel=0.02)
-
-
-def test_recovering_set_of_a_hold_grows_exponentially() -> None:
-    t = np.arange(0, 1000, 0.5)
-    effect = PermanentSetRecovering(fraction=0.1, tau_s=100)
-    strain = effect.apply({"strain": np.where(t > 0, 0.2, 0.0)}, 0.5)["strain"]
-    np.testing.assert_allclose(0.2 - strain[1:], 0.02 * -np.expm1(-(t[1:] - 0.25) / 100), atol=1e-6)
 
 
 def test_slack_is_taken_up_first() -> None:
