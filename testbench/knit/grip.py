@@ -1,4 +1,4 @@
-"""What the drive and the mounting make of the strain: backlash, screw, slack (`slip.py`, `permanent_set.py`: the knit)."""
+"""What drive and mounting make of the strain: backlash, screw, slack (of the knit: `slip.py`, `permanent_set.py`)."""
 
 from __future__ import annotations
 
