@@ -22,6 +22,7 @@ from testbench.knit.model import KnitModel
 
 ENTRANTS = 3
 WORTH_A_REFIT = 0.4  # of the best gain
+AS_GOOD = 0.8  # of the best gain: one more is refitted
 LEAST_GAIN = 0.02
 REFIT_ITERATIONS, ALONE_ITERATIONS = 10, 20
 FIT_RATE_HZ = 12.5  # grid of the fits; errors are judged on the samples as recorded
@@ -205,7 +206,8 @@ def challengers(weighing: Weighing) -> list[Evidence]:
     """The ideas worth a refit: the best, and those that come near."""
     ranking = [entry for entry in weighing.ranking if not entry.candidate.effect.imitable]
     least = max(LEAST_GAIN, WORTH_A_REFIT * ranking[0].gain) if ranking else 0.0
-    return [entry for entry in ranking[:ENTRANTS] if entry.gain >= least]
+    near = [entry for entry in ranking[ENTRANTS : ENTRANTS + 1] if entry.gain >= AS_GOOD * ranking[0].gain]
+    return [entry for entry in [*ranking[:ENTRANTS], *near] if entry.gain >= least]
 
 
 def reranked(weighing: Weighing, base: Entrant, entrants: Sequence[Entrant]) -> Weighing:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
@@ -19,7 +21,7 @@ class Lengthening(Effect):
     """
 
     stage = Stage.KINEMATICS
-    reads = ("strain",)
+    reads: ClassVar[tuple[str, ...]] = ("strain",)
     writes = ("strain",)
 
     pretension: float = parameter(

@@ -11,6 +11,8 @@ from testbench.knit.effect import Effect, FloatArray, Signals, parameter
 from testbench.knit.filters import lowpass
 from testbench.knit.length import Lengthening, overload_s
 
+# Whether the added length stretches along is for the data to say; a search that starts between finds either.
+RENEWED = 0.5
 LAGS_S = (0.1, 1.0, 10.0, 60.0, 300.0, 1500.0)
 
 
@@ -40,7 +42,7 @@ class PermanentSet(Lengthening):
         return self.fraction * (followed - followed[0])
 
     def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
-        return [{"tau_s": tau_s} for tau_s in LAGS_S]
+        return [{"tau_s": tau_s, "renewed": RENEWED} for tau_s in LAGS_S]
 
 
 class PermanentSetYield(Lengthening):
@@ -77,8 +79,9 @@ class PermanentSetYield(Lengthening):
 
     def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
         top = float(np.max(signals["strain"]))
-        linear = [{"limit": share * top} for share in (0.05, 0.15, 0.3, 0.5, 0.7)]
-        return [*linear, {"limit": 0.02 * top, "power": 1.7}, {"limit": 0.02 * top, "power": 2.5}]
+        linear = [{"limit": share * top, "renewed": RENEWED} for share in (0.05, 0.15, 0.3, 0.5, 0.7)]
+        hardening = [{"limit": 0.02 * top, "power": power, "renewed": RENEWED} for power in (1.7, 2.5)]
+        return [*linear, *hardening]
 
 
 class PermanentSetViscoplastic(Lengthening):
@@ -113,7 +116,7 @@ class PermanentSetViscoplastic(Lengthening):
 
     def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
         top = float(np.max(signals["strain"]))
-        return [{"limit": share * top} for share in (0.1, 0.35, 0.6)]
+        return [{"limit": share * top, "renewed": RENEWED} for share in (0.1, 0.35, 0.6)]
 
 
 class PermanentSetRecovering(Lengthening):
@@ -138,7 +141,7 @@ class PermanentSetRecovering(Lengthening):
         return self.fraction * (lowpass(strain, self.tau_s, dt_s) - strain[0])
 
     def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
-        return [{"tau_s": tau_s} for tau_s in (3.0, 10.0, 40.0, 150.0, 500.0, 1500.0)]
+        return [{"tau_s": tau_s, "renewed": RENEWED} for tau_s in (3.0, 10.0, 40.0, 150.0, 500.0, 1500.0)]
 
 
 class PermanentSetWorked(Lengthening):
@@ -162,7 +165,7 @@ class PermanentSetWorked(Lengthening):
         return -self.amount * np.expm1(-cycled_strain(signals) / self.scale)
 
     def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
-        return [{"scale": scale} for scale in (0.5, 3.0, 15.0, 60.0, 300.0)]
+        return [{"scale": scale, "renewed": RENEWED} for scale in (0.5, 3.0, 15.0, 60.0, 300.0)]
 
 
 class PermanentSetCreep(Lengthening):
@@ -188,4 +191,4 @@ class PermanentSetCreep(Lengthening):
         return self.amount * np.log1p(stretched_s / self.scale_s)
 
     def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
-        return [{"scale_s": scale_s} for scale_s in (3.0, 20.0, 150.0)]
+        return [{"scale_s": scale_s, "renewed": RENEWED} for scale_s in (3.0, 20.0, 150.0)]

@@ -122,7 +122,9 @@ class ClampSlipOnce(Lengthening):
 class ClampSlipSliding(Lengthening):
     """Above the grip's limit the fabric slides slowly through the jaws, until it has bedded in.
 
-    e -= amount * (1 - exp(-w / work)),   w = integral of (e - limit)+ dt
+    e -= amount * (1 - (1 + w / (order work))^-order),   w = integral of (e - limit)+ dt
+
+    A large `order` beds in exponentially, 1 as w / (work + w), a small one hardly ever comes to an end.
 
     Source: as `clamp_slip`; friction that gives way at a rate that grows with the overload is the simplest law.
     Valid: no return of the fabric.
@@ -135,11 +137,14 @@ class ClampSlipSliding(Lengthening):
 
     amount: float = parameter(0.02, unit="1", low=0, high=0.3, doc="slip in the end, as strain")
     limit: float = parameter(0.2, unit="1", low=0.01, high=2, scale="log", doc="strain that the grip just holds")
-    work_s: float = parameter(5.0, unit="s", low=1e-3, high=1e4, scale="log", doc="strain times seconds for 63 %")
+    work_s: float = parameter(
+        5.0, unit="s", low=1e-3, high=1e4, scale="log", doc="strain times seconds until most is done"
+    )
+    order: float = parameter(20.0, unit="1", low=0.3, high=20, scale="log", doc="how suddenly the sliding ends")
 
     def added(self, signals: Signals, dt_s: float) -> FloatArray:
         slid = overload_s(signals["strain"], self.limit, dt_s)
-        return -self.amount * np.expm1(-slid / self.work_s)
+        return self.amount * (1 - (1 + slid / (self.order * self.work_s)) ** -self.order)
 
     def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
         return share_of_strain(self, signals, limit=0.6)
@@ -149,7 +154,7 @@ class ClampSlipSliding(Lengthening):
         for share in (0.5, 0.65, 0.8):
             limit = max(share * float(np.max(signals["strain"])), 0.01)
             total_s = float(overload_s(signals["strain"], limit, dt_s)[-1])
-            points += [{"limit": limit, "work_s": part * total_s} for part in (0.1, 0.4, 2.0)]
+            points += [{"limit": limit, "work_s": part * total_s, "order": 2.0} for part in (0.1, 0.4, 2.0)]
         return points
 
 
