@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
+
+JOINTS = np.linspace(-1, 1, 5)  # relative gaps of a drive whose play closes little by little
 
 
 class ActuatorBacklash(Effect):
     """Play in the drive: after each reversal the clamp stands still until the gap is crossed.
 
-    e = play operator of the nominal strain with half width gap / 2
+    e = mean of play operators of the nominal strain with half widths gap / 2 * (1 +- spread)
+
+    `spread` 0 is one gap; joints with play of their own, or a gap that closes elastically, close little by little.
 
     Source: Visintin, Differential Models of Hysteresis (1994), ch. III.
     Valid: quasi-static; the drive rests in the middle of its gap at the start.
@@ -25,11 +31,18 @@ class ActuatorBacklash(Effect):
     look = "after each reversal force and conductance stand still for a fixed displacement"
 
     gap: float = parameter(0.004, unit="1", low=0, high=0.2, doc="full gap, as strain (divide mm by gauge length)")
+    spread: float = parameter(0.0, unit="1", low=0, high=1, doc="how gradually it closes: 0 all at once")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         from testbench.knit.kernels import play
 
-        return {"strain": play(signals["strain"], np.array([self.gap / 2]))[0]}
+        if not self.spread:
+            return {"strain": play(signals["strain"], np.array([self.gap / 2]))[0]}
+        half_widths = 0.5 * self.gap * (1 + self.spread * JOINTS)
+        return {"strain": play(signals["strain"], half_widths).mean(axis=0)}
+
+    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+        return [{"spread": spread} for spread in (0.0, 0.5)]
 
 
 class ActuatorBacklashWindup(Effect):
@@ -51,7 +64,7 @@ class ActuatorBacklashWindup(Effect):
     look = "after each reversal force and conductance are late by a displacement that builds up over a short travel"
 
     gap: float = parameter(0.004, unit="1", low=0, high=0.2, doc="lost motion between out and back, as strain")
-    travel: float = parameter(0.004, unit="1", low=2e-4, high=0.1, scale="log", doc="strain over which it builds up")
+    travel: float = parameter(0.004, unit="1", low=2e-4, high=0.02, scale="log", doc="strain over which it builds up")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         from testbench.knit.kernels import dahl

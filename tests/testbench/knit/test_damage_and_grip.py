@@ -12,7 +12,7 @@ from testbench.knit.damage import (
     MullinsSofteningDamage,
     MullinsSofteningPower,
 )
-from testbench.knit.grip import ActuatorBacklashWindup, LeadscrewRipple, Slack
+from testbench.knit.grip import ActuatorBacklash, ActuatorBacklashWindup, LeadscrewRipple, Slack
 from testbench.knit.kernels import travelled
 
 UP = np.linspace(0, 0.3, 301)
@@ -82,3 +82,14 @@ def test_onsets_start_a_fit_inside_the_strain_that_was_reached() -> None:
     measured = {"strain": UP_DOWN_UP}
     assert JammingStiffening().initial_guess(measured, 1.0).model_dump()["onset"] == pytest.approx(0.21)
     assert JammingStiffening().initial_guess({}, 1.0) == JammingStiffening()
+
+
+def test_a_spread_gap_closes_little_by_little_and_loses_as_much_in_the_end() -> None:
+    at_once, gradual = (
+        UP_DOWN_UP - ActuatorBacklash(gap=0.02, spread=spread).apply({"strain": UP_DOWN_UP}, 1.0)["strain"]
+        for spread in (0.0, 0.5)
+    )
+    np.testing.assert_allclose(gradual[[0, 300, 340]], at_once[[0, 300, 340]], atol=1e-12)
+    # gaps of 10 to 30 thousandths, half of it each way: at 10 of travel the two smallest are closed
+    assert gradual[10] == pytest.approx(np.mean([5, 7.5, 10, 10, 10]) / 1000)
+    assert at_once[10] == pytest.approx(0.01)
