@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gcode.support.errors import UserError
-from testbench.discrepancy.fit import SAMPLES_PER_INDEPENDENT, shape_scales
+from testbench.discrepancy.fit import independent_share, shape_scales
 from testbench.discrepancy.measurement import Measurement
 from testbench.discrepancy.noise import robust_sd
 from testbench.discrepancy.parameters import free_parameters
@@ -55,6 +55,8 @@ def contribution(model: KnitModel, effect: Effect, measurement: Measurement) -> 
     residual = {channel: (measurement.measured[channel] - modelled[channel])[rows] for channel in modelled}
     base = {channel: values[:, rows] for channel, values in jacobian.items()}
     precision = np.array([p.width for p in parameters]) ** -2.0
+    # Counted per sample, so the priors weigh more where samples repeat each other.
+    precision = precision / independent_share(measurement)
     project = _Projection(base, {channel: max(robust_sd(r), 1e-12) for channel, r in residual.items()}, precision)
     return Contribution(measurement.signals["time_s"][rows], project(residual), project(added))
 
@@ -66,15 +68,11 @@ class _Projection:
         self.base = {channel: values - values.mean(axis=1, keepdims=True) for channel, values in base.items()}
         self.scale = scale
         self.normal = np.diag(precision) + sum(
-            (values / scale[channel] ** 2) @ values.T / SAMPLES_PER_INDEPENDENT
-            for channel, values in self.base.items()
+            (values / scale[channel] ** 2) @ values.T for channel, values in self.base.items()
         )
 
     def __call__(self, signals: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
         centred = {channel: values - values.mean() for channel, values in signals.items()}
-        goal = sum(
-            self.base[channel] @ values / self.scale[channel] ** 2 / SAMPLES_PER_INDEPENDENT
-            for channel, values in centred.items()
-        )
+        goal = sum(self.base[channel] @ values / self.scale[channel] ** 2 for channel, values in centred.items())
         weights = np.linalg.lstsq(self.normal, goal, rcond=1e-12)[0]
         return {channel: values - weights @ self.base[channel] for channel, values in centred.items()}

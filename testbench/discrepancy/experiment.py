@@ -19,7 +19,7 @@ import numpy as np
 from gcode.output import Made, make
 from gcode.support.errors import UserError
 from gcode.trajectory import Trajectory
-from testbench.discrepancy.fit import SAMPLES_PER_INDEPENDENT
+from testbench.discrepancy.fit import independent_share
 from testbench.discrepancy.imitation import imitate
 from testbench.discrepancy.measurement import BURN_IN_S, Measurement
 from testbench.discrepancy.protocols import NOISE, Bounds, menu
@@ -56,11 +56,14 @@ class Imitation:
         Names of the rivals.
     left : dict of channel to ndarray, shape (n,)
         Truth minus imitation over the noise floor, from the burn-in on.
+    independent_share : float
+        Independent samples per sample of `left`.
     """
 
     truth: str
     imitator: str
     left: Mapping[str, FloatArray]
+    independent_share: float
 
     @property
     def noise_units(self) -> float:
@@ -70,7 +73,7 @@ class Imitation:
     @property
     def log_odds(self) -> float:
         """Expected log-likelihood ratio for the truth, with the residual's autocorrelation allowed for."""
-        return sum(0.5 * float(np.sum(values**2)) / SAMPLES_PER_INDEPENDENT for values in self.left.values())
+        return 0.5 * self.independent_share * sum(float(np.sum(values**2)) for values in self.left.values())
 
     @property
     def channel(self) -> str:
@@ -210,7 +213,7 @@ class _Stage:
         start = self._reached.get((truth.name, imitator.name), imitator.model)
         closest, left = imitate(start, self.measurement, clean, self.noise, iterations)
         self._reached[truth.name, imitator.name] = closest
-        return Imitation(truth.name, imitator.name, left)
+        return Imitation(truth.name, imitator.name, left, independent_share(self.measurement))
 
 
 def planned(

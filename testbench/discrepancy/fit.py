@@ -16,10 +16,9 @@ from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel, SimulationCache
 
 MAX_ITERATIONS = 25
-# Residuals are autocorrelated: this many samples are worth one independent one. Weakens the data against the priors
-# and widens the standard errors; measured on residuals of simulated and real recordings it is 10 to 60 at 20 Hz.
-SAMPLES_PER_INDEPENDENT = 20.0
-INDEPENDENT_S = 0.8  # the same as a time: what those samples span at 25 Hz
+# Residuals are autocorrelated: what this time spans is worth one independent sample. Weakens the data against the
+# priors and widens the standard errors; measured on residuals of simulated and real recordings it is 0.5 to 3 s.
+INDEPENDENT_S = 0.8
 HUBER_LIMIT = 3.0
 SMALL_GAIN = 1e-4
 

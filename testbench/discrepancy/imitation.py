@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from testbench.discrepancy.fit import SAMPLES_PER_INDEPENDENT
+from testbench.discrepancy.fit import independent_share
 from testbench.discrepancy.measurement import CONDUCTANCE_CHANNEL, FORCE_CHANNEL, Measurement
 from testbench.discrepancy.parameters import FreeParameter, free_parameters, values_of, with_values
 from testbench.discrepancy.sensitivity import sensitivities
@@ -91,6 +91,7 @@ class _Imitation:
         self.precision = np.array([p.width for p in self.parameters]) ** -2.0
         self.cache = SimulationCache()
         self.weights = dict.fromkeys(noise, 1.0)
+        self.share = independent_share(measurement)
 
     def left(self, model: KnitModel) -> dict[str, FloatArray]:
         """What the model does not imitate, in noise units."""
@@ -108,7 +109,7 @@ class _Imitation:
 
     def cost(self, left: Mapping[str, FloatArray], moved: FloatArray) -> float:
         """Minus the log-likelihood, autocorrelation allowed for, with the priors."""
-        misfit = sum(self.weights[c] * float(np.sum(v**2)) for c, v in left.items()) / SAMPLES_PER_INDEPENDENT
+        misfit = sum(self.weights[c] * float(np.sum(v**2)) for c, v in left.items()) * self.share
         total = 0.5 * (misfit + float(np.sum(self.precision * moved**2)))
         return total if np.isfinite(total) else np.inf
 
@@ -119,7 +120,7 @@ class _Imitation:
         matrix, goal = np.zeros((count, count)), np.zeros(count)
         for channel, gap in left.items():
             columns = self._counted(jacobian[channel], channel)[:, ::STRIDE]
-            weight = self.weights[channel] * STRIDE / SAMPLES_PER_INDEPENDENT
+            weight = self.weights[channel] * STRIDE * self.share
             matrix += columns @ columns.T * weight
             goal += columns @ gap[::STRIDE] * weight
         return matrix, goal

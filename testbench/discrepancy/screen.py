@@ -20,7 +20,7 @@ from testbench.discrepancy.candidates import (
     trace,
     two_signed,
 )
-from testbench.discrepancy.fit import SAMPLES_PER_INDEPENDENT, Fit, shape_scales
+from testbench.discrepancy.fit import Fit, independent_share, shape_scales
 from testbench.discrepancy.freeform import features
 from testbench.discrepancy.grams import Grams, Rows, grams, reduce_to_traces
 from testbench.discrepancy.measurement import Measurement
@@ -118,7 +118,7 @@ def collect(
                     part.traces.append(item or part.nothing)
     free = [_free_columns(part.measurement) for part in parts]
     addresses = tuple(p.address for p in fitted.parameters)
-    ridge = prior_ridge(fitted.parameters)
+    ridge = prior_ridge(fitted.parameters, calibration)
     weighed = {}
     for name, white, stride in (("white", True, WHITE_STRIDE), ("plain", False, PLAIN_STRIDE)):
         filters, scale = _whitening(parts[0], white)
@@ -432,9 +432,9 @@ def _on_itself(
     inner = grams(part.rows(), calibration, plain, scale, len(parameters), PLAIN_STRIDE)
     empty = Grams(np.zeros_like(inner.blocks), inner.samples, inner.base)
     addresses, values = tuple(p.address for p in parameters), values_of(part.model, parameters)
-    return Traces(tuple(kept), inner, empty, addresses, values, prior_ridge(parameters))
+    return Traces(tuple(kept), inner, empty, addresses, values, prior_ridge(parameters, calibration))
 
 
-def prior_ridge(parameters: Sequence[FreeParameter]) -> FloatArray:
+def prior_ridge(parameters: Sequence[FreeParameter], measurement: Measurement) -> FloatArray:
     """Precision of the base's coefficients in the units of the Gram matrices."""
-    return np.array([p.width for p in parameters]) ** -2.0 * SAMPLES_PER_INDEPENDENT
+    return np.array([p.width for p in parameters]) ** -2.0 / independent_share(measurement)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from testbench.discrepancy.baseline import starting_baseline, with_shapes
-from testbench.discrepancy.fit import SAMPLES_PER_INDEPENDENT, fit, shape_scales
+from testbench.discrepancy.fit import fit, independent_share, shape_scales
 from testbench.discrepancy.measurement import prepare
 from testbench.discrepancy.noise import autoregression, noise_floor, robust_sd, whitened
 from testbench.discrepancy.parameters import free_parameters, values_of, with_values
@@ -39,7 +39,7 @@ def test_standard_errors_allow_for_autocorrelation():
         index = [p.address for p in result.parameters].index("elasticity.stiffness_N")
         found.append((result.vector[index], result.standard_errors[index]))
     values, errors = np.array(found).T
-    assert 1 < np.mean(errors) / np.std(values) < 3 * np.sqrt(SAMPLES_PER_INDEPENDENT)
+    assert 1 < np.mean(errors) / np.std(values) < 3 / np.sqrt(independent_share(measurement))
 
 
 def test_a_parameter_on_its_bound_is_said():
