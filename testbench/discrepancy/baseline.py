@@ -37,9 +37,32 @@ def starting_baseline(measurement: Measurement, catalogue: Catalogue | None = No
     falls = log_g is not None and _slope(strain, log_g[seen]) < 0
     if force is not None or not falls:
         laws += _force_laws(effects, strain, None if force is None else force[seen])
-    if log_g is not None:
-        laws += _electrical_laws(effects, falls, strain, log_g[seen], _pressing(laws, measurement)[seen])
-    return KnitModel.of(*laws)
+    if log_g is None:
+        return KnitModel.of(*laws)
+    pressing = _pressing(laws, measurement)[seen]
+    if force is not None and not falls:
+        drive = _drive(effects["contact_drive"](), strain, force[seen], log_g[seen])
+        pressing = drive.apply({"strain": strain, "contact_force_N": pressing}, measurement.dt_s)["contact_force_N"]
+        laws.append(drive)
+    return KnitModel.of(*laws, *_electrical_laws(effects, falls, strain, log_g[seen], pressing))
+
+
+def _drive(drive: Effect, strain: FloatArray, force: FloatArray, log_g: FloatArray) -> Effect:
+    """What the contacts feel, to start with: the more of strain, the narrower ln G lies over it."""
+    by_force, by_strain = (_width_over(x, log_g) for x in (force, strain))
+    low, high = float(np.min(force)), float(np.max(force))
+    return drive.near(
+        strain_share=by_force / max(by_force + by_strain, 1e-12),
+        low_N=low,
+        span_N=high - low,
+        span=float(np.max(strain)),
+    )
+
+
+def _width_over(x: FloatArray, y: FloatArray, bins: int = 64) -> float:
+    """Mean variance of `y` within bins of equal counts over `x`."""
+    parts = np.array_split(y[np.argsort(x)], bins)
+    return float(np.mean([np.var(part) for part in parts]))
 
 
 def _slope(x: FloatArray, y: FloatArray) -> float:

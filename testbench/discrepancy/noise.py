@@ -11,6 +11,7 @@ from testbench.knit.effect import FloatArray
 AR_ORDER = 3
 MAD_TO_SD = 1.4826
 OUTLIER = 10.0
+NEIGHBOURS, LINE = 64, 30.0
 
 
 def robust_sd(values: FloatArray) -> float:
@@ -32,15 +33,35 @@ def noise_floor(values: FloatArray) -> float:
     """Standard deviation of the sample-to-sample noise of a smooth signal.
 
     Second differences cancel the motion and leave noise: for white noise their variance is 6 sigma^2. Noise with a
-    longer memory than a few samples is not seen, so this is a lower bound. Values that come in steps are not known
-    better than a step over the square root of 12.
+    longer memory than a few samples is not seen, so this is a lower bound. A hum is no noise: it can be foretold.
+    Values that come in steps are not known better than a step over the square root of 12.
 
     Parameters
     ----------
     values : ndarray, shape (n,), n >= 3
     """
     # Robust, because steps and reversals are rare but large in second differences.
-    return max(robust_sd(np.diff(values, 2)) / np.sqrt(6), _step(values) / np.sqrt(12))
+    second = np.diff(values, 2)
+    # Steps of a motion that repeats itself are lines too, and without them spread out: the smaller is meant.
+    noise = min(robust_sd(second), robust_sd(without_lines(second))) / np.sqrt(6)
+    return max(noise, _step(values) / np.sqrt(12))
+
+
+def without_lines(values: FloatArray) -> FloatArray:
+    """Values without the frequencies that stick out of their neighbourhood, shape (n,): hums, and nothing of noise.
+
+    The power of noise at one frequency is exponentially distributed: `LINE` medians are reached once in 10^9.
+    """
+    spectrum = np.fft.rfft(values)
+    power = np.abs(spectrum) ** 2
+    whole = len(power) // NEIGHBOURS * NEIGHBOURS
+    if whole == 0:
+        return values
+    usual = np.median(power[:whole].reshape(-1, NEIGHBOURS), axis=1)
+    around = np.repeat(usual, NEIGHBOURS)
+    around = np.r_[around, np.full(len(power) - whole, usual[-1])]
+    spectrum[power > LINE * around] = 0.0
+    return np.fft.irfft(spectrum, len(values))
 
 
 def _step(values: FloatArray) -> float:

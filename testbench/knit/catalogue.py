@@ -18,6 +18,7 @@ BUILT_IN = {
     "elasticity": "testbench.knit.elasticity:Elasticity",
     "hysteresis": "testbench.knit.hysteresis:Hysteresis",
     "contact": "testbench.knit.contact:Contact",
+    "contact_drive": "testbench.knit.pressure:ContactDrive",
     "drift": "testbench.knit.electrical:Drift",
     # other forms of the baseline's ideas
     "hysteresis_bouc_wen": "testbench.knit.hysteresis:HysteresisBoucWen",

@@ -12,6 +12,35 @@ from testbench.knit.filters import lowpass, memory, shifted
 from testbench.knit.hysteresis import mean_slip
 
 
+class ContactDrive(Effect):
+    """What the contacts feel: the force, the strain, or some of both.
+
+    P = (1 - strain_share) * P_0 + strain_share * (low + span_N * e / span)
+
+    Loops that are turned and shifted make and break contacts by geometry, whatever force it takes: such sensors know
+    nothing of what the force does at the same strain. `low` and the spans only put strain on the scale of the force;
+    the contact law does the rest.
+
+    Source: Holm, Electric Contacts (1967) for the force; contact by geometry: Atalay et al., Sensors 13 (2013) 11114.
+    Valid: conductance that rises with stretch.
+    """
+
+    name = "contact_drive"
+    stage = Stage.PRESSURE
+    reads, writes = ("strain", "contact_force_N"), ("contact_force_N",)
+    look = "the conductance does not follow the loops and the relaxation that the force shows"
+
+    strain_share: float = parameter(0.0, unit="1", low=0, high=1, doc="0: force alone, 1: strain alone")
+    low_N: float = parameter(0.0, unit="N", low=-1e3, high=1e3, doc="force that stands for zero strain")
+    span_N: float = parameter(3.0, unit="N", low=1e-3, high=1e4, doc="rise of force that stands for the whole span")
+    span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain at the end of the span")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        by_strain_N = self.low_N + self.span_N * signals["strain"] / self.span
+        felt_N = signals["contact_force_N"] + self.strain_share * (by_strain_N - signals["contact_force_N"])
+        return {"contact_force_N": felt_N}
+
+
 class ContactRelaxation(Effect):
     """The yarns yield where they touch: the pressing force fades although the knit's force holds.
 
