@@ -38,24 +38,33 @@ class Bases:
     flexible: Fit
 
 
+# Parts of contact_shape that a mode forbids. Slip of the contacts stays where it is their law over force and strain
+# that must not bend: no effect that bends the law could do its work.
+_BUMPS, _SLIPS = ("force_weights", "strain_weights"), ("slip_weights", "slip_growth")
+WITHOUT_CONTACT_SHAPE = "without contact_shape"
+_FORBIDDEN = {WITHOUT_CONTACT_SHAPE: _BUMPS, WITHOUT_SLIP: _SLIPS}
+
+
 def straightened(model: KnitModel, mode: str) -> KnitModel:
     """`model` without the shapes that `mode` forbids."""
     if mode == FLEXIBLE:
         return model
-    if mode == WITHOUT_SLIP:
-        return _without_slip(model)
     shape = mode.removeprefix("without ")
-    return without_shapes(model, LOOP_SHAPES if shape in LOOP_SHAPES else (shape,))
-
-
-def _without_slip(model: KnitModel) -> KnitModel:
-    """The model without free loops of force, and without slip in contact_shape."""
-    model = without_shapes(model, LOOP_SHAPES)
-    if "contact_shape" in model:
+    if mode == WITHOUT_SLIP or shape in LOOP_SHAPES:
+        model = without_shapes(model, LOOP_SHAPES)
+    elif mode != WITHOUT_CONTACT_SHAPE:
+        model = without_shapes(model, (shape,))
+    if mode in _FORBIDDEN and "contact_shape" in model:
         contact = model["contact_shape"]
-        none = {key: (0.0,) * len(getattr(contact, key)) for key in ("slip_weights", "slip_growth")}
+        none = {key: (0.0,) * len(getattr(contact, key)) for key in _FORBIDDEN[mode]}
         model = model.replacing("contact_shape", contact.replaced(**none))
     return model
+
+
+def may_move(mode: str) -> Callable[[str], bool]:
+    """Whether a parameter, by its address, is free under `mode`."""
+    held = tuple(f"contact_shape.{key}[" for key in _FORBIDDEN.get(mode, ()))
+    return lambda address: not address.startswith(held) if held else True
 
 
 @dataclass(frozen=True)
@@ -162,6 +171,14 @@ class Contest:
         """An effect with its events where the misfit of `model` has them."""
         here = self.calibration
         return effect.for_recording(model.simulate(here.signals, here.dt_s), here.residual(model), here.dt_s)
+
+    def seen_effects(self) -> list[Effect]:
+        """Forms that the readings themselves show."""
+        model, here = self.bases.stiff.model, self.calibration
+        state, residual = model.simulate(here.signals, here.dt_s), here.residual(model)
+        forms = [f for forms in self._ideas.values() for f in forms if self._signals.issuperset(f.reads)]
+        found = [form().seen(state, residual, here.dt_s) for form in forms]
+        return [effect for effect in found if effect is not None]
 
     def alone(self, effects: Sequence[Effect]) -> list[Entrant]:
         """Each effect fitted on the stiff base."""

@@ -114,6 +114,7 @@ def _ranked(entry: Evidence, tied: tuple[str, ...]) -> dict[str, Any]:
         "held_out_gain": list(entry.held_out) if entry.held_out else None,
         "error_share_left": float(np.exp(-0.5 * entry.gains["plain"])),
         "tied_for_first": entry.idea in tied,
+        "seen_in_readings": entry.seen,
         "start": entry.candidate.at(entry.coefficient).model_dump(mode="json"),
     }
 
@@ -201,6 +202,8 @@ def _concluded(
 
 def verdict_of(weighing: Weighing, left: float, over_noise: float) -> Verdict:
     """Missing, nothing missing, or unknown, from the gains and from what is left over."""
+    if weighing.ranking and weighing.ranking[0].seen:
+        return "missing"
     gain = weighing.ranking[0].gain if weighing.ranking else 0.0
     # What makes the held-out error larger is not named, whatever it gained in calibration.
     enough = gain > GAIN_TO_NAME and not _crowded(weighing) and left < 1

@@ -38,6 +38,8 @@ class Evidence:
     held_out : (value, low, high), optional
         ln(squared held-out error without / with it) once put in and refitted, with its 95 % interval; None where it
         was not worth a refit.
+    seen : bool
+        The readings themselves show it (`Effect.seen`).
     """
 
     idea: str
@@ -48,6 +50,7 @@ class Evidence:
     candidate: Candidate
     coefficient: float
     held_out: Interval | None = None
+    seen: bool = False
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from functools import cache
 import numpy as np
 
 from testbench.discrepancy.baseline import with_shapes, without_shapes
-from testbench.discrepancy.contest import Contest, Entrant, straightened
+from testbench.discrepancy.contest import Contest, Entrant, may_move, straightened
 from testbench.discrepancy.evidence import PRICE_OF_SHAPE, Evidence, Weighing
 from testbench.discrepancy.fit import fit
 from testbench.discrepancy.screen import FLEXIBLE, WITHOUT_SLIP
@@ -26,6 +26,7 @@ WITHOUT = {"elasticity": "without elasticity_shape", "contact": "without contact
 WORTH_A_TRY = 0.05  # ln(squared error) that an effect must gain on the stiff base
 FINALISTS, FORMS_OF_ONE_IDEA = 3, 2
 WORTH_A_DOUBT = 0.05
+SEEN_GAIN = 0.15  # at least, of what the readings themselves show
 OTHER_LOOPS = 0.25  # ln(squared error) that Bouc-Wen loops buy
 OTHER_KIND = 0.1  # share of the gain that counts where the loops are of another kind
 BENT_ITERATIONS, BESIDE_ITERATIONS = 14, 8
@@ -59,12 +60,26 @@ def stand_ins(contest: Contest, base: Entrant) -> dict[str, tuple[Entrant, Evide
         best = min(instead, beside, key=lambda one: one.score)
         if entrant.idea not in found or gain > found[entrant.idea][1].gain:
             found[entrant.idea] = best, _evidence(best, mode, gain)
+    return found | _seen(contest, base)
+
+
+def _seen(contest: Contest, base: Entrant) -> dict[str, tuple[Entrant, Evidence]]:
+    """Effects that the readings show: however well the base's shapes imitate them, they are there."""
+    found = {}
+    for effect in contest.seen_effects():
+        contest.tell(f"putting in {effect.name}, which the readings show")
+        unbent = with_shapes(contest.bases.stiff.model.plus(effect), contest.calibration, contest.catalogue)
+        starts = [contest.bases.flexible.model.plus(effect), unbent]
+        best = min((_refitted(contest, effect.name, one, FLEXIBLE) for one in starts), key=lambda one: one.score)
+        gain = max(2 * (base.score - best.score), SEEN_GAIN)
+        found[best.idea] = best, replace(_evidence(best, FLEXIBLE, gain), seen=True)
     return found
 
 
 def _refitted(contest: Contest, name: str, model: KnitModel, mode: str) -> Entrant:
     iterations = BESIDE_ITERATIONS if mode == FLEXIBLE else BENT_ITERATIONS
-    result = fit(straightened(model, mode), [contest.coarse], max_iterations=iterations)
+    bent = straightened(model, mode)
+    result = fit(bent, [contest.coarse], max_iterations=iterations, addresses=may_move(mode))
     return contest.scored(name, result)
 
 

@@ -86,7 +86,9 @@ def diagnosis_table(diagnosis: Diagnosis) -> str:
     lines = [_verdict_line(diagnosis), "", title]
     for place, entry in enumerate(weighing.ranking[:6], 1):
         tied = "  (tied)" if entry.idea in diagnosis.tied else ""
-        lines.append(f"{place:<6}{entry.idea:<26}{entry.form:<34}{entry.gain:>6.2f}  {_error_left(entry)}{tied}")
+        seen = "  (the readings show it)" if entry.seen else ""
+        numbers = f"{entry.gain:>6.2f}  {_error_left(entry)}"
+        lines.append(f"{place:<6}{entry.idea:<26}{entry.form:<34}{numbers}{tied}{seen}")
     if diagnosis.verdict == "unknown":
         lines.append("what is left depends most on:")
         lines += [f"  {channel}: {coordinate}" for channel, coordinate, _ in weighing.depends_on[:3]]

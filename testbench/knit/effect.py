@@ -166,6 +166,14 @@ class Effect(BaseModel):
         """
         return self
 
+    def seen(self, signals: Signals, residual: Signals, dt_s: float) -> Effect | None:
+        """The effect as the readings themselves show it, whatever the model; None where they do not, or never can.
+
+        Arguments as `data_grid`. A reading that stands at exactly one extreme value for thousands of samples is cut
+        off, however well a bent law may follow it.
+        """
+        return None
+
     def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
         """A start for a fit, made from measured ``force_N``, ``conductance_S`` and ``strain``.
 

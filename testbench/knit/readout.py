@@ -13,6 +13,7 @@ from testbench.knit.filters import lowpass, memory, shifted
 WEAK_CLIPS = (0.97, 0.99)  # quantiles at which a read-out may clip so rarely that nothing piles up
 LINES, LINE_BINS = 3, 4  # lines of a spectrum that are tried, and how wide one is
 PILE = 0.04  # share of the samples that makes a pile
+RAIL_SHARE, RAIL_OVER_OTHERS = 0.004, 5  # of all samples stand at a rail, and so many times more than elsewhere
 
 
 class ChannelLag(Effect):
@@ -126,6 +127,22 @@ def _levels(values: FloatArray, side: float) -> list[float]:
     return [side * level for level in (pile, *(float(np.quantile(ordered, q)) for q in WEAK_CLIPS))]
 
 
+def _rail(values: FloatArray, side: float) -> float | None:
+    """The value where `values` stand exactly, and which hardly any pass on this side; None where there is none.
+
+    A few pass it: samples beside a corner are moved onto the time grid along their slope.
+    """
+    ordered = np.sort(side * values)
+    step = 1e-9 * max(float(np.ptp(ordered)), 1e-300)
+    starts = np.flatnonzero(np.r_[True, np.diff(ordered) > step])
+    runs = np.diff(np.r_[starts, len(ordered)])
+    at = int(np.argmax(runs))
+    others = np.max(np.delete(runs, at), initial=1)
+    beyond = len(ordered) - starts[at] - runs[at]
+    standing = runs[at] > max(RAIL_SHARE * len(ordered), RAIL_OVER_OTHERS * others, RAIL_OVER_OTHERS * beyond)
+    return float(side * ordered[starts[at]]) if standing else None
+
+
 class AdcSaturation(Effect):
     """The converter cannot read resistances below a floor: conductance is clipped at the top.
 
@@ -156,6 +173,10 @@ class AdcSaturation(Effect):
 
     def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
         return [{"floor_ohm": float(np.exp(-level))} for level in _levels(_measured_ln(signals, residual), 1.0)]
+
+    def seen(self, signals: Signals, residual: Signals, dt_s: float) -> Effect | None:
+        level = _rail(_measured_ln(signals, residual), 1.0)
+        return None if level is None else self.near(floor_ohm=np.exp(-level))
 
 
 class AdcSaturationHigh(Effect):
@@ -188,6 +209,10 @@ class AdcSaturationHigh(Effect):
 
     def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
         return [{"floor_S": float(np.exp(level))} for level in _levels(_measured_ln(signals, residual), -1.0)]
+
+    def seen(self, signals: Signals, residual: Signals, dt_s: float) -> Effect | None:
+        level = _rail(_measured_ln(signals, residual), -1.0)
+        return None if level is None else self.near(floor_S=np.exp(level))
 
 
 class AdcSaturationSoft(Effect):
@@ -253,6 +278,10 @@ class AdcSaturationForce(Effect):
     def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
         tops_N = _levels(signals["force_N"] + residual.get("force", 0.0), 1.0)
         return [{"inverse_range_per_N": 1 / top_N} for top_N in tops_N if top_N > 1e-3]
+
+    def seen(self, signals: Signals, residual: Signals, dt_s: float) -> Effect | None:
+        top_N = _rail(signals["force_N"] + residual["force"], 1.0) if "force" in residual else None
+        return None if top_N is None or top_N <= 0 else self.near(inverse_range_per_N=1 / top_N)
 
 
 class LoadCellCreep(Effect):
