@@ -9,16 +9,17 @@ from scipy.optimize import least_squares
 
 from testbench.discrepancy.measurement import CONDUCTANCE_CHANNEL, FORCE_CHANNEL, Measurement
 from testbench.discrepancy.parameters import FRAME_PARAMETERS
-from testbench.knit.catalogue import Catalogue, load_catalogue
+from testbench.knit.catalogue import BASELINE, Catalogue, load_catalogue
 from testbench.knit.effect import Effect, FloatArray, bounds_of
 from testbench.knit.model import KnitModel
 
+# What a baseline may consist of, as the recording has it.
+LAWS = frozenset({*BASELINE, "piezoresistance", "contact_drive", "contact_hysteresis"})
 # Bouc-Wen friction is a freedom of the loops, as free slip elements are: neither can imitate all of the other.
 LOOP_SHAPES = ("hysteresis_shape", "hysteresis_bouc_wen")
 FORCE_SHAPES = ("elasticity_shape", *LOOP_SHAPES)
 CONDUCTANCE_SHAPES = ("contact_shape", "drift_shape")
 BOUC_WEN_SHARE = 0.3  # of the slip elements' friction, where its search starts
-CONTACT_FRICTION, CONTACT_THRESHOLD = 0.01, 0.05  # of the range of the pressing force, where the search starts
 SHAPES = FORCE_SHAPES + CONDUCTANCE_SHAPES
 
 
@@ -26,7 +27,8 @@ def starting_baseline(measurement: Measurement, catalogue: Catalogue | None = No
     """Elasticity, hysteresis, contact (or piezoresistance) and drift, started from the data.
 
     A recording without force gets no force laws beyond what its conductance needs; one without resistance gets no
-    electrical laws. Conductance that falls with stretch gets `piezoresistance` in place of `contact`.
+    electrical laws. Conductance that falls with stretch gets `piezoresistance` in place of `contact`. Where force and
+    conductance are both known, contacts may feel the strain instead of the force.
     """
     effects = (catalogue or load_catalogue()).effects
     # With the burn-in: in a ramp and hold nearly all of the motion lies there.
@@ -42,31 +44,22 @@ def starting_baseline(measurement: Measurement, catalogue: Catalogue | None = No
         return KnitModel.of(*laws)
     pressing = _pressing(laws, measurement)[seen]
     if force is not None and not falls:
-        drive = _drive(effects["contact_drive"](), laws[0], strain, force[seen], log_g[seen])
+        drive = _drive(effects["contact_drive"](), strain, force[seen], log_g[seen])
         pressing = drive.apply({"strain": strain, "contact_force_N": pressing}, measurement.dt_s)["contact_force_N"]
-        laws += [drive, _sticking(effects["contact_hysteresis"](), pressing)]
+        laws.append(drive)
     return KnitModel.of(*laws, *_electrical_laws(effects, falls, strain, log_g[seen], pressing))
 
 
-def _drive(drive: Effect, elasticity: Effect, strain: FloatArray, force: FloatArray, log_g: FloatArray) -> Effect:
+def _drive(drive: Effect, strain: FloatArray, force: FloatArray, log_g: FloatArray) -> Effect:
     """What the contacts feel, to start with: the more of strain, the narrower ln G lies over it."""
     by_force, by_strain = (_width_over(x, log_g) for x in (force, strain))
-    span = float(np.max(strain))
-    ends = {"strain": np.array([0.0, span]), "force_N": np.zeros(2)}
-    low_N, high_N = elasticity.apply(ends, 1.0)["force_N"]
+    low_N, high_N = float(np.min(force)), float(np.max(force))
     return drive.near(
         strain_share=by_force / max(by_force + by_strain, 1e-12),
-        curvature=getattr(elasticity, "curvature", 0.0),
         low_N=low_N,
         span_N=high_N - low_N,
-        span=span,
+        span=float(np.max(strain)),
     )
-
-
-def _sticking(hysteresis: Effect, pressing: FloatArray) -> Effect:
-    """Contacts with a little friction of their own."""
-    range_N = float(np.ptp(pressing))
-    return hysteresis.near(friction_N=CONTACT_FRICTION * range_N, threshold_N=CONTACT_THRESHOLD * range_N)
 
 
 def _width_over(x: FloatArray, y: FloatArray, bins: int = 64) -> float:

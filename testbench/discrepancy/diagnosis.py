@@ -16,6 +16,7 @@ from testbench.discrepancy.contest import (
     FIT_RATE_HZ,
     Bases,
     Contest,
+    Entrant,
     challengers,
     leftover,
     reranked,
@@ -49,6 +50,7 @@ TIE_SHARE = 0.15  # of the first's gain; a tie is never wider than
 TIE = 0.08  # ideas closer than this cannot be told apart
 REFITS = 16
 WORKERS = 2
+LATE_ENTRANTS = 2
 
 
 @dataclass(frozen=True)
@@ -69,6 +71,8 @@ class Diagnosis:
         The baseline, and with what was found put in and refitted.
     error_before, error_after, noise_floor : dict of channel to float
         Held-out RMS in N and in ln S.
+    attempt : ModelFile, optional
+        Where the verdict is `unknown`: with the first idea of the ranking put in all the same.
     """
 
     verdict: Verdict
@@ -81,6 +85,7 @@ class Diagnosis:
     error_before: Mapping[str, float]
     error_after: Mapping[str, float]
     noise_floor: Mapping[str, float]
+    attempt: ModelFile | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready form; the shape is documented in docs/diagnosis.md."""
@@ -180,8 +185,19 @@ def _concluded(
         others = pool.submit(stand_ins, contest, base)
         entrants = {entry.idea: contest.enter(entry) for entry in challengers(weighing)}
         instead = others.result()
-    weighing = with_stand_ins(reranked(weighing, base, list(entrants.values())), [e for _, e in instead.values()])
-    weighing = ranked_with_costs(weighing, calibration.signals.keys())
+
+    def judged() -> Weighing:
+        refitted = reranked(weighing, base, list(entrants.values()))
+        refitted = with_stand_ins(refitted, [evidence for _, evidence in instead.values()])
+        return ranked_with_costs(refitted, calibration.signals.keys())
+
+    # Who comes first for the others' refits has to prove itself by a refit, too.
+    for _ in range(LATE_ENTRANTS):
+        late = next(iter(judged().ranking), None)
+        if late is None or late.idea in entrants or late.idea in instead or late.gain < GAIN_TO_NAME:
+            break
+        entrants[late.idea] = contest.enter(late)
+    weighing = judged()
     entrants |= {idea: entrant for idea, (entrant, _) in instead.items()}
     weighing, entrants = run_off(contest, weighing, entrants, base, GAIN_TO_NAME)
     weighing = with_intervals(weighing, entrants, base.fit.model, held)
@@ -189,15 +205,23 @@ def _concluded(
     reached = best.held if best else base.held
     left = leftover(base.held, reached, floors)
     verdict = verdict_of(weighing, left, worst_over_noise(reached, floors))
-    winner = best if verdict == "missing" and best else base
-    misfits = tuple(name for name in winner.fit.model if name in SHAPES and name not in given.model)
-    after = before
-    if misfits:
-        after = on_the_ladder(bases.flexible, after, "+ shape freedom", calibration, held)
-    if winner is best and best is not None:
-        after = on_the_ladder(best.fit, after, f"+ {best.name}", calibration, held)
+    named = best if verdict == "missing" else None
+    after, misfits = _steps(named or base, before, bases, calibration, held)
+    attempt = _steps(best, before, bases, calibration, held)[0] if best and verdict == "unknown" else None
+    tied = _tied(weighing, verdict)
     first, last = (file.history[-1]["errors"]["held_out"] for file in (before, after))
-    return Diagnosis(verdict, weighing, _tied(weighing, verdict), misfits, left, before, after, first, last, floors)
+    return Diagnosis(verdict, weighing, tied, misfits, left, before, after, first, last, floors, attempt)
+
+
+def _steps(
+    winner: Entrant, before: ModelFile, bases: Bases, calibration: Measurement, held: Measurement
+) -> tuple[ModelFile, tuple[str, ...]]:
+    """The ladder from the model as given to the winner's, and the shapes that the winner's needs beyond it."""
+    misfits = tuple(name for name in winner.fit.model if name in SHAPES and name not in before.model)
+    after = on_the_ladder(bases.flexible, before, "+ shape freedom", calibration, held) if misfits else before
+    if winner.name:
+        after = on_the_ladder(winner.fit, after, f"+ {winner.name}", calibration, held)
+    return after, misfits
 
 
 def verdict_of(weighing: Weighing, left: float, over_noise: float) -> Verdict:

@@ -11,7 +11,7 @@ from testbench.knit.effect import FloatArray
 AR_ORDER = 3
 MAD_TO_SD = 1.4826
 OUTLIER = 10.0
-NEIGHBOURS, LINE = 64, 30.0
+NEIGHBOURS, LINE, LEAK = 64, 30.0, 16
 
 
 def robust_sd(values: FloatArray) -> float:
@@ -60,7 +60,9 @@ def without_lines(values: FloatArray) -> FloatArray:
     usual = np.median(power[:whole].reshape(-1, NEIGHBOURS), axis=1)
     around = np.repeat(usual, NEIGHBOURS)
     around = np.r_[around, np.full(len(power) - whole, usual[-1])]
-    spectrum[power > LINE * around] = 0.0
+    # A line that falls between two frequencies leaks into its neighbours.
+    sticks_out = np.convolve(power > LINE * around, np.ones(2 * LEAK + 1), mode="same") > 0.5
+    spectrum[sticks_out] = 0.0
     return np.fft.irfft(spectrum, len(values))
 
 

@@ -53,8 +53,8 @@ def stand_ins(contest: Contest, base: Entrant) -> dict[str, tuple[Entrant, Evide
         bent = with_shapes(instead.fit.model, contest.calibration, contest.catalogue)
         beside = _refitted(contest, entrant.name, bent, FLEXIBLE)
         gain = _gain(instead, base, bare(mode))
-        # A converter has nothing to do with the kind of the sensor.
-        if gain > WORTH_A_DOUBT and effect.stage is not Stage.READOUT and other_loops():
+        # Neither a converter nor the contacts have to do with the kind of the loops.
+        if gain > WORTH_A_DOUBT and effect.stage < Stage.PRESSURE and other_loops():
             gain *= OTHER_KIND
         gain = max(gain, 2 * (base.score - beside.score))
         best = min(instead, beside, key=lambda one: one.score)
@@ -113,7 +113,7 @@ def _gain(entrant: Entrant, base: Entrant, bare: Entrant) -> float:
 def _has_other_loops(contest: Contest, base: Entrant) -> bool:
     """Whether the loops are of another kind than the base's: Bouc-Wen instead of slip elements.
 
-    Then so are the elastic and the contact law, most likely: they bend of themselves, and not because of an effect.
+    Then so is the elastic law, most likely: it bends of itself, and not because of an effect.
     """
     slip_only = without_shapes(contest.bases.flexible.model, ("hysteresis_bouc_wen",))
     without = contest.scored("", fit(slip_only, [contest.coarse], max_iterations=BENT_ITERATIONS))

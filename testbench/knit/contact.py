@@ -16,13 +16,14 @@ def positive_part(x: FloatArray, softness: float) -> FloatArray:
 class Contact(Effect):
     """Holm's contact resistance of many yarn contacts, with a path beside and a path in series.
 
-    R_c = rho/2 sqrt(pi H / (n P)) = contact_resistance / sqrt(P / 1 N),   G = parallel + 1 / (series + R_c)
+    R_c = rho/2 sqrt(pi H / (n P)) = contact_resistance / (P / 1 N)^exponent,   G = parallel + 1 / (series + R_c)
 
     P = preload + contact force. `contact_resistance` gathers resistivity rho, hardness H and number n of contacts.
+    The exponent is 1/2 for plastic spots, 1/3 for elastic ones, larger where their number grows as the loops close.
 
     Source: Holm, Electric Contacts (1967); that contacts rule the first stretch of weft-knitted sensors: J. Eng.
     Fibers Fabr. 15 (2020), doi:10.1177/1558925020969475.
-    Valid: plastic contacts (square root); conductance rises with stretch.
+    Valid: conductance rises with stretch.
     """
 
     name = "contact"
@@ -42,8 +43,11 @@ class Contact(Effect):
     preload_N: float = parameter(
         0.2, unit="N", low=1e-3, high=100, scale="log", doc="contact force of the resting knit"
     )
+    exponent: float = parameter(
+        0.5, unit="1", low=0.1, high=8, scale="log", doc="how steeply contacts improve with force"
+    )
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         pressing_N = positive_part(self.preload_N + signals["contact_force_N"], 0.1 * self.preload_N)
-        contact_ohm = self.contact_resistance_ohm / np.sqrt(pressing_N)
+        contact_ohm = self.contact_resistance_ohm * pressing_N**-self.exponent
         return {"conductance_S": self.parallel_S + 1.0 / (self.series_ohm + contact_ohm)}

@@ -12,20 +12,14 @@ from testbench.knit.filters import lowpass, memory, shifted
 from testbench.knit.hysteresis import mean_slip
 
 
-def _risen(x: FloatArray, bend: float) -> FloatArray:
-    """0 at 0 and 1 at 1, exponential between; a straight line where it hardly bends."""
-    return x if abs(bend) < 1e-6 else np.expm1(np.clip(bend * x, -50, 50)) / np.expm1(bend)
-
-
 class ContactDrive(Effect):
     """What the contacts feel: the force, the strain, or some of both.
 
-    P = (1 - strain_share) * P_0 + strain_share * s(e)
-    s(e) = low + span_N * (exp(curvature * e) - 1) / (exp(curvature * span) - 1)
+    P = (1 - strain_share) * P_0 + strain_share * (low + span_N * e / span)
 
     Loops that are turned and shifted make and break contacts by geometry, whatever force it takes: such sensors know
-    nothing of what the force does at the same strain. s is the elastic curve of the force, without its loops and
-    without its history.
+    nothing of what the force does at the same strain. `low` and the spans put strain on the scale of the force; the
+    contact law does the rest.
 
     Source: Holm, Electric Contacts (1967) for the force; contact by geometry: Atalay, Kennon & Husain, Sensors 13
     (2013) 11114, doi:10.3390/s130811114.
@@ -38,13 +32,12 @@ class ContactDrive(Effect):
     look = "the conductance does not follow the loops and the relaxation that the force shows"
 
     strain_share: float = parameter(0.0, unit="1", low=0, high=1, doc="0: force alone, 1: strain alone")
-    curvature: float = parameter(2.0, unit="1", low=-20, high=20, doc="bend of the curve over strain")
     low_N: float = parameter(0.0, unit="N", low=-1e3, high=1e3, doc="force that stands for zero strain")
     span_N: float = parameter(3.0, unit="N", low=1e-3, high=1e4, doc="rise of force that stands for the whole span")
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain at the end of the span")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        by_strain_N = self.low_N + self.span_N * _risen(signals["strain"] / self.span, self.curvature * self.span)
+        by_strain_N = self.low_N + self.span_N * signals["strain"] / self.span
         felt_N = signals["contact_force_N"] + self.strain_share * (by_strain_N - signals["contact_force_N"])
         return {"contact_force_N": felt_N}
 
