@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import numpy as np
-from scipy.optimize import least_squares
 
+from testbench.discrepancy.contact_start import contact_start, driven_contact
 from testbench.discrepancy.measurement import CONDUCTANCE_CHANNEL, FORCE_CHANNEL, Measurement
 from testbench.discrepancy.parameters import FRAME_PARAMETERS
 from testbench.knit.catalogue import BASELINE, Catalogue, load_catalogue
-from testbench.knit.effect import Effect, FloatArray, bounds_of
+from testbench.knit.effect import Effect, FloatArray
 from testbench.knit.model import KnitModel
 
 # What a baseline may consist of, as the recording has it.
@@ -42,30 +42,15 @@ def starting_baseline(measurement: Measurement, catalogue: Catalogue | None = No
         laws += _force_laws(effects, strain, None if force is None else force[seen])
     if log_g is None:
         return KnitModel.of(*laws)
-    pressing = _pressing(laws, measurement)[seen]
-    if force is not None and not falls:
-        drive = _drive(effects["contact_drive"](), strain, force[seen], log_g[seen])
-        pressing = drive.apply({"strain": strain, "contact_force_N": pressing}, measurement.dt_s)["contact_force_N"]
-        laws.append(drive)
-    return KnitModel.of(*laws, *_electrical_laws(effects, falls, strain, log_g[seen], pressing))
-
-
-def _drive(drive: Effect, strain: FloatArray, force: FloatArray, log_g: FloatArray) -> Effect:
-    """What the contacts feel, to start with: the more of strain, the narrower ln G lies over it."""
-    by_force, by_strain = (_width_over(x, log_g) for x in (force, strain))
-    low_N, high_N = float(np.min(force)), float(np.max(force))
-    return drive.near(
-        strain_share=by_force / max(by_force + by_strain, 1e-12),
-        low_N=low_N,
-        span_N=high_N - low_N,
-        span=float(np.max(strain)),
-    )
-
-
-def _width_over(x: FloatArray, y: FloatArray, bins: int = 64) -> float:
-    """Mean variance of `y` within bins of equal counts over `x`."""
-    parts = np.array_split(y[np.argsort(x)], bins)
-    return float(np.mean([np.var(part) for part in parts]))
+    log_g, drift = log_g[seen], effects["drift"].model_validate({"per_decade": 0.0})
+    if falls:
+        signals = {"strain": strain, "conductance_S": np.exp(log_g)}
+        return KnitModel.of(*laws, effects["piezoresistance"]().initial_guess(signals, 1.0), drift)
+    if force is None:
+        contacts: list[Effect] = [contact_start(effects["contact"](), _pressing(laws, measurement)[seen], log_g)]
+    else:
+        contacts = driven_contact(effects["contact_drive"](), effects["contact"](), strain, force[seen], log_g)
+    return KnitModel.of(*laws, *contacts, drift)
 
 
 def _slope(x: FloatArray, y: FloatArray) -> float:
@@ -87,11 +72,8 @@ def _force_laws(effects: dict[str, type[Effect]], strain: FloatArray, force: Flo
 
 
 def _pressing(laws: list[Effect], measurement: Measurement) -> FloatArray:
-    """Force that presses the contacts: as measured, or of the laws as they start."""
-    if FORCE_CHANNEL in measurement.measured:
-        return measurement.measured[FORCE_CHANNEL]
-    state = KnitModel.of(*laws).simulate(measurement.signals, measurement.dt_s)
-    return state.get("force_N", measurement.signals["strain"])
+    """Force that presses the contacts where it was not measured: of the laws as they start."""
+    return KnitModel.of(*laws).simulate(measurement.signals, measurement.dt_s)["force_N"]
 
 
 def _j_curve(strain: FloatArray, force: FloatArray) -> tuple[float, float, float]:
@@ -104,53 +86,6 @@ def _j_curve(strain: FloatArray, force: FloatArray) -> tuple[float, float, float
         if error < best[0]:
             best = (error, slope, curvature, offset)
     return float(np.clip(best[1], 1e-3, 1e4)), best[2], float(np.clip(best[3], -100, 100))
-
-
-def _electrical_laws(
-    effects: dict[str, type[Effect]],
-    falls: bool,
-    strain: FloatArray,
-    log_g: FloatArray,
-    pressing: FloatArray,
-) -> list[Effect]:
-    drift = effects["drift"].model_validate({"per_decade": 0.0})
-    if falls:
-        return [
-            effects["piezoresistance"]().initial_guess({"strain": strain, "conductance_S": np.exp(log_g)}, 1.0),
-            drift,
-        ]
-    median_ohm = float(np.exp(-np.median(log_g)))
-    contact = effects["contact"].model_validate(
-        {
-            "contact_resistance_ohm": median_ohm,
-            "parallel_S": 0.05 / median_ohm,
-            "series_ohm": 0.1 * median_ohm,
-            "preload_N": 0.2,
-        }
-    )
-    return [contact_start(contact, pressing, log_g), drift]
-
-
-def contact_start(contact: Effect, force: FloatArray, log_g: FloatArray, samples: int = 300) -> Effect:
-    """The contact law fitted to measured force and ln G alone, on a few samples.
-
-    Its four parameters lie in a curved valley along which a fit of the whole model creeps; without the rest of the
-    model a step costs nothing, so it is walked to the end beforehand.
-    """
-    keys = list(type(contact).model_fields)
-    bounds = [bounds_of(type(contact).model_fields[key]) for key in keys]
-    low, high = (np.log([extra[side] for extra in bounds]) for side in ("low", "high"))
-    stride = max(len(force) // samples, 1)
-    signals = {"contact_force_N": force[::stride]}
-    wanted = log_g[::stride]
-
-    def misfit(x: FloatArray) -> FloatArray:
-        at = contact.replaced(**dict(zip(keys, np.exp(np.clip(x, low, high)), strict=True)))
-        return np.log(at.apply(signals, 1.0)["conductance_S"]) - wanted
-
-    start = np.log([getattr(contact, key) for key in keys])
-    found = least_squares(misfit, start, bounds=(low, high), loss="soft_l1", f_scale=0.05, max_nfev=60)
-    return contact.replaced(**{key: float(v) for key, v in zip(keys, np.exp(found.x), strict=True)})
 
 
 def framed(effect: Effect, model: KnitModel, measurement: Measurement) -> Effect:

@@ -1,0 +1,90 @@
+"""Where the search for the contact law starts: from force, strain and ln G alone, without the rest of the model.
+
+The law's parameters lie in a curved valley along which a fit of the whole model creeps; here a step costs nothing, so
+the valley is walked to its end beforehand, from several sides.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from testbench.knit.effect import Effect, FloatArray, bounds_of
+
+SAMPLES = 300
+EXPONENTS = (0.5, 2.0)
+SHARES = (0.0, 1.0, 0.5)  # of the strain in what the contacts feel
+CLEARLY_LESS = 0.8  # of the misfit: then the less usual start is taken
+
+
+def driven_contact(
+    drive: Effect, contact: Effect, strain: FloatArray, force: FloatArray, log_g: FloatArray
+) -> list[Effect]:
+    """What the contacts feel and how they answer to it, whichever share of strain says most about ln G.
+
+    Parameters
+    ----------
+    drive, contact : Effect
+        `contact_drive` and `contact`, to be started.
+    strain, force, log_g : ndarray, shape (n,)
+        As measured.
+    """
+    low_N, high_N = float(np.min(force)), float(np.max(force))
+    frame = {"low_N": low_N, "span_N": high_N - low_N, "span": float(np.max(strain))}
+    signals = {"strain": strain, "contact_force_N": force}
+    drives = [drive.near(strain_share=share, **frame) for share in SHARES]
+    felt = [one.apply(signals, 1.0)["contact_force_N"] for one in drives]
+    starts = [_best_start(contact, pressing, log_g) for pressing in felt]
+    best = _first_of_the_best([misfit for _, misfit in starts])
+    return [drives[best], starts[best][0]]
+
+
+def contact_start(contact: Effect, pressing: FloatArray, log_g: FloatArray) -> Effect:
+    """The contact law fitted to pressing force and ln G on a few samples."""
+    return _best_start(contact, pressing, log_g)[0]
+
+
+def _best_start(contact: Effect, pressing: FloatArray, log_g: FloatArray) -> tuple[Effect, float]:
+    stride = max(len(pressing) // SAMPLES, 1)
+    starts = [_fitted(_guess(contact, log_g, one), pressing[::stride], log_g[::stride]) for one in EXPONENTS]
+    return starts[_first_of_the_best([misfit for _, misfit in starts])]
+
+
+def _first_of_the_best(misfits: Sequence[float]) -> int:
+    """The first, the usual one, unless a later one is clearly better."""
+    best = 0
+    for index, misfit in enumerate(misfits):
+        if misfit < CLEARLY_LESS * misfits[best]:
+            best = index
+    return best
+
+
+def _guess(contact: Effect, log_g: FloatArray, exponent: float) -> Effect:
+    median_ohm = float(np.exp(-np.median(log_g)))
+    return contact.near(
+        contact_resistance_ohm=median_ohm,
+        parallel_S=0.05 / median_ohm,
+        series_ohm=0.1 * median_ohm,
+        preload_N=0.2,
+        exponent=exponent,
+    )
+
+
+def _fitted(contact: Effect, pressing: FloatArray, log_g: FloatArray) -> tuple[Effect, float]:
+    """The law and its robust misfit."""
+    keys = list(type(contact).model_fields)
+    bounds = [bounds_of(type(contact).model_fields[key]) for key in keys]
+    low, high = (np.log([extra[side] for extra in bounds]) for side in ("low", "high"))
+    signals = {"contact_force_N": pressing}
+
+    def at(x: FloatArray) -> Effect:
+        return contact.replaced(**dict(zip(keys, (float(v) for v in np.exp(np.clip(x, low, high))), strict=True)))
+
+    def misfit(x: FloatArray) -> FloatArray:
+        return np.log(at(x).apply(signals, 1.0)["conductance_S"]) - log_g
+
+    start = np.log([getattr(contact, key) for key in keys])
+    found = least_squares(misfit, start, bounds=(low, high), loss="soft_l1", f_scale=0.05, max_nfev=60)
+    return at(found.x), float(found.cost)
