@@ -9,15 +9,16 @@ import numpy as np
 
 from testbench.discrepancy.baseline import LOOP_SHAPES, SHAPES, framed, with_shapes, without_shapes
 from testbench.discrepancy.candidates import Candidate, candidate_ideas, is_vector
+from testbench.discrepancy.contact_start import contact_start
 from testbench.discrepancy.errors import rms_errors
 from testbench.discrepancy.evidence import Evidence, Weighing
 from testbench.discrepancy.fit import Fit, fit
 from testbench.discrepancy.ladder import held_errors
-from testbench.discrepancy.measurement import Measurement, coarser
+from testbench.discrepancy.measurement import CONDUCTANCE_CHANNEL, Measurement, coarser
 from testbench.discrepancy.noise import robust_sd
 from testbench.discrepancy.screen import FLEXIBLE, STIFF, WITHOUT_SLIP, best_starts
 from testbench.knit.catalogue import Catalogue
-from testbench.knit.effect import Effect
+from testbench.knit.effect import Effect, Stage
 from testbench.knit.model import KnitModel
 
 ENTRANTS = 3
@@ -184,8 +185,21 @@ class Contest:
         """Each effect fitted on the stiff base."""
         stiff = self.bases.stiff.model
         starts = best_starts(stiff, effects, self.coarse) if effects else []
-        fits = [fit(stiff.plus(effect), [self.coarse], max_iterations=ALONE_ITERATIONS) for effect in starts]
-        return [self.scored(effect.name, one) for effect, one in zip(starts, fits, strict=True)]
+        return [self._alone(effect) for effect in starts]
+
+    def _alone(self, effect: Effect) -> Entrant:
+        models = [self.bases.stiff.model.plus(effect)]
+        if effect.stage is Stage.PRESSURE and "contact" in models[0]:
+            models.append(self._with_new_contact(models[0]))
+        fits = [fit(model, [self.coarse], max_iterations=ALONE_ITERATIONS) for model in models]
+        return min((self.scored(effect.name, one) for one in fits), key=lambda one: one.score)
+
+    def _with_new_contact(self, model: KnitModel) -> KnitModel:
+        """The model with its contact law started anew: fitted before the effect came in, it has bent to its work."""
+        here = self.coarse
+        pressing = model.simulate(here.signals, here.dt_s)["contact_force_N"]
+        log_g = here.measured[CONDUCTANCE_CHANNEL]
+        return model.replacing("contact", contact_start(model["contact"], pressing, log_g))
 
     def settled(self, entrant: Entrant) -> Entrant:
         """The entrant, or the same idea reached another way, whichever does better.

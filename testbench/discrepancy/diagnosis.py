@@ -44,6 +44,7 @@ SHARE_OF_CEILING = 0.55  # an idea that gains less than this share of what a fre
 LEFT_UNEXPLAINED = 0.15  # and leaves more than this share of the error above the noise,
 MOST_UNEXPLAINED, LARGE_GAIN = 0.3, 0.6  # or leaves more than this share and gains less than this much,
 OVER_NOISE = 2.5  # and more than this many noise floors, is a stand-in for something else
+LEFT_BY_STAND_IN = 1.1  # share left by an effect in the place of a shape of the base
 STRUCTURE_OVER_NOISE = 3.0  # where nothing is named, more noise floors than this are structure
 SMALL_GAIN, CROWD = 0.25, 2  # a small gain that so many other ideas half share is the base's own misfit
 TIE_SHARE = 0.15  # of the first's gain; a tie is never wider than
@@ -230,13 +231,18 @@ def verdict_of(weighing: Weighing, left: float, over_noise: float) -> Verdict:
         return "missing"
     gain = weighing.ranking[0].gain if weighing.ranking else 0.0
     # What makes the held-out error larger is not named, whatever it gained in calibration.
-    enough = gain > GAIN_TO_NAME and not _crowded(weighing) and left < 1
+    enough = gain > GAIN_TO_NAME and not _crowded(weighing) and left < _most_left(weighing)
     short = gain < SHARE_OF_CEILING * weighing.ceiling
     poor = (left > MOST_UNEXPLAINED and gain < LARGE_GAIN) or (short and left > LEFT_UNEXPLAINED)
     stand_in = poor and over_noise > OVER_NOISE
     if enough and not stand_in:
         return "missing"
     return "unknown" if enough or over_noise > STRUCTURE_OVER_NOISE else "nothing_missing"
+
+
+def _most_left(weighing: Weighing) -> float:
+    """What stands in for a shape of the base has to do as well as it; all else has to do better than the base."""
+    return LEFT_BY_STAND_IN if weighing.ranking[0].candidate.effect.imitable else 1.0
 
 
 def _crowded(weighing: Weighing) -> bool:
