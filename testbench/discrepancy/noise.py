@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.linalg import solve_toeplitz
+from scipy.ndimage import convolve1d
 from scipy.signal import lfilter
 
 from testbench.knit.effect import FloatArray
@@ -11,7 +12,7 @@ from testbench.knit.effect import FloatArray
 AR_ORDER = 3
 MAD_TO_SD = 1.4826
 OUTLIER = 10.0
-NEIGHBOURS, LINE, LEAK = 64, 30.0, 16
+PIECE, NEIGHBOURS, LINE, LEAK = 1024, 64, 30.0, 8
 
 
 def robust_sd(values: FloatArray) -> float:
@@ -48,22 +49,35 @@ def noise_floor(values: FloatArray) -> float:
 
 
 def without_lines(values: FloatArray) -> FloatArray:
-    """Values without the frequencies that stick out of their neighbourhood, shape (n,): hums, and nothing of noise.
+    """Values without the frequencies that stick out of their neighbourhood: hums, and nothing of noise.
 
-    The power of noise at one frequency is exponentially distributed: `LINE` medians are reached once in 10^9.
+    The power of noise at one frequency is exponentially distributed: `LINE` medians are reached once in 10^9. It goes
+    piece by piece, since a clock that wanders smears a line over a whole recording.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+
+    Returns
+    -------
+    ndarray, shape (m,), m <= n
+        What does not fill a piece is left out.
     """
-    spectrum = np.fft.rfft(values)
-    power = np.abs(spectrum) ** 2
-    whole = len(power) // NEIGHBOURS * NEIGHBOURS
-    if whole == 0:
+    size = min(PIECE, len(values))
+    if size < 4 * NEIGHBOURS:
         return values
-    usual = np.median(power[:whole].reshape(-1, NEIGHBOURS), axis=1)
-    around = np.repeat(usual, NEIGHBOURS)
-    around = np.r_[around, np.full(len(power) - whole, usual[-1])]
+    pieces = values[: len(values) // size * size].reshape(-1, size)
+    spectra = np.fft.rfft(pieces, axis=1)
+    power = np.abs(spectra) ** 2
+    bands = power[:, : power.shape[1] // NEIGHBOURS * NEIGHBOURS].reshape(len(pieces), -1, NEIGHBOURS)
+    around = np.repeat(np.median(bands, axis=2), NEIGHBOURS, axis=1)
+    around = np.pad(around, ((0, 0), (0, power.shape[1] - around.shape[1])), mode="edge")
     # A line that falls between two frequencies leaks into its neighbours.
-    sticks_out = np.convolve(power > LINE * around, np.ones(2 * LEAK + 1), mode="same") > 0.5
-    spectrum[sticks_out] = 0.0
-    return np.fft.irfft(spectrum, len(values))
+    sticks_out = (
+        convolve1d((power > LINE * around).astype(float), np.ones(2 * LEAK + 1), axis=1, mode="constant") > 0.5
+    )
+    spectra[sticks_out] = 0.0
+    return np.fft.irfft(spectra, size, axis=1).ravel()
 
 
 def _step(values: FloatArray) -> float:
