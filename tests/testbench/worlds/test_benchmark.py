@@ -35,7 +35,7 @@ class Fake:
 
 def _row(bench, effect: str, fake: Fake, **more) -> dict:
     job = bench.Job(effect, 5.0, "matched", 1, minutes=2.0, rate_hz=10.0, **more)
-    return bench.run_job(job, lambda calibration, held_out, catalogue: fake)
+    return bench.run_job(job, lambda *_: fake)
 
 
 def test_right_first_and_in_the_top_three(bench):
@@ -52,7 +52,7 @@ def test_right_first_and_in_the_top_three(bench):
 def test_an_effect_left_out_of_the_catalogue_is_gone_in_all_its_forms(bench):
     seen = {}
 
-    def diagnose(calibration, held_out, catalogue):
+    def diagnose(calibration, held_out, catalogue, rounds):
         seen["ideas"] = set(catalogue.ideas())
         return Fake("unknown")
 
@@ -61,6 +61,17 @@ def test_an_effect_left_out_of_the_catalogue_is_gone_in_all_its_forms(bench):
     assert row["expected"] == "unknown"
     assert "channel_lag" not in seen["ideas"]
     assert "clamp_slip" in seen["ideas"]
+
+
+def test_two_at_once_get_a_round_more_than_there_are(bench):
+    asked = []
+    job = bench.Job("permanent_set,channel_lag", 5.0, "matched", 1, minutes=2.0, rate_hz=10.0)
+    bench.run_job(job, lambda *given: asked.append(given[3]) or Fake("unknown"))
+    bench.run_job(
+        bench.Job("none", 5.0, "matched", 1, minutes=2.0, rate_hz=10.0),
+        lambda *given: asked.append(given[3]) or Fake("unknown"),
+    )
+    assert asked == [3, 1]
 
 
 def test_tables_count_false_alarms_and_confusions(bench):
@@ -82,7 +93,7 @@ def test_tables_count_false_alarms_and_confusions(bench):
 def test_a_diagnosis_that_raises_is_reported_and_the_rest_goes_on(bench):
     from diagnosis_score import tables
 
-    def diagnose(calibration, held_out, catalogue):
+    def diagnose(calibration, held_out, catalogue, rounds):
         raise ValueError("no shape")
 
     row = bench.run_job(bench.Job("none", 5.0, "matched", 1, minutes=2.0, rate_hz=10.0), diagnose)
