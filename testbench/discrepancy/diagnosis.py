@@ -28,7 +28,7 @@ from testbench.discrepancy.fit import Fit, fit
 from testbench.discrepancy.ladder import on_the_ladder
 from testbench.discrepancy.measurement import Measurement, coarser, split
 from testbench.discrepancy.model_file import ModelFile
-from testbench.discrepancy.runoff import run_off
+from testbench.discrepancy.runoff import run_off, unproven
 from testbench.discrepancy.screen import collect
 from testbench.discrepancy.standin import stand_ins, with_stand_ins
 from testbench.discrepancy.telling import Progress, silent
@@ -42,7 +42,7 @@ Verdict = Literal["missing", "nothing_missing", "unknown"]
 GAIN_TO_NAME = 0.075  # an idea must gain this much to be called missing
 SHARE_OF_CEILING = 0.55  # an idea that gains less than this share of what a free-form map finds,
 LEFT_UNEXPLAINED = 0.15  # and leaves more than this share of the error above the noise,
-MOST_UNEXPLAINED, LARGE_GAIN = 0.3, 0.6  # or leaves more than this share and gains less than this much,
+MOST_UNEXPLAINED, LARGE_GAIN = 0.3, 0.5  # or leaves more than this share and gains less than this much,
 OVER_NOISE = 2.5  # and more than this many noise floors, is a stand-in for something else
 LEFT_BY_STAND_IN = 1.1  # share left by an effect in the place of a shape of the base
 STRUCTURE_OVER_NOISE = 3.0  # where nothing is named, more noise floors than this are structure
@@ -192,10 +192,10 @@ def _concluded(
         refitted = with_stand_ins(refitted, [evidence for _, evidence in instead.values()])
         return ranked_with_costs(refitted, calibration.signals.keys())
 
-    # Who comes first for the others' refits has to prove itself by a refit, too.
+    # Who comes close to the first when the others are refitted has to prove itself by a refit, too.
     for _ in range(LATE_ENTRANTS):
-        late = next(iter(judged().ranking), None)
-        if late is None or late.idea in entrants or late.idea in instead or late.gain < GAIN_TO_NAME:
+        late = unproven(judged(), {*entrants, *instead}, GAIN_TO_NAME)
+        if late is None:
             break
         entrants[late.idea] = contest.enter(late)
     weighing = judged()

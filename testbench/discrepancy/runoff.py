@@ -41,9 +41,22 @@ def run_off(
     settled = {entry.idea: contest.settled(entrants[entry.idea]) for entry in _close(weighing, entrants, least_gain)}
     if len(settled) > 1:
         measured = contest.calibration.signals.keys()
-        entries = [_decided(e, settled.get(e.idea), base, measured) for e in weighing.ranking]
-        weighing = ranked(weighing, entries)
+        decided = [_decided(e, settled[e.idea], base, measured) for e in weighing.ranking if e.idea in settled]
+        # Who was not close enough to be settled is still judged to first order; that does not overtake a winner.
+        most = (1 - CLOSE) * max(entry.gain for entry in decided)
+        others = [replace(e, gain=min(e.gain, most)) for e in weighing.ranking if e.idea not in settled]
+        weighing = ranked(weighing, [*decided, *others])
     return weighing, {**entrants, **settled}
+
+
+def unproven(weighing: Weighing, refitted: Collection[str], least_gain: float) -> Evidence | None:
+    """The best idea that comes close to the first, or is it, without having been refitted."""
+    for entry in weighing.ranking:
+        if entry.gain < max(least_gain, (1 - CLOSE) * weighing.ranking[0].gain):
+            return None
+        if entry.idea not in refitted and not entry.candidate.effect.imitable:
+            return entry
+    return None
 
 
 def _close(weighing: Weighing, entrants: Mapping[str, Entrant], least_gain: float) -> list[Evidence]:
@@ -58,9 +71,7 @@ def _close(weighing: Weighing, entrants: Mapping[str, Entrant], least_gain: floa
     return [first, *near][:MOST]
 
 
-def _decided(entry: Evidence, entrant: Entrant | None, base: Entrant, measured: Collection[str]) -> Evidence:
-    if entrant is None:
-        return entry
+def _decided(entry: Evidence, entrant: Entrant, base: Entrant, measured: Collection[str]) -> Evidence:
     screened = float(np.mean(list(entry.gains.values())))
     refitted = 2 * (base.score - entrant.score)
     gain = SHARE_OF_REFIT * refitted + (1 - SHARE_OF_REFIT) * screened

@@ -1,0 +1,46 @@
+"""Who leads has to have been refitted, and who was not settled does not overtake a winner."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import pytest
+
+from testbench.discrepancy.candidates import Candidate
+from testbench.discrepancy.evidence import Evidence, Weighing
+from testbench.discrepancy.runoff import CLOSE, run_off, unproven
+from tests.testbench.discrepancy.samples import CATALOGUE
+
+
+def weighing(**gains: float) -> Weighing:
+    entries = [
+        Evidence(idea, idea, gain, {"white": gain, "plain": gain}, "", Candidate(idea, CATALOGUE[idea](), 1.0), 1.0)
+        for idea, gain in gains.items()
+    ]
+    return Weighing(tuple(entries), "", 0.0, 0.0, ())
+
+
+def entrant(score: float) -> SimpleNamespace:
+    return SimpleNamespace(score=score)
+
+
+def test_the_unproven_idea_that_comes_close_is_refitted_next():
+    ranked = weighing(stress_relaxation=1.0, permanent_set=0.9, clamp_slip=0.5)
+    assert unproven(ranked, {"stress_relaxation"}, 0.075).idea == "permanent_set"
+    assert unproven(ranked, {"stress_relaxation", "permanent_set"}, 0.075) is None
+    assert unproven(ranked, set(), 1.1) is None
+    assert unproven(weighing(adc_saturation=1.0), set(), 0.075) is None, "what a shape imitates is judged apart"
+
+
+def test_who_was_not_settled_does_not_overtake_the_winner():
+    contest = SimpleNamespace(settled=lambda one: one, calibration=SimpleNamespace(signals={}))
+    ranked = weighing(stress_relaxation=1.0, permanent_set=0.9, viscous_rate_stiffening=0.7)
+    entrants = {
+        "stress_relaxation": entrant(-0.3),
+        "permanent_set": entrant(-0.1),
+        "viscous_rate_stiffening": entrant(0.0),
+    }
+    after, _ = run_off(contest, ranked, entrants, entrant(0.0), 0.075)
+    gains = {entry.idea: entry.gain for entry in after.ranking}
+    assert after.ranking[0].idea == "stress_relaxation"
+    assert gains["viscous_rate_stiffening"] == pytest.approx((1 - CLOSE) * gains["stress_relaxation"])
