@@ -234,7 +234,8 @@ def verdict_of(weighing: Weighing, left: float, over_noise: float) -> Verdict:
     enough = gain > GAIN_TO_NAME and not _crowded(weighing) and left < _most_left(weighing)
     short = gain < SHARE_OF_CEILING * weighing.ceiling
     poor = (left > MOST_UNEXPLAINED and gain < LARGE_GAIN) or (short and left > LEFT_UNEXPLAINED)
-    stand_in = poor and over_noise > OVER_NOISE
+    quick = bool(weighing.ranking) and weighing.ranking[0].candidate.effect.quick
+    stand_in = poor and over_noise > OVER_NOISE and not quick
     if enough and not stand_in:
         return "missing"
     return "unknown" if enough or over_noise > STRUCTURE_OVER_NOISE else "nothing_missing"

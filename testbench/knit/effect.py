@@ -109,6 +109,9 @@ class Effect(BaseModel):
     cost : float
         Share of what it explains that a diagnosis takes off, because the effect is rare or imitates others easily (an
         unmeasured room explains any slow drift). Nothing is taken off where all `optional_reads` were measured.
+    quick : bool
+        What it does may be quicker than the time grid of the diagnosis, which thins it: what it leaves unexplained
+        then says nothing against it.
     per_recording : tuple of str
         Parameters that belong to one recording, not to the sensor (the phase of a hum): each has its own.
     """
@@ -126,6 +129,7 @@ class Effect(BaseModel):
     nonlinear: ClassVar[bool] = False
     imitated_by: ClassVar[str] = ""
     cost: ClassVar[float] = 0.0
+    quick: ClassVar[bool] = False
     per_recording: ClassVar[tuple[str, ...]] = ()
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:

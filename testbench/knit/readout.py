@@ -369,6 +369,7 @@ class PeriodicInterference(Effect):
 
     name = "periodic_interference"
     stage = Stage.READOUT
+    quick = True
     reads, writes = ("time_s", "conductance_S"), ("conductance_S",)
     strength = "amplitude"
     per_recording = ("phase_rad",)
@@ -426,6 +427,7 @@ class PeriodicInterferenceForce(Effect):
     name = "periodic_interference_force"
     idea = "periodic_interference"
     stage = Stage.READOUT
+    quick = True
     reads, writes = ("time_s", "force_N"), ("force_N",)
     strength = "amplitude_N"
     per_recording = ("phase_rad",)

@@ -62,6 +62,12 @@ def test_what_is_seen_is_missing_however_little_it_gains():
     assert verdict_of(shown, left=1.1, over_noise=1.2) == "missing"
 
 
+@pytest.mark.parametrize(("form", "said"), [("periodic_interference", "missing"), ("stress_relaxation", "unknown")])
+def test_what_the_grid_thins_may_leave_much(form, said):
+    entry = Evidence(form, form, 0.2, {}, FLEXIBLE, Candidate(form, CATALOGUE[form](), 1.0), 1.0)
+    assert verdict_of(Weighing((entry,), FLEXIBLE, 0.0, 0.0, ()), left=0.6, over_noise=5.0) == said
+
+
 def test_a_contact_law_that_must_not_bend_keeps_its_slip():
     shape = CATALOGUE["contact_shape"]()
     bent = shape.replaced(
