@@ -24,11 +24,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Add or undo, write, and show the ladder."""
     from gcode.support.errors import UserError
-    from testbench.discrepancy.baseline import LAWS
     from testbench.discrepancy.ladder import add_effect, idle_effects, undo
     from testbench.discrepancy.model_file import check_same_set_up, load_model_file
     from testbench.discrepancy.tables import ladder_table
-    from testbench.knit.catalogue import load_catalogue
+    from testbench.knit.catalogue import BASELINE, load_catalogue
 
     catalogue = load_catalogue(args.effects)
     file = load_model_file(args.model, catalogue)
@@ -42,8 +41,8 @@ def run(args: argparse.Namespace) -> int:
         check_same_set_up(file, calibration.recording, args.model)
         file = add_effect(file, args.effect, calibration, held, catalogue)
         # A law without a strength (piezoresistance in place of contact) makes a signal that others need.
-        laws = LAWS | {name for name in file.model if not file.model[name].strength}
-        optional = set(file.model) - laws - {args.effect}
+        laws = {name for name in file.model if not file.model[name].strength}
+        optional = set(file.model) - set(BASELINE) - laws - {args.effect}
         for name in idle_effects(file, calibration, held, optional):
             print(f"{name} no longer pays now that {args.effect} is in: without it the held-out error hardly rises")
     file.save(args.output)

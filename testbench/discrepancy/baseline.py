@@ -9,12 +9,10 @@ import numpy as np
 from testbench.discrepancy.contact_start import contact_start, driven_contact
 from testbench.discrepancy.measurement import CONDUCTANCE_CHANNEL, FORCE_CHANNEL, Measurement
 from testbench.discrepancy.parameters import FRAME_PARAMETERS
-from testbench.knit.catalogue import BASELINE, Catalogue, load_catalogue
+from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.knit.effect import Effect, FloatArray
 from testbench.knit.model import KnitModel
 
-# What a baseline may consist of, as the recording has it.
-LAWS = frozenset({*BASELINE, "piezoresistance", "contact_drive", "contact_hysteresis"})
 # Bouc-Wen friction is a freedom of the loops, as free slip elements are: neither can imitate all of the other.
 LOOP_SHAPES = ("hysteresis_shape", "hysteresis_bouc_wen")
 FORCE_SHAPES = ("elasticity_shape", *LOOP_SHAPES)

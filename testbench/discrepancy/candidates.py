@@ -8,13 +8,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from testbench.discrepancy.baseline import LAWS, SHAPES, framed
+from testbench.discrepancy.baseline import SHAPES, framed
 from testbench.discrepancy.measurement import Measurement
-from testbench.knit.catalogue import Catalogue
+from testbench.knit.catalogue import BASELINE, Catalogue
 from testbench.knit.effect import Effect, FloatArray, Signals, bounds_of
 from testbench.knit.model import KnitModel, SimulationCache
 
-BASE_IDEAS = LAWS | frozenset(SHAPES)
+# Slip of the contacts is in the base already: contact_shape has slip elements of its own.
+BASE_IDEAS = frozenset({*BASELINE, *SHAPES, "contact_hysteresis"})
 MAX_SHAPES = 9  # shape-parameter combinations tried for one form
 MAGNITUDES = (0.05, 0.15, 0.4, 1.0, 2.0)  # of a typical strength, for effects whose trace changes with their size
 

@@ -7,16 +7,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from testbench.discrepancy.baseline import LOOP_SHAPES, SHAPES, framed, with_shapes, without_shapes
+from testbench.discrepancy.baseline import SHAPES, framed, with_shapes
 from testbench.discrepancy.candidates import Candidate, candidate_ideas, is_vector
 from testbench.discrepancy.contact_start import contact_start
 from testbench.discrepancy.errors import rms_errors
 from testbench.discrepancy.evidence import Evidence, Weighing
 from testbench.discrepancy.fit import Fit, fit
-from testbench.discrepancy.ladder import held_errors
+from testbench.discrepancy.ladder import held_errors, placed
 from testbench.discrepancy.measurement import CONDUCTANCE_CHANNEL, Measurement, coarser
 from testbench.discrepancy.noise import robust_sd
-from testbench.discrepancy.screen import FLEXIBLE, STIFF, WITHOUT_SLIP, best_starts
+from testbench.discrepancy.screen import STIFF, best_starts
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import Effect, Stage
 from testbench.knit.model import KnitModel
@@ -37,35 +37,6 @@ class Bases:
 
     stiff: Fit
     flexible: Fit
-
-
-# Parts of contact_shape that a mode forbids. Slip of the contacts stays where it is their law over force and strain
-# that must not bend: no effect that bends the law could do its work.
-_BUMPS, _SLIPS = ("force_weights", "strain_weights"), ("slip_weights", "slip_growth")
-WITHOUT_CONTACT_SHAPE = "without contact_shape"
-_FORBIDDEN = {WITHOUT_CONTACT_SHAPE: _BUMPS, WITHOUT_SLIP: _SLIPS}
-
-
-def straightened(model: KnitModel, mode: str) -> KnitModel:
-    """`model` without the shapes that `mode` forbids."""
-    if mode == FLEXIBLE:
-        return model
-    shape = mode.removeprefix("without ")
-    if mode == WITHOUT_SLIP or shape in LOOP_SHAPES:
-        model = without_shapes(model, LOOP_SHAPES)
-    elif mode != WITHOUT_CONTACT_SHAPE:
-        model = without_shapes(model, (shape,))
-    if mode in _FORBIDDEN and "contact_shape" in model:
-        contact = model["contact_shape"]
-        none = {key: (0.0,) * len(getattr(contact, key)) for key in _FORBIDDEN[mode]}
-        model = model.replacing("contact_shape", contact.replaced(**none))
-    return model
-
-
-def may_move(mode: str) -> Callable[[str], bool]:
-    """Whether a parameter, by its address, is free under `mode`."""
-    held = tuple(f"contact_shape.{key}[" for key in _FORBIDDEN.get(mode, ()))
-    return lambda address: not address.startswith(held) if held else True
 
 
 @dataclass(frozen=True)
@@ -162,16 +133,11 @@ class Contest:
             return []
         for model in (self.bases.stiff.model, self.bases.flexible.model):
             starts = [framed(form(), model, self.calibration) for form in forms]
-            placed = [(start, self._placed(start, model)) for start in starts]
-            found = [effect for start, effect in placed if effect != start]
+            effects = [placed(start, model, self.calibration) for start in starts]
+            found = [effect for start, effect in zip(starts, effects, strict=True) if effect != start]
             if found:
                 return found
         return []
-
-    def _placed(self, effect: Effect, model: KnitModel) -> Effect:
-        """An effect with its events where the misfit of `model` has them."""
-        here = self.calibration
-        return effect.for_recording(model.simulate(here.signals, here.dt_s), here.residual(model), here.dt_s)
 
     def seen_effects(self) -> list[Effect]:
         """Forms that the readings themselves show."""
@@ -210,7 +176,7 @@ class Contest:
         form = entrant.name
         effect = entrant.fit.model[form]
         if is_vector(type(effect), effect.strength):
-            effect = self._placed(effect, entrant.fit.model.without(form))
+            effect = placed(effect, entrant.fit.model.without(form), self.calibration)
         self.tell(f"settling {form}")
         first = entrant.fit if effect.imitable else fit(self.bases.stiff.model.plus(effect), [self.coarse])
         bent = with_shapes(first.model, self.calibration, self.catalogue)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gcode.support.errors import UserError
-from testbench.discrepancy.fit import independent_share, shape_scales
+from testbench.discrepancy.fit import prior_ridge, shape_scales
 from testbench.discrepancy.measurement import Measurement
 from testbench.discrepancy.noise import robust_sd
 from testbench.discrepancy.parameters import free_parameters
@@ -54,10 +54,8 @@ def contribution(model: KnitModel, effect: Effect, measurement: Measurement) -> 
         raise UserError(f"{effect.name} gives NaN on {measurement.recording.source}")
     residual = {channel: (measurement.measured[channel] - modelled[channel])[rows] for channel in modelled}
     base = {channel: values[:, rows] for channel, values in jacobian.items()}
-    precision = np.array([p.width for p in parameters]) ** -2.0
-    # Counted per sample, so the priors weigh more where samples repeat each other.
-    precision = precision / independent_share(measurement)
-    project = _Projection(base, {channel: max(robust_sd(r), 1e-12) for channel, r in residual.items()}, precision)
+    scale = {channel: max(robust_sd(values), 1e-12) for channel, values in residual.items()}
+    project = _Projection(base, scale, prior_ridge(parameters, measurement))
     return Contribution(measurement.signals["time_s"][rows], project(residual), project(added))
 
 

@@ -28,13 +28,13 @@ def coordinates(measurement: Measurement) -> dict[str, FloatArray]:
     rate = strain_rate(strain, measurement.dt_s)
     direction = np.where(np.abs(rate) < HOLD_RATE, 0.0, np.sign(rate))
     threshold = max(0.01 * float(np.ptp(strain)), 1e-4)
-    _, known, count = turns(np.ascontiguousarray(strain), threshold)
+    _, known, count = turns(strain, threshold)
     found = {
         "strain": strain,
         "strain_rate": rate,
         "direction": direction,
         "elapsed_s": measurement.signals["time_s"],
-        "largest_strain": running_max(np.ascontiguousarray(strain)),
+        "largest_strain": running_max(strain),
         "since_reversal_s": (np.arange(len(strain)) - known) * measurement.dt_s,
         "since_hold_s": _run_length(direction == 0) * measurement.dt_s,
         "cycle": np.floor(count / 2),

@@ -181,26 +181,7 @@ def _concluded(
     before = on_the_ladder(given, None, "baseline", calibration, held)
     contest = Contest(bases, calibration, held, catalogue, tell)
     base = contest.base()
-    # The kernels let go of the interpreter, so threads do run side by side; those of BLAS would only fight them.
-    with threadpool_limits(1, "blas"), ThreadPoolExecutor(WORKERS) as pool:
-        others = pool.submit(stand_ins, contest, base)
-        entrants = {entry.idea: contest.enter(entry) for entry in challengers(weighing)}
-        instead = others.result()
-
-    def judged() -> Weighing:
-        refitted = reranked(weighing, base, list(entrants.values()))
-        refitted = with_stand_ins(refitted, [evidence for _, evidence in instead.values()])
-        return ranked_with_costs(refitted, calibration.signals.keys())
-
-    # Who comes close to the first when the others are refitted has to prove itself by a refit, too.
-    for _ in range(LATE_ENTRANTS):
-        late = unproven(judged(), {*entrants, *instead}, GAIN_TO_NAME)
-        if late is None:
-            break
-        entrants[late.idea] = contest.enter(late)
-    weighing = judged()
-    entrants |= {idea: entrant for idea, (entrant, _) in instead.items()}
-    weighing, entrants = run_off(contest, weighing, entrants, base, GAIN_TO_NAME)
+    weighing, entrants = _contested(contest, weighing, base)
     weighing = with_intervals(weighing, entrants, base.fit.model, held)
     best = entrants.get(weighing.ranking[0].idea) if weighing.ranking else None
     reached = best.held if best else base.held
@@ -212,6 +193,30 @@ def _concluded(
     tied = _tied(weighing, verdict)
     first, last = (file.history[-1]["errors"]["held_out"] for file in (before, after))
     return Diagnosis(verdict, weighing, tied, misfits, left, before, after, first, last, floors, attempt)
+
+
+def _contested(contest: Contest, weighing: Weighing, base: Entrant) -> tuple[Weighing, dict[str, Entrant]]:
+    """The ranking with the refits taken in, and the refitted ideas."""
+    # The kernels let go of the interpreter, so threads do run side by side; those of BLAS would only fight them.
+    with threadpool_limits(1, "blas"), ThreadPoolExecutor(WORKERS) as pool:
+        others = pool.submit(stand_ins, contest, base)
+        entrants = {entry.idea: contest.enter(entry) for entry in challengers(weighing)}
+        instead = others.result()
+
+    def judged() -> Weighing:
+        refitted = reranked(weighing, base, list(entrants.values()))
+        refitted = with_stand_ins(refitted, [evidence for _, evidence in instead.values()])
+        return ranked_with_costs(refitted, contest.calibration.signals.keys())
+
+    # Who comes close to the first when the others are refitted has to prove itself by a refit, too.
+    for _ in range(LATE_ENTRANTS):
+        late = unproven(judged(), {*entrants, *instead}, GAIN_TO_NAME)
+        if late is None:
+            break
+        entrants[late.idea] = contest.enter(late)
+    weighing = judged()
+    entrants |= {idea: entrant for idea, (entrant, _) in instead.items()}
+    return run_off(contest, weighing, entrants, base, GAIN_TO_NAME)
 
 
 def _steps(
@@ -227,23 +232,21 @@ def _steps(
 
 def verdict_of(weighing: Weighing, left: float, over_noise: float) -> Verdict:
     """Missing, nothing missing, or unknown, from the gains and from what is left over."""
-    if weighing.ranking and weighing.ranking[0].seen:
+    unnamed: Verdict = "unknown" if over_noise > STRUCTURE_OVER_NOISE else "nothing_missing"
+    if not weighing.ranking:
+        return unnamed
+    first = weighing.ranking[0]
+    if first.seen:
         return "missing"
-    gain = weighing.ranking[0].gain if weighing.ranking else 0.0
-    # What makes the held-out error larger is not named, whatever it gained in calibration.
-    enough = gain > GAIN_TO_NAME and not _crowded(weighing) and left < _most_left(weighing)
+    effect, gain = first.candidate.effect, first.gain
+    # What makes the held-out error larger is not named, whatever it gained in calibration. What stands in for a shape
+    # of the base has to do as well as the shape; all else has to do better than the base.
+    most_left = LEFT_BY_STAND_IN if effect.imitable else 1.0
+    if gain <= GAIN_TO_NAME or _crowded(weighing) or left >= most_left:
+        return unnamed
     short = gain < SHARE_OF_CEILING * weighing.ceiling
     poor = (left > MOST_UNEXPLAINED and gain < LARGE_GAIN) or (short and left > LEFT_UNEXPLAINED)
-    quick = bool(weighing.ranking) and weighing.ranking[0].candidate.effect.quick
-    stand_in = poor and over_noise > OVER_NOISE and not quick
-    if enough and not stand_in:
-        return "missing"
-    return "unknown" if enough or over_noise > STRUCTURE_OVER_NOISE else "nothing_missing"
-
-
-def _most_left(weighing: Weighing) -> float:
-    """What stands in for a shape of the base has to do as well as it; all else has to do better than the base."""
-    return LEFT_BY_STAND_IN if weighing.ranking[0].candidate.effect.imitable else 1.0
+    return "unknown" if poor and over_noise > OVER_NOISE and not effect.quick else "missing"
 
 
 def _crowded(weighing: Weighing) -> bool:

@@ -84,7 +84,7 @@ def weigh(traces: Mapping[str, Traces]) -> Weighing:
         judged = dict(zip(traces, pool.map(judge_ideas, traces.values()), strict=True))
     priced = {name: _priced(judgement) for name, judgement in judged.items()}
     ideas = set.intersection(*(set(judgement.ideas) for judgement in judged.values()))
-    ranking = sorted((_evidence(idea, judged, priced) for idea in ideas), key=lambda e: -e.gain)
+    ranking = sorted((_evidence(idea, judged, priced) for idea in sorted(ideas)), key=lambda e: -e.gain)
     base_mode = min(priced["plain"].base, key=lambda mode: priced["plain"].base[mode])
     base_gain = float(np.mean([np.log(p.base[STIFF] / p.best_base) for p in priced.values()]))
     ceiling = float(np.mean([np.log(_base_loss(judged[n]) / judged[n].ceiling) for n in judged]))

@@ -79,6 +79,11 @@ def independent_share(measurement: Measurement) -> float:
     return min(1.0, measurement.dt_s / INDEPENDENT_S)
 
 
+def prior_ridge(parameters: Sequence[FreeParameter], measurement: Measurement) -> FloatArray:
+    """Precision of the priors, shape (p,), where every sample counts: more where samples repeat each other."""
+    return np.array([p.width for p in parameters]) ** -2.0 / independent_share(measurement)
+
+
 def shape_scales(measurement: Measurement) -> dict[str, float]:
     """Typical size of a correction, by unit: a tenth of the force's range, 0.3 in ln G."""
     scales = {"1": 0.3, "1/ks": 0.1, "N": 1.0}

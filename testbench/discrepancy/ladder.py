@@ -16,7 +16,7 @@ from testbench.discrepancy.measurement import Measurement
 from testbench.discrepancy.model_file import ModelFile, fit_summary
 from testbench.discrepancy.screen import best_start
 from testbench.knit.catalogue import Catalogue, model_from_dict
-from testbench.knit.effect import bounds_of
+from testbench.knit.effect import Effect, bounds_of
 from testbench.knit.model import KnitModel
 
 NO_LONGER_PAYS = 0.005  # leaving an effect out costs less than this share of the held-out error
@@ -93,9 +93,13 @@ def remounted(model: KnitModel, measurement: Measurement) -> KnitModel:
 
 def _placed(model: KnitModel, name: str, measurement: Measurement) -> KnitModel:
     """The model with an effect's events where this recording has them."""
-    effect, base = model[name], model.without(name)
+    return model.replacing(name, placed(model[name], model.without(name), measurement))
+
+
+def placed(effect: Effect, base: KnitModel, measurement: Measurement) -> Effect:
+    """`effect` with its events where the misfit of `base` has them."""
     state = base.simulate(measurement.signals, measurement.dt_s)
-    return model.replacing(name, effect.for_recording(state, measurement.residual(base), measurement.dt_s))
+    return effect.for_recording(state, measurement.residual(base), measurement.dt_s)
 
 
 def _best_of_turn(model: KnitModel, address: str, measurement: Measurement) -> KnitModel:

@@ -12,7 +12,8 @@ from testbench.knit.effect import FloatArray
 AR_ORDER = 3
 MAD_TO_SD = 1.4826
 OUTLIER = 10.0
-PIECE, NEIGHBOURS, LINE, LEAK = 1024, 64, 30.0, 8
+PIECE, NEIGHBOURS, LEAK = 1024, 64, 8  # samples; frequencies that a line is compared with, and that it leaks into
+LINE = 30.0
 
 
 def robust_sd(values: FloatArray) -> float:

@@ -20,7 +20,7 @@ from testbench.discrepancy.candidates import (
     trace,
     two_signed,
 )
-from testbench.discrepancy.fit import Fit, independent_share, shape_scales
+from testbench.discrepancy.fit import Fit, prior_ridge, shape_scales
 from testbench.discrepancy.freeform import features
 from testbench.discrepancy.grams import Grams, Rows, grams, reduce_to_traces
 from testbench.discrepancy.measurement import Measurement
@@ -433,8 +433,3 @@ def _on_itself(
     empty = Grams(np.zeros_like(inner.blocks), inner.samples, inner.base)
     addresses, values = tuple(p.address for p in parameters), values_of(part.model, parameters)
     return Traces(tuple(kept), inner, empty, addresses, values, prior_ridge(parameters, calibration))
-
-
-def prior_ridge(parameters: Sequence[FreeParameter], measurement: Measurement) -> FloatArray:
-    """Precision of the base's coefficients in the units of the Gram matrices."""
-    return np.array([p.width for p in parameters]) ** -2.0 / independent_share(measurement)

@@ -8,21 +8,26 @@ goes in beside the shape: a corner that no smooth shape can follow shows there.)
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache
 
 import numpy as np
 
-from testbench.discrepancy.baseline import with_shapes, without_shapes
-from testbench.discrepancy.contest import Contest, Entrant, may_move, straightened
+from testbench.discrepancy.baseline import LOOP_SHAPES, with_shapes, without_shapes
+from testbench.discrepancy.contest import Contest, Entrant
 from testbench.discrepancy.evidence import PRICE_OF_SHAPE, Evidence, Weighing
 from testbench.discrepancy.fit import fit
 from testbench.discrepancy.screen import FLEXIBLE, WITHOUT_SLIP
 from testbench.knit.effect import Stage
 from testbench.knit.model import KnitModel
 
-WITHOUT = {"elasticity": "without elasticity_shape", "contact": "without contact_shape", "slip": WITHOUT_SLIP}
+WITHOUT_ELASTICITY, WITHOUT_CONTACT = "without elasticity_shape", "without contact_shape"
+WITHOUT = {"elasticity": WITHOUT_ELASTICITY, "contact": WITHOUT_CONTACT, "slip": WITHOUT_SLIP}
+# What a mode forbids: whole shapes, and parts of contact_shape. Slip of the contacts stays where it is their law over
+# force and strain that must not bend: no effect that bends the law could do its work.
+REMOVED = {WITHOUT_ELASTICITY: ("elasticity_shape",), WITHOUT_SLIP: LOOP_SHAPES}
+ZEROED = {WITHOUT_CONTACT: ("force_weights", "strain_weights"), WITHOUT_SLIP: ("slip_weights", "slip_growth")}
 WORTH_A_TRY = 0.05  # ln(squared error) that an effect must gain on the stiff base
 FINALISTS, FORMS_OF_ONE_IDEA = 3, 2
 WORTH_A_DOUBT = 0.05
@@ -81,6 +86,22 @@ def _refitted(contest: Contest, name: str, model: KnitModel, mode: str) -> Entra
     bent = straightened(model, mode)
     result = fit(bent, [contest.coarse], max_iterations=iterations, addresses=may_move(mode))
     return contest.scored(name, result)
+
+
+def straightened(model: KnitModel, mode: str) -> KnitModel:
+    """`model` without the shapes that `mode` forbids."""
+    model = without_shapes(model, REMOVED.get(mode, ()))
+    if mode in ZEROED and "contact_shape" in model:
+        contact = model["contact_shape"]
+        none = {key: (0.0,) * len(getattr(contact, key)) for key in ZEROED[mode]}
+        model = model.replacing("contact_shape", contact.replaced(**none))
+    return model
+
+
+def may_move(mode: str) -> Callable[[str], bool]:
+    """Whether a parameter, by its address, is free under `mode`."""
+    held = tuple(f"contact_shape.{key}[" for key in ZEROED.get(mode, ()))
+    return lambda address: not address.startswith(held)
 
 
 def _finalists(alone: Sequence[Entrant]) -> list[Entrant]:

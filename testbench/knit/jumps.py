@@ -40,8 +40,9 @@ def slips(signals: Signals, residual: Signals, dt_s: float) -> list[tuple[float,
     slip, clear = np.zeros(len(strain)), np.full(len(strain), LEAST**2)
     for stiffer in STIFFER_BACK if len(steep) > 1 else (1.0,):
         rows = np.array([steep[c] * (stiffer if c == "force" else 1.0) for c in residual])
-        length = -np.sum(rows * jumped, axis=0) / np.maximum(np.sum(rows**2, axis=0), 1e-300)
-        explained = length**2 * np.sum(rows**2, axis=0)
+        information = np.maximum(np.sum(rows**2, axis=0), 1e-300)
+        length = -np.sum(rows * jumped, axis=0) / information
+        explained = length**2 * information
         clearly = 2 * explained - np.sum(jumped**2, axis=0)
         better = clearly > clear
         slip[better], clear[better] = length[better], clearly[better]

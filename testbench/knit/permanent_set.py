@@ -11,9 +11,12 @@ from testbench.knit.effect import Effect, FloatArray, Signals, parameter
 from testbench.knit.filters import lowpass
 from testbench.knit.length import Lengthening, overload_s
 
-# Whether the added length stretches along is for the data to say; a search that starts between finds either.
 RENEWED = 0.5
-LAGS_S = (0.1, 1.0, 10.0, 60.0, 300.0, 1500.0)
+
+
+def _starts(points: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Whether the added length stretches along is for the data to say; a search that starts between finds either."""
+    return [point | {"renewed": RENEWED} for point in points]
 
 
 class PermanentSet(Lengthening):
@@ -42,7 +45,7 @@ class PermanentSet(Lengthening):
         return self.fraction * (followed - followed[0])
 
     def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
-        return [{"tau_s": tau_s, "renewed": RENEWED} for tau_s in LAGS_S]
+        return _starts([{"tau_s": tau_s} for tau_s in (0.1, 1.0, 10.0, 60.0, 300.0, 1500.0)])
 
 
 class PermanentSetYield(Lengthening):
@@ -79,9 +82,9 @@ class PermanentSetYield(Lengthening):
 
     def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
         top = float(np.max(signals["strain"]))
-        linear = [{"limit": share * top, "renewed": RENEWED} for share in (0.05, 0.15, 0.3, 0.5, 0.7)]
-        hardening = [{"limit": 0.02 * top, "power": power, "renewed": RENEWED} for power in (1.7, 2.5)]
-        return [*linear, *hardening]
+        linear = [{"limit": share * top} for share in (0.05, 0.15, 0.3, 0.5, 0.7)]
+        hardening = [{"limit": 0.02 * top, "power": power} for power in (1.7, 2.5)]
+        return _starts([*linear, *hardening])
 
 
 class PermanentSetViscoplastic(Lengthening):
@@ -116,7 +119,7 @@ class PermanentSetViscoplastic(Lengthening):
 
     def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
         top = float(np.max(signals["strain"]))
-        return [{"limit": share * top, "renewed": RENEWED} for share in (0.1, 0.35, 0.6)]
+        return _starts([{"limit": share * top} for share in (0.1, 0.35, 0.6)])
 
 
 class PermanentSetRecovering(Lengthening):
@@ -141,7 +144,7 @@ class PermanentSetRecovering(Lengthening):
         return self.fraction * (lowpass(strain, self.tau_s, dt_s) - strain[0])
 
     def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
-        return [{"tau_s": tau_s, "renewed": RENEWED} for tau_s in (3.0, 10.0, 40.0, 150.0, 500.0, 1500.0)]
+        return _starts([{"tau_s": tau_s} for tau_s in (3.0, 10.0, 40.0, 150.0, 500.0, 1500.0)])
 
 
 class PermanentSetWorked(Lengthening):
@@ -165,7 +168,7 @@ class PermanentSetWorked(Lengthening):
         return -self.amount * np.expm1(-cycled_strain(signals) / self.scale)
 
     def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
-        return [{"scale": scale, "renewed": RENEWED} for scale in (0.5, 3.0, 15.0, 60.0, 300.0)]
+        return _starts([{"scale": scale} for scale in (0.5, 3.0, 15.0, 60.0, 300.0)])
 
 
 class PermanentSetCreep(Lengthening):
@@ -191,4 +194,4 @@ class PermanentSetCreep(Lengthening):
         return self.amount * np.log1p(stretched_s / self.scale_s)
 
     def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
-        return [{"scale_s": scale_s, "renewed": RENEWED} for scale_s in (3.0, 20.0, 150.0)]
+        return _starts([{"scale_s": scale_s} for scale_s in (3.0, 20.0, 150.0)])

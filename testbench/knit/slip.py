@@ -49,7 +49,7 @@ class ClampSlip(Lengthening):
     def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
         top = float(np.max(signals["strain"]))
         return [
-            {"limit": limit * top, "step": max(step * top, 0.005), "fraction": fraction}
+            {"limit": limit * top, "step": step * top, "fraction": fraction}
             for limit, step in itertools.product((0.45, 0.55, 0.65), (0.07, 0.11, 0.16, 0.24))
             for fraction in (0.08, 0.3)
         ]
@@ -113,10 +113,8 @@ class ClampSlipOnce(Lengthening):
         from testbench.knit.jumps import slips
 
         end_s = float(signals["time_s"][-1])
-        seen = [
-            {"when_s": max(when_s, 0.1), "amount": amount} for when_s, amount in slips(signals, residual, dt_s)[:2]
-        ]
-        return seen or [{"when_s": max(share * end_s, 0.1)} for share in (0.2, 0.4, 0.6, 0.8)]
+        seen = [{"when_s": when_s, "amount": amount} for when_s, amount in slips(signals, residual, dt_s)[:2]]
+        return seen or [{"when_s": share * end_s} for share in (0.2, 0.4, 0.6, 0.8)]
 
 
 class ClampSlipSliding(Lengthening):

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from testbench.discrepancy.candidates import Candidate
-from testbench.discrepancy.contest import may_move, straightened
 from testbench.discrepancy.diagnosis import verdict_of
 from testbench.discrepancy.evidence import Evidence, Weighing
 from testbench.discrepancy.measurement import prepare
 from testbench.discrepancy.screen import FLEXIBLE, WITHOUT_SLIP
+from testbench.discrepancy.standin import may_move, straightened
 from testbench.knit.catalogue import baseline
 from testbench.recording import FORCE, RESISTANCE, Recording
 from tests.testbench.discrepancy.samples import CATALOGUE, record, truth

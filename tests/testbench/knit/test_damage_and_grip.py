@@ -14,9 +14,7 @@ from testbench.knit.damage import (
 )
 from testbench.knit.grip import ActuatorBacklash, ActuatorBacklashWindup, LeadscrewRipple, Slack
 from testbench.knit.kernels import travelled
-
-UP = np.linspace(0, 0.3, 301)
-UP_DOWN_UP = np.concatenate([UP, UP[::-1][1:], UP[1:]])
+from tests.testbench.knit.samples import UP, UP_DOWN_UP
 
 
 def factor(effect: MullinsSoftening | MullinsSofteningDamage | CyclicFatigue, strain: np.ndarray) -> np.ndarray:

@@ -16,9 +16,8 @@ from testbench.knit.permanent_set import (
     PermanentSetWorked,
     PermanentSetYield,
 )
+from tests.testbench.knit.samples import UP_DOWN_UP
 
-UP = np.linspace(0, 0.3, 301)
-UP_DOWN_UP = np.concatenate([UP, UP[::-1][1:], UP[1:]])
 HELD = np.full(2001, 0.25)
 
 

@@ -17,9 +17,7 @@ from testbench.knit.slip import (
     ClampSlipRepeated,
     ClampSlipSliding,
 )
-
-UP = np.linspace(0, 0.3, 301)
-UP_DOWN_UP = np.concatenate([UP, UP[::-1][1:], UP[1:]])
+from tests.testbench.knit.samples import UP_DOWN_UP
 
 
 def test_slips_are_a_staircase_of_the_largest_stretch() -> None:
