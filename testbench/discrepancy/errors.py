@@ -15,8 +15,7 @@ def sampled(measurement: Measurement, channel: str) -> tuple[FloatArray, FloatAr
     """Times from the recording's start and measured values of the samples that count, as recorded, never averaged."""
     recording = measurement.recording
     time_s = recording.time_s - recording.time_s[0]
-    grid = measurement.signals["time_s"] + 0.5 * measurement.dt_s
-    counting = grid[measurement.counts]
+    counting = measurement.grid_s[measurement.counts]
     rows = (time_s >= counting[0]) & (time_s <= counting[-1])
     values = recording[FORCE] if channel == FORCE_CHANNEL else -np.log(recording[RESISTANCE])
     return time_s[rows], values[rows]
@@ -32,11 +31,10 @@ def rms_errors(model: KnitModel, measurement: Measurement, free_offset: bool = F
         conductance gain (a re-clamped sensor), which no effect should be blamed for.
     """
     modelled = measurement.modelled(model)
-    grid = measurement.signals["time_s"] + 0.5 * measurement.dt_s
     errors = {}
     for channel in measurement.channels:
         time_s, values = sampled(measurement, channel)
-        residual = values - np.interp(time_s, grid, modelled[channel])
+        residual = values - np.interp(time_s, measurement.grid_s, modelled[channel])
         if free_offset:
             residual = residual - residual.mean()
         errors[channel] = float(np.sqrt(np.mean(residual**2)))

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gcode.support.errors import UserError
+from testbench.discrepancy.motion import reading_noise, without_reading_noise
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel, SimulationCache, inputs
 from testbench.recording import FORCE, RESISTANCE, TEMPERATURE, Recording
@@ -38,6 +39,8 @@ class Measurement:
         Samples that enter fits and errors: after the burn-in, and inside this part of the recording.
     recording : Recording
         Where it came from, as sampled.
+    start_s : float
+        Time of the first grid point after the recording's first sample.
     """
 
     signals: Mapping[str, FloatArray]
@@ -45,6 +48,12 @@ class Measurement:
     measured: Mapping[str, FloatArray]
     counts: np.ndarray
     recording: Recording
+    start_s: float = 0.0
+
+    @property
+    def grid_s(self) -> FloatArray:
+        """Times of the grid points after the recording's first sample, shape (n,)."""
+        return self.signals["time_s"] + self.start_s
 
     @property
     def channels(self) -> tuple[str, ...]:
@@ -76,7 +85,8 @@ def prepare(
     """Average a recording onto a uniform grid.
 
     Bins are averaged in every channel alike, which lowers the noise without shifting force against strain;
-    where samples are rarer than the grid, neighbours are interpolated.
+    where samples are rarer than the grid, neighbours are interpolated: the grid then starts at the first sample, so
+    that samples at even times, and the turns among them, are kept as they are.
 
     Parameters
     ----------
@@ -94,9 +104,8 @@ def prepare(
     _check_usable(recording)
     rate_hz = rate_hz or min(MAX_GRID_HZ, recording.mean_rate_hz)
     time_s = recording.time_s - recording.time_s[0]
-    count = int(time_s[-1] * rate_hz)
-    grid_s = (np.arange(count) + 0.5) / rate_hz
-    binned = _Bins(time_s, grid_s, rate_hz)
+    binned = _Bins(time_s, rate_hz)
+    grid_s, count = binned.grid_s, len(binned.grid_s)
     measured = {}
     if recording.has(FORCE):
         measured[FORCE_CHANNEL] = binned(recording[FORCE])
@@ -105,30 +114,34 @@ def prepare(
     temperature = binned(recording[TEMPERATURE]) if recording.has(TEMPERATURE) else None
     start_s, end_s = span or (0.0, np.inf)
     counts = (grid_s >= max(start_s, BURN_IN_S)) & (grid_s < end_s)
-    signals = inputs(grid_s, binned(recording.strain), temperature)
-    return Measurement(signals, 1.0 / rate_hz, measured, counts, recording)
+    noise = reading_noise(time_s, recording.strain) / np.sqrt(max(len(time_s) / count, 1.0))
+    signals = inputs(grid_s, without_reading_noise(binned(recording.strain), noise), temperature)
+    return Measurement(signals, 1.0 / rate_hz, measured, counts, recording, float(grid_s[0]))
 
 
 class _Bins:
     """Means of the samples around each grid point, moved from their mean time to the grid point."""
 
-    def __init__(self, time_s: FloatArray, grid_s: FloatArray, rate_hz: float) -> None:
-        self._time_s, self._grid_s = time_s, grid_s
-        self._bin = np.minimum((time_s * rate_hz).astype(np.int64), len(grid_s) - 1)
-        self._filled = np.bincount(self._bin, minlength=len(grid_s))
+    def __init__(self, time_s: FloatArray, rate_hz: float) -> None:
+        self._time_s = time_s
+        # A sample on the last edge, but for rounding, has a bin of its own.
+        count = int(time_s[-1] * rate_hz + 1e-6)
+        self._bin = np.minimum((time_s * rate_hz).astype(np.int64), count - 1)
+        self._filled = np.bincount(self._bin, minlength=count)
         # Averages are only worth it where nearly every bin has a sample of its own.
-        self._average = bool(np.mean(self._filled == 0) < 0.2 and len(time_s) > 1.5 * len(grid_s))
-        self._off_s = self._means(time_s) - grid_s if self._average else np.zeros_like(grid_s)
+        self._average = bool(np.mean(self._filled == 0) < 0.2 and len(time_s) > 1.5 * count)
+        self.grid_s = (np.arange(count) + (0.5 if self._average else 0.0)) / rate_hz
+        self._off_s = self._means(time_s) - self.grid_s if self._average else np.zeros(count)
 
     def __call__(self, values: FloatArray) -> FloatArray:
         if not self._average:
-            return np.interp(self._grid_s, self._time_s, values)
+            return np.interp(self.grid_s, self._time_s, values)
         means = self._means(values)
-        return means - self._off_s * np.gradient(means, self._grid_s)
+        return means - self._off_s * np.gradient(means, self.grid_s)
 
     def _means(self, values: FloatArray) -> FloatArray:
-        sums = np.bincount(self._bin, weights=values, minlength=len(self._grid_s))
-        gaps = np.interp(self._grid_s, self._time_s, values)
+        sums = np.bincount(self._bin, weights=values, minlength=len(self.grid_s))
+        gaps = np.interp(self.grid_s, self._time_s, values)
         return np.where(self._filled > 0, sums / np.maximum(self._filled, 1), gaps)
 
 

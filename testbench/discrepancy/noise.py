@@ -50,7 +50,7 @@ def noise_floor(values: FloatArray) -> float:
 
 
 def without_lines(values: FloatArray) -> FloatArray:
-    """Values without the frequencies that stick out of their neighbourhood: hums, and nothing of noise.
+    """Values whose frequencies do not stick out of their neighbourhood: without hums, and with all of the noise.
 
     The power of noise at one frequency is exponentially distributed: `LINE` medians are reached once in 10^9. It goes
     piece by piece, since a clock that wanders smears a line over a whole recording.
@@ -77,7 +77,8 @@ def without_lines(values: FloatArray) -> FloatArray:
     sticks_out = (
         convolve1d((power > LINE * around).astype(float), np.ones(2 * LEAK + 1), axis=1, mode="constant") > 0.5
     )
-    spectra[sticks_out] = 0.0
+    # Down to what is around them, not to nothing: a motion that repeats itself has lines nearly everywhere.
+    spectra[sticks_out] *= np.sqrt(around / np.log(2) / np.maximum(power, 1e-300))[sticks_out]
     return np.fft.irfft(spectra, size, axis=1).ravel()
 
 

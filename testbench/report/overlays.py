@@ -40,7 +40,7 @@ def overlay_of(
     if free_offset:
         modelled = {label: _shifted(signals, measurement) for label, signals in modelled.items()}
     return Overlay(
-        measurement.signals["time_s"] + 0.5 * measurement.dt_s,
+        measurement.grid_s,
         measurement.signals["strain_nominal"],
         dict(measurement.measured),
         modelled,

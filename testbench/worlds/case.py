@@ -23,6 +23,7 @@ CATALOGUE = tuple(name for name in FORMS if name not in UNKNOWN)
 OUTSIDE = tuple(sorted(UNKNOWN))
 NOISES = (*KINDS, "any")
 DECOY_SHARE = 0.15
+READING_NOISE_MM = (0.0003, 0.005)  # standard deviation of a displacement reading, drawn for each sensor
 
 
 @dataclass(frozen=True)
@@ -117,6 +118,7 @@ class _Bench:
         swing = float(np.quantile(ln_g, 0.99) - np.quantile(ln_g, 0.01))
         self.floor_N = self.top_N * float(np.exp(rng.uniform(np.log(0.001), np.log(0.003))))
         self.floor_ln = swing * float(np.exp(rng.uniform(np.log(0.0015), np.log(0.004))))
+        self.floor_mm = float(np.exp(_rng(seed, "encoder").uniform(*np.log(READING_NOISE_MM))))
         self.typical_ohm = float(np.exp(-np.median(ln_g)))
         self._basis: dict[str, FloatArray] = {}
         self._plain: dict[str, FloatArray] = {}
@@ -187,6 +189,7 @@ class _Bench:
             "effects": reports,
             "base": {"world": self.base.name, **self.base.describe()},
             "noise_floor": {"force": self.floor_N, "conductance": self.floor_ln},
+            "displacement_noise_mm": self.floor_mm,
             "noise_floor_units": {"force": "N", "conductance": "ln S"},
             "noise_kind": self.noise_kind,
             "joint_strength": strengths.rms(self.left_over("calibration", hidden)) if hidden else 0.0,
@@ -205,7 +208,8 @@ class _Bench:
         }
         step_ohm = self.typical_ohm * self.floor_ln / 4
         read[RESISTANCE] = np.maximum(quantised(read[RESISTANCE], step_ohm), step_ohm)
-        kept = {DISPLACEMENT: np.round(strain * GAUGE_LENGTH_MM, 4), **{name: read[name] for name in channels}}
+        read_mm = strain * GAUGE_LENGTH_MM + self.floor_mm * _rng(self.seed, part, "encoder").standard_normal(len(t))
+        kept = {DISPLACEMENT: np.round(read_mm, 4), **{name: read[name] for name in channels}}
         if self._has_thermometer(hidden):
             kept[TEMPERATURE] = np.round(23 + ambient + 0.02 * rng.standard_normal(len(t)), 2)
         return Recording(t, kept, GAUGE_LENGTH_MM, source=part)

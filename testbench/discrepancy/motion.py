@@ -1,0 +1,85 @@
+"""The motion behind a noisy reading of the displacement.
+
+Friction remembers every turn of the strain, so a model that is driven by the noise of the reading relaxes in a hold
+where the fabric did not, as if somebody shook it. Where the reading stands still, many samples are averaged; where it
+turns, only as many as agree with each other.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from testbench.discrepancy.noise import robust_sd
+from testbench.knit.effect import FloatArray
+
+NEIGHBOURS = (-3, -2, -1, 1, 2, 3)
+HALF_WIDTHS = (1, 2, 4, 8, 16, 32)  # samples on either side
+SLOWEST = 0.2  # share of the samples
+AGREE = 2.5  # standard errors
+
+
+def reading_noise(time_s: FloatArray, values: FloatArray) -> float:
+    """Standard deviation of the white noise in a reading of a smooth motion.
+
+    From how far each sample lies off the polynomial through its six neighbours, at whatever times they were taken;
+    where the motion is slowest, if that is less. A clock that jitters looks like noise in proportion to the speed,
+    but is none, for force and resistance were read at the same wrong time.
+
+    Parameters
+    ----------
+    time_s, values : ndarray, shape (n,)
+        Times must increase.
+    """
+    reach = NEIGHBOURS[-1]
+    if len(values) <= 2 * reach:
+        return 0.0
+    middle = slice(reach, len(values) - reach)
+    off, gain = values[middle].copy(), np.ones(len(values) - 2 * reach)
+    at = {k: time_s[reach + k : len(values) - reach + k] - time_s[middle] for k in NEIGHBOURS}
+    for k in NEIGHBOURS:
+        share = np.prod([at[j] / (at[j] - at[k]) for j in NEIGHBOURS if j != k], axis=0)
+        off -= share * values[reach + k : len(values) - reach + k]
+        gain += share**2
+    speed = np.abs((values[2 * reach :] - values[: -2 * reach]) / (time_s[2 * reach :] - time_s[: -2 * reach]))
+    off /= np.sqrt(gain)
+    return min(robust_sd(off), robust_sd(off[speed <= np.quantile(speed, SLOWEST)]))
+
+
+def without_reading_noise(values: FloatArray, noise: float) -> FloatArray:
+    """Each sample replaced by the mean of the widest window around it that agrees with all narrower ones.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        A reading on a uniform grid.
+    noise : float
+        Standard deviation of its white noise.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        No further from the reading than a few standard deviations of its noise; the same where it has none.
+
+    Notes
+    -----
+    Intersection of confidence intervals: Goldenshluger & Nemirovski, Math. Methods Stat. 6 (1997) 135; Katkovnik,
+    IEEE Trans. Signal Process. 47 (1999) 2567. The mean of a symmetric window is the local linear fit at its middle.
+    """
+    best, low, high = values.copy(), values - AGREE * noise, values + AGREE * noise
+    agree = np.ones(len(values), bool)
+    for half_width in HALF_WIDTHS:
+        mean, count = _window_mean(values, half_width)
+        error = AGREE * noise / np.sqrt(count)
+        low, high = np.maximum(low, mean - error), np.minimum(high, mean + error)
+        agree &= low <= high
+        best[agree] = mean[agree]
+    return best
+
+
+def _window_mean(values: FloatArray, half_width: int) -> tuple[FloatArray, FloatArray]:
+    """Mean over symmetric windows, narrower near the ends, and how many samples each has; each shape (n,)."""
+    index = np.arange(len(values))
+    half = np.minimum(half_width, np.minimum(index, index[::-1]))
+    sums = np.concatenate([[0.0], np.cumsum(values - values[0])])
+    count = 2.0 * half + 1.0
+    return values[0] + (sums[index + half + 1] - sums[index - half]) / count, count
