@@ -58,14 +58,8 @@ def test_of_two_that_come_close_the_refits_decide():
         ("stress_relaxation", None),
         # A bump after every turn is another matter: slips of the contacts imitate it (docs/benchmark-diagnosis.md).
         ("electrical_overshoot", "fades_with_time"),
-        pytest.param(
-            "permanent_set",
-            None,
-            marks=pytest.mark.xfail(
-                strict=True,
-                reason="a set that grows with travel is screened for as if the knit hung limp; this one pushes",
-            ),
-        ),
+        # A set that grows with travel, of a knit that never hangs limp.
+        ("permanent_set", None),
     ],
 )
 def test_an_obvious_effect_is_named(effect, form):
