@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -32,21 +32,11 @@ from testbench.discrepancy.runoff import run_off, unproven
 from testbench.discrepancy.screen import collect
 from testbench.discrepancy.standin import stand_ins, with_stand_ins
 from testbench.discrepancy.telling import Progress, silent
+from testbench.discrepancy.verdict import GAIN_TO_NAME, Verdict, verdict_of
 from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.knit.model import KnitModel
 from testbench.recording import Recording
 
-Verdict = Literal["missing", "nothing_missing", "unknown"]
-
-# Set on simulated sensors whose physics is written apart from this model (benchmarks/bench_diagnosis.py).
-GAIN_TO_NAME = 0.075  # an idea must gain this much to be called missing
-SHARE_OF_CEILING = 0.55  # an idea that gains less than this share of what a free-form map finds,
-LEFT_UNEXPLAINED = 0.15  # and leaves more than this share of the error above the noise,
-MOST_UNEXPLAINED, LARGE_GAIN = 0.3, 0.5  # or leaves more than this share and gains less than this much,
-OVER_NOISE = 2.5  # and more than this many noise floors, is a stand-in for something else
-LEFT_BY_STAND_IN = 1.1  # share left by an effect in the place of a shape of the base
-STRUCTURE_OVER_NOISE = 3.0  # where nothing is named, more noise floors than this are structure
-SMALL_GAIN, CROWD = 0.25, 2  # a small gain that so many other ideas half share is the base's own misfit
 TIE_SHARE = 0.15  # of the first's gain; a tie is never wider than
 TIE = 0.08  # ideas closer than this cannot be told apart
 REFITS = 16
@@ -186,7 +176,7 @@ def _concluded(
     best = entrants.get(weighing.ranking[0].idea) if weighing.ranking else None
     reached = best.held if best else base.held
     left = leftover(base.held, reached, floors)
-    verdict = verdict_of(weighing, left, worst_over_noise(reached, floors))
+    verdict = verdict_of(weighing, left, worst_over_noise(base.held, floors), worst_over_noise(reached, floors))
     named = best if verdict == "missing" else None
     after, misfits = _steps(named or base, before, bases, calibration, held)
     attempt = _steps(best, before, bases, calibration, held)[0] if best and verdict == "unknown" else None
@@ -228,31 +218,6 @@ def _steps(
     if winner.name:
         after = on_the_ladder(winner.fit, after, f"+ {winner.name}", calibration, held)
     return after, misfits
-
-
-def verdict_of(weighing: Weighing, left: float, over_noise: float) -> Verdict:
-    """Missing, nothing missing, or unknown, from the gains and from what is left over."""
-    unnamed: Verdict = "unknown" if over_noise > STRUCTURE_OVER_NOISE else "nothing_missing"
-    if not weighing.ranking:
-        return unnamed
-    first = weighing.ranking[0]
-    if first.seen:
-        return "missing"
-    effect, gain = first.candidate.effect, first.gain
-    # What makes the held-out error larger is not named, whatever it gained in calibration. What stands in for a shape
-    # of the base has to do as well as the shape; all else has to do better than the base.
-    most_left = LEFT_BY_STAND_IN if effect.imitable else 1.0
-    if gain <= GAIN_TO_NAME or _crowded(weighing) or left >= most_left:
-        return unnamed
-    short = gain < SHARE_OF_CEILING * weighing.ceiling
-    poor = (left > MOST_UNEXPLAINED and gain < LARGE_GAIN) or (short and left > LEFT_UNEXPLAINED)
-    return "unknown" if poor and over_noise > OVER_NOISE and not effect.quick else "missing"
-
-
-def _crowded(weighing: Weighing) -> bool:
-    """Whether a small gain is shared by many ideas: then each nibbles at a misfit that belongs to none of them."""
-    first, *others = (entry.gain for entry in weighing.ranking)
-    return first < SMALL_GAIN and sum(gain > 0.5 * first for gain in others) >= CROWD
 
 
 def _tied(weighing: Weighing, verdict: Verdict) -> tuple[str, ...]:

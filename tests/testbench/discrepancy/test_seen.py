@@ -7,9 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from testbench.discrepancy.candidates import Candidate
-from testbench.discrepancy.diagnosis import verdict_of
-from testbench.discrepancy.evidence import Evidence, Weighing
 from testbench.discrepancy.measurement import prepare
 from testbench.discrepancy.screen import FLEXIBLE, WITHOUT_SLIP
 from testbench.discrepancy.standin import may_move, straightened
@@ -51,21 +48,6 @@ def test_nothing_is_seen_in_a_free_or_a_coarse_reading(form, step):
 
     channel = FORCE if form.endswith("force") else RESISTANCE
     assert seen_in(clipped(channel, coarse), form) is None
-
-
-def test_what_is_seen_is_missing_however_little_it_gains():
-    effect = CATALOGUE["adc_saturation"]()
-    entry = Evidence("adc_saturation", "adc_saturation", 0.01, {}, FLEXIBLE, Candidate("", effect, 1.0), 1.0)
-    weighing = Weighing((entry,), FLEXIBLE, 0.0, 0.0, ())
-    assert verdict_of(weighing, left=1.1, over_noise=1.2) == "nothing_missing"
-    shown = replace(weighing, ranking=(replace(entry, seen=True),))
-    assert verdict_of(shown, left=1.1, over_noise=1.2) == "missing"
-
-
-@pytest.mark.parametrize(("form", "said"), [("periodic_interference", "missing"), ("stress_relaxation", "unknown")])
-def test_what_the_grid_thins_may_leave_much(form, said):
-    entry = Evidence(form, form, 0.2, {}, FLEXIBLE, Candidate(form, CATALOGUE[form](), 1.0), 1.0)
-    assert verdict_of(Weighing((entry,), FLEXIBLE, 0.0, 0.0, ()), left=0.6, over_noise=5.0) == said
 
 
 def test_a_contact_law_that_must_not_bend_keeps_its_slip():

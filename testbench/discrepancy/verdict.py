@@ -1,0 +1,54 @@
+"""What is said at the end: an effect is missing, nothing is, or something is that nobody knows."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from testbench.discrepancy.evidence import Weighing
+
+Verdict = Literal["missing", "nothing_missing", "unknown"]
+
+# Set on simulated sensors whose physics is written apart from this model (benchmarks/bench_diagnosis.py).
+GAIN_TO_NAME = 0.075  # an idea must gain this much to be called missing
+AT_THE_NOISE, STRUCTURE_OVER_NOISE = 1.2, 2.0  # errors of fewer noise floors have none, of more have structure
+# What leaves more than this share of the error above the noise, and structure, is a stand-in for something else;
+LEFT_UNEXPLAINED = 0.15
+# but so far above the noise several effects are missing at once, and one that explains half of it is worth its name.
+FAR_OVER_NOISE, LEFT_FAR_OVER_NOISE, LARGE_GAIN = 10.0, 0.6, 0.5
+STAND_IN_MAY_COST = 1.05  # times the error of the base, for an effect in the place of one of its shapes
+SMALL_GAIN, CROWD = 0.25, 2  # a small gain that so many other ideas half share is the base's own misfit
+
+
+def verdict_of(weighing: Weighing, left: float, before: float, after: float) -> Verdict:
+    """Missing, nothing missing, or unknown, from the gains and from what is left over.
+
+    Parameters
+    ----------
+    weighing : Weighing
+    left : float
+        Share of the held-out error above the noise that the first idea leaves.
+    before, after : float
+        Held-out error of the base and with the first idea, in noise floors, of the worst channel.
+    """
+    unnamed: Verdict = "unknown" if after > STRUCTURE_OVER_NOISE else "nothing_missing"
+    if not weighing.ranking:
+        return unnamed
+    first = weighing.ranking[0]
+    if first.seen:
+        return "missing"
+    effect, gain = first.candidate.effect, first.gain
+    # What makes the held-out error larger is not named, whatever it gained in calibration. What stands in for a shape
+    # of the base has to do as well as the shape; all else has to do better than the base, if there is room.
+    worse = after > STAND_IN_MAY_COST * before if effect.imitable else left >= 1.0
+    if gain <= GAIN_TO_NAME or _crowded(weighing) or worse:
+        return unnamed
+    if before < AT_THE_NOISE and not effect.imitable:
+        return "nothing_missing"
+    most_left = LEFT_FAR_OVER_NOISE if before > FAR_OVER_NOISE and gain > LARGE_GAIN else LEFT_UNEXPLAINED
+    return "missing" if left <= most_left or after <= STRUCTURE_OVER_NOISE or effect.quick else "unknown"
+
+
+def _crowded(weighing: Weighing) -> bool:
+    """Whether a small gain is shared by many ideas: then each nibbles at a misfit that belongs to none of them."""
+    first, *others = (entry.gain for entry in weighing.ranking)
+    return first < SMALL_GAIN and sum(gain > 0.5 * first for gain in others) >= CROWD

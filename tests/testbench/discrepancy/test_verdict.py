@@ -1,0 +1,61 @@
+"""What is said of a gain, of the error that is left, and of how far that is above the noise."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from testbench.discrepancy.candidates import Candidate
+from testbench.discrepancy.evidence import Evidence, Weighing
+from testbench.discrepancy.screen import FLEXIBLE
+from testbench.discrepancy.verdict import verdict_of
+from tests.testbench.discrepancy.samples import CATALOGUE
+
+
+def weighed(form: str, gain: float, *others: float) -> Weighing:
+    """A ranking led by `form`; others gain what is said."""
+    entry = Evidence(form, form, gain, {}, FLEXIBLE, Candidate(form, CATALOGUE[form](), 1.0), 1.0)
+    ranking = [entry, *(replace(entry, idea=f"other_{k}", gain=other) for k, other in enumerate(others))]
+    return Weighing(tuple(ranking), FLEXIBLE, 0.0, 0.0, ())
+
+
+@pytest.mark.parametrize(
+    ("form", "gain", "left", "before", "after", "said"),
+    [
+        pytest.param("stress_relaxation", 2.0, 0.02, 6.0, 1.1, "missing", id="explains nearly all"),
+        pytest.param("stress_relaxation", 0.01, 0.99, 1.1, 1.1, "nothing_missing", id="gains nothing, at the noise"),
+        pytest.param("stress_relaxation", 0.01, 0.99, 5.0, 4.9, "unknown", id="gains nothing, far from the noise"),
+        pytest.param("stress_relaxation", 1.0, 0.4, 6.0, 3.9, "unknown", id="leaves 40 % and structure"),
+        pytest.param("stress_relaxation", 0.6, 0.4, 2.5, 1.8, "missing", id="leaves 40 %, but no structure"),
+        pytest.param("stress_relaxation", 0.6, 0.55, 19.0, 14.0, "missing", id="half of an error far over the noise"),
+        pytest.param("stress_relaxation", 0.6, 0.7, 19.0, 16.0, "unknown", id="less than half of it"),
+        pytest.param("stress_relaxation", 0.5, 1.0, 6.0, 6.0, "unknown", id="gains in calibration only"),
+        pytest.param("stress_relaxation", 0.3, 0.1, 1.15, 1.0, "nothing_missing", id="the base is at the noise"),
+        pytest.param("jamming_stiffening", 0.1, 1.3, 1.0, 1.02, "missing", id="stands in for a shape, as well as it"),
+        pytest.param("jamming_stiffening", 0.1, 1.2, 1.0, 1.1, "nothing_missing", id="stands in for a shape, worse"),
+        pytest.param(
+            "periodic_interference", 0.2, 0.6, 6.0, 5.0, "missing", id="what the time grid thins may leave much"
+        ),
+    ],
+)
+def test_a_verdict(form, gain, left, before, after, said):
+    assert verdict_of(weighed(form, gain), left, before, after) == said
+
+
+def test_an_empty_catalogue_names_nothing():
+    nothing = Weighing((), FLEXIBLE, 0.0, 0.0, ())
+    assert verdict_of(nothing, 1.0, 1.1, 1.1) == "nothing_missing"
+    assert verdict_of(nothing, 1.0, 5.0, 5.0) == "unknown"
+
+
+def test_a_small_gain_that_many_share_belongs_to_none():
+    assert verdict_of(weighed("stress_relaxation", 0.2, 0.15), 0.3, 1.6, 1.2) == "missing"
+    assert verdict_of(weighed("stress_relaxation", 0.2, 0.15, 0.12), 0.3, 1.6, 1.2) == "nothing_missing"
+
+
+def test_what_is_seen_is_missing_however_little_it_gains():
+    weighing = weighed("adc_saturation", 0.01)
+    assert verdict_of(weighing, left=1.1, before=1.1, after=1.2) == "nothing_missing"
+    shown = replace(weighing, ranking=(replace(weighing.ranking[0], seen=True),))
+    assert verdict_of(shown, left=1.1, before=1.1, after=1.2) == "missing"
