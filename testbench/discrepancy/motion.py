@@ -2,7 +2,7 @@
 
 Friction remembers every turn of the strain, so a model that is driven by the noise of the reading relaxes in a hold
 where the fabric did not, as if somebody shook it. Where the reading stands still, many samples are averaged; where it
-turns, only as many as agree with each other.
+moves by more than its noise, every sample is kept.
 """
 
 from __future__ import annotations
@@ -15,7 +15,8 @@ from testbench.knit.effect import FloatArray
 NEIGHBOURS = (-3, -2, -1, 1, 2, 3)
 HALF_WIDTHS = (1, 2, 4, 8, 16, 32)  # samples on either side
 SLOWEST = 0.2  # share of the samples
-AGREE = 2.5  # standard errors
+AGREE = 3.5  # standard errors
+STILL = 6.0  # standard deviations
 
 
 def reading_noise(time_s: FloatArray, values: FloatArray) -> float:
@@ -46,7 +47,7 @@ def reading_noise(time_s: FloatArray, values: FloatArray) -> float:
 
 
 def without_reading_noise(values: FloatArray, noise: float) -> FloatArray:
-    """Each sample replaced by the mean of the widest window around it that agrees with all narrower ones.
+    """Each sample replaced by the mean of the widest window around it in which the reading hardly moves.
 
     Parameters
     ----------
@@ -62,18 +63,27 @@ def without_reading_noise(values: FloatArray, noise: float) -> FloatArray:
 
     Notes
     -----
-    Intersection of confidence intervals: Goldenshluger & Nemirovski, Math. Methods Stat. 6 (1997) 135; Katkovnik,
-    IEEE Trans. Signal Process. 47 (1999) 2567. The mean of a symmetric window is the local linear fit at its middle.
+    A window has to agree with all narrower ones (Lepski's rule; Katkovnik, IEEE Trans. Signal Process. 47 (1999)
+    2567): its mean and that of a part of it differ by a variance of sigma^2 (1/n_part - 1/n). Its halves have to lie
+    within `STILL` sigma of each other: where a motion is quicker its noise does no harm, and a mean would cut its
+    turns off.
     """
-    best, low, high = values.copy(), values - AGREE * noise, values + AGREE * noise
-    agree = np.ones(len(values), bool)
+    means = [(values, np.ones(len(values)))]
+    best, good = values.copy(), np.ones(len(values), bool)
     for half_width in HALF_WIDTHS:
         mean, count = _window_mean(values, half_width)
-        error = AGREE * noise / np.sqrt(count)
-        low, high = np.maximum(low, mean - error), np.minimum(high, mean + error)
-        agree &= low <= high
-        best[agree] = mean[agree]
+        good &= _moved(means[-1][0], (half_width + 1) // 2) <= STILL * noise
+        for part, fewer in means:
+            good &= np.abs(mean - part) <= AGREE * noise * np.sqrt(1 / fewer - 1 / count)
+        best[good] = mean[good]
+        means.append((mean, count))
     return best
+
+
+def _moved(values: FloatArray, reach: int) -> FloatArray:
+    """How far apart the values so many samples before and after lie, shape (n,)."""
+    index, last = np.arange(len(values)), len(values) - 1
+    return np.abs(values[np.minimum(index + reach, last)] - values[np.maximum(index - reach, 0)])
 
 
 def _window_mean(values: FloatArray, half_width: int) -> tuple[FloatArray, FloatArray]:

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from testbench.discrepancy.measurement import prepare
-from testbench.discrepancy.motion import HALF_WIDTHS, reading_noise, without_reading_noise
+from testbench.discrepancy.motion import reading_noise, without_reading_noise
 from testbench.knit.hysteresis import HysteresisBoucWen
 from testbench.recording import DISPLACEMENT, FORCE, Recording
 
@@ -58,9 +58,11 @@ def test_without_noise_nothing_changes():
 def test_turns_stay_and_holds_become_still(sd, seed):
     strain = ramps_and_holds(TIME_S)
     found = without_reading_noise(strain + noise(sd, seed), sd)
-    assert np.max(np.abs(found - strain)) < 8 * sd
+    assert np.max(np.abs(found - strain)) < 6 * sd
     middle_of_hold = (TIME_S > 15) & (TIME_S < 25)  # the first hold lasts from 10 s to 30 s
-    assert np.std(found[middle_of_hold]) < 2.5 * sd / np.sqrt(2 * HALF_WIDTHS[-1] + 1)
+    # The widest window has 65 samples; now and then a narrower one has to do.
+    assert np.std(found[middle_of_hold]) < 0.5 * sd
+    assert np.median(np.abs(found[middle_of_hold] - 0.2)) < 0.2 * sd
 
 
 def test_friction_keeps_its_force_in_a_hold_that_was_read_with_noise():
@@ -74,8 +76,8 @@ def test_friction_keeps_its_force_in_a_hold_that_was_read_with_noise():
         return float(friction.apply(signals, 1 / RATE_HZ)["force_N"][at_its_end])
 
     assert force_N(strain) > 0.99
-    assert force_N(reading) < 0.5
-    assert force_N(without_reading_noise(reading, 1e-4)) > 0.9
+    assert force_N(reading) < 0.1
+    assert force_N(without_reading_noise(reading, 1e-4)) > 0.85
 
 
 def test_a_measurement_moves_as_the_machine_did():
@@ -84,4 +86,4 @@ def test_a_measurement_moves_as_the_machine_did():
     recording = Recording(TIME_S, {DISPLACEMENT: reading_mm, FORCE: 10 * strain}, GAUGE_LENGTH_MM)
     seen = prepare(recording).signals["strain"]
     moved = ramps_and_holds(prepare(recording).grid_s)
-    assert np.std(seen - moved) < 0.5e-4
+    assert np.std(seen - moved) < 0.7e-4
