@@ -12,7 +12,7 @@ import numpy as np
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 
 SPLINE_KNOTS = 14
-SLIP_STRAINS = np.geomspace(0.001, 0.12, 9)
+SLIP_STRAINS = np.geomspace(0.001, 0.12, 12)
 SLIP_SPAN = 0.3  # the span for which SLIP_STRAINS are given
 DRIFT_TAUS_S = (3.0, 30.0, 300.0)
 
