@@ -12,8 +12,9 @@ import numpy as np
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 
 SPLINE_KNOTS = 14
-SLIP_STRAINS = np.geomspace(0.001, 0.12, 12)
-SLIP_SPAN = 0.3  # the span for which SLIP_STRAINS are given
+SLIP_STRAINS = (0.001, 0.12)  # break-away strains of the first and the last slip element,
+SLIP_SPAN = 0.3  # over this span
+LOOP_SLIPS, CONTACT_SLIPS = 12, 9
 DRIFT_TAUS_S = (3.0, 30.0, 300.0)
 
 
@@ -27,10 +28,10 @@ def spline(x: FloatArray, weights: tuple[float, ...]) -> FloatArray:
 def slips(
     e: FloatArray, span: float, weights: tuple[float, ...], growth: tuple[float, ...] | None = None
 ) -> FloatArray:
-    """Weighted stop operators at `SLIP_STRAINS`, scaled to the span of strain; weights grow by `growth` over it."""
+    """Weighted stop operators in the range of `SLIP_STRAINS`, scaled to the span; weights grow over the strain."""
     from testbench.knit.kernels import weighted_stops
 
-    thresholds = SLIP_STRAINS * span / SLIP_SPAN
+    thresholds = np.geomspace(*SLIP_STRAINS, len(weights)) * span / SLIP_SPAN
     per_strain = np.zeros(len(weights)) if growth is None else np.asarray(growth) / span
     return weighted_stops(e, thresholds, np.asarray(weights), per_strain)
 
@@ -73,10 +74,10 @@ class HysteresisShape(Effect):
     look = "the misfit of force depends on the direction of motion and on the last reversals, at any speed"
 
     weights_N: tuple[float, ...] = parameter(
-        (0.0,) * len(SLIP_STRAINS), unit="N", low=-1e3, high=1e3, doc="friction of each slip element"
+        (0.0,) * LOOP_SLIPS, unit="N", low=-1e3, high=1e3, doc="friction of each slip element"
     )
     growth_N: tuple[float, ...] = parameter(
-        (0.0,) * len(SLIP_STRAINS), unit="N", low=-1e3, high=1e3, doc="its growth over the strain span"
+        (0.0,) * LOOP_SLIPS, unit="N", low=-1e3, high=1e3, doc="its growth over the strain span"
     )
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain over which growth is counted")
 
@@ -108,10 +109,10 @@ class ContactShape(Effect):
         (0.0,) * SPLINE_KNOTS, unit="1", low=-3, high=3, doc="height of each bump over strain"
     )
     slip_weights: tuple[float, ...] = parameter(
-        (0.0,) * len(SLIP_STRAINS), unit="1", low=-3, high=3, doc="change of ln G when a slip element has slipped"
+        (0.0,) * CONTACT_SLIPS, unit="1", low=-3, high=3, doc="change of ln G when a slip element has slipped"
     )
     slip_growth: tuple[float, ...] = parameter(
-        (0.0,) * len(SLIP_STRAINS), unit="1", low=-3, high=3, doc="its growth over the strain span"
+        (0.0,) * CONTACT_SLIPS, unit="1", low=-3, high=3, doc="its growth over the strain span"
     )
     low_N: float = parameter(0.0, unit="N", low=-1e3, high=1e3, doc="contact force where the bumps begin")
     span_N: float = parameter(3.0, unit="N", low=1e-3, high=1e4, doc="contact force covered by the bumps")
