@@ -47,7 +47,9 @@ def test_a_guess_from_the_data_stays_within_its_bounds():
 def test_of_two_that_come_close_the_refits_decide():
     case = make_case("mullins_softening", 15, "mismatched", 9021)
     result = diagnose(case.calibration, case.held_out)
-    assert result.weighing.ranking[0].idea == "mullins_softening"
+    # A set with a threshold comes so close that both are named; clamps that slip and the rest are far behind.
+    assert "mullins_softening" in {result.weighing.ranking[0].idea, *result.tied}
+    assert len(result.tied) <= 2
     assert all(result.error_after[c] < 1.15 * case.truth["noise_floor"][c] for c in result.error_after)
 
 
