@@ -7,6 +7,8 @@ the base law explains. When one of them alone removes the misfit, the finding is
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
@@ -25,13 +27,19 @@ def spline(x: FloatArray, weights: tuple[float, ...]) -> FloatArray:
     return bspline(x, np.asarray(weights))
 
 
+@cache
+def _slip_strains(count: int) -> FloatArray:
+    """Break-away strains of so many slip elements over `SLIP_SPAN`, shape (count,): asked for at every simulation."""
+    return np.geomspace(*SLIP_STRAINS, count)
+
+
 def slips(
     e: FloatArray, span: float, weights: tuple[float, ...], growth: tuple[float, ...] | None = None
 ) -> FloatArray:
     """Weighted stop operators in the range of `SLIP_STRAINS`, scaled to the span; weights grow over the strain."""
     from testbench.knit.kernels import weighted_stops
 
-    thresholds = np.geomspace(*SLIP_STRAINS, len(weights)) * span / SLIP_SPAN
+    thresholds = _slip_strains(len(weights)) * span / SLIP_SPAN
     per_strain = np.zeros(len(weights)) if growth is None else np.asarray(growth) / span
     return weighted_stops(e, thresholds, np.asarray(weights), per_strain)
 

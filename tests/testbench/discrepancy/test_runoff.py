@@ -6,18 +6,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from testbench.discrepancy.candidates import Candidate
-from testbench.discrepancy.evidence import Evidence, Weighing
 from testbench.discrepancy.runoff import CLOSE, run_off, unproven
-from tests.testbench.discrepancy.samples import CATALOGUE
-
-
-def weighing(**gains: float) -> Weighing:
-    entries = [
-        Evidence(idea, idea, gain, {"white": gain, "plain": gain}, "", Candidate(idea, CATALOGUE[idea](), 1.0), 1.0)
-        for idea, gain in gains.items()
-    ]
-    return Weighing(tuple(entries), "", 0.0, 0.0, ())
+from tests.testbench.discrepancy.samples import weighing
 
 
 def entrant(score: float) -> SimpleNamespace:

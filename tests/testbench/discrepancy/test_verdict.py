@@ -6,18 +6,9 @@ from dataclasses import replace
 
 import pytest
 
-from testbench.discrepancy.candidates import Candidate
-from testbench.discrepancy.evidence import Evidence, Weighing
-from testbench.discrepancy.screen import FLEXIBLE
+from testbench.discrepancy.evidence import Weighing
 from testbench.discrepancy.verdict import verdict_of
-from tests.testbench.discrepancy.samples import CATALOGUE
-
-
-def weighed(form: str, gain: float, *others: float) -> Weighing:
-    """A ranking led by `form`; others gain what is said."""
-    entry = Evidence(form, form, gain, {}, FLEXIBLE, Candidate(form, CATALOGUE[form](), 1.0), 1.0)
-    ranking = [entry, *(replace(entry, idea=f"other_{k}", gain=other) for k, other in enumerate(others))]
-    return Weighing(tuple(ranking), FLEXIBLE, 0.0, 0.0, ())
+from tests.testbench.discrepancy.samples import weighing
 
 
 @pytest.mark.parametrize(
@@ -40,22 +31,25 @@ def weighed(form: str, gain: float, *others: float) -> Weighing:
     ],
 )
 def test_a_verdict(form, gain, left, before, after, said):
-    assert verdict_of(weighed(form, gain), left, before, after) == said
+    assert verdict_of(weighing(**{form: gain}), left, before, after) == said
 
 
 def test_an_empty_catalogue_names_nothing():
-    nothing = Weighing((), FLEXIBLE, 0.0, 0.0, ())
+    nothing = Weighing((), "", 0.0, 0.0, ())
     assert verdict_of(nothing, 1.0, 1.1, 1.1) == "nothing_missing"
     assert verdict_of(nothing, 1.0, 5.0, 5.0) == "unknown"
 
 
 def test_a_small_gain_that_many_share_belongs_to_none():
-    assert verdict_of(weighed("stress_relaxation", 0.2, 0.15), 0.3, 1.6, 1.2) == "missing"
-    assert verdict_of(weighed("stress_relaxation", 0.2, 0.15, 0.12), 0.3, 1.6, 1.2) == "nothing_missing"
+    assert verdict_of(weighing(stress_relaxation=0.2, clamp_slip=0.15), 0.3, 1.6, 1.2) == "missing"
+    assert (
+        verdict_of(weighing(stress_relaxation=0.2, clamp_slip=0.15, permanent_set=0.12), 0.3, 1.6, 1.2)
+        == "nothing_missing"
+    )
 
 
 def test_what_is_seen_is_missing_however_little_it_gains():
-    weighing = weighed("adc_saturation", 0.01)
-    assert verdict_of(weighing, left=1.1, before=1.1, after=1.2) == "nothing_missing"
-    shown = replace(weighing, ranking=(replace(weighing.ranking[0], seen=True),))
+    ranked = weighing(adc_saturation=0.01)
+    assert verdict_of(ranked, left=1.1, before=1.1, after=1.2) == "nothing_missing"
+    shown = replace(ranked, ranking=(replace(ranked.ranking[0], seen=True),))
     assert verdict_of(shown, left=1.1, before=1.1, after=1.2) == "missing"
