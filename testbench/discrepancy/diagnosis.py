@@ -29,9 +29,9 @@ from testbench.discrepancy.ladder import on_the_ladder
 from testbench.discrepancy.measurement import Measurement, coarser, split
 from testbench.discrepancy.model_file import ModelFile
 from testbench.discrepancy.runoff import run_off, unproven
-from testbench.discrepancy.screen import collect
 from testbench.discrepancy.standin import stand_ins, with_stand_ins
 from testbench.discrepancy.telling import Progress, silent
+from testbench.discrepancy.traces import collect
 from testbench.discrepancy.verdict import GAIN_TO_NAME, Verdict, verdict_of
 from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.knit.model import KnitModel

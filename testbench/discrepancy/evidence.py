@@ -9,7 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from testbench.discrepancy.candidates import Candidate
-from testbench.discrepancy.screen import FLEXIBLE, STIFF, Judgement, Traces, judge_ideas
+from testbench.discrepancy.screen import FLEXIBLE, STIFF, Judgement, judge_ideas
+from testbench.discrepancy.traces import Traces
 
 # What one shape of the base costs, as a share of what it buys: a physical effect that explains nearly as much with
 # one or two numbers is the better explanation.

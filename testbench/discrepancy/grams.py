@@ -1,4 +1,4 @@
-"""Inner products of residual, sensitivities and traces, block by block.
+"""Inner products of residual, sensitivities and traces.
 
 Once these small matrices are known, every question of the screening (fit on these blocks, judge on those) is linear
 algebra on a few hundred numbers, however long the recordings are.
@@ -21,25 +21,24 @@ BLOCKS = 40
 
 @dataclass(frozen=True)
 class Grams:
-    """Inner products of whitened columns in each block of one recording.
+    """Inner products of whitened columns over one recording, every other of its `BLOCKS` blocks apart.
 
     Attributes
     ----------
-    blocks : ndarray, shape (b, q, q)
+    even, odd : ndarray, shape (q, q)
         Column 0 is the residual, the next `base` columns are the base's sensitivities, the rest traces.
-    samples : ndarray, shape (b,)
     base : int
         Number of sensitivities.
     """
 
-    blocks: FloatArray
-    samples: FloatArray
+    even: FloatArray
+    odd: FloatArray
     base: int
 
     @property
     def total(self) -> FloatArray:
-        """Sum over the blocks, shape (q, q)."""
-        return self.blocks.sum(axis=0)
+        """Over the whole recording, shape (q, q)."""
+        return self.even + self.odd
 
 
 Rows = Sequence[FloatArray | None]  # one channel's columns; None where a column does not touch the channel
@@ -53,7 +52,7 @@ def grams(
     base: int,
     stride: int = 1,
 ) -> Grams:
-    """Whiten the columns of each channel, centre them over the recording, and multiply them block by block.
+    """Whiten the columns of each channel, centre them over the recording, and multiply them.
 
     Parameters
     ----------
@@ -66,21 +65,21 @@ def grams(
     stride : int
         Use every so many samples only; neighbours say nearly the same.
     """
-    rows = np.flatnonzero(measurement.counts)[::stride]
-    parts = np.array_split(np.arange(len(rows)), BLOCKS)
+    blocks = np.array_split(np.flatnonzero(measurement.counts)[::stride], BLOCKS)
+    order, half = np.concatenate([*blocks[::2], *blocks[1::2]]), sum(map(len, blocks[::2]))
     count = len(next(iter(columns.values())))
-    blocks = np.zeros((len(parts), count, count))
+    even, odd = np.zeros((count, count)), np.zeros((count, count))
     for channel, values in columns.items():
-        white = np.zeros((count, len(rows)))
-        for index, row in enumerate(values):
-            if row is not None:
-                picked = whitened(row, filters[channel])[rows] / scale[channel]
-                # Force zero and conductance gain belong to the mounting of each recording: they are free.
-                white[index] = picked - picked.mean()
-        for index, part in enumerate(parts):
-            piece = white[:, part[0] : part[-1] + 1]
-            blocks[index] += piece @ piece.T
-    return Grams(blocks, np.array([len(part) for part in parts], float), base)
+        touching = [index for index, row in enumerate(values) if row is not None]
+        white = np.empty((len(touching), len(order)))
+        for place, row in enumerate(row for row in values if row is not None):
+            picked = whitened(row, filters[channel])[order] / scale[channel]
+            # Force zero and conductance gain belong to the mounting of each recording: they are free.
+            white[place] = picked - picked.mean()
+        square = np.ix_(touching, touching)
+        for gram, piece in ((even, white[:, :half]), (odd, white[:, half:])):
+            gram[square] += piece @ piece.T
+    return Grams(even, odd, base)
 
 
 @dataclass(frozen=True)

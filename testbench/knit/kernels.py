@@ -164,18 +164,29 @@ def bspline(x: FloatArray, weights: FloatArray) -> FloatArray:
     return out
 
 
-@njit("float64[:](float64[:], float64[:], float64[:], float64[:])", cache=True, nogil=True)
+# NaN never reaches the stops, and the order of their sum is free: only so can the processor take several at once.
+_ANY_ORDER = {"reassoc", "nnan", "nsz", "contract"}
+
+
+@njit("float64[:](float64[:], float64[:], float64[:], float64[:])", cache=True, nogil=True, fastmath=_ANY_ORDER)
 def weighted_stops(x: FloatArray, thresholds: FloatArray, weights: FloatArray, growth: FloatArray) -> FloatArray:
     """Sum of normalised stop operators ``(x - play_r(x)) / r``, weighted by ``weights + growth * x``, shape (n,)."""
-    out = np.zeros_like(x)
-    for k in range(len(thresholds)):
-        if weights[k] == 0.0 and growth[k] == 0.0:
-            continue
-        r = thresholds[k]
-        y = x[0]
-        for i in range(len(x)):
-            y = min(max(y, x[i] - r), x[i] + r)
-            out[i] += (weights[k] + growth[k] * x[i]) * (x[i] - y) / r
+    # All operators advance together: none has to wait for its own last step.
+    used = (weights != 0.0) | (growth != 0.0)
+    r = thresholds[used]
+    weight, grown = weights[used] / r, growth[used] / r
+    y = np.full(len(r), x[0])
+    out = np.empty_like(x)
+    for i in range(len(x)):
+        now, fixed, growing = x[i], 0.0, 0.0
+        for k in range(len(r)):
+            low, high = now - r[k], now + r[k]
+            played = y[k] if y[k] > low else low
+            played = played if played < high else high
+            y[k] = played
+            fixed += weight[k] * (now - played)
+            growing += grown[k] * (now - played)
+        out[i] = fixed + growing * now
     return out
 
 
@@ -214,18 +225,7 @@ def first_order(x: FloatArray, a: float, b0: float, b1: float, start: float) -> 
 @njit("float64[:](float64[:], float64[:])", cache=True, nogil=True)
 def mean_stop(x: FloatArray, thresholds: FloatArray) -> FloatArray:
     """Mean of the normalised stop operators ``(x - play_r(x)) / r``, shape (n,)."""
-    # All operators advance together: none has to wait for its own last step.
-    out = np.zeros_like(x)
-    y = np.full(len(thresholds), x[0])
-    share = 1.0 / (thresholds * len(thresholds))
-    total = share.sum()
-    for i in range(1, len(x)):
-        played = 0.0
-        for k in range(len(thresholds)):
-            y[k] = min(max(y[k], x[i] - thresholds[k]), x[i] + thresholds[k])
-            played += share[k] * y[k]
-        out[i] = total * x[i] - played
-    return out
+    return weighted_stops(x, thresholds, np.full(len(thresholds), 1.0 / len(thresholds)), np.zeros(len(thresholds)))
 
 
 @njit("float64[:](float64[:], float64, float64)", cache=True, nogil=True)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.optimize import lsq_linear, nnls
 
 from testbench.discrepancy.experiment import planned
-from testbench.discrepancy.grams import grams, nonnegative, reduce_to_traces
+from testbench.discrepancy.grams import BLOCKS, grams, nonnegative, reduce_to_traces
 from testbench.discrepancy.imitation import bounded
 from testbench.discrepancy.measurement import prepare
 from tests.testbench.discrepancy.samples import record, truth
@@ -25,10 +25,22 @@ def example():
     return made, centred
 
 
-def test_blocks_add_up_to_the_whole(example):
+def test_even_and_odd_blocks_add_up_to_the_whole(example):
     made, centred = example
     np.testing.assert_allclose(made.total, centred @ centred.T, rtol=1e-9, atol=1e-9)
-    assert made.samples.sum() == centred.shape[1]
+    even = np.concatenate(np.array_split(centred, BLOCKS, axis=1)[::2], axis=1)
+    np.testing.assert_allclose(made.even, even @ even.T, rtol=1e-9, atol=1e-9)
+
+
+def test_a_column_that_does_not_touch_a_channel_adds_nothing_there(example):
+    measurement = prepare(record(truth(), 60))
+    rng = np.random.default_rng(1)
+    first, second = rng.standard_normal((2, len(measurement.counts)))
+    ones, unit = {"force": np.ones(1), "conductance": np.ones(1)}, {"force": 1.0, "conductance": 1.0}
+    apart = grams({"force": [first, None], "conductance": [None, second]}, measurement, ones, unit, base=0)
+    counted = second[measurement.counts]
+    assert apart.total[0, 1] == 0
+    assert apart.total[1, 1] == pytest.approx(np.sum((counted - counted.mean()) ** 2))
 
 
 def test_elimination_of_the_base_equals_direct_least_squares(example):
