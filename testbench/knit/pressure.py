@@ -1,4 +1,4 @@
-"""Force that presses the contacts: it may relax, saturate and stick apart from the force that is measured."""
+"""Force that presses the contacts: it may saturate and stick apart from the force that is measured."""
 
 from __future__ import annotations
 
@@ -6,9 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from testbench.knit import spectra
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
-from testbench.knit.filters import lowpass, memory, shifted
 from testbench.knit.hysteresis import mean_slip
 
 
@@ -40,118 +38,6 @@ class ContactDrive(Effect):
         by_strain_N = self.low_N + self.span_N * signals["strain"] / self.span
         felt_N = signals["contact_force_N"] + self.strain_share * (by_strain_N - signals["contact_force_N"])
         return {"contact_force_N": felt_N}
-
-
-class ContactRelaxation(Effect):
-    """The yarns yield where they touch: the pressing force fades although the knit's force holds.
-
-    With a negative fraction the contacts bed in instead, and seem pressed the harder the longer.
-
-    P(t) = P_0(t) - fraction * integral of (1 - exp(-(t - s) / tau)) dP_0(s)
-
-    Source: Holm, Electric Contacts (1967) (stress relaxation of contacts); Prony form as `stress_relaxation`.
-    Valid: small changes of the contact geometry.
-    """
-
-    name = "contact_relaxation"
-    stage = Stage.PRESSURE
-    reads, writes = ("contact_force_N",), ("contact_force_N",)
-    strength = "fraction"
-    look = "in a hold the conductance sinks while the force does not"
-
-    fraction: float = parameter(
-        0.3, unit="1", low=-3, high=0.95, doc="share of the contact force that is lost; below 0: that is gained"
-    )
-    tau_s: float = parameter(20.0, unit="s", low=0.1, high=3000, scale="log", doc="time in which 63 % of it is lost")
-
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        pressing_N = signals["contact_force_N"]
-        lost = lowpass(pressing_N, self.tau_s, dt_s) - pressing_N[0]
-        return {"contact_force_N": pressing_N - self.fraction * lost}
-
-
-class ContactRelaxationSpectrum(Effect):
-    """The pressing force fades over decades of time.
-
-    P(t) = P_0(t) - fraction * integral of phi(t - s) dP_0(s)
-    phi(t) = mean of 1 - exp(-t / tau) over ln(tau) from `shortest_s` to `longest_s`
-
-    Source: Fung, Biomechanics (1993), section 7.6 (box spectrum).
-    Valid: as `contact_relaxation`.
-    """
-
-    name = "contact_relaxation_spectrum"
-    idea = "contact_relaxation"
-    stage = Stage.PRESSURE
-    reads, writes = ("contact_force_N",), ("contact_force_N",)
-    strength = "fraction"
-    look = "in a hold the conductance sinks ever more slowly while the force does not"
-
-    fraction: float = parameter(
-        0.3, unit="1", low=-3, high=0.95, doc="share of the contact force that is lost; below 0: that is gained"
-    )
-    shortest_s: float = parameter(1.0, unit="s", low=0.05, high=100, scale="log", doc="shortest relaxation time")
-    longest_s: float = parameter(100.0, unit="s", low=1, high=1e5, scale="log", doc="longest relaxation time")
-
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        times, weights = spectra.box(self.shortest_s, self.longest_s)
-        lost = memory(signals["contact_force_N"], times, self.fraction * weights, dt_s)
-        return {"contact_force_N": signals["contact_force_N"] - lost}
-
-
-class ContactRelaxationAsymmetric(Effect):
-    """Contacts close quickly under load and part slowly when it goes.
-
-    ln G += gain_per_N * (y - P),   tau y' = P - y,   tau = tau_up where y rises, tau_down where it falls
-
-    Source: adhesion of contact spots on unloading, Johnson, Kendall & Roberts, Proc. R. Soc. A 324 (1971) 301; two
-    time constants as the simplest law.
-    Valid: small changes; tau_down above tau_up.
-    """
-
-    name = "contact_relaxation_asymmetric"
-    idea = "contact_relaxation"
-    stage = Stage.ELECTRICAL
-    reads, writes = ("contact_force_N", "conductance_S"), ("conductance_S",)
-    strength = "gain_per_N"
-    look = "conductance follows a pull at once and lags behind a release"
-
-    gain_per_N: float = parameter(0.1, unit="1/N", low=0, high=5, doc="change of ln G per newton of lag")
-    tau_up_s: float = parameter(1.0, unit="s", low=0.05, high=30, scale="log", doc="time in which contacts close")
-    tau_down_s: float = parameter(30.0, unit="s", low=1, high=1000, scale="log", doc="time in which contacts part")
-
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        from testbench.knit.kernels import two_way_lowpass
-
-        pressing_N = signals["contact_force_N"]
-        keep_up, keep_down = np.exp(-dt_s / self.tau_up_s), np.exp(-dt_s / self.tau_down_s)
-        lag_N = two_way_lowpass(pressing_N, keep_up, keep_down) - pressing_N
-        return {"conductance_S": shifted(signals["conductance_S"], self.gain_per_N * lag_N)}
-
-
-class ContactCreep(Effect):
-    """Contact spots creep and grow under constant load: the pressing force seems to rise with time.
-
-    P(t) = P_0(t) + per_decade * integral of log10(1 + (t - s) / tau) dP_0(s)
-
-    Source: Holm, Electric Contacts (1967) (creep of the softened asperities).
-    Valid: the opposite of `contact_relaxation`; both may be there at different times.
-    """
-
-    name = "contact_creep"
-    idea = "contact_relaxation"
-    stage = Stage.PRESSURE
-    reads, writes = ("contact_force_N",), ("contact_force_N",)
-    strength = "per_decade"
-    look = "in a hold the conductance rises while the force does not"
-
-    per_decade: float = parameter(0.05, unit="1", low=0, high=0.5, doc="relative gain per decade of time")
-    tau_s: float = parameter(1.0, unit="s", low=0.05, high=300, scale="log", doc="when the creep sets in")
-
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        times, weights = spectra.logarithm(self.tau_s)
-        gained = memory(signals["contact_force_N"], times, self.per_decade / np.log(10) * weights, dt_s)
-        return {"contact_force_N": signals["contact_force_N"] + gained}
 
 
 def guess_limit(effect: Effect, signals: Signals) -> Effect:

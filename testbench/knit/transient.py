@@ -160,32 +160,6 @@ class ElectricalOvershootTurn(Effect):
         return {"conductance_S": shifted(signals["conductance_S"], 0.5 * self.gain * turned)}
 
 
-class ElectricalOvershootForce(Effect):
-    """The conductance overshoots with sudden changes of the contact force.
-
-    ln G += gain * (P - y) / 1 N,   tau y' = P - y
-
-    Source: as `electrical_overshoot`, driven by the pressing force.
-    Valid: small overshoot.
-    """
-
-    name = "electrical_overshoot_force"
-    # What relaxes is the contact under its force, so it speaks for that idea.
-    idea = "contact_relaxation"
-    stage = Stage.ELECTRICAL
-    reads, writes = ("contact_force_N", "conductance_S"), ("conductance_S",)
-    strength = "gain_per_N"
-    look = "conductance shoots beyond its final value, most where the knit is stiff"
-
-    gain_per_N: float = parameter(0.1, unit="1/N", low=-5, high=5, doc="change of ln G per newton of sudden force")
-    tau_s: float = parameter(3.0, unit="s", low=0.1, high=300, scale="log", doc="time in which it settles")
-
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        pressing_N = signals["contact_force_N"]
-        sudden = pressing_N - lowpass(pressing_N, self.tau_s, dt_s)
-        return {"conductance_S": shifted(signals["conductance_S"], self.gain_per_N * sudden)}
-
-
 class ShoulderPeak(Effect):
     """On release the conductance of carbon-filled composites dips (or peaks) a second time.
 

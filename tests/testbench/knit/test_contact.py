@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from testbench.knit.contact import Contact
+from testbench.knit.contact_relaxation import ContactRelaxation, ContactRelaxationSpots
 from testbench.knit.electrical import CoatingCracks, Drift, DriftExponential, DriftPower
 from testbench.knit.piezoresistance import Piezoresistance, PiezoresistancePercolation, PiezoresistanceTunnelling
-from testbench.knit.pressure import ContactHysteresis, ContactRelaxation, ContactSaturation, ContactSaturationHard
+from testbench.knit.pressure import ContactHysteresis, ContactSaturation, ContactSaturationHard
 
 FORCE = np.linspace(0, 50, 401)
 STRAIN = np.linspace(0, 0.4, 401)
@@ -54,6 +55,17 @@ def test_relaxed_contact_settles_at_the_remaining_fraction() -> None:
     effect = ContactRelaxation(fraction=0.4, tau_s=10)
     pressing = effect.apply({"contact_force_N": 5 * np.minimum(t, 1.0)}, 0.1)["contact_force_N"]
     assert pressing[-1] == pytest.approx(3.0)
+
+
+def test_parted_spots_take_the_share_of_the_spectrum_back_with_them() -> None:
+    t = np.arange(0, 400, 0.05)
+    gained = np.exp(np.minimum(t / 0.05, 1.0))  # ln G rises by 1 within a sample
+    effect = ContactRelaxationSpots(fraction=0.3, shortest_s=10.0, longest_s=100.0)
+    left = np.log(effect.apply({"conductance_S": gained}, 0.05)["conductance_S"])
+    times = np.geomspace(10, 100, 4001)
+    faded = [1 - np.trapezoid(np.exp(-after / times), np.log(times)) / np.log(10) for after in (20.0, 350.0)]
+    at = np.searchsorted(t, [20.0, 350.0])
+    np.testing.assert_allclose(left[at], 1 - 0.3 * np.array(faded), atol=1e-3)
 
 
 def test_contact_friction_shifts_the_two_branches_apart_by_twice_its_value() -> None:

@@ -1,0 +1,177 @@
+"""Contacts relax, part or creep: conductance goes on changing while strain and force hold."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from testbench.knit import spectra
+from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
+from testbench.knit.filters import lowpass, memory, shifted
+
+
+class ContactRelaxation(Effect):
+    """The yarns yield where they touch: the pressing force fades although the knit's force holds.
+
+    With a negative fraction the contacts bed in instead, and seem pressed the harder the longer.
+
+    P(t) = P_0(t) - fraction * integral of (1 - exp(-(t - s) / tau)) dP_0(s)
+
+    Source: Holm, Electric Contacts (1967) (stress relaxation of contacts); Prony form as `stress_relaxation`.
+    Valid: small changes of the contact geometry.
+    """
+
+    name = "contact_relaxation"
+    stage = Stage.PRESSURE
+    reads, writes = ("contact_force_N",), ("contact_force_N",)
+    strength = "fraction"
+    look = "in a hold the conductance sinks while the force does not"
+
+    fraction: float = parameter(
+        0.3, unit="1", low=-3, high=0.95, doc="share of the contact force that is lost; below 0: that is gained"
+    )
+    tau_s: float = parameter(20.0, unit="s", low=0.1, high=3000, scale="log", doc="time in which 63 % of it is lost")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        pressing_N = signals["contact_force_N"]
+        lost = lowpass(pressing_N, self.tau_s, dt_s) - pressing_N[0]
+        return {"contact_force_N": pressing_N - self.fraction * lost}
+
+
+class ContactRelaxationSpectrum(Effect):
+    """The pressing force fades over decades of time.
+
+    P(t) = P_0(t) - fraction * integral of phi(t - s) dP_0(s)
+    phi(t) = mean of 1 - exp(-t / tau) over ln(tau) from `shortest_s` to `longest_s`
+
+    Source: Fung, Biomechanics (1993), section 7.6 (box spectrum).
+    Valid: as `contact_relaxation`.
+    """
+
+    name = "contact_relaxation_spectrum"
+    idea = "contact_relaxation"
+    stage = Stage.PRESSURE
+    reads, writes = ("contact_force_N",), ("contact_force_N",)
+    strength = "fraction"
+    look = "in a hold the conductance sinks ever more slowly while the force does not"
+
+    fraction: float = parameter(
+        0.3, unit="1", low=-3, high=0.95, doc="share of the contact force that is lost; below 0: that is gained"
+    )
+    shortest_s: float = parameter(1.0, unit="s", low=0.05, high=100, scale="log", doc="shortest relaxation time")
+    longest_s: float = parameter(100.0, unit="s", low=1, high=1e5, scale="log", doc="longest relaxation time")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        times, weights = spectra.box(self.shortest_s, self.longest_s)
+        lost = memory(signals["contact_force_N"], times, self.fraction * weights, dt_s)
+        return {"contact_force_N": signals["contact_force_N"] - lost}
+
+
+class ContactRelaxationAsymmetric(Effect):
+    """Contacts close quickly under load and part slowly when it goes.
+
+    ln G += gain_per_N * (y - P),   tau y' = P - y,   tau = tau_up where y rises, tau_down where it falls
+
+    Source: adhesion of contact spots on unloading, Johnson, Kendall & Roberts, Proc. R. Soc. A 324 (1971) 301; two
+    time constants as the simplest law.
+    Valid: small changes; tau_down above tau_up.
+    """
+
+    name = "contact_relaxation_asymmetric"
+    idea = "contact_relaxation"
+    stage = Stage.ELECTRICAL
+    reads, writes = ("contact_force_N", "conductance_S"), ("conductance_S",)
+    strength = "gain_per_N"
+    look = "conductance follows a pull at once and lags behind a release"
+
+    gain_per_N: float = parameter(0.1, unit="1/N", low=0, high=5, doc="change of ln G per newton of lag")
+    tau_up_s: float = parameter(1.0, unit="s", low=0.05, high=30, scale="log", doc="time in which contacts close")
+    tau_down_s: float = parameter(30.0, unit="s", low=1, high=1000, scale="log", doc="time in which contacts part")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        from testbench.knit.kernels import two_way_lowpass
+
+        pressing_N = signals["contact_force_N"]
+        keep_up, keep_down = np.exp(-dt_s / self.tau_up_s), np.exp(-dt_s / self.tau_down_s)
+        lag_N = two_way_lowpass(pressing_N, keep_up, keep_down) - pressing_N
+        return {"conductance_S": shifted(signals["conductance_S"], self.gain_per_N * lag_N)}
+
+
+class ContactRelaxationSpots(Effect):
+    """Contact spots part again after each change: part of what the conductance gained fades over decades of time.
+
+    ln G(t) = ln G_0(t) - fraction * integral of phi(t - s) d(ln G_0)(s)
+    phi(t) = mean of 1 - exp(-t / tau) over ln(tau) from `shortest_s` to `longest_s`
+
+    Source: Fung, Biomechanics (1993), section 7.6 (box spectrum), for the number of spots that conduct.
+    Valid: small changes; times longer than those of an overshoot.
+    """
+
+    name = "contact_relaxation_spots"
+    idea = "contact_relaxation"
+    stage = Stage.ELECTRICAL
+    reads, writes = ("conductance_S",), ("conductance_S",)
+    strength = "fraction"
+    look = "after every move part of the change of conductance comes back over seconds to minutes"
+
+    fraction: float = parameter(
+        0.3, unit="1", low=-3, high=0.95, doc="share of the change of ln G that is lost; below 0: that is gained"
+    )
+    shortest_s: float = parameter(6.0, unit="s", low=3, high=100, scale="log", doc="shortest relaxation time")
+    longest_s: float = parameter(300.0, unit="s", low=30, high=1e5, scale="log", doc="longest relaxation time")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        conductance = signals["conductance_S"]
+        times, weights = spectra.box(self.shortest_s, self.longest_s)
+        lost = memory(np.log(np.maximum(conductance, 1e-300)), times, self.fraction * weights, dt_s)
+        return {"conductance_S": shifted(conductance, -lost)}
+
+
+class ContactCreep(Effect):
+    """Contact spots creep and grow under constant load: the pressing force seems to rise with time.
+
+    P(t) = P_0(t) + per_decade * integral of log10(1 + (t - s) / tau) dP_0(s)
+
+    Source: Holm, Electric Contacts (1967) (creep of the softened asperities).
+    Valid: the opposite of `contact_relaxation`; both may be there at different times.
+    """
+
+    name = "contact_creep"
+    idea = "contact_relaxation"
+    stage = Stage.PRESSURE
+    reads, writes = ("contact_force_N",), ("contact_force_N",)
+    strength = "per_decade"
+    look = "in a hold the conductance rises while the force does not"
+
+    per_decade: float = parameter(0.05, unit="1", low=0, high=0.5, doc="relative gain per decade of time")
+    tau_s: float = parameter(1.0, unit="s", low=0.05, high=300, scale="log", doc="when the creep sets in")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        times, weights = spectra.logarithm(self.tau_s)
+        gained = memory(signals["contact_force_N"], times, self.per_decade / np.log(10) * weights, dt_s)
+        return {"contact_force_N": signals["contact_force_N"] + gained}
+
+
+class ElectricalOvershootForce(Effect):
+    """The conductance overshoots with sudden changes of the contact force.
+
+    ln G += gain * (P - y) / 1 N,   tau y' = P - y
+
+    Source: as `electrical_overshoot`, driven by the pressing force.
+    Valid: small overshoot.
+    """
+
+    name = "electrical_overshoot_force"
+    # What relaxes is the contact under its force, so it speaks for that idea.
+    idea = "contact_relaxation"
+    stage = Stage.ELECTRICAL
+    reads, writes = ("contact_force_N", "conductance_S"), ("conductance_S",)
+    strength = "gain_per_N"
+    look = "conductance shoots beyond its final value, most where the knit is stiff"
+
+    gain_per_N: float = parameter(0.1, unit="1/N", low=-5, high=5, doc="change of ln G per newton of sudden force")
+    tau_s: float = parameter(3.0, unit="s", low=0.1, high=300, scale="log", doc="time in which it settles")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        pressing_N = signals["contact_force_N"]
+        sudden = pressing_N - lowpass(pressing_N, self.tau_s, dt_s)
+        return {"conductance_S": shifted(signals["conductance_S"], self.gain_per_N * sudden)}
