@@ -84,6 +84,7 @@ BUILT_IN = {
     "electrical_overshoot_motion": "testbench.knit.transient:ElectricalOvershootMotion",
     "electrical_overshoot_reversal": "testbench.knit.transient:ElectricalOvershootReversal",
     "electrical_overshoot_turn": "testbench.knit.transient:ElectricalOvershootTurn",
+    "electrical_overshoot_anew": "testbench.knit.transient:ElectricalOvershootAnew",
     "shoulder_peak": "testbench.knit.transient:ShoulderPeak",
     "rate_resistance": "testbench.knit.transient:RateResistance",
     "rate_resistance_magnitude": "testbench.knit.transient:RateResistanceMagnitude",

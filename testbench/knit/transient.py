@@ -160,6 +160,48 @@ class ElectricalOvershootTurn(Effect):
         return {"conductance_S": shifted(signals["conductance_S"], 0.5 * self.gain * turned)}
 
 
+class ElectricalOvershootAnew(Effect):
+    """Each turn of the motion starts a transient anew and breaks the one before off.
+
+    ln G += gain * d * (exp(-t / tau) - exp(-t / rise)) * tau / (tau - rise)
+    t = time since the last turn,   d = 1 while stretching, -1 while releasing
+
+    Source: as `electrical_overshoot_reversal`; contacts that are made anew at each turn: Rabinowicz, Proc. Phys. Soc.
+    71 (1958) 668.
+    Valid: a turn counts once the knit has come back by `back`.
+    """
+
+    name = "electrical_overshoot_anew"
+    idea = "electrical_overshoot"
+    stage = Stage.ELECTRICAL
+    reads, writes = ("strain", "conductance_S"), ("conductance_S",)
+    strength = "gain"
+    look = "a spike of the conductance after every turn of the motion, the same however soon the next one follows"
+
+    gain: float = parameter(0.05, unit="1", low=-3, high=3, doc="change of ln G at a turn")
+    tau_s: float = parameter(2.0, unit="s", low=0.3, high=100, scale="log", doc="time in which it settles")
+    rise_s: float = parameter(0.05, unit="s", low=0.02, high=30, scale="log", doc="time in which the spike rises")
+    back: float = parameter(0.01, unit="1", low=5e-4, high=0.2, scale="log", doc="strain that makes a turn")
+
+    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+        # No gradient leads from one number of turns to another.
+        return [{"back": back} | spike for back in (0.003, 0.01) for spike in SPIKES]
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        from testbench.knit.kernels import turns
+
+        strain = np.ascontiguousarray(signals["strain"])
+        turned = turns(strain, self.back)[0].astype(int)
+        since_s = (np.arange(len(strain)) - turned) * dt_s
+        heading = np.sign(strain - strain[turned])
+        slow_s, quick_s = max(self.tau_s, self.rise_s), min(self.tau_s, self.rise_s)
+        faster = 1 / quick_s - 1 / slow_s
+        # (exp(-t / slow) - exp(-t / quick)) / faster, which is t exp(-t / tau) where both times are the same
+        risen_s = -np.expm1(-faster * since_s) / faster if faster > 1e-9 else since_s
+        spike = np.exp(-since_s / slow_s) * risen_s / self.rise_s
+        return {"conductance_S": shifted(signals["conductance_S"], self.gain * heading * spike)}
+
+
 class ShoulderPeak(Effect):
     """On release the conductance of carbon-filled composites dips (or peaks) a second time.
 

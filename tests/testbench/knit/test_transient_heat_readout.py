@@ -25,6 +25,7 @@ from testbench.knit.readout import (
 )
 from testbench.knit.transient import (
     ElectricalOvershoot,
+    ElectricalOvershootAnew,
     ElectricalOvershootMagnitude,
     ElectricalOvershootReversal,
     RateResistance,
@@ -40,6 +41,19 @@ UP_HOLD_DOWN = 0.2 * np.interp(T, [0, 10, 40, 50], [0, 1, 1, 0])
 def log_change(effect: object, strain: np.ndarray = UP_HOLD_DOWN) -> np.ndarray:
     signals = {"strain": strain, "conductance_S": ONE, "time_s": T}
     return np.log(effect.apply(signals, DT_S)["conductance_S"])  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize(("tau_s", "rise_s"), [(4.0, 0.5), (0.5, 4.0), (2.0, 2.0), (2.0, 2.0 + 1e-9)])
+def test_a_transient_starts_anew_at_each_turn(tau_s: float, rise_s: float) -> None:
+    triangle = 0.2 * np.interp(T, [0, 10, 20, 100], [0, 1, 0, 1])
+    change = log_change(ElectricalOvershootAnew(gain=0.1, tau_s=tau_s, rise_s=rise_s, back=0.01), triangle)
+    for turned_s, at_s, heading in ((10.0, 13.0, -1), (20.0, 26.0, 1)):
+        since_s = at_s - turned_s
+        if abs(tau_s - rise_s) > 1e-6:
+            spike = tau_s / (tau_s - rise_s) * (np.exp(-since_s / tau_s) - np.exp(-since_s / rise_s))
+        else:
+            spike = since_s / tau_s * np.exp(-since_s / tau_s)
+        assert change[np.searchsorted(T, at_s)] == pytest.approx(0.1 * heading * spike, rel=1e-6)
 
 
 def test_overshoot_after_a_ramp_decays_with_its_time_constant() -> None:
