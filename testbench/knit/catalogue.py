@@ -80,6 +80,7 @@ BUILT_IN = {
     "piezoresistance_tunnelling": "testbench.knit.piezoresistance:PiezoresistanceTunnelling",
     "piezoresistance_percolation": "testbench.knit.piezoresistance:PiezoresistancePercolation",
     "electrical_overshoot": "testbench.knit.transient:ElectricalOvershoot",
+    "electrical_overshoot_conductance": "testbench.knit.transient:ElectricalOvershootConductance",
     "electrical_overshoot_magnitude": "testbench.knit.transient:ElectricalOvershootMagnitude",
     "electrical_overshoot_motion": "testbench.knit.transient:ElectricalOvershootMotion",
     "electrical_overshoot_reversal": "testbench.knit.transient:ElectricalOvershootReversal",

@@ -29,7 +29,8 @@ class ContactRelaxation(Effect):
     fraction: float = parameter(
         0.3, unit="1", low=-3, high=0.95, doc="share of the contact force that is lost; below 0: that is gained"
     )
-    tau_s: float = parameter(20.0, unit="s", low=0.1, high=3000, scale="log", doc="time in which 63 % of it is lost")
+    # Quicker than this it is an overshoot.
+    tau_s: float = parameter(20.0, unit="s", low=1, high=3000, scale="log", doc="time in which 63 % of it is lost")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         pressing_N = signals["contact_force_N"]
@@ -169,7 +170,7 @@ class ElectricalOvershootForce(Effect):
     look = "conductance shoots beyond its final value, most where the knit is stiff"
 
     gain_per_N: float = parameter(0.1, unit="1/N", low=-5, high=5, doc="change of ln G per newton of sudden force")
-    tau_s: float = parameter(3.0, unit="s", low=0.1, high=300, scale="log", doc="time in which it settles")
+    tau_s: float = parameter(15.0, unit="s", low=5, high=300, scale="log", doc="time in which it settles")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         pressing_N = signals["contact_force_N"]

@@ -33,11 +33,37 @@ class ElectricalOvershoot(Effect):
     look = "conductance shoots beyond its final value after every move and settles within seconds"
 
     gain: float = parameter(0.5, unit="1", low=-20, high=20, doc="change of ln G per unit of sudden strain")
-    tau_s: float = parameter(3.0, unit="s", low=0.1, high=300, scale="log", doc="time in which it settles")
+    # Slower than this it is a relaxation of the contacts.
+    tau_s: float = parameter(3.0, unit="s", low=0.1, high=30, scale="log", doc="time in which it settles")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         sudden = signals["strain"] - lowpass(signals["strain"], self.tau_s, dt_s)
         return {"conductance_S": shifted(signals["conductance_S"], self.gain * sudden)}
+
+
+class ElectricalOvershootConductance(Effect):
+    """The conductance overshoots with its own changes, most where it changes most with the strain.
+
+    ln G += gain * (ln G - y),   tau y' = ln G - y
+
+    Source: as `electrical_overshoot`, in proportion to what the contacts do.
+    Valid: small overshoot.
+    """
+
+    name = "electrical_overshoot_conductance"
+    idea = "electrical_overshoot"
+    stage = Stage.ELECTRICAL
+    reads, writes = ("conductance_S",), ("conductance_S",)
+    strength = "gain"
+    look = "conductance shoots beyond its final value, always by the same share of its change"
+
+    gain: float = parameter(0.2, unit="1", low=0, high=5, doc="share of a sudden change of ln G that is too much")
+    tau_s: float = parameter(3.0, unit="s", low=0.1, high=30, scale="log", doc="time in which it settles")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        conductance = signals["conductance_S"]
+        log_g = np.log(np.maximum(conductance, 1e-300))
+        return {"conductance_S": shifted(conductance, self.gain * (log_g - lowpass(log_g, self.tau_s, dt_s)))}
 
 
 class ElectricalOvershootMagnitude(Effect):
