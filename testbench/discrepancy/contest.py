@@ -28,6 +28,7 @@ LEAST_GAIN = 0.02
 REFIT_ITERATIONS, ALONE_ITERATIONS = 10, 20
 FIT_RATE_HZ = 12.5  # grid of the fits; errors are judged on the samples as recorded
 SETTLING_ITERATIONS = 30
+UNDECIDED = 0.05  # share of strain in what the contacts feel, off either end
 SHAPES_MUST_PAY = 0.02  # in ln(RMS), for the flexible base to be kept
 
 
@@ -156,7 +157,7 @@ class Contest:
     def _alone(self, effect: Effect) -> Entrant:
         models = [self.bases.stiff.model.plus(effect)]
         if effect.stage is Stage.PRESSURE and "contact" in models[0]:
-            models.append(self._with_new_contact(models[0]))
+            models += [self._with_new_contact(one) for one in [models[0], *_driven_otherwise(models[0])]]
         fits = [fit(model, [self.coarse], max_iterations=ALONE_ITERATIONS) for model in models]
         return min((self.scored(effect.name, one) for one in fits), key=lambda one: one.score)
 
@@ -193,6 +194,19 @@ class Contest:
         score = float(np.mean([np.log(value) for errors in both for value in errors.values()]))
         idea = result.model[name].idea or name if name else ""
         return Entrant(name, idea, result, score, held)
+
+
+def _driven_otherwise(model: KnitModel) -> list[KnitModel]:
+    """With contacts that feel the force alone, or the strain alone, where the base found a bit of both.
+
+    Without the effect a bit of both may be the next best thing: what fades in the contacts does so in one of the two.
+    """
+    if "contact_drive" not in model:
+        return []
+    drive = model["contact_drive"]
+    share = getattr(drive, "strain_share", 0.0)
+    others = [drive.near(strain_share=end) for end in (0.0, 1.0) if abs(share - end) > UNDECIDED]
+    return [model.replacing("contact_drive", one) for one in others] if len(others) > 1 else []
 
 
 def _bends(entrant: Entrant) -> bool:
