@@ -33,7 +33,7 @@ STAGES = {
     "fits": ("fit.py", "fit"),
     "inner products": ("grams.py", "grams"),
     "weighing": ("evidence.py", "weigh"),
-    "traces of candidates": ("screen.py", "collect"),
+    "traces of candidates": ("traces.py", "collect"),
     "coordinates": ("coordinates.py", "coordinates"),
 }
 
