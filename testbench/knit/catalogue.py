@@ -68,6 +68,7 @@ BUILT_IN = {
     "contact_relaxation_spectrum": "testbench.knit.contact_relaxation:ContactRelaxationSpectrum",
     "contact_relaxation_asymmetric": "testbench.knit.contact_relaxation:ContactRelaxationAsymmetric",
     "contact_relaxation_spots": "testbench.knit.contact_relaxation:ContactRelaxationSpots",
+    "contact_relaxation_activated": "testbench.knit.contact_relaxation:ContactRelaxationActivated",
     "electrical_overshoot_force": "testbench.knit.contact_relaxation:ElectricalOvershootForce",
     "contact_creep": "testbench.knit.contact_relaxation:ContactCreep",
     "contact_ageing": "testbench.knit.ageing:ContactAgeing",

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from testbench.knit import spectra
@@ -125,6 +127,42 @@ class ContactRelaxationSpots(Effect):
         times, weights = spectra.box(self.shortest_s, self.longest_s)
         lost = memory(np.log(np.maximum(conductance, 1e-300)), times, self.fraction * weights, dt_s)
         return {"conductance_S": shifted(conductance, -lost)}
+
+
+class ContactRelaxationActivated(Effect):
+    """Contact spots part the sooner, the more the knit is stretched.
+
+    ln G(t) = ln G_0(t) - fraction * y,   tau(e) y' = ln G_0 - y,   tau(e) = tau exp(-activation e / span)
+
+    Source: Eyring, J. Chem. Phys. 4 (1936) 283 (a load lowers the barrier, and the time falls exponentially).
+    Valid: one time at each stretch; `span` is the largest strain of the recording.
+    """
+
+    name = "contact_relaxation_activated"
+    idea = "contact_relaxation"
+    stage = Stage.ELECTRICAL
+    reads, writes = ("strain", "conductance_S"), ("conductance_S",)
+    strength = "fraction"
+    look = "after every move part of the change of conductance comes back, quickly where the knit is stretched"
+
+    fraction: float = parameter(
+        0.3, unit="1", low=-3, high=0.95, doc="share of the change of ln G that is lost; below 0: that is gained"
+    )
+    tau_s: float = parameter(60.0, unit="s", low=3, high=3000, scale="log", doc="relaxation time without stretch")
+    activation: float = parameter(1.0, unit="1", low=0, high=5, doc="e-folds by which it is shorter at `span`")
+    span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="largest strain")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        from testbench.knit.kernels import varying_lowpass
+
+        conductance = signals["conductance_S"]
+        log_g = np.log(np.maximum(conductance, 1e-300))
+        tau_s = self.tau_s * np.exp(-self.activation * np.clip(signals["strain"] / self.span, 0.0, 1.0))
+        lost = varying_lowpass(log_g, np.exp(-dt_s / tau_s)) - log_g[0]
+        return {"conductance_S": shifted(conductance, -self.fraction * lost)}
+
+    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+        return [{"tau_s": tau_s, "activation": a} for tau_s in (15.0, 50.0, 150.0) for a in (0.7, 2.0)]
 
 
 class ContactCreep(Effect):

@@ -262,11 +262,12 @@ def dahl(x: FloatArray, travel: float) -> FloatArray:
 def turns(x: FloatArray, back: float) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Where `x` last turned, where that became known, and how often it has turned, each shape (n,).
 
-    A turn is known once `x` has come back from its extreme by more than `back`; wobbles below are none.
+    A turn is known once `x` has come back from its extreme by more than `back`; wobbles below are none. When that was
+    is told between the samples, so that it moves smoothly with `back`.
     """
     turned, known, count = np.empty_like(x), np.empty_like(x), np.empty_like(x)
     heading, extreme, at = 0.0, x[0], 0
-    last_turned, last_known, so_far = 0, 0, 0
+    last_turned, last_known, so_far = 0, 0.0, 0
     for i in range(len(x)):
         if heading == 0.0 and abs(x[i] - x[0]) > back:
             heading = 1.0 if x[i] > x[0] else -1.0
@@ -274,7 +275,8 @@ def turns(x: FloatArray, back: float) -> tuple[FloatArray, FloatArray, FloatArra
         elif (x[i] - extreme) * heading > 0.0:
             extreme, at = x[i], i
         elif (extreme - x[i]) * heading > back:
-            last_turned, last_known, so_far = at, i, so_far + 1
+            over, step = (extreme - x[i]) * heading - back, (x[i - 1] - x[i]) * heading
+            last_turned, last_known, so_far = at, i - min(over / step, 1.0), so_far + 1
             heading, extreme, at = -heading, x[i], i
         turned[i], known[i], count[i] = last_turned, last_known, so_far
     return turned, known, count
@@ -304,4 +306,19 @@ def overstress_flow(over: FloatArray, rate: float, hardening: float, power: floa
                 kept = math.exp(-hardening * rate)
             flowed += beyond * (1.0 - kept) / hardening
         out[i] = flowed
+    return out
+
+
+@njit("float64[:](float64[:], float64[:])", cache=True, nogil=True)
+def varying_lowpass(x: FloatArray, keep: FloatArray) -> FloatArray:
+    """First-order low-pass with a memory of its own at each step, at rest at ``x[0]``; ``keep = exp(-dt / tau)``.
+
+    Exact for an input that stands still at its mean over each step.
+    """
+    out = np.empty_like(x)
+    y = x[0]
+    out[0] = y
+    for i in range(1, len(x)):
+        y = keep[i] * y + (1.0 - keep[i]) * 0.5 * (x[i] + x[i - 1])
+        out[i] = y
     return out

@@ -194,7 +194,8 @@ class ElectricalOvershootAnew(Effect):
 
     Source: as `electrical_overshoot_reversal`; contacts that are made anew at each turn: Rabinowicz, Proc. Phys. Soc.
     71 (1958) 668.
-    Valid: a turn counts once the knit has come back by `back`.
+    Valid: a turn counts once the knit has come back by `back`; `early` says whether the time runs from there (0) or
+    from the turn itself (1).
     """
 
     name = "electrical_overshoot_anew"
@@ -208,18 +209,22 @@ class ElectricalOvershootAnew(Effect):
     tau_s: float = parameter(2.0, unit="s", low=0.3, high=100, scale="log", doc="time in which it settles")
     rise_s: float = parameter(0.05, unit="s", low=0.02, high=30, scale="log", doc="time in which the spike rises")
     back: float = parameter(0.01, unit="1", low=5e-4, high=0.2, scale="log", doc="strain that makes a turn")
+    early: float = parameter(1.0, unit="1", low=0, high=1, doc="0: time runs from the way back, 1: from the turn")
 
     def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
-        # No gradient leads from one number of turns to another.
-        return [{"back": back} | spike for back in (0.003, 0.01) for spike in SPIKES]
+        # No gradient leads from one number of turns to another. What rises slowly hardly shows where it began.
+        spikes = [
+            spike | {"early": early} for spike in SPIKES for early in (0.0, 1.0) if early or spike["rise_s"] < 0.1
+        ]
+        return [{"back": back} | spike for back in (0.002, 0.003, 0.005, 0.007, 0.01) for spike in spikes]
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         from testbench.knit.kernels import turns
 
         strain = np.ascontiguousarray(signals["strain"])
-        turned = turns(strain, self.back)[0].astype(int)
-        since_s = (np.arange(len(strain)) - turned) * dt_s
-        heading = np.sign(strain - strain[turned])
+        turned, known, _ = turns(strain, self.back)
+        since_s = (np.arange(len(strain)) - known + self.early * (known - turned)) * dt_s
+        heading = np.sign(strain - strain[turned.astype(int)])
         slow_s, quick_s = max(self.tau_s, self.rise_s), min(self.tau_s, self.rise_s)
         faster = 1 / quick_s - 1 / slow_s
         # (exp(-t / slow) - exp(-t / quick)) / faster, which is t exp(-t / tau) where both times are the same

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from testbench.knit.ageing import ContactAgeing
-from testbench.knit.kernels import since_turn
+from testbench.knit.kernels import since_turn, turns
 from testbench.knit.transient import ElectricalOvershootTurn
 
 DT_S = 0.05
@@ -38,3 +38,11 @@ def test_a_spike_comes_at_a_turn_and_not_when_a_hold_ends_the_same_way() -> None
     out = np.log(effect.apply({"strain": strain, "conductance_S": np.ones_like(T)}, DT_S)["conductance_S"])
     assert np.max(np.abs(out[(T > 12) & (T < 30)])) < 1e-3
     assert out[T > 30].min() == pytest.approx(-0.1, abs=0.03)
+
+
+def test_a_turn_becomes_known_between_the_samples_where_it_has_come_back() -> None:
+    up_down = np.concatenate([np.linspace(0, 1, 11), np.linspace(0.9, 0, 10)])
+    turned, known, count = turns(up_down, 0.25)
+    assert (turned[-1], count[-1]) == (10, 1)
+    assert known[-1] == pytest.approx(12.5)
+    assert known[12] == 0  # not before the sample that tells

@@ -6,7 +6,11 @@ import numpy as np
 import pytest
 
 from testbench.knit.contact import Contact
-from testbench.knit.contact_relaxation import ContactRelaxation, ContactRelaxationSpots
+from testbench.knit.contact_relaxation import (
+    ContactRelaxation,
+    ContactRelaxationActivated,
+    ContactRelaxationSpots,
+)
 from testbench.knit.electrical import CoatingCracks, Drift, DriftExponential, DriftPower
 from testbench.knit.piezoresistance import Piezoresistance, PiezoresistancePercolation, PiezoresistanceTunnelling
 from testbench.knit.pressure import ContactHysteresis, ContactSaturation, ContactSaturationHard
@@ -66,6 +70,17 @@ def test_parted_spots_take_the_share_of_the_spectrum_back_with_them() -> None:
     faded = [1 - np.trapezoid(np.exp(-after / times), np.log(times)) / np.log(10) for after in (20.0, 350.0)]
     at = np.searchsorted(t, [20.0, 350.0])
     np.testing.assert_allclose(left[at], 1 - 0.3 * np.array(faded), atol=1e-3)
+
+
+def test_activated_relaxation_takes_the_time_of_its_stretch() -> None:
+    t = np.arange(0, 100, 0.05)
+    gained = np.exp(np.minimum(t / 0.05, 1.0))  # ln G rises by 1 within a sample
+    effect = ContactRelaxationActivated(fraction=0.3, tau_s=40.0, activation=2.0, span=0.4)
+    for strain, tau_s in ((0.0, 40.0), (0.2, 40.0 / np.e), (0.4, 40.0 / np.e**2)):
+        signals = {"strain": np.full(len(t), strain), "conductance_S": gained}
+        left = np.log(effect.apply(signals, 0.05)["conductance_S"])
+        at = np.searchsorted(t, 15.0)
+        assert left[at] == pytest.approx(1 - 0.3 * -np.expm1(-15.0 / tau_s), abs=2e-3)
 
 
 def test_contact_friction_shifts_the_two_branches_apart_by_twice_its_value() -> None:
