@@ -34,7 +34,7 @@ WORTH_A_DOUBT = 0.05
 SEEN_GAIN = 0.15  # at least, of what the readings themselves show
 OTHER_LOOPS = 0.25  # ln(squared error) that Bouc-Wen loops buy
 OTHER_KIND = 0.1  # share of the gain that counts where the loops are of another kind
-BENT_ITERATIONS, BESIDE_ITERATIONS = 14, 8
+BENT_ITERATIONS, BESIDE_ITERATIONS = 14, 12
 
 
 def stand_ins(contest: Contest, base: Entrant) -> dict[str, tuple[Entrant, Evidence]]:
@@ -61,7 +61,8 @@ def stand_ins(contest: Contest, base: Entrant) -> dict[str, tuple[Entrant, Evide
         # Neither a converter nor the contacts have to do with the kind of the loops.
         if gain > WORTH_A_DOUBT and effect.stage < Stage.PRESSURE and other_loops():
             gain *= OTHER_KIND
-        gain = max(gain, 2 * (base.score - beside.score))
+        # Against a base that was given as many steps more: a fit that goes on gets better without any effect.
+        gain = max(gain, 2 * (min(base.score, bare(FLEXIBLE).score) - beside.score))
         best = min(instead, beside, key=lambda one: one.score)
         if entrant.idea not in found or gain > found[entrant.idea][1].gain:
             found[entrant.idea] = best, _evidence(best, mode, gain)

@@ -31,7 +31,8 @@ class ActuatorBacklash(Effect):
     look = "after each reversal force and conductance stand still for a fixed displacement"
 
     gap: float = parameter(0.004, unit="1", low=0, high=0.2, doc="full gap, as strain (divide mm by gauge length)")
-    spread: float = parameter(0.0, unit="1", low=0, high=1, doc="how gradually it closes: 0 all at once")
+    # Below 1: gaps of any size down to none are friction.
+    spread: float = parameter(0.0, unit="1", low=0, high=0.8, doc="how gradually it closes: 0 all at once")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         from testbench.knit.kernels import play
