@@ -206,8 +206,8 @@ class ElectricalOvershootAnew(Effect):
     look = "a spike of the conductance after every turn of the motion, the same however soon the next one follows"
 
     gain: float = parameter(0.05, unit="1", low=-3, high=3, doc="change of ln G at a turn")
-    tau_s: float = parameter(2.0, unit="s", low=0.3, high=100, scale="log", doc="time in which it settles")
-    rise_s: float = parameter(0.05, unit="s", low=0.02, high=30, scale="log", doc="time in which the spike rises")
+    tau_s: float = parameter(2.0, unit="s", low=0.3, high=30, scale="log", doc="time in which it settles")
+    rise_s: float = parameter(0.05, unit="s", low=0.02, high=10, scale="log", doc="time in which the spike rises")
     back: float = parameter(0.01, unit="1", low=5e-4, high=0.2, scale="log", doc="strain that makes a turn")
     early: float = parameter(1.0, unit="1", low=0, high=1, doc="0: time runs from the way back, 1: from the turn")
 
