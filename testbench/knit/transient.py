@@ -186,6 +186,17 @@ class ElectricalOvershootTurn(Effect):
         return {"conductance_S": shifted(signals["conductance_S"], 0.5 * self.gain * turned)}
 
 
+def _between_samples(x: FloatArray, at: np.ndarray) -> FloatArray:
+    """Where the extremes of `x` at the samples `at` really are, by the parabola through their neighbours."""
+    if len(x) < 3:
+        return at.astype(float)
+    middle = np.clip(at, 1, len(x) - 2)
+    before, here, after = x[middle - 1], x[middle], x[middle + 1]
+    bend = before - 2 * here + after
+    off = np.divide(before - after, 2 * bend, out=np.zeros(len(at)), where=bend != 0)
+    return np.where(at == middle, at + np.clip(off, -0.5, 0.5), at)
+
+
 class ElectricalOvershootAnew(Effect):
     """Each turn of the motion starts a transient anew and breaks the one before off.
 
@@ -223,8 +234,9 @@ class ElectricalOvershootAnew(Effect):
 
         strain = np.ascontiguousarray(signals["strain"])
         turned, known, _ = turns(strain, self.back)
-        since_s = (np.arange(len(strain)) - known + self.early * (known - turned)) * dt_s
-        heading = np.sign(strain - strain[turned.astype(int)])
+        at = turned.astype(int)
+        since_s = (np.arange(len(strain)) - known + self.early * (known - _between_samples(strain, at))) * dt_s
+        heading = np.sign(strain - strain[at])
         slow_s, quick_s = max(self.tau_s, self.rise_s), min(self.tau_s, self.rise_s)
         faster = 1 / quick_s - 1 / slow_s
         # (exp(-t / slow) - exp(-t / quick)) / faster, which is t exp(-t / tau) where both times are the same

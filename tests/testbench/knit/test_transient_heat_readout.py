@@ -45,7 +45,7 @@ def log_change(effect: object, strain: np.ndarray = UP_HOLD_DOWN) -> np.ndarray:
 
 @pytest.mark.parametrize(("tau_s", "rise_s"), [(4.0, 0.5), (0.5, 4.0), (2.0, 2.0), (2.0, 2.0 + 1e-9)])
 def test_a_transient_starts_anew_at_each_turn(tau_s: float, rise_s: float) -> None:
-    triangle = 0.2 * np.interp(T, [0, 10, 20, 100], [0, 1, 0, 1])
+    triangle = 0.2 * np.interp(T, [0, 10, 20, 30, 100], [0, 1, 0, 1, 2])
     change = log_change(ElectricalOvershootAnew(gain=0.1, tau_s=tau_s, rise_s=rise_s, back=0.01), triangle)
     for turned_s, at_s, heading in ((10.0, 13.0, -1), (20.0, 26.0, 1)):
         since_s = at_s - turned_s
