@@ -35,7 +35,7 @@ def coordinates(measurement: Measurement) -> dict[str, FloatArray]:
         "direction": direction,
         "elapsed_s": measurement.signals["time_s"],
         "largest_strain": running_max(strain),
-        "since_reversal_s": (np.arange(len(strain)) - known) * measurement.dt_s,
+        "since_reversal_s": (np.arange(len(strain)) - np.ceil(known)) * measurement.dt_s,
         "since_hold_s": _run_length(direction == 0) * measurement.dt_s,
         "cycle": np.floor(count / 2),
     }

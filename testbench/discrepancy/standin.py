@@ -29,12 +29,12 @@ WITHOUT = {"elasticity": WITHOUT_ELASTICITY, "contact": WITHOUT_CONTACT, "slip":
 REMOVED = {WITHOUT_ELASTICITY: ("elasticity_shape",), WITHOUT_SLIP: LOOP_SHAPES}
 ZEROED = {WITHOUT_CONTACT: ("force_weights", "strain_weights"), WITHOUT_SLIP: ("slip_weights", "slip_growth")}
 WORTH_A_TRY = 0.05  # ln(squared error) that an effect must gain on the stiff base
-FINALISTS, FORMS_OF_ONE_IDEA = 5, 2
+FINALISTS, FORMS_OF_ONE_IDEA = 4, 2
 WORTH_A_DOUBT = 0.05
 SEEN_GAIN = 0.15  # at least, of what the readings themselves show
 OTHER_LOOPS = 0.25  # ln(squared error) that Bouc-Wen loops buy
 OTHER_KIND = 0.1  # share of the gain that counts where the loops are of another kind
-BENT_ITERATIONS, BESIDE_ITERATIONS = 14, 12
+BENT_ITERATIONS, BESIDE_ITERATIONS = 14, 10
 
 
 def stand_ins(contest: Contest, base: Entrant) -> dict[str, tuple[Entrant, Evidence]]:
