@@ -13,6 +13,7 @@ from testbench.knit.length import Lengthening, overload_s
 
 RENEWED = 0.5
 LIMP_OR_TAUT = (0.0, 0.3)  # pretension: a knit that hangs limp as soon as it has grown, and one that never does
+COST_OF_FLOW = 0.1  # while the load stays on, a fabric that flows cannot be told from one that relaxes
 
 
 def _starts(points: list[dict[str, Any]]) -> list[dict[str, Any]]:
@@ -101,7 +102,7 @@ class PermanentSetViscoplastic(Lengthening):
     idea = "permanent_set"
     strength = "rate_per_s"
     nonlinear = True
-    cost = 0.1  # while the load stays on, a fabric that flows cannot be told from one that relaxes
+    cost = COST_OF_FLOW
     look = "time spent at high stretch makes the knit longer, ever more slowly, and only where it pulls hard"
 
     rate_per_s: float = parameter(0.01, unit="1/s", low=0, high=1, doc="flow at an overload of `span`, over `span`")
@@ -185,7 +186,7 @@ class PermanentSetCreep(Lengthening):
     name = "permanent_set_creep"
     idea = "permanent_set"
     strength = "amount"
-    cost = 0.1  # while the load stays on, a fabric that flows cannot be told from one that relaxes
+    cost = COST_OF_FLOW
     look = "the knit grows longer with every minute under stretch, fast at first and never quite to an end"
 
     amount: float = parameter(0.01, unit="1", low=0, high=0.1, doc="set for each e-fold of time, as strain")
