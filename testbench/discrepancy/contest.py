@@ -204,9 +204,9 @@ def _driven_otherwise(model: KnitModel) -> list[KnitModel]:
     if "contact_drive" not in model:
         return []
     drive = model["contact_drive"]
-    share = getattr(drive, "strain_share", 0.0)
-    others = [drive.near(strain_share=end) for end in (0.0, 1.0) if abs(share - end) > UNDECIDED]
-    return [model.replacing("contact_drive", one) for one in others] if len(others) > 1 else []
+    if not UNDECIDED < drive.model_dump()["strain_share"] < 1 - UNDECIDED:
+        return []
+    return [model.replacing("contact_drive", drive.near(strain_share=end)) for end in (0.0, 1.0)]
 
 
 def _bends(entrant: Entrant) -> bool:

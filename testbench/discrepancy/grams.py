@@ -44,28 +44,35 @@ class Grams:
 Rows = Sequence[FloatArray | None]  # one channel's columns; None where a column does not touch the channel
 
 
-def grams(
-    columns: Mapping[str, Rows],
-    measurement: Measurement,
-    filters: Mapping[str, FloatArray],
-    scale: Mapping[str, float],
-    base: int,
-    stride: int = 1,
-) -> Grams:
+@dataclass(frozen=True)
+class Weighting:
+    """How the samples of a recording count.
+
+    Attributes
+    ----------
+    filters, scale : mapping of channel
+        Whitening filter and the spread of the whitened residual.
+    stride : int
+        Use every so many samples only; neighbours say nearly the same.
+    """
+
+    filters: Mapping[str, FloatArray]
+    scale: Mapping[str, float]
+    stride: int = 1
+
+
+def grams(columns: Mapping[str, Rows], measurement: Measurement, weighting: Weighting, base: int) -> Grams:
     """Whiten the columns of each channel, centre them over the recording, and multiply them.
 
     Parameters
     ----------
-    columns : mapping of channel to sequence of ndarray, each shape (n,)
-        Residual, sensitivities, traces, features.
-    filters, scale : mapping of channel
-        Whitening filter and the spread of the whitened residual.
+    columns : mapping of channel to sequence of ndarray or None, each shape (n,)
+        Residual, sensitivities, and what is to be weighed.
+    weighting : Weighting
     base : int
         Number of sensitivities among the columns.
-    stride : int
-        Use every so many samples only; neighbours say nearly the same.
     """
-    blocks = np.array_split(np.flatnonzero(measurement.counts)[::stride], BLOCKS)
+    blocks = np.array_split(np.flatnonzero(measurement.counts)[:: weighting.stride], BLOCKS)
     order, half = np.concatenate([*blocks[::2], *blocks[1::2]]), sum(map(len, blocks[::2]))
     count = len(next(iter(columns.values())))
     even, odd = np.zeros((count, count)), np.zeros((count, count))
@@ -73,7 +80,7 @@ def grams(
         touching = [index for index, row in enumerate(values) if row is not None]
         white = np.empty((len(touching), len(order)))
         for place, row in enumerate(row for row in values if row is not None):
-            picked = whitened(row, filters[channel])[order] / scale[channel]
+            picked = whitened(row, weighting.filters[channel])[order] / weighting.scale[channel]
             # Force zero and conductance gain belong to the mounting of each recording: they are free.
             white[place] = picked - picked.mean()
         square = np.ix_(touching, touching)

@@ -10,6 +10,7 @@ import numpy as np
 from gcode.support.errors import UserError
 from testbench.discrepancy.motion import reading_noise, without_reading_noise
 from testbench.knit.effect import FloatArray
+from testbench.knit.filters import log_conductance
 from testbench.knit.model import KnitModel, SimulationCache, inputs
 from testbench.recording import FORCE, RESISTANCE, TEMPERATURE, Recording
 
@@ -75,7 +76,7 @@ def channel_of(state: Mapping[str, FloatArray], channel: str) -> FloatArray:
     """Force in N, or conductance as ln S, from simulated signals."""
     values = state[SIGNAL_OF[channel]]
     if channel == CONDUCTANCE_CHANNEL:
-        return np.log(np.maximum(values, 1e-300))
+        return log_conductance(values)
     return values
 
 

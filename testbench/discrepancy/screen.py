@@ -182,7 +182,8 @@ def best_starts(fitted_model: KnitModel, effects: Sequence[Effect], calibration:
     if not kept:
         return list(effects)
     traces = traces_of_one(part, kept)
-    folds = Folds(traces, [(traces.first.total, traces.first.total)], np.ones(len(parameters), bool))
+    total = traces.first.total
+    folds = Folds(traces, [(total, total)], np.ones(len(parameters), bool))
     return [_best_point(effect, traces, folds) for effect in effects]
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from testbench.discrepancy.candidates import Candidate, candidate_ideas, expand, trace
 from testbench.discrepancy.fit import Fit, prior_ridge
 from testbench.discrepancy.freeform import features
-from testbench.discrepancy.grams import Grams, Rows, grams
+from testbench.discrepancy.grams import Grams, Rows, Weighting, grams
 from testbench.discrepancy.measurement import Measurement
 from testbench.discrepancy.noise import autoregression, robust_sd, whitened
 from testbench.discrepancy.parameters import FreeParameter, values_of
@@ -103,11 +103,19 @@ def collect(
     addresses = tuple(p.address for p in fitted.parameters)
     ridge = prior_ridge(fitted.parameters, calibration)
     left = _unexplained(parts[0])
+    maps = [features(part.measurement) for part in parts]
+    names = _feature_names(maps[0], calibration.channels)
+    of_traces = [part.rows() for part in parts]
+    of_features = [part.with_features(groups) for part, groups in zip(parts, maps, strict=True)]
     weighed = {}
-    for name, white, stride in (("white", True, WHITE_STRIDE), ("plain", False, PLAIN_STRIDE)):
-        filters, scale = _whitening(left, calibration, white)
-        first, second = (grams(one.rows(), one.measurement, filters, scale, len(addresses), stride) for one in parts)
-        free = _free_form(parts, filters, scale, stride)
+    for name, white in (("white", True), ("plain", False)):
+        weighting = _weighting(left, calibration, white)
+        first, second, free_first, free_second = (
+            grams(rows, part.measurement, weighting, len(addresses))
+            for both in (of_traces, of_features)
+            for rows, part in zip(both, parts, strict=True)
+        )
+        free = FreeForm(free_first, free_second, names)
         weighed[name] = Traces(tuple(kept), first, second, addresses, fitted.vector, ridge, free)
     return weighed
 
@@ -119,22 +127,9 @@ def _counts(candidate: Candidate, found: Sequence[Mapping[str, FloatArray | None
     return all(item is not None for item in found)
 
 
-def _free_form(
-    parts: Sequence[Columns], filters: Mapping[str, FloatArray], scale: Mapping[str, float], stride: int
-) -> FreeForm:
-    """Every feature once for each channel."""
-    names: list[tuple[str, str]] = []
-    made = []
-    for part in parts:
-        groups = features(part.measurement)
-        values = [row for rows in groups.values() for row in rows]
-        channels, columns = part.measurement.channels, part.base_rows()
-        names = [(channel, group) for channel in channels for group, rows in groups.items() for _ in rows]
-        for channel, rows in columns.items():
-            for other in channels:
-                rows += values if other == channel else [None] * len(values)
-        made.append(grams(columns, part.measurement, filters, scale, len(part.parameters), stride))
-    return FreeForm(made[0], made[1], tuple(names))
+def _feature_names(groups: Mapping[str, FloatArray], channels: Sequence[str]) -> tuple[tuple[str, str], ...]:
+    """Channel and group of coordinates of each column that `Columns.with_features` adds."""
+    return tuple((channel, group) for channel in channels for group, rows in groups.items() for _ in rows)
 
 
 class Columns:
@@ -170,6 +165,15 @@ class Columns:
         """Residual and sensitivities of each channel."""
         return {c: [self.residual[c], *self.jacobian[c]] for c in self.measurement.channels}
 
+    def with_features(self, groups: Mapping[str, FloatArray]) -> dict[str, Rows]:
+        """Residual, sensitivities, and every feature once for each channel."""
+        values = [row for rows in groups.values() for row in rows]
+        channels = self.measurement.channels
+        return {
+            channel: [*rows, *(row if other == channel else None for other in channels for row in values)]
+            for channel, rows in self.base_rows().items()
+        }
+
     def rows(self) -> dict[str, Rows]:
         """Residual, sensitivities and traces of each channel."""
         return {c: [*rows, *(item[c] for item in self.traces)] for c, rows in self.base_rows().items()}
@@ -191,22 +195,19 @@ def _unexplained(part: Columns) -> dict[str, FloatArray]:
     return found
 
 
-def _whitening(
-    left: Mapping[str, FloatArray], measurement: Measurement, white: bool
-) -> tuple[dict[str, FloatArray], dict[str, float]]:
-    """Whitening filter and scale a channel, from what nothing explains."""
+def _weighting(left: Mapping[str, FloatArray], measurement: Measurement, white: bool) -> Weighting:
+    """How samples count, from what nothing explains."""
     counts = measurement.counts
     filters = {c: autoregression(values[counts]) if white else np.ones(1) for c, values in left.items()}
     spreads = {c: robust_sd(whitened(values, filters[c])[counts]) for c, values in left.items()}
-    return filters, {c: max(value, 1e-300) for c, value in spreads.items()}
+    scale = {c: max(value, 1e-300) for c, value in spreads.items()}
+    return Weighting(filters, scale, WHITE_STRIDE if white else PLAIN_STRIDE)
 
 
 def traces_of_one(part: Columns, kept: Sequence[Candidate]) -> Traces:
     """Traces to be fitted and judged on the same recording, weighed as they are."""
     here, parameters = part.measurement, part.parameters
-    plain = {channel: np.ones(1) for channel in here.channels}
-    scale = {c: max(robust_sd(values[here.counts]), 1e-300) for c, values in part.residual.items()}
-    inner = grams(part.rows(), here, plain, scale, len(parameters), PLAIN_STRIDE)
-    empty = Grams(np.zeros_like(inner.even), np.zeros_like(inner.odd), inner.base)
+    weighting = _weighting(part.residual, here, white=False)
+    inner = grams(part.rows(), here, weighting, len(parameters))
     addresses, values = tuple(p.address for p in parameters), values_of(part.model, parameters)
-    return Traces(tuple(kept), inner, empty, addresses, values, prior_ridge(parameters, here))
+    return Traces(tuple(kept), inner, inner, addresses, values, prior_ridge(parameters, here))

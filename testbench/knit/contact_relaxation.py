@@ -8,7 +8,7 @@ import numpy as np
 
 from testbench.knit import spectra
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
-from testbench.knit.filters import lowpass, memory, shifted
+from testbench.knit.filters import highpass, log_conductance, lowpass, memory, shifted
 
 
 class ContactRelaxation(Effect):
@@ -125,7 +125,7 @@ class ContactRelaxationSpots(Effect):
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         conductance = signals["conductance_S"]
         times, weights = spectra.box(self.shortest_s, self.longest_s)
-        lost = memory(np.log(np.maximum(conductance, 1e-300)), times, self.fraction * weights, dt_s)
+        lost = memory(log_conductance(conductance), times, self.fraction * weights, dt_s)
         return {"conductance_S": shifted(conductance, -lost)}
 
 
@@ -156,7 +156,7 @@ class ContactRelaxationActivated(Effect):
         from testbench.knit.kernels import varying_lowpass
 
         conductance = signals["conductance_S"]
-        log_g = np.log(np.maximum(conductance, 1e-300))
+        log_g = log_conductance(conductance)
         tau_s = self.tau_s * np.exp(-self.activation * np.clip(signals["strain"] / self.span, 0.0, 1.0))
         lost = varying_lowpass(log_g, np.exp(-dt_s / tau_s)) - log_g[0]
         return {"conductance_S": shifted(conductance, -self.fraction * lost)}
@@ -211,6 +211,5 @@ class ElectricalOvershootForce(Effect):
     tau_s: float = parameter(15.0, unit="s", low=5, high=300, scale="log", doc="time in which it settles")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        pressing_N = signals["contact_force_N"]
-        sudden = pressing_N - lowpass(pressing_N, self.tau_s, dt_s)
+        sudden = highpass(signals["contact_force_N"], self.tau_s, dt_s)
         return {"conductance_S": shifted(signals["conductance_S"], self.gain_per_N * sudden)}

@@ -57,6 +57,11 @@ def lowpass(x: FloatArray, tau_s: float, dt_s: float, start: float | None = None
     return first_order(np.ascontiguousarray(x), a, b0, b1, float(x[0]) if start is None else start)
 
 
+def highpass(x: FloatArray, tau_s: float, dt_s: float) -> FloatArray:
+    """What is sudden in `x`: what a first-order low-pass has not followed yet."""
+    return x - lowpass(x, tau_s, dt_s)
+
+
 def rate(x: FloatArray, dt_s: float) -> FloatArray:
     """Rate of change of `x` per second: the chord over `RATE_HALF_SPAN_S` before and after, as far as `x` goes."""
     half = max(round(RATE_HALF_SPAN_S / dt_s), 1)
@@ -67,7 +72,7 @@ def rate(x: FloatArray, dt_s: float) -> FloatArray:
 
 def lagging_rate(x: FloatArray, dt_s: float) -> FloatArray:
     """Rate of change of `x` per second through a lag of `RATE_LAG_S`, as contacts feel it; zero at the start."""
-    return (x - lowpass(x, RATE_LAG_S, dt_s)) / RATE_LAG_S
+    return highpass(x, RATE_LAG_S, dt_s) / RATE_LAG_S
 
 
 def memory(x: FloatArray, tau_s: FloatArray, weights: FloatArray, dt_s: float) -> FloatArray:
@@ -76,6 +81,11 @@ def memory(x: FloatArray, tau_s: FloatArray, weights: FloatArray, dt_s: float) -
 
     a, b0, b1 = hold_coefficients(tau_s, dt_s)
     return exponential_bank(np.ascontiguousarray(x), a, b0, b1, np.asarray(weights, dtype=np.float64))
+
+
+def log_conductance(conductance_S: FloatArray) -> FloatArray:
+    """Natural logarithm of the conductance, finite where a wild fit has none left."""
+    return np.log(np.maximum(conductance_S, 1e-300))
 
 
 def shifted(conductance_S: FloatArray, log_change: FloatArray) -> FloatArray:

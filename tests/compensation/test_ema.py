@@ -43,7 +43,7 @@ def test_step_response_is_exponential():
     np.testing.assert_allclose(got, 1 - (1 - alpha) ** np.arange(51), atol=1e-14)
 
 
-@settings(derandomize=True, max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(st.integers(2, 300), st.integers(0, 1000), st.sampled_from(["paper", "causal"]))
 def test_time_aware_equals_fixed_on_a_uniform_grid(count, seed, start):
     x = np.random.default_rng(seed).normal(size=count)

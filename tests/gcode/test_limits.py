@@ -66,7 +66,7 @@ spec = st.builds(
 
 
 @given(spec, st.integers(0, 1000), st.floats(5.0, 60.0), st.sampled_from(["G94", "G93"]))
-@settings(max_examples=60, derandomize=True, deadline=None)
+@settings(max_examples=60)
 def test_any_spec_keeps_its_limits_as_executed_and_reads_back_exactly(spec, seed, gauge_length_mm, mode):
     try:
         made = make(spec, seed, gauge_length_mm, mode)
@@ -89,7 +89,7 @@ def test_any_spec_keeps_its_limits_as_executed_and_reads_back_exactly(spec, seed
     st.sampled_from([1.0, 1.5, 2.0, 5.0, 20.0]),
     st.sampled_from(["G94", "G93"]),
 )
-@settings(max_examples=80, derandomize=True, deadline=None)
+@settings(max_examples=80)
 def test_a_short_piece_of_a_preset_passes_its_own_check(name, seed, duration_s, gauge_length_mm, room, machine, mode):
     spec = preset(name)
     noise = spec.pieces[0].model_copy(update={"duration_s": duration_s})

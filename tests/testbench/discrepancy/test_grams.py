@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.optimize import lsq_linear, nnls
 
 from testbench.discrepancy.experiment import planned
-from testbench.discrepancy.grams import BLOCKS, grams, nonnegative, reduce_to_traces
+from testbench.discrepancy.grams import BLOCKS, Weighting, grams, nonnegative, reduce_to_traces
 from testbench.discrepancy.imitation import bounded
 from testbench.discrepancy.measurement import prepare
 from tests.testbench.discrepancy.samples import record, truth
@@ -20,7 +20,7 @@ def example():
     measurement = prepare(record(truth(), 60))
     rng = np.random.default_rng(0)
     columns = [rng.standard_normal(len(measurement.counts)) for _ in range(6)]
-    made = grams({"force": columns}, measurement, {"force": np.ones(1)}, {"force": 2.0}, base=3)
+    made = grams({"force": columns}, measurement, Weighting({"force": np.ones(1)}, {"force": 2.0}), base=3)
     centred = np.stack([c[measurement.counts] - c[measurement.counts].mean() for c in columns]) / 2.0
     return made, centred
 
@@ -37,7 +37,7 @@ def test_a_column_that_does_not_touch_a_channel_adds_nothing_there(example):
     rng = np.random.default_rng(1)
     first, second = rng.standard_normal((2, len(measurement.counts)))
     ones, unit = {"force": np.ones(1), "conductance": np.ones(1)}, {"force": 1.0, "conductance": 1.0}
-    apart = grams({"force": [first, None], "conductance": [None, second]}, measurement, ones, unit, base=0)
+    apart = grams({"force": [first, None], "conductance": [None, second]}, measurement, Weighting(ones, unit), base=0)
     counted = second[measurement.counts]
     assert apart.total[0, 1] == 0
     assert apart.total[1, 1] == pytest.approx(np.sum((counted - counted.mean()) ** 2))
@@ -64,7 +64,7 @@ def test_a_missing_sensitivity_leaves_its_contribution_in_the_residual(example):
     assert reduced.judged([], np.empty(0)) == pytest.approx(left, rel=1e-6)
 
 
-@settings(max_examples=40, derandomize=True, deadline=None)
+@settings(max_examples=40)
 @given(st.integers(1, 7), st.integers(0, 10_000))
 def test_nonnegative_agrees_with_scipy(count, seed):
     rng = np.random.default_rng(seed)
@@ -79,7 +79,7 @@ def test_nonnegative_agrees_with_scipy(count, seed):
     np.testing.assert_allclose(free, np.linalg.lstsq(ridged, np.r_[b, np.zeros(count)], rcond=None)[0], atol=1e-5)
 
 
-@settings(max_examples=40, derandomize=True, deadline=None)
+@settings(max_examples=40)
 @given(st.integers(1, 6), st.integers(0, 10_000))
 def test_bounded_stays_within_and_is_hardly_worse_than_scipy(count, seed):
     rng = np.random.default_rng(seed)

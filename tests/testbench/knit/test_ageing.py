@@ -7,7 +7,7 @@ import pytest
 
 from testbench.knit.ageing import ContactAgeing
 from testbench.knit.kernels import since_turn, turns
-from testbench.knit.transient import ElectricalOvershootTurn
+from testbench.knit.turning import ElectricalOvershootTurn
 
 DT_S = 0.05
 T = np.arange(0, 60, DT_S)

@@ -57,7 +57,7 @@ def test_flow_in_a_hold_approaches_the_raised_yield_point_exponentially() -> Non
     assert np.all(effect.added({"strain": 0.14 * HELD / 0.25}, 0.05) == 0)
 
 
-@settings(max_examples=25, derandomize=True, deadline=None)
+@settings(max_examples=25)
 @given(st.floats(1e-4, 5.0), st.floats(1.0, 5.0), st.floats(1.0, 30.0))
 def test_flow_never_overshoots_the_overload_and_its_halves_add_up(
     rate: float, power: float, hardening: float

@@ -73,7 +73,7 @@ def test_a_straight_line_has_no_jumps_and_a_step_has_its_height() -> None:
     assert abs(int(np.argmax(found)) - 100) <= 2
 
 
-@settings(max_examples=15, derandomize=True, deadline=None)
+@settings(max_examples=15)
 @given(st.integers(0, 10_000))
 def test_slips_are_found_where_they_were_and_nowhere_without(seed: int) -> None:
     rng = np.random.default_rng(seed)

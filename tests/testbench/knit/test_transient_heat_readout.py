@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from testbench.knit.adc_saturation import AdcSaturation, AdcSaturationForce, AdcSaturationHigh
+from testbench.knit.channel_lag import ChannelLag, ChannelLagDelay
 from testbench.knit.heat import (
     SelfHeating,
     SelfHeatingCurrent,
@@ -12,25 +14,10 @@ from testbench.knit.heat import (
     TemperatureDrift,
     ThermalSoftening,
 )
-from testbench.knit.readout import (
-    AdcSaturation,
-    AdcSaturationForce,
-    AdcSaturationHigh,
-    ChannelLag,
-    ChannelLagDelay,
-    LoadCellCreep,
-    LoadCellZeroDrift,
-    PeriodicInterference,
-    strongest_frequency_Hz,
-)
-from testbench.knit.transient import (
-    ElectricalOvershoot,
-    ElectricalOvershootAnew,
-    ElectricalOvershootMagnitude,
-    ElectricalOvershootReversal,
-    RateResistance,
-    ShoulderPeak,
-)
+from testbench.knit.interference import PeriodicInterference, strongest_frequency_Hz
+from testbench.knit.load_cell import LoadCellCreep, LoadCellZeroDrift
+from testbench.knit.transient import ElectricalOvershoot, ElectricalOvershootMagnitude, RateResistance, ShoulderPeak
+from testbench.knit.turning import ElectricalOvershootAnew, ElectricalOvershootReversal
 
 DT_S = 0.05
 T = np.arange(0, 100, DT_S)

@@ -138,7 +138,7 @@ def test_five_percent_of_faults_let_no_wrong_sample_through():
     assert {"wrong CRC", "repeated", "out of order", "malformed"} <= set(intake.bad)
 
 
-@settings(derandomize=True, max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.binary(max_size=300), st.integers(1, 50))
 def test_noise_from_the_line_is_rejected_and_kept(noise, cut):
     intake, kept = Intake(), b""

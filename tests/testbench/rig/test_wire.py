@@ -36,13 +36,13 @@ def test_the_documents_show_a_true_line():
     assert LINE.decode().strip() in text
 
 
-@settings(derandomize=True, max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(SAMPLES)
 def test_every_sample_survives_the_wire(sample):
     assert decode(encode(sample).rstrip(b"\n")) == sample
 
 
-@settings(derandomize=True, max_examples=400, deadline=None)
+@settings(max_examples=400)
 @given(SAMPLES, st.data())
 def test_no_flipped_byte_is_accepted(sample, data):
     line = bytearray(encode(sample)[:-1])
@@ -51,7 +51,7 @@ def test_no_flipped_byte_is_accepted(sample, data):
         decode(bytes(line))
 
 
-@settings(derandomize=True, max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(SAMPLES, st.data())
 def test_no_truncated_line_is_accepted(sample, data):
     line = encode(sample)[:-1]
@@ -86,7 +86,7 @@ def test_a_line_that_lost_its_end_does_not_take_the_next_one_with_it():
     assert decode(whole).sequence == 1042
 
 
-@settings(derandomize=True, max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(st.lists(st.integers(1, 80), max_size=60))
 def test_lines_come_out_whole_however_the_bytes_are_cut(cuts):
     stream, buffer, lines, start = LINE * 20, LineBuffer(), [], 0

@@ -64,7 +64,7 @@ def test_memory_is_flat_over_ten_hours() -> None:
 
 
 @given(sizes=st.lists(st.integers(1, 700), min_size=1, max_size=12))
-@settings(max_examples=30, derandomize=True, deadline=None)
+@settings(max_examples=30)
 def test_the_envelope_does_not_depend_on_how_samples_arrive(sizes: list[int]) -> None:
     count = sum(sizes)
     samples = np.column_stack([np.arange(count), np.random.default_rng(count).normal(size=count)])
