@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from testbench.discrepancy.contest import Contest, Entrant
+from testbench.discrepancy.contest import Contest, Entrant, spoken_for_by
 from testbench.discrepancy.evidence import Evidence, Weighing, ranked, share_after_costs
 
 CLOSE = 0.25  # of the first's gain
@@ -39,6 +39,8 @@ def run_off(
         Ideas below it are not worth settling.
     """
     settled = {entry.idea: contest.settled(entrants[entry.idea]) for entry in _close(weighing, entrants, least_gain)}
+    spoken_for = [spoken_for_by(e, settled[e.idea]) if e.idea in settled else e for e in weighing.ranking]
+    weighing = replace(weighing, ranking=tuple(spoken_for))
     if len(settled) > 1:
         measured = contest.calibration.signals.keys()
         decided = [_decided(e, settled[e.idea], base, measured) for e in weighing.ranking if e.idea in settled]

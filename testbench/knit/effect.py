@@ -114,6 +114,9 @@ class Effect(BaseModel):
         then says nothing against it.
     per_recording : tuple of str
         Parameters that belong to one recording, not to the sensor (the phase of a hum): each has its own.
+    absent_at : mapping of str to float
+        Parameters, and the values from which on their part of the law is never reached. A recording that does not
+        reach it cannot tell how far off it is: a fit stops at the edge, and the next recording may go beyond.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
@@ -131,6 +134,7 @@ class Effect(BaseModel):
     cost: ClassVar[float] = 0.0
     quick: ClassVar[bool] = False
     per_recording: ClassVar[tuple[str, ...]] = ()
+    absent_at: ClassVar[Mapping[str, float]] = {}
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         """Return new arrays for the signals in `writes`.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import ClassVar
 
 import numpy as np
@@ -23,6 +24,7 @@ class Lengthening(Effect):
     stage = Stage.KINEMATICS
     reads: ClassVar[tuple[str, ...]] = ("strain",)
     writes = ("strain",)
+    absent_at: ClassVar[Mapping[str, float]] = {"pretension": 0.3}  # it never hangs limp
 
     pretension: float = parameter(
         0.0, unit="1", low=0, high=0.3, doc="strain it was mounted with: so far below the start it still pulls"
