@@ -276,17 +276,3 @@ def spoken_for_by(entry: Evidence, entrant: Entrant) -> Evidence:
     if entrant.name == entry.form:
         return entry
     return replace(entry, form=entrant.name, candidate=entrant.candidate, coefficient=1.0)
-
-
-def leftover(before: Mapping[str, float], after: Mapping[str, float], floors: Mapping[str, float]) -> float:
-    """Share of the error above the noise floor (squared, channels together) that is still there."""
-    return _excess(after, floors) / max(_excess(before, floors), 1e-12)
-
-
-def worst_over_noise(errors: Mapping[str, float], floors: Mapping[str, float]) -> float:
-    """Largest error over its noise floor among the channels."""
-    return max(value / max(floors[channel], 1e-300) for channel, value in errors.items())
-
-
-def _excess(errors: Mapping[str, float], floors: Mapping[str, float]) -> float:
-    return sum(max((value / max(floors[channel], 1e-300)) ** 2 - 1, 0.0) for channel, value in errors.items())

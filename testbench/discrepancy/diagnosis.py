@@ -18,16 +18,15 @@ from testbench.discrepancy.contest import (
     Contest,
     Entrant,
     challengers,
-    leftover,
     reranked,
-    worst_over_noise,
 )
 from testbench.discrepancy.errors import noise_floors
 from testbench.discrepancy.evidence import Evidence, Weighing, ranked_with_costs, weigh
 from testbench.discrepancy.fit import Fit, fit
-from testbench.discrepancy.ladder import on_the_ladder
+from testbench.discrepancy.ladder import held_errors, on_the_ladder
 from testbench.discrepancy.measurement import Measurement, coarser, split
 from testbench.discrepancy.model_file import ModelFile
+from testbench.discrepancy.remains import remains
 from testbench.discrepancy.runoff import run_off, unproven
 from testbench.discrepancy.standin import stand_ins, with_stand_ins
 from testbench.discrepancy.telling import Progress, silent
@@ -174,15 +173,16 @@ def _concluded(
     weighing, entrants = _contested(contest, weighing, base)
     weighing = with_intervals(weighing, entrants, base.fit.model, held)
     best = entrants.get(weighing.ranking[0].idea) if weighing.ranking else None
-    reached = best.held if best else base.held
-    left = leftover(base.held, reached, floors)
-    verdict = verdict_of(weighing, left, worst_over_noise(base.held, floors), worst_over_noise(reached, floors))
+    reached = best or base
+    left = remains(base.held, reached.held, floors)
+    typical = [held_errors(one.fit.model, held, typical=True) for one in (base, reached)]
+    verdict = verdict_of(weighing, left, remains(typical[0], typical[1], floors))
     named = best if verdict == "missing" else None
     after, misfits = _steps(named or base, before, bases, calibration, held)
     attempt = _steps(best, before, bases, calibration, held)[0] if best and verdict == "unknown" else None
     tied = _tied(weighing, verdict)
     first, last = (file.history[-1]["errors"]["held_out"] for file in (before, after))
-    return Diagnosis(verdict, weighing, tied, misfits, left, before, after, first, last, floors, attempt)
+    return Diagnosis(verdict, weighing, tied, misfits, left.share, before, after, first, last, floors, attempt)
 
 
 def _contested(contest: Contest, weighing: Weighing, base: Entrant) -> tuple[Weighing, dict[str, Entrant]]:

@@ -21,7 +21,13 @@ def sampled(measurement: Measurement, channel: str) -> tuple[FloatArray, FloatAr
     return time_s[rows], values[rows]
 
 
-def rms_errors(model: KnitModel, measurement: Measurement, free_offset: bool = False) -> dict[str, float]:
+SPARED = 0.02  # share of the samples, those that fit worst, that typical errors leave out
+KEPT_OF_NOISE = 0.9346  # RMS of Gaussian noise without these, over its RMS
+
+
+def rms_errors(
+    model: KnitModel, measurement: Measurement, free_offset: bool = False, typical: bool = False
+) -> dict[str, float]:
     """RMS of measured minus modelled at every counting sample: force in N, conductance in ln S.
 
     Parameters
@@ -29,6 +35,9 @@ def rms_errors(model: KnitModel, measurement: Measurement, free_offset: bool = F
     free_offset : bool
         Take each channel's mean residual out first: another recording has another force zero and another
         conductance gain (a re-clamped sensor), which no effect should be blamed for.
+    typical : bool
+        Of all samples but the `SPARED` that fit worst (jumps that the time grid smears, dives of ln G where the knit
+        hangs limp), in units of what noise alone would keep.
     """
     modelled = measurement.modelled(model)
     errors = {}
@@ -36,8 +45,11 @@ def rms_errors(model: KnitModel, measurement: Measurement, free_offset: bool = F
         time_s, values = sampled(measurement, channel)
         residual = values - np.interp(time_s, measurement.grid_s, modelled[channel])
         if free_offset:
-            residual = residual - residual.mean()
-        errors[channel] = float(np.sqrt(np.mean(residual**2)))
+            residual = residual - (np.median(residual) if typical else residual.mean())
+        squared = residual**2
+        if typical:
+            squared = np.sort(squared)[: int((1 - SPARED) * len(squared))] / KEPT_OF_NOISE**2
+        errors[channel] = float(np.sqrt(np.mean(squared)))
     return errors
 
 

@@ -70,12 +70,13 @@ def ladder_step(step: str, model: KnitModel, calibration: Measurement, held: Mea
     }
 
 
-def held_errors(model: KnitModel, held: Measurement) -> dict[str, float]:
+def held_errors(model: KnitModel, held: Measurement, typical: bool = False) -> dict[str, float]:
     """Errors on held-out samples; what belongs to the mounting or to one recording is free.
 
     That is force zero and conductance gain, and an effect's own `per_recording` parameters (the phase of a hum).
+    `typical` as in `rms_errors`.
     """
-    return rms_errors(remounted(model, held), held, free_offset=True)
+    return rms_errors(remounted(model, held), held, free_offset=True, typical=typical)
 
 
 def remounted(model: KnitModel, measurement: Measurement) -> KnitModel:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from testbench.discrepancy.contest import leftover
 from testbench.discrepancy.diagnosis import Diagnosis, diagnose
+from testbench.discrepancy.remains import remains
 from testbench.discrepancy.telling import Progress
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.model import KnitModel
@@ -60,7 +60,7 @@ def diagnose_repeatedly(
 
 def _explains(first: Diagnosis, beside: Diagnosis) -> bool:
     """Whether two effects together leave little of the error above the noise."""
-    left = leftover(first.error_before, beside.error_after, first.noise_floor)
+    left = remains(first.error_before, beside.error_after, first.noise_floor).share
     return beside.verdict == "missing" and left < LEFT_BY_BOTH
 
 

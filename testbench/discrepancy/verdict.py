@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from testbench.discrepancy.evidence import Weighing
+from testbench.discrepancy.remains import Remains
 
 Verdict = Literal["missing", "nothing_missing", "unknown"]
 
@@ -16,21 +17,22 @@ LEFT_UNEXPLAINED = 0.15
 # but so far above the noise several effects are missing at once, and one that explains half of it is worth its name.
 FAR_OVER_NOISE, LEFT_FAR_OVER_NOISE, LARGE_GAIN = 10.0, 0.6, 0.5
 STAND_IN_MAY_COST = 1.05  # times the error of the base, for an effect in the place of one of its shapes
+NEAR, STRUCTURE_BESIDE_A_NEIGHBOUR, LEFT_BESIDE_A_NEIGHBOUR = 0.5, 1.25, 0.04
 SMALL_GAIN, CROWD = 0.25, 2  # a small gain that so many other ideas half share is the base's own misfit
 
 
-def verdict_of(weighing: Weighing, left: float, before: float, after: float) -> Verdict:
+def verdict_of(weighing: Weighing, left: Remains, typical: Remains) -> Verdict:
     """Missing, nothing missing, or unknown, from the gains and from what is left over.
 
     Parameters
     ----------
     weighing : Weighing
-    left : float
-        Share of the held-out error above the noise that the first idea leaves.
-    before, after : float
-        Held-out error of the base and with the first idea, in noise floors, of the worst channel.
+    left : Remains
+        Of the held-out error of the base, with the first idea put in.
+    typical : Remains
+        The same without the few samples that fit worst. What is left in them alone says nothing against an idea.
     """
-    unnamed: Verdict = "unknown" if after > STRUCTURE_OVER_NOISE else "nothing_missing"
+    unnamed: Verdict = "unknown" if left.after > STRUCTURE_OVER_NOISE else "nothing_missing"
     if not weighing.ranking:
         return unnamed
     first = weighing.ranking[0]
@@ -39,13 +41,26 @@ def verdict_of(weighing: Weighing, left: float, before: float, after: float) -> 
     effect, gain = first.candidate.effect, first.gain
     # What makes the held-out error larger is not named, whatever it gained in calibration. What stands in for a shape
     # of the base has to do as well as the shape; all else has to do better than the base, if there is room.
-    worse = after > STAND_IN_MAY_COST * before if effect.imitable else left >= 1.0
+    worse = left.after > STAND_IN_MAY_COST * left.before if effect.imitable else left.share >= 1.0
     if gain <= GAIN_TO_NAME or _crowded(weighing) or worse:
         return unnamed
-    if before < AT_THE_NOISE and not effect.imitable:
+    if left.before < AT_THE_NOISE and not effect.imitable:
         return "nothing_missing"
-    most_left = LEFT_FAR_OVER_NOISE if before > FAR_OVER_NOISE and gain > LARGE_GAIN else LEFT_UNEXPLAINED
-    return "missing" if left <= most_left or after <= STRUCTURE_OVER_NOISE or effect.quick else "unknown"
+    if effect.quick:
+        return "missing"
+    most_left = LEFT_FAR_OVER_NOISE if left.before > FAR_OVER_NOISE and gain > LARGE_GAIN else LEFT_UNEXPLAINED
+    explains = any(one.share <= most_left or one.after <= STRUCTURE_OVER_NOISE for one in (left, typical))
+    return "missing" if explains and not _among_neighbours(weighing, typical) else "unknown"
+
+
+def _among_neighbours(weighing: Weighing, typical: Remains) -> bool:
+    """Whether another idea comes near the first, and the first does not reach the noise: then it is neither.
+
+    What is there explains itself to the noise, or leaves its neighbours far behind.
+    """
+    gains = [entry.gain for entry in weighing.ranking[:2]]
+    near = len(gains) > 1 and gains[1] > NEAR * gains[0]
+    return near and typical.after > STRUCTURE_BESIDE_A_NEIGHBOUR and typical.share > LEFT_BESIDE_A_NEIGHBOUR
 
 
 def _crowded(weighing: Weighing) -> bool:

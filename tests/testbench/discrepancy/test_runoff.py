@@ -10,8 +10,8 @@ from testbench.discrepancy.runoff import CLOSE, run_off, unproven
 from tests.testbench.discrepancy.samples import weighing
 
 
-def entrant(score: float) -> SimpleNamespace:
-    return SimpleNamespace(score=score)
+def entrant(score: float, name: str) -> SimpleNamespace:
+    return SimpleNamespace(score=score, name=name, candidate=f"candidate of {name}")
 
 
 def test_the_unproven_idea_that_comes_close_is_refitted_next():
@@ -26,11 +26,11 @@ def test_who_was_not_settled_does_not_overtake_the_winner():
     contest = SimpleNamespace(settled=lambda one: one, calibration=SimpleNamespace(signals={}))
     ranked = weighing(stress_relaxation=1.0, permanent_set=0.9, viscous_rate_stiffening=0.7)
     entrants = {
-        "stress_relaxation": entrant(-0.3),
-        "permanent_set": entrant(-0.1),
-        "viscous_rate_stiffening": entrant(0.0),
+        "stress_relaxation": entrant(-0.3, "stress_relaxation_log"),
+        "permanent_set": entrant(-0.1, "permanent_set"),
+        "viscous_rate_stiffening": entrant(0.0, "viscous_rate_stiffening"),
     }
-    after, _ = run_off(contest, ranked, entrants, entrant(0.0), 0.075)
+    after, _ = run_off(contest, ranked, entrants, entrant(0.0, ""), 0.075)
     gains = {entry.idea: entry.gain for entry in after.ranking}
-    assert after.ranking[0].idea == "stress_relaxation"
+    assert (after.ranking[0].idea, after.ranking[0].form) == ("stress_relaxation", "stress_relaxation_log")
     assert gains["viscous_rate_stiffening"] == pytest.approx((1 - CLOSE) * gains["stress_relaxation"])

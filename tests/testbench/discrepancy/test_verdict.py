@@ -7,6 +7,7 @@ from dataclasses import replace
 import pytest
 
 from testbench.discrepancy.evidence import Weighing
+from testbench.discrepancy.remains import Remains
 from testbench.discrepancy.verdict import verdict_of
 from tests.testbench.discrepancy.samples import weighing
 
@@ -31,25 +32,50 @@ from tests.testbench.discrepancy.samples import weighing
     ],
 )
 def test_a_verdict(form, gain, left, before, after, said):
-    assert verdict_of(weighing(**{form: gain}), left, before, after) == said
+    assert verdict_of(weighing(**{form: gain}), *2 * [Remains(before, after, left)]) == said
+
+
+@pytest.mark.parametrize(
+    ("typical", "said"),
+    [
+        pytest.param(Remains(6.0, 1.3, 0.05), "missing", id="but for a few samples it explains nearly all"),
+        pytest.param(Remains(6.0, 1.8, 0.2), "missing", id="but for a few samples there is no structure"),
+        pytest.param(Remains(6.0, 3.5, 0.35), "unknown", id="it is not a few samples"),
+    ],
+)
+def test_what_a_few_samples_say_is_not_held_against_an_idea(typical, said):
+    assert verdict_of(weighing(electrical_overshoot=0.6), Remains(6.5, 2.6, 0.4), typical) == said
+
+
+@pytest.mark.parametrize(
+    ("second", "typical", "said"),
+    [
+        pytest.param(0.6, Remains(6.0, 1.6, 0.08), "unknown", id="a neighbour comes near, and structure stays"),
+        pytest.param(0.3, Remains(6.0, 1.6, 0.08), "missing", id="the first stands out"),
+        pytest.param(0.95, Remains(6.0, 1.1, 0.08), "missing", id="a tie at the noise"),
+        pytest.param(0.6, Remains(15.0, 1.6, 0.03), "missing", id="a large effect in another form"),
+    ],
+)
+def test_between_neighbours_that_leave_structure_it_is_neither(second, typical, said):
+    neighbours = weighing(contact_relaxation=1.0, shoulder_peak=second)
+    assert verdict_of(neighbours, typical, typical) == said
 
 
 def test_an_empty_catalogue_names_nothing():
     nothing = Weighing((), "", 0.0, 0.0, ())
-    assert verdict_of(nothing, 1.0, 1.1, 1.1) == "nothing_missing"
-    assert verdict_of(nothing, 1.0, 5.0, 5.0) == "unknown"
+    assert verdict_of(nothing, *2 * [Remains(1.1, 1.1, 1.0)]) == "nothing_missing"
+    assert verdict_of(nothing, *2 * [Remains(5.0, 5.0, 1.0)]) == "unknown"
 
 
 def test_a_small_gain_that_many_share_belongs_to_none():
-    assert verdict_of(weighing(stress_relaxation=0.2, clamp_slip=0.15), 0.3, 1.6, 1.2) == "missing"
-    assert (
-        verdict_of(weighing(stress_relaxation=0.2, clamp_slip=0.15, permanent_set=0.12), 0.3, 1.6, 1.2)
-        == "nothing_missing"
-    )
+    left = Remains(1.6, 1.2, 0.3)
+    assert verdict_of(weighing(stress_relaxation=0.2, clamp_slip=0.15), left, left) == "missing"
+    crowd = weighing(stress_relaxation=0.2, clamp_slip=0.15, permanent_set=0.12)
+    assert verdict_of(crowd, left, left) == "nothing_missing"
 
 
 def test_what_is_seen_is_missing_however_little_it_gains():
-    ranked = weighing(adc_saturation=0.01)
-    assert verdict_of(ranked, left=1.1, before=1.1, after=1.2) == "nothing_missing"
+    ranked, left = weighing(adc_saturation=0.01), Remains(1.1, 1.2, 1.1)
+    assert verdict_of(ranked, left, left) == "nothing_missing"
     shown = replace(ranked, ranking=(replace(ranked.ranking[0], seen=True),))
-    assert verdict_of(shown, left=1.1, before=1.1, after=1.2) == "missing"
+    assert verdict_of(shown, left, left) == "missing"
