@@ -56,10 +56,11 @@ def verdict_of(weighing: Weighing, left: Remains, typical: Remains) -> Verdict:
 def _among_neighbours(weighing: Weighing, typical: Remains) -> bool:
     """Whether another idea comes near the first, and the first does not reach the noise: then it is neither.
 
-    What is there explains itself to the noise, or leaves its neighbours far behind.
+    What is there explains itself to the noise, or leaves its neighbours far behind. (What stands in for a shape of the
+    base is compared with a base that bends, which leaves little anyway.)
     """
-    gains = [entry.gain for entry in weighing.ranking[:2]]
-    near = len(gains) > 1 and gains[1] > NEAR * gains[0]
+    first, *others = weighing.ranking
+    near = any(entry.gain > NEAR * first.gain for entry in others) and not first.candidate.effect.imitable
     return near and typical.after > STRUCTURE_BESIDE_A_NEIGHBOUR and typical.share > LEFT_BESIDE_A_NEIGHBOUR
 
 

@@ -11,7 +11,9 @@ from tests.testbench.discrepancy.samples import weighing
 
 
 def entrant(score: float, name: str) -> SimpleNamespace:
-    return SimpleNamespace(score=score, name=name, candidate=f"candidate of {name}")
+    return SimpleNamespace(
+        score=score, name=name, candidate=weighing(**{name: 1.0}).ranking[0].candidate if name else None
+    )
 
 
 def test_the_unproven_idea_that_comes_close_is_refitted_next():
