@@ -56,8 +56,8 @@ def verdict_of(weighing: Weighing, left: Remains, typical: Remains) -> Verdict:
 def _among_neighbours(weighing: Weighing, typical: Remains) -> bool:
     """Whether another idea comes near the first, and the first does not reach the noise: then it is neither.
 
-    What is there explains itself to the noise, or leaves its neighbours far behind. (What stands in for a shape of the
-    base is compared with a base that bends, which leaves little anyway.)
+    What is there explains itself to the noise, or leaves its neighbours far behind. (What stands in for a shape of
+    the base is compared with a base that bends, which leaves little anyway.)
     """
     first, *others = weighing.ranking
     near = any(entry.gain > NEAR * first.gain for entry in others) and not first.candidate.effect.imitable
