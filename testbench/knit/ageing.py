@@ -8,6 +8,7 @@ import numpy as np
 
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 from testbench.knit.filters import shifted
+from testbench.knit.turning import since_turn_s
 
 
 class ContactAgeing(Effect):
@@ -32,9 +33,7 @@ class ContactAgeing(Effect):
     back: float = parameter(0.01, unit="1", low=5e-4, high=0.2, scale="log", doc="strain that makes a turn")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        from testbench.knit.kernels import since_turn
-
-        age_s = since_turn(np.ascontiguousarray(signals["strain"]), self.back) * dt_s
+        age_s, _ = since_turn_s(np.ascontiguousarray(signals["strain"]), self.back, dt_s)
         return {"conductance_S": shifted(signals["conductance_S"], self.gain * np.log1p(age_s / self.tau_s))}
 
     def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:

@@ -282,11 +282,6 @@ def turns(x: FloatArray, back: float) -> tuple[FloatArray, FloatArray, FloatArra
     return turned, known, count
 
 
-def since_turn(x: FloatArray, back: float) -> FloatArray:
-    """Samples since `x` last turned: see `turns`."""
-    return np.arange(len(x)) - turns(x, back)[0]
-
-
 @njit("float64[:](float64[:], float64, float64, float64)", cache=True, nogil=True)
 def overstress_flow(over: FloatArray, rate: float, hardening: float, power: float) -> FloatArray:
     """Set s that flows as ``ds = rate ((over - hardening s)+)^power`` per sample, zero at the start.

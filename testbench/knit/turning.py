@@ -83,6 +83,23 @@ class ElectricalOvershootTurn(Effect):
         return {"conductance_S": shifted(signals["conductance_S"], 0.5 * self.gain * turned)}
 
 
+def since_turn_s(strain: FloatArray, back: float, dt_s: float, early: float = 1.0) -> tuple[FloatArray, np.ndarray]:
+    """Time since the last turn, and the sample at which it was, each shape (n,).
+
+    Parameters
+    ----------
+    back : float
+        A turn counts once the strain has come back by so much.
+    early : float
+        0: time runs from when the turn counts; 1: from the turn itself, which lies between samples.
+    """
+    from testbench.knit.kernels import turns
+
+    turned, known, _ = turns(strain, back)
+    at = turned.astype(int)
+    return (np.arange(len(strain)) - known + early * (known - _between_samples(strain, at))) * dt_s, at
+
+
 def _between_samples(x: FloatArray, at: np.ndarray) -> FloatArray:
     """Where the extremes of `x` at the samples `at` really are, by the parabola through their neighbours."""
     if len(x) < 3:
@@ -127,13 +144,9 @@ class ElectricalOvershootAnew(Effect):
         return [{"back": back} | spike for back in (0.002, 0.003, 0.005, 0.007, 0.01) for spike in spikes]
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        from testbench.knit.kernels import turns
-
         strain = np.ascontiguousarray(signals["strain"])
-        turned, known, _ = turns(strain, self.back)
-        at = turned.astype(int)
-        since_s = (np.arange(len(strain)) - known + self.early * (known - _between_samples(strain, at))) * dt_s
-        heading = np.sign(strain - strain[at])
+        since_s, turned_at = since_turn_s(strain, self.back, dt_s, self.early)
+        heading = np.sign(strain - strain[turned_at])
         slow_s, quick_s = max(self.tau_s, self.rise_s), min(self.tau_s, self.rise_s)
         faster = 1 / quick_s - 1 / slow_s
         # (exp(-t / slow) - exp(-t / quick)) / faster, which is t exp(-t / tau) where both times are the same

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from testbench.knit.ageing import ContactAgeing
-from testbench.knit.kernels import since_turn, turns
-from testbench.knit.turning import ElectricalOvershootTurn
+from testbench.knit.kernels import turns
+from testbench.knit.turning import ElectricalOvershootTurn, since_turn_s
 
 DT_S = 0.05
 T = np.arange(0, 60, DT_S)
@@ -15,13 +15,23 @@ TRIANGLE = 0.1 * np.abs((T / 10 + 1) % 2 - 1)  # turns at 10, 20, ... s
 
 
 def test_a_turn_is_dated_back_to_the_extreme_once_it_is_known() -> None:
-    x = np.array([0.0, 1.0, 2.0, 3.0, 2.9, 2.0, 1.0, 0.9, 1.0, 2.0, 3.0])
-    np.testing.assert_array_equal(since_turn(x, 0.5), [0, 1, 2, 3, 4, 2, 3, 4, 5, 2, 3])
+    x = np.array([0.0, 1.0, 2.0, 3.0, 2.0, 1.0, 0.0, 1.0, 2.0, 3.0])
+    since_s, turned_at = since_turn_s(x, 0.5, 1.0)
+    np.testing.assert_allclose(since_s, [0, 1, 2, 3, 1, 2, 3, 1, 2, 3])
+    np.testing.assert_array_equal(turned_at, [0, 0, 0, 0, 3, 3, 3, 6, 6, 6])
+    known_s, _ = since_turn_s(x, 0.5, 1.0, early=0.0)
+    np.testing.assert_allclose(known_s, [0, 1, 2, 3, 0.5, 1.5, 2.5, 0.5, 1.5, 2.5])
+
+
+def test_a_turn_lies_between_samples() -> None:
+    x = -((np.arange(12) - 5.3) ** 2)
+    since_s, _ = since_turn_s(x, 2.0, 0.1)
+    np.testing.assert_allclose(since_s[7:], 0.1 * (np.arange(7, 12) - 5.3))
 
 
 def test_wobbles_below_the_threshold_are_no_turns() -> None:
     x = 0.3 * T / T[-1] + 0.001 * np.sin(9 * T)
-    np.testing.assert_array_equal(since_turn(x, 0.01), np.arange(len(x)))
+    np.testing.assert_allclose(since_turn_s(x, 0.01, 1.0)[0], np.arange(len(x)))
 
 
 def test_ageing_is_the_logarithm_of_the_time_since_the_turn() -> None:
