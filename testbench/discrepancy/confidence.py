@@ -9,8 +9,8 @@ import numpy as np
 
 from testbench.discrepancy.contest import Entrant
 from testbench.discrepancy.evidence import Interval, Weighing
-from testbench.discrepancy.ladder import remounted
 from testbench.discrepancy.measurement import Measurement
+from testbench.discrepancy.remounting import remounted
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
 

@@ -13,9 +13,9 @@ from testbench.discrepancy.contact_start import contact_start
 from testbench.discrepancy.errors import rms_errors
 from testbench.discrepancy.evidence import Evidence, Weighing
 from testbench.discrepancy.fit import Fit, fit
-from testbench.discrepancy.ladder import held_errors, placed
 from testbench.discrepancy.measurement import CONDUCTANCE_CHANNEL, Measurement, coarser
 from testbench.discrepancy.noise import robust_sd
+from testbench.discrepancy.remounting import held_errors, placed
 from testbench.discrepancy.screen import STIFF, best_starts
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import Effect, Stage

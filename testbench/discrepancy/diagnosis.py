@@ -21,17 +21,18 @@ from testbench.discrepancy.contest import (
     reranked,
 )
 from testbench.discrepancy.errors import noise_floors
-from testbench.discrepancy.evidence import Evidence, Weighing, ranked_with_costs, weigh
+from testbench.discrepancy.evidence import Evidence, Weighing, ranked_with_costs, structure_left, weigh
 from testbench.discrepancy.fit import Fit, fit
-from testbench.discrepancy.ladder import held_errors, on_the_ladder
+from testbench.discrepancy.ladder import on_the_ladder
 from testbench.discrepancy.measurement import Measurement, coarser, split
 from testbench.discrepancy.model_file import ModelFile
 from testbench.discrepancy.remains import remains
+from testbench.discrepancy.remounting import held_errors
 from testbench.discrepancy.runoff import run_off, unproven
 from testbench.discrepancy.standin import stand_ins, with_stand_ins
 from testbench.discrepancy.telling import Progress, silent
 from testbench.discrepancy.traces import collect
-from testbench.discrepancy.verdict import GAIN_TO_NAME, Verdict, verdict_of
+from testbench.discrepancy.verdict import GAIN_TO_NAME, STRUCTURE_LEFT, Verdict, among_neighbours, verdict_of
 from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.knit.model import KnitModel
 from testbench.recording import Recording
@@ -176,7 +177,12 @@ def _concluded(
     reached = best or base
     left = remains(base.held, reached.held, floors)
     typical = [held_errors(one.fit.model, held, typical=True) for one in (base, reached)]
-    verdict = verdict_of(weighing, left, remains(typical[0], typical[1], floors))
+    usually = remains(typical[0], typical[1], floors)
+    verdict = verdict_of(weighing, left, usually)
+    if verdict == "missing" and among_neighbours(weighing, left, usually):
+        tell("looking for structure in what is left")
+        if structure_left(reached.fit, calibration, held) > STRUCTURE_LEFT:
+            verdict = "unknown"
     named = best if verdict == "missing" else None
     after, misfits = _steps(named or base, before, bases, calibration, held)
     attempt = _steps(best, before, bases, calibration, held)[0] if best and verdict == "unknown" else None

@@ -9,8 +9,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from testbench.discrepancy.candidates import Candidate
+from testbench.discrepancy.fit import Fit
+from testbench.discrepancy.measurement import Measurement
 from testbench.discrepancy.screen import FLEXIBLE, STIFF, Judgement, judge_ideas
-from testbench.discrepancy.traces import Traces
+from testbench.discrepancy.traces import Traces, collect
+from testbench.knit.catalogue import Catalogue
 
 # What one shape of the base costs, as a share of what it buys: a physical effect that explains nearly as much with
 # one or two numbers is the better explanation.
@@ -77,6 +80,11 @@ class Weighing:
     base_gain: float
     ceiling: float
     depends_on: tuple[tuple[str, str, float], ...]
+
+
+def structure_left(fitted: Fit, calibration: Measurement, held: Measurement) -> float:
+    """How much a free-form map could still explain of what a model leaves: ln(loss without / loss with it)."""
+    return weigh(collect(fitted, fitted.model, calibration, held, Catalogue({}))).ceiling
 
 
 def weigh(traces: Mapping[str, Traces]) -> Weighing:

@@ -14,6 +14,7 @@ from testbench.discrepancy.grams import Grams, Rows, Weighting, grams
 from testbench.discrepancy.measurement import Measurement
 from testbench.discrepancy.noise import autoregression, robust_sd, whitened
 from testbench.discrepancy.parameters import FreeParameter, values_of
+from testbench.discrepancy.remounting import remounted
 from testbench.discrepancy.sensitivity import sensitivities
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import FloatArray
@@ -89,7 +90,10 @@ def collect(
         The same evidence weighed twice. Whitened, noise of any colour counts for what it is, and quick effects stand
         out; plain, what matters is how much of the error goes away, and slow effects are not taken for slow noise.
     """
-    parts = [Columns(fitted.model, fitted.parameters, one, unbent) for one in (calibration, held)]
+    parts = [
+        Columns(fitted.model, fitted.parameters, calibration, unbent),
+        Columns(remounted(fitted.model, held), fitted.parameters, held, remounted(unbent, held)),
+    ]
     kept: list[Candidate] = []
     for idea, forms in candidate_ideas(catalogue, fitted.model).items():
         if progress:

@@ -17,7 +17,9 @@ LEFT_UNEXPLAINED = 0.15
 # but so far above the noise several effects are missing at once, and one that explains half of it is worth its name.
 FAR_OVER_NOISE, LEFT_FAR_OVER_NOISE, LARGE_GAIN = 10.0, 0.6, 0.5
 STAND_IN_MAY_COST = 1.05  # times the error of the base, for an effect in the place of one of its shapes
-NEAR, STRUCTURE_BESIDE_A_NEIGHBOUR, LEFT_BESIDE_A_NEIGHBOUR = 0.5, 1.25, 0.04
+# Of two neighbours that leave structure neither is named: how near they are, when the noise is not reached, and what
+# a free-form map may still explain.
+NEAR, NEARLY_AT_THE_NOISE, NEARLY_ALL_EXPLAINED, STRUCTURE_LEFT = 0.45, 1.25, 0.035, 0.06
 SMALL_GAIN, CROWD = 0.25, 2  # a small gain that so many other ideas half share is the base's own misfit
 
 
@@ -50,18 +52,19 @@ def verdict_of(weighing: Weighing, left: Remains, typical: Remains) -> Verdict:
         return "missing"
     most_left = LEFT_FAR_OVER_NOISE if left.before > FAR_OVER_NOISE and gain > LARGE_GAIN else LEFT_UNEXPLAINED
     explains = any(one.share <= most_left or one.after <= STRUCTURE_OVER_NOISE for one in (left, typical))
-    return "missing" if explains and not _among_neighbours(weighing, typical) else "unknown"
+    return "missing" if explains else "unknown"
 
 
-def _among_neighbours(weighing: Weighing, typical: Remains) -> bool:
-    """Whether another idea comes near the first, and the first does not reach the noise: then it is neither.
+def among_neighbours(weighing: Weighing, left: Remains, typical: Remains) -> bool:
+    """Whether another idea comes near the first, and the first does not reach the noise: it may be neither.
 
     What is there explains itself to the noise, or leaves its neighbours far behind. (What stands in for a shape of
-    the base is compared with a base that bends, which leaves little anyway.)
+    the base is compared with a base that bends, which leaves little anyway.) Whether what stays is structure, or
+    noise that wanders more slowly than the floor counts, `testbench.discrepancy.evidence.structure_left` tells.
     """
     first, *others = weighing.ranking
     near = any(entry.gain > NEAR * first.gain for entry in others) and not first.candidate.effect.imitable
-    return near and typical.after > STRUCTURE_BESIDE_A_NEIGHBOUR and typical.share > LEFT_BESIDE_A_NEIGHBOUR
+    return near and not first.seen and typical.after > NEARLY_AT_THE_NOISE and left.share > NEARLY_ALL_EXPLAINED
 
 
 def _crowded(weighing: Weighing) -> bool:

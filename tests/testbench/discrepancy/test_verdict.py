@@ -8,7 +8,7 @@ import pytest
 
 from testbench.discrepancy.evidence import Weighing
 from testbench.discrepancy.remains import Remains
-from testbench.discrepancy.verdict import verdict_of
+from testbench.discrepancy.verdict import among_neighbours, verdict_of
 from tests.testbench.discrepancy.samples import weighing
 
 
@@ -48,17 +48,23 @@ def test_what_a_few_samples_say_is_not_held_against_an_idea(typical, said):
 
 
 @pytest.mark.parametrize(
-    ("second", "typical", "said"),
+    ("second", "after", "share", "doubtful"),
     [
-        pytest.param(0.6, Remains(6.0, 1.6, 0.08), "unknown", id="a neighbour comes near, and structure stays"),
-        pytest.param(0.3, Remains(6.0, 1.6, 0.08), "missing", id="the first stands out"),
-        pytest.param(0.95, Remains(6.0, 1.1, 0.08), "missing", id="a tie at the noise"),
-        pytest.param(0.6, Remains(15.0, 1.6, 0.03), "missing", id="a large effect in another form"),
+        pytest.param(0.6, 1.6, 0.08, True, id="a neighbour comes near, and the noise is not reached"),
+        pytest.param(0.3, 1.6, 0.08, False, id="the first stands out"),
+        pytest.param(0.95, 1.1, 0.08, False, id="a tie at the noise"),
+        pytest.param(0.6, 1.6, 0.02, False, id="a large effect in another form"),
     ],
 )
-def test_between_neighbours_that_leave_structure_it_is_neither(second, typical, said):
+def test_between_neighbours_that_do_not_reach_the_noise_it_may_be_neither(second, after, share, doubtful):
     neighbours = weighing(contact_relaxation=1.0, shoulder_peak=second)
-    assert verdict_of(neighbours, typical, typical) == said
+    left = Remains(6.0, after, share)
+    assert among_neighbours(neighbours, left, left) is doubtful
+
+
+def test_what_stands_in_for_a_shape_is_not_doubted_for_its_neighbours():
+    left = Remains(6.0, 1.6, 0.08)
+    assert not among_neighbours(weighing(adc_saturation=1.0, contact_saturation=0.9), left, left)
 
 
 def test_an_empty_catalogue_names_nothing():

@@ -1,0 +1,54 @@
+"""A model on another recording of the same sensor: what belongs to one recording is free in each."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from testbench.discrepancy.errors import rms_errors
+from testbench.discrepancy.fit import fit
+from testbench.discrepancy.measurement import Measurement
+from testbench.knit.effect import Effect, bounds_of
+from testbench.knit.model import KnitModel
+
+
+def held_errors(model: KnitModel, held: Measurement, typical: bool = False) -> dict[str, float]:
+    """Errors on held-out samples; what belongs to the mounting or to one recording is free.
+
+    That is force zero and conductance gain, and an effect's own `per_recording` parameters (the phase of a hum).
+    `typical` as in `rms_errors`.
+    """
+    return rms_errors(remounted(model, held), held, free_offset=True, typical=typical)
+
+
+def remounted(model: KnitModel, measurement: Measurement) -> KnitModel:
+    """The model with the parameters that belong to one recording fitted to this one."""
+    free = {f"{name}.{key}" for name, effect in model.effects.items() for key in effect.per_recording}
+    if not free:
+        return model
+    for name, effect in model.effects.items():
+        if effect.per_recording:
+            model = _placed(model, name, measurement)
+    for address in sorted(free):
+        model = _best_of_turn(model, address, measurement)
+    return fit(model, [measurement], max_iterations=8, addresses=lambda a: a.partition("[")[0] in free).model
+
+
+def _placed(model: KnitModel, name: str, measurement: Measurement) -> KnitModel:
+    """The model with an effect's events where this recording has them."""
+    return model.replacing(name, placed(model[name], model.without(name), measurement))
+
+
+def placed(effect: Effect, base: KnitModel, measurement: Measurement) -> Effect:
+    """`effect` with its events where the misfit of `base` has them."""
+    state = base.simulate(measurement.signals, measurement.dt_s)
+    return effect.for_recording(state, measurement.residual(base), measurement.dt_s)
+
+
+def _best_of_turn(model: KnitModel, address: str, measurement: Measurement) -> KnitModel:
+    """The model with a phase at the best of eight points of the circle; other parameters stay."""
+    name, _, key = address.partition(".")
+    extra = bounds_of(type(model[name]).model_fields[key])
+    if extra["unit"] != "rad":
+        return model
+    turns = [model.with_parameters({address: phase}) for phase in np.linspace(-np.pi, np.pi, 8, endpoint=False)]
+    return min(turns, key=lambda turned: sum(np.log(value) for value in rms_errors(turned, measurement).values()))
