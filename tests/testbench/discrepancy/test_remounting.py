@@ -32,7 +32,7 @@ def test_a_hum_of_another_phase_leaves_nothing_to_be_explained():
 
 def test_structure_that_a_model_leaves_is_seen():
     shifted = truth().with_parameters({"contact.series_ohm": 300.0})
-    one, other = (prepare(record(model, 120, seed=seed)) for seed, model in ((1, shifted), (2, shifted)))
+    one, other = (prepare(record(shifted, 300, seed=seed)) for seed in (1, 2))
     wrong = fit(truth(), [one], only=["drift"])
     assert structure_left(wrong, one, other) > 3 * STRUCTURE_LEFT
     assert np.isclose(structure_left(fit(shifted, [one]), one, other), 0.0, atol=0.02)
