@@ -30,6 +30,7 @@ FIT_RATE_HZ = 12.5  # grid of the fits; errors are judged on the samples as reco
 SETTLING_ITERATIONS = 30
 TOUCH_UP_ITERATIONS = 4
 SEARCHES, SEARCH_MUST_PAY = 3, 0.02  # for events, each on what the last one left; in ln(RMS)
+EVENTS_MAY_TRAIL = 0.5  # ln(RMS) behind the form that speaks for the idea, before they have settled
 UNDECIDED = 0.05  # share of strain in what the contacts feel, off either end
 SHAPES_MUST_PAY = 0.02  # in ln(RMS), for the flexible base to be kept
 
@@ -179,8 +180,9 @@ class Contest:
         stiff base first, and the shapes take what is left. Events settle beside the form that speaks for their idea:
         as long as some of them are missed, a smooth form does better.
         """
-        events = [one for one in self._entered.get(entrant.idea, ()) if one.name != entrant.name and _has_events(one)]
-        ways = [entrant, *sorted(events, key=lambda one: one.score)[:1]]
+        others = [one for one in self._entered.get(entrant.idea, ()) if one.name != entrant.name and _has_events(one)]
+        near = [one for one in others if one.score < entrant.score + EVENTS_MAY_TRAIL]
+        ways = [entrant, *sorted(near, key=lambda one: one.score)[:1]]
         settled = [self._settled_events(one) if _has_events(one) else self._settled(one) for one in ways]
         best = self._with_the_unseen_absent(min(settled, key=lambda one: one.score))
         return best if best.score < entrant.score - (0.0 if _bends(entrant) else SHAPES_MUST_PAY) else entrant

@@ -52,11 +52,13 @@ def run_off(
 
 
 def unproven(weighing: Weighing, refitted: Collection[str], least_gain: float) -> Evidence | None:
-    """The best idea that comes close to the first, or is it, without having been refitted."""
+    """The best idea that comes close to the first, is akin to it, or is it, without having been refitted."""
+    if not weighing.ranking or weighing.ranking[0].gain < least_gain:
+        return None
+    first = weighing.ranking[0]
     for entry in weighing.ranking:
-        if entry.gain < max(least_gain, (1 - CLOSE) * weighing.ranking[0].gain):
-            return None
-        if entry.idea not in refitted and not entry.candidate.effect.imitable:
+        near = entry.gain >= max(least_gain, (1 - CLOSE) * first.gain) or entry.idea in first.candidate.effect.akin
+        if near and entry.idea not in refitted and not entry.candidate.effect.imitable:
             return entry
     return None
 

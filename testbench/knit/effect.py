@@ -114,6 +114,9 @@ class Effect(BaseModel):
         then says nothing against it.
     per_recording : tuple of str
         Parameters that belong to one recording, not to the sensor (the phase of a hum): each has its own.
+    akin : tuple of str
+        Ideas whose traces agree so nearly that a grid of first-order trials does not tell them: where one of them
+        leads, the others are refitted, too.
     absent_at : mapping of str to float
         Parameters, and the values from which on their part of the law is never reached. A recording that does not
         reach it cannot tell how far off it is: a fit stops at the edge, and the next recording may go beyond.
@@ -134,6 +137,7 @@ class Effect(BaseModel):
     cost: ClassVar[float] = 0.0
     quick: ClassVar[bool] = False
     per_recording: ClassVar[tuple[str, ...]] = ()
+    akin: ClassVar[tuple[str, ...]] = ()
     absent_at: ClassVar[Mapping[str, float]] = {}
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:

@@ -24,6 +24,7 @@ class Lengthening(Effect):
     stage = Stage.KINEMATICS
     reads: ClassVar[tuple[str, ...]] = ("strain",)
     writes = ("strain",)
+    akin = ("permanent_set", "clamp_slip")
     absent_at: ClassVar[Mapping[str, float]] = {"pretension": 0.3}  # it never hangs limp
 
     pretension: float = parameter(

@@ -24,6 +24,13 @@ def test_the_unproven_idea_that_comes_close_is_refitted_next():
     assert unproven(weighing(adc_saturation=1.0), set(), 0.075) is None, "what a shape imitates is judged apart"
 
 
+def test_what_is_akin_to_the_first_is_refitted_however_it_screened():
+    ranked = weighing(permanent_set=1.0, stress_relaxation=0.5, clamp_slip=0.02)
+    assert unproven(ranked, {"permanent_set"}, 0.075).idea == "clamp_slip"
+    assert unproven(ranked, {"permanent_set", "clamp_slip"}, 0.075) is None
+    assert unproven(weighing(permanent_set=0.05, clamp_slip=0.02), set(), 0.075) is None
+
+
 def test_who_was_not_settled_does_not_overtake_the_winner():
     contest = SimpleNamespace(settled=lambda one: one, calibration=SimpleNamespace(signals={}))
     ranked = weighing(stress_relaxation=1.0, permanent_set=0.9, viscous_rate_stiffening=0.7)
