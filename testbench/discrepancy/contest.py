@@ -153,11 +153,11 @@ class Contest:
         found = [form().seen(state, residual, here.dt_s) for form in forms]
         return [effect for effect in found if effect is not None]
 
-    def alone(self, effects: Sequence[Effect]) -> list[Entrant]:
-        """Each effect fitted on the stiff base."""
+    def alone(self, effects: Sequence[Effect], each: Callable[..., Iterable[Entrant]] = map) -> list[Entrant]:
+        """Each effect fitted on the stiff base; `each` maps, side by side where it can."""
         stiff = self.bases.stiff.model
         starts = best_starts(stiff, effects, self.coarse) if effects else []
-        return [self._alone(effect) for effect in starts]
+        return list(each(self._alone, starts))
 
     def _alone(self, effect: Effect) -> Entrant:
         models = [self.bases.stiff.model.plus(effect)]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
@@ -195,9 +195,15 @@ def _contested(contest: Contest, weighing: Weighing, base: Entrant) -> tuple[Wei
     """The ranking with the refits taken in, and the refitted ideas."""
     # The kernels let go of the interpreter, so threads do run side by side; those of BLAS would only fight them.
     with threadpool_limits(1, "blas"), ThreadPoolExecutor(WORKERS) as pool:
-        others = pool.submit(stand_ins, contest, base)
-        entrants = {entry.idea: contest.enter(entry) for entry in challengers(weighing)}
-        instead = others.result()
+        return _judged(contest, weighing, base, pool)
+
+
+def _judged(
+    contest: Contest, weighing: Weighing, base: Entrant, pool: Executor
+) -> tuple[Weighing, dict[str, Entrant]]:
+    entering = {entry.idea: pool.submit(contest.enter, entry) for entry in challengers(weighing)}
+    instead = stand_ins(contest, base, pool)
+    entrants = {idea: entrant.result() for idea, entrant in entering.items()}
 
     def judged() -> Weighing:
         refitted = reranked(weighing, base, list(entrants.values()))
@@ -212,7 +218,7 @@ def _contested(contest: Contest, weighing: Weighing, base: Entrant) -> tuple[Wei
         entrants[late.idea] = contest.enter(late)
     weighing = judged()
     entrants |= {idea: entrant for idea, (entrant, _) in instead.items()}
-    return run_off(contest, weighing, entrants, base, GAIN_TO_NAME)
+    return run_off(contest, weighing, entrants, base, GAIN_TO_NAME, pool)
 
 
 def _steps(

@@ -7,6 +7,7 @@ worth less than how near the noise each of them gets once everything may move.
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
+from concurrent.futures import Executor
 from dataclasses import replace
 
 import numpy as np
@@ -25,6 +26,7 @@ def run_off(
     entrants: Mapping[str, Entrant],
     base: Entrant,
     least_gain: float,
+    pool: Executor,
 ) -> tuple[Weighing, dict[str, Entrant]]:
     """Settle the first idea and those that come close, and rank again.
 
@@ -37,8 +39,11 @@ def run_off(
         What the gains are counted from.
     least_gain : float
         Ideas below it are not worth settling.
+    pool : Executor
+        Where they settle, side by side.
     """
-    settled = {entry.idea: contest.settled(entrants[entry.idea]) for entry in _close(weighing, entrants, least_gain)}
+    close = [entry.idea for entry in _close(weighing, entrants, least_gain)]
+    settled = dict(zip(close, pool.map(lambda idea: contest.settled(entrants[idea]), close), strict=True))
     spoken_for = [spoken_for_by(e, settled[e.idea]) if e.idea in settled else e for e in weighing.ranking]
     weighing = replace(weighing, ranking=tuple(spoken_for))
     if len(settled) > 1:

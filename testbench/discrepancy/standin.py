@@ -9,8 +9,9 @@ goes in beside the shape: a corner that no smooth shape can follow shows there.)
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
-from functools import cache
+from concurrent.futures import Executor
+from dataclasses import dataclass, replace
+from functools import cache, partial
 
 import numpy as np
 
@@ -37,36 +38,58 @@ OTHER_KIND = 0.1  # share of the gain that counts where the loops are of another
 BENT_ITERATIONS, BESIDE_ITERATIONS = 14, 10
 
 
-def stand_ins(contest: Contest, base: Entrant) -> dict[str, tuple[Entrant, Evidence]]:
+@dataclass(frozen=True)
+class _Tried:
+    """An imitable effect in place of the shape that could imitate it, and beside it."""
+
+    mode: str
+    instead: Entrant
+    beside: Entrant
+
+
+def stand_ins(contest: Contest, base: Entrant, pool: Executor) -> dict[str, tuple[Entrant, Evidence]]:
     """The best of the imitable effects, refitted in place of the shapes that could imitate them.
+
+    Parameters
+    ----------
+    contest : Contest
+    base : Entrant
+        What the gains are counted from.
+    pool : Executor
+        Where the refits run, side by side.
 
     Returns
     -------
     dict of idea to (Entrant, Evidence)
         With the gain over the base at a fair price: see `_gain`.
     """
-    found: dict[str, tuple[Entrant, Evidence]] = {}
-    # Asked for by several effects, fitted once.
-    bare = cache(lambda mode: _refitted(contest, "", contest.bases.flexible.model, mode))
+    tried = list(pool.map(partial(_tried, contest), _finalists(_alone(contest, pool))))
+    modes = sorted({FLEXIBLE, *(one.mode for one in tried)}) if tried else []
+    bares = pool.map(lambda mode: _refitted(contest, "", contest.bases.flexible.model, mode), modes)
+    bare = dict(zip(modes, bares, strict=True))
     other_loops = cache(lambda: _has_other_loops(contest, base))
-    for entrant in _finalists(_alone(contest)):
-        effect = entrant.fit.model[entrant.name]
-        mode = WITHOUT[effect.imitated_by]
-        contest.tell(f"putting in {entrant.name} for the shape that could imitate it")
-        start = with_shapes(entrant.fit.model, contest.calibration, contest.catalogue)
-        instead = min(entrant, _refitted(contest, entrant.name, start, mode), key=lambda one: one.score)
-        bent = with_shapes(instead.fit.model, contest.calibration, contest.catalogue)
-        beside = _refitted(contest, entrant.name, bent, FLEXIBLE)
-        gain = _gain(instead, base, bare(mode))
+    found: dict[str, tuple[Entrant, Evidence]] = {}
+    for one in tried:
+        effect = one.instead.fit.model[one.instead.name]
+        gain = _gain(one.instead, base, bare[one.mode])
         # Neither a converter nor the contacts have to do with the kind of the loops.
         if gain > WORTH_A_DOUBT and effect.stage < Stage.PRESSURE and other_loops():
             gain *= OTHER_KIND
         # Against a base that was given as many steps more: a fit that goes on gets better without any effect.
-        gain = max(gain, 2 * (min(base.score, bare(FLEXIBLE).score) - beside.score))
-        best = min(instead, beside, key=lambda one: one.score)
-        if entrant.idea not in found or gain > found[entrant.idea][1].gain:
-            found[entrant.idea] = best, _evidence(best, mode, gain)
+        gain = max(gain, 2 * (min(base.score, bare[FLEXIBLE].score) - one.beside.score))
+        best = min(one.instead, one.beside, key=lambda entrant: entrant.score)
+        if best.idea not in found or gain > found[best.idea][1].gain:
+            found[best.idea] = best, _evidence(best, one.mode, gain)
     return found | _seen(contest, base)
+
+
+def _tried(contest: Contest, entrant: Entrant) -> _Tried:
+    mode = WITHOUT[entrant.fit.model[entrant.name].imitated_by]
+    contest.tell(f"putting in {entrant.name} for the shape that could imitate it")
+    start = with_shapes(entrant.fit.model, contest.calibration, contest.catalogue)
+    instead = min(entrant, _refitted(contest, entrant.name, start, mode), key=lambda one: one.score)
+    bent = with_shapes(instead.fit.model, contest.calibration, contest.catalogue)
+    return _Tried(mode, instead, _refitted(contest, entrant.name, bent, FLEXIBLE))
 
 
 def _seen(contest: Contest, base: Entrant) -> dict[str, tuple[Entrant, Evidence]]:
@@ -114,10 +137,10 @@ def _finalists(alone: Sequence[Entrant]) -> list[Entrant]:
     return chosen[:FINALISTS]
 
 
-def _alone(contest: Contest) -> list[Entrant]:
+def _alone(contest: Contest, pool: Executor) -> list[Entrant]:
     """Every imitable effect on the stiff base, best first; only those that gain at all."""
     before = contest.scored("", contest.bases.stiff)
-    found = contest.alone(contest.imitable_forms())
+    found = contest.alone(contest.imitable_forms(), pool.map)
     worth = [one for one in found if 2 * (before.score - one.score) > WORTH_A_TRY]
     return sorted(worth, key=lambda one: one.score)
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from itertools import repeat
 
 import numpy as np
 
@@ -16,8 +18,9 @@ from testbench.discrepancy.noise import autoregression, robust_sd, whitened
 from testbench.discrepancy.parameters import FreeParameter, values_of
 from testbench.discrepancy.remounting import remounted
 from testbench.discrepancy.sensitivity import sensitivities
+from testbench.discrepancy.telling import Progress, silent
 from testbench.knit.catalogue import Catalogue
-from testbench.knit.effect import FloatArray
+from testbench.knit.effect import Effect, FloatArray
 from testbench.knit.model import KnitModel, SimulationCache
 
 
@@ -73,7 +76,7 @@ def collect(
     calibration: Measurement,
     held: Measurement,
     catalogue: Catalogue,
-    progress: Callable[[str], None] | None = None,
+    progress: Progress | None = None,
 ) -> dict[str, Traces]:
     """Simulate every candidate on both recordings and form the inner products.
 
@@ -94,16 +97,7 @@ def collect(
         Columns(fitted.model, fitted.parameters, calibration, unbent),
         Columns(remounted(fitted.model, held), fitted.parameters, held, remounted(unbent, held)),
     ]
-    kept: list[Candidate] = []
-    for idea, forms in candidate_ideas(catalogue, fitted.model).items():
-        if progress:
-            progress(f"screening {idea}")
-        for candidate in expand(forms, idea, fitted.model, calibration, parts[0].state, parts[0].residual):
-            found = [part.trace(candidate) for part in parts]
-            if _counts(candidate, found):
-                kept.append(candidate)
-                for part, item in zip(parts, found, strict=True):
-                    part.traces.append(item or dict.fromkeys(part.measurement.channels))
+    kept = _screened(parts, candidate_ideas(catalogue, fitted.model), progress or silent)
     addresses = tuple(p.address for p in fitted.parameters)
     ridge = prior_ridge(fitted.parameters, calibration)
     left = _unexplained(parts[0])
@@ -122,6 +116,26 @@ def collect(
         free = FreeForm(free_first, free_second, names)
         weighed[name] = Traces(tuple(kept), first, second, addresses, fitted.vector, ridge, free)
     return weighed
+
+
+def _screened(
+    parts: Sequence[Columns], ideas: Mapping[str, Sequence[type[Effect]]], tell: Progress
+) -> list[Candidate]:
+    """Candidates that change anything; their traces go into `parts`."""
+    kept: list[Candidate] = []
+    first = parts[0]
+    with ThreadPoolExecutor(len(parts)) as pool:
+        for idea, forms in ideas.items():
+            tell(f"screening {idea}")
+            tried = list(expand(forms, idea, first.model, first.measurement, first.state, first.residual))
+            # One recording a thread: what effects have in common is simulated once for each recording.
+            made = pool.map(Columns.trace_all, parts, repeat(tried))
+            for candidate, *found in zip(tried, *made, strict=True):
+                if _counts(candidate, found):
+                    kept.append(candidate)
+                    for part, item in zip(parts, found, strict=True):
+                        part.traces.append(item or dict.fromkeys(part.measurement.channels))
+    return kept
 
 
 def _counts(candidate: Candidate, found: Sequence[Mapping[str, FloatArray | None] | None]) -> bool:
@@ -164,6 +178,10 @@ class Columns:
         alone = candidate.effect.imitable
         model, base = (self.unbent, self.plain) if alone else (self.model, self.modelled)
         return trace(candidate, model, self.measurement, base, self.caches[alone])
+
+    def trace_all(self, candidates: Sequence[Candidate]) -> list[dict[str, FloatArray | None] | None]:
+        """`trace` of each."""
+        return [self.trace(candidate) for candidate in candidates]
 
     def base_rows(self) -> dict[str, list[FloatArray | None]]:
         """Residual and sensitivities of each channel."""

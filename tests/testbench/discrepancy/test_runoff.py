@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from types import SimpleNamespace
 
 import pytest
@@ -39,7 +40,7 @@ def test_who_was_not_settled_does_not_overtake_the_winner():
         "permanent_set": entrant(-0.1, "permanent_set"),
         "viscous_rate_stiffening": entrant(0.0, "viscous_rate_stiffening"),
     }
-    after, _ = run_off(contest, ranked, entrants, entrant(0.0, ""), 0.075)
+    after, _ = run_off(contest, ranked, entrants, entrant(0.0, ""), 0.075, ThreadPoolExecutor(1))
     gains = {entry.idea: entry.gain for entry in after.ranking}
     assert (after.ranking[0].idea, after.ranking[0].form) == ("stress_relaxation", "stress_relaxation_log")
     assert gains["viscous_rate_stiffening"] == pytest.approx((1 - CLOSE) * gains["stress_relaxation"])
