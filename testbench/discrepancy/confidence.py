@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from testbench.discrepancy.contest import Entrant
+from testbench.discrepancy.entrant import Entrant
 from testbench.discrepancy.evidence import Interval, Weighing
 from testbench.discrepancy.measurement import Measurement
 from testbench.discrepancy.remounting import remounted

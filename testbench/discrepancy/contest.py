@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from testbench.discrepancy.baseline import SHAPES, framed, with_shapes
-from testbench.discrepancy.candidates import Candidate, candidate_ideas, is_vector
+from testbench.discrepancy.baseline import framed
+from testbench.discrepancy.candidates import candidate_ideas, is_vector
 from testbench.discrepancy.contact_start import contact_start
+from testbench.discrepancy.entrant import SHAPES_MUST_PAY, Bases, Entrant, bends, spoken_for_by
 from testbench.discrepancy.errors import rms_errors
 from testbench.discrepancy.evidence import Evidence, Weighing
 from testbench.discrepancy.fit import Fit, fit
 from testbench.discrepancy.measurement import CONDUCTANCE_CHANNEL, Measurement, coarser
-from testbench.discrepancy.noise import robust_sd
 from testbench.discrepancy.remounting import held_errors, placed
 from testbench.discrepancy.screen import STIFF, best_starts
 from testbench.knit.catalogue import Catalogue
@@ -27,49 +27,7 @@ AS_GOOD = 0.8  # of the best gain: one more is refitted
 LEAST_GAIN = 0.02
 REFIT_ITERATIONS, ALONE_ITERATIONS = 10, 20
 FIT_RATE_HZ = 12.5  # grid of the fits; errors are judged on the samples as recorded
-SETTLING_ITERATIONS = 30
-TOUCH_UP_ITERATIONS = 4
-SEARCHES, SEARCH_MUST_PAY = 3, 0.02  # for events, each on what the last one left; in ln(RMS)
-EVENTS_MAY_TRAIL = 0.5  # ln(RMS) behind the form that speaks for the idea, before they have settled
 UNDECIDED = 0.05  # share of strain in what the contacts feel, off either end
-SHAPES_MUST_PAY = 0.02  # in ln(RMS), for the flexible base to be kept
-
-
-@dataclass(frozen=True)
-class Bases:
-    """The base fitted stiff, and with its shape freedom."""
-
-    stiff: Fit
-    flexible: Fit
-
-
-@dataclass(frozen=True)
-class Entrant:
-    """A refitted model and its errors.
-
-    Attributes
-    ----------
-    name : str
-        Catalogue effect that was put in; empty for the base alone.
-    idea : str
-    fit : Fit
-    score : float
-        Mean of ln(RMS) over channels and over both recordings; lower is better.
-    held : dict of channel to float
-        Held-out RMS.
-    """
-
-    name: str
-    idea: str
-    fit: Fit
-    score: float
-    held: Mapping[str, float]
-
-    @property
-    def candidate(self) -> Candidate:
-        """The effect as it was fitted."""
-        effect = self.fit.model[self.name]
-        return Candidate(self.idea, effect, getattr(effect, effect.strength), from_data=True)
 
 
 class Contest:
@@ -86,7 +44,7 @@ class Contest:
         self.bases, self.calibration, self.held = bases, calibration, held
         self.coarse = coarser(calibration, FIT_RATE_HZ)
         self.catalogue, self.tell = catalogue, tell
-        self._entered: dict[str, list[Entrant]] = {}
+        self.entered: dict[str, list[Entrant]] = {}  # every form that was refitted, by idea
         self._ideas = candidate_ideas(catalogue, bases.stiff.model)
         self._signals = frozenset(bases.stiff.model.simulate(self.coarse.signals, self.coarse.dt_s))
 
@@ -110,8 +68,8 @@ class Contest:
         effects |= {effect.name: effect for effect in self.events_of(entry.idea)}
         bases = [self.bases.flexible.model] + ([self.bases.stiff.model] if entry.mode == STIFF else [])
         entrants = [self._refitted(model, effect) for model in bases for effect in effects.values()]
-        self._entered[entry.idea] = entrants
-        return min(entrants, key=lambda one: one.score + (SHAPES_MUST_PAY if _bends(one) else 0.0))
+        self.entered[entry.idea] = entrants
+        return min(entrants, key=lambda one: one.score + (SHAPES_MUST_PAY if bends(one) else 0.0))
 
     def _refitted(self, model: KnitModel, effect: Effect) -> Entrant:
         return self.scored(effect.name, fit(model.plus(effect), [self.coarse], max_iterations=REFIT_ITERATIONS))
@@ -173,54 +131,6 @@ class Contest:
         log_g = here.measured[CONDUCTANCE_CHANNEL]
         return model.replacing("contact", contact_start(model["contact"], pressing, log_g))
 
-    def settled(self, entrant: Entrant) -> Entrant:
-        """The entrant, or the same idea reached another way, whichever does better.
-
-        A base that was free to bend before the idea came in has taken part of it over; here the idea settles on the
-        stiff base first, and the shapes take what is left. Events settle beside the form that speaks for their idea:
-        as long as some of them are missed, a smooth form does better.
-        """
-        others = [one for one in self._entered.get(entrant.idea, ()) if one.name != entrant.name and _has_events(one)]
-        near = [one for one in others if one.score < entrant.score + EVENTS_MAY_TRAIL]
-        ways = [entrant, *sorted(near, key=lambda one: one.score)[:1]]
-        settled = [self._settled_events(one) if _has_events(one) else self._settled(one) for one in ways]
-        best = self._with_the_unseen_absent(min(settled, key=lambda one: one.score))
-        return best if best.score < entrant.score - (0.0 if _bends(entrant) else SHAPES_MUST_PAY) else entrant
-
-    def _with_the_unseen_absent(self, entrant: Entrant) -> Entrant:
-        """Without the parts of the effect's law that the calibration does not reach, where that does as well."""
-        effect = entrant.fit.model[entrant.name]
-        if not effect.absent_at:
-            return entrant
-        without = entrant.fit.model.replacing(entrant.name, effect.replaced(**effect.absent_at))
-        other = self.scored(entrant.name, fit(without, [self.coarse], max_iterations=TOUCH_UP_ITERATIONS))
-        return min(entrant, other, key=lambda one: one.score)
-
-    def _settled(self, entrant: Entrant) -> Entrant:
-        form = entrant.name
-        effect = entrant.fit.model[form]
-        self.tell(f"settling {form}")
-        first = entrant.fit if effect.imitable else fit(self.bases.stiff.model.plus(effect), [self.coarse])
-        bent = with_shapes(first.model, self.calibration, self.catalogue)
-        again = fit(bent, [self.coarse], max_iterations=SETTLING_ITERATIONS)
-        # Where ln G dives now and then, its dives would decide about everything: once more, with hardly a say.
-        without_dives = fit(again.model, [self.coarse], max_iterations=REFIT_ITERATIONS, scale_by=robust_sd)
-        return min((self.scored(form, one) for one in (again, without_dives)), key=lambda one: one.score)
-
-    def _settled_events(self, entrant: Entrant) -> Entrant:
-        """Looked for anew in what is left without them, as often as more of them are found."""
-        for _ in range(SEARCHES):
-            found = self._settled(self._placed_anew(entrant))
-            if found.score > entrant.score - SEARCH_MUST_PAY:
-                return min(entrant, found, key=lambda one: one.score)
-            entrant = found
-        return entrant
-
-    def _placed_anew(self, entrant: Entrant) -> Entrant:
-        model = entrant.fit.model
-        effect = placed(model[entrant.name], model.without(entrant.name), self.calibration)
-        return replace(entrant, fit=replace(entrant.fit, model=model.replacing(entrant.name, effect)))
-
     def scored(self, name: str, result: Fit) -> Entrant:
         """A fit with its errors on both recordings."""
         held = held_errors(result.model, self.held)
@@ -243,15 +153,6 @@ def _driven_otherwise(model: KnitModel) -> list[KnitModel]:
     return [model.replacing("contact_drive", drive.near(strain_share=end)) for end in (0.0, 1.0)]
 
 
-def _has_events(entrant: Entrant) -> bool:
-    effect = entrant.fit.model[entrant.name]
-    return is_vector(type(effect), effect.strength)
-
-
-def _bends(entrant: Entrant) -> bool:
-    return any(name in SHAPES for name in entrant.fit.model)
-
-
 def challengers(weighing: Weighing) -> list[Evidence]:
     """The ideas worth a refit: the best, and those that come near."""
     ranking = [entry for entry in weighing.ranking if not entry.candidate.effect.imitable]
@@ -271,10 +172,3 @@ def reranked(weighing: Weighing, base: Entrant, entrants: Sequence[Entrant]) -> 
 def _taken_in(entry: Evidence, entrant: Entrant, base: Entrant) -> Evidence:
     """The evidence with the refit's gain, and the form that did best."""
     return replace(spoken_for_by(entry, entrant), gain=0.5 * entry.gain + (base.score - entrant.score))
-
-
-def spoken_for_by(entry: Evidence, entrant: Entrant) -> Evidence:
-    """The evidence with the entrant's form to speak for the idea."""
-    if entrant.name == entry.form:
-        return entry
-    return replace(entry, form=entrant.name, candidate=entrant.candidate, coefficient=1.0)

@@ -12,14 +12,8 @@ from threadpoolctl import threadpool_limits
 
 from testbench.discrepancy.baseline import SHAPES, starting_baseline, with_shapes, without_shapes
 from testbench.discrepancy.confidence import with_intervals
-from testbench.discrepancy.contest import (
-    FIT_RATE_HZ,
-    Bases,
-    Contest,
-    Entrant,
-    challengers,
-    reranked,
-)
+from testbench.discrepancy.contest import FIT_RATE_HZ, Contest, challengers, reranked
+from testbench.discrepancy.entrant import Bases, Entrant
 from testbench.discrepancy.errors import noise_floors
 from testbench.discrepancy.evidence import Evidence, Weighing, ranked_with_costs, structure_left, weigh
 from testbench.discrepancy.fit import Fit, fit

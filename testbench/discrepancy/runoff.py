@@ -9,11 +9,14 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from concurrent.futures import Executor
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
-from testbench.discrepancy.contest import Contest, Entrant, spoken_for_by
+from testbench.discrepancy.contest import Contest
+from testbench.discrepancy.entrant import Entrant, spoken_for_by
 from testbench.discrepancy.evidence import Evidence, Weighing, ranked, share_after_costs
+from testbench.discrepancy.settling import settled
 
 CLOSE = 0.25  # of the first's gain
 MOST = 3
@@ -43,17 +46,17 @@ def run_off(
         Where they settle, side by side.
     """
     close = [entry.idea for entry in _close(weighing, entrants, least_gain)]
-    settled = dict(zip(close, pool.map(lambda idea: contest.settled(entrants[idea]), close), strict=True))
-    spoken_for = [spoken_for_by(e, settled[e.idea]) if e.idea in settled else e for e in weighing.ranking]
+    in_full = dict(zip(close, pool.map(partial(settled, contest), [entrants[idea] for idea in close]), strict=True))
+    spoken_for = [spoken_for_by(e, in_full[e.idea]) if e.idea in in_full else e for e in weighing.ranking]
     weighing = replace(weighing, ranking=tuple(spoken_for))
-    if len(settled) > 1:
+    if len(in_full) > 1:
         measured = contest.calibration.signals.keys()
-        decided = [_decided(e, settled[e.idea], base, measured) for e in weighing.ranking if e.idea in settled]
+        decided = [_decided(e, in_full[e.idea], base, measured) for e in weighing.ranking if e.idea in in_full]
         # Who was not close enough to be settled is still judged to first order; that does not overtake a winner.
         most = (1 - CLOSE) * max(entry.gain for entry in decided)
-        others = [replace(e, gain=min(e.gain, most)) for e in weighing.ranking if e.idea not in settled]
+        others = [replace(e, gain=min(e.gain, most)) for e in weighing.ranking if e.idea not in in_full]
         weighing = ranked(weighing, [*decided, *others])
-    return weighing, {**entrants, **settled}
+    return weighing, {**entrants, **in_full}
 
 
 def unproven(weighing: Weighing, refitted: Collection[str], least_gain: float) -> Evidence | None:

@@ -16,7 +16,8 @@ from functools import cache, partial
 import numpy as np
 
 from testbench.discrepancy.baseline import LOOP_SHAPES, with_shapes, without_shapes
-from testbench.discrepancy.contest import Contest, Entrant
+from testbench.discrepancy.contest import Contest
+from testbench.discrepancy.entrant import Entrant
 from testbench.discrepancy.evidence import PRICE_OF_SHAPE, Evidence, Weighing
 from testbench.discrepancy.fit import fit
 from testbench.discrepancy.screen import FLEXIBLE, WITHOUT_SLIP

@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from testbench.discrepancy import runoff
 from testbench.discrepancy.runoff import CLOSE, run_off, unproven
 from tests.testbench.discrepancy.samples import weighing
 
@@ -32,8 +33,9 @@ def test_what_is_akin_to_the_first_is_refitted_however_it_screened():
     assert unproven(weighing(permanent_set=0.05, clamp_slip=0.02), set(), 0.075) is None
 
 
-def test_who_was_not_settled_does_not_overtake_the_winner():
-    contest = SimpleNamespace(settled=lambda one: one, calibration=SimpleNamespace(signals={}))
+def test_who_was_not_settled_does_not_overtake_the_winner(monkeypatch):
+    monkeypatch.setattr(runoff, "settled", lambda contest, one: one)
+    contest = SimpleNamespace(calibration=SimpleNamespace(signals={}))
     ranked = weighing(stress_relaxation=1.0, permanent_set=0.9, viscous_rate_stiffening=0.7)
     entrants = {
         "stress_relaxation": entrant(-0.3, "stress_relaxation_log"),

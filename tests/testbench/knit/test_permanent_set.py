@@ -32,6 +32,14 @@ def test_a_knit_that_grew_too_long_hangs_limp_until_the_length_is_taken_up() -> 
     assert strain[-1] == pytest.approx(0.24, abs=1e-3)
 
 
+def test_it_never_hangs_limp_where_that_part_of_the_law_is_absent() -> None:
+    long = PermanentSet(fraction=0.3, tau_s=0.01, renewed=0)
+    absent = long.replaced(**long.absent_at)
+    up_and_down = 0.8 * np.abs(np.sin(np.linspace(0, 20, 2000)))
+    stretched = absent.apply({"strain": up_and_down}, 0.05)["strain"]
+    np.testing.assert_allclose(stretched, up_and_down - absent.added({"strain": up_and_down}, 0.05))
+
+
 def test_pretension_lets_it_pull_a_little_below_the_start() -> None:
     effect = PermanentSet(fraction=0.2, tau_s=0.01, renewed=0, pretension=0.02)
     assert np.min(effect.apply({"strain": UP_DOWN_UP}, 1.0)["strain"]) == pytest.approx(-0.02)
