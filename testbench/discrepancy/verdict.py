@@ -19,7 +19,7 @@ FAR_OVER_NOISE, LEFT_FAR_OVER_NOISE, LARGE_GAIN = 10.0, 0.6, 0.5
 STAND_IN_MAY_COST = 1.05  # times the error of the base, for an effect in the place of one of its shapes
 # Of two neighbours that leave structure neither is named: how near they are, when the noise is not reached, and what
 # a free-form map may still explain.
-NEAR, NEARLY_AT_THE_NOISE, NEARLY_ALL_EXPLAINED, STRUCTURE_LEFT = 0.45, 1.25, 0.035, 0.06
+NEAR, NEARLY_AT_THE_NOISE, NEARLY_ALL_EXPLAINED, STRUCTURE_LEFT = 0.6, 1.25, 0.035, 0.06
 SMALL_GAIN, CROWD = 0.25, 2  # a small gain that so many other ideas half share is the base's own misfit
 
 

@@ -26,7 +26,7 @@ class SelfHeating(Effect):
     look = "conductance drifts after switching on and after each change of the mean stretch"
 
     coefficient: float = parameter(
-        -0.02, unit="1", low=-0.5, high=0.5, doc="change of ln G in the end at the starting power; < 0 for metals"
+        -0.02, unit="1", low=-2, high=2, doc="change of ln G in the end at the starting power; < 0 for metals"
     )
     tau_s: float = parameter(60.0, unit="s", low=1, high=3000, scale="log", doc="thermal time constant")
 
@@ -53,7 +53,7 @@ class SelfHeatingTwoMasses(Effect):
     look = "conductance comes back within seconds after each change of the stretch, and drifts for minutes besides"
 
     coefficient: float = parameter(
-        -0.02, unit="1", low=-0.5, high=0.5, doc="change of ln G in the end at the starting power; < 0 for metals"
+        -0.02, unit="1", low=-2, high=2, doc="change of ln G in the end at the starting power; < 0 for metals"
     )
     fast_s: float = parameter(12.0, unit="s", low=1, high=100, scale="log", doc="thermal time constant of the yarn")
     slow_s: float = parameter(300.0, unit="s", low=30, high=3000, scale="log", doc="that of the fabric")
@@ -87,7 +87,7 @@ class SelfHeatingCurrent(Effect):
     look = "conductance drifts after switching on and after each change of the mean stretch"
 
     coefficient: float = parameter(
-        -0.02, unit="1", low=-0.5, high=0.5, doc="change of ln G in the end at the starting power; < 0 for metals"
+        -0.02, unit="1", low=-2, high=2, doc="change of ln G in the end at the starting power; < 0 for metals"
     )
     tau_s: float = parameter(60.0, unit="s", low=1, high=3000, scale="log", doc="thermal time constant")
 
@@ -114,7 +114,7 @@ class SelfHeatingDivider(Effect):
     look = "conductance drifts after switching on and after each change of the mean stretch, up or down"
 
     coefficient: float = parameter(
-        -0.02, unit="1", low=-0.5, high=0.5, doc="change of ln G in the end at the largest power; < 0 for metals"
+        -0.02, unit="1", low=-2, high=2, doc="change of ln G in the end at the largest power; < 0 for metals"
     )
     tau_s: float = parameter(60.0, unit="s", low=1, high=3000, scale="log", doc="thermal time constant")
     match: float = parameter(1.0, unit="1", low=0.02, high=50, scale="log", doc="R(0) / R_d")
