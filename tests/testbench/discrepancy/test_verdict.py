@@ -50,10 +50,10 @@ def test_what_a_few_samples_say_is_not_held_against_an_idea(typical, said):
 @pytest.mark.parametrize(
     ("second", "after", "share", "doubtful"),
     [
-        pytest.param(0.6, 1.6, 0.08, True, id="a neighbour comes near, and the noise is not reached"),
+        pytest.param(0.7, 1.6, 0.08, True, id="a neighbour comes near, and the noise is not reached"),
         pytest.param(0.3, 1.6, 0.08, False, id="the first stands out"),
         pytest.param(0.95, 1.1, 0.08, False, id="a tie at the noise"),
-        pytest.param(0.6, 1.6, 0.02, False, id="a large effect in another form"),
+        pytest.param(0.7, 1.6, 0.02, False, id="a large effect in another form"),
     ],
 )
 def test_between_neighbours_that_do_not_reach_the_noise_it_may_be_neither(second, after, share, doubtful):
