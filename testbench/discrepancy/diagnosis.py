@@ -170,13 +170,12 @@ def _concluded(
     best = entrants.get(weighing.ranking[0].idea) if weighing.ranking else None
     reached = best or base
     left = remains(base.held, reached.held, floors)
-    typical = [held_errors(one.fit.model, held, typical=True) for one in (base, reached)]
-    usually = remains(typical[0], typical[1], floors)
-    verdict = verdict_of(weighing, left, usually)
-    if verdict == "missing" and among_neighbours(weighing, left, usually):
+    before_usually, after_usually = (held_errors(one.fit.model, held, typical=True) for one in (base, reached))
+    typical = remains(before_usually, after_usually, floors)
+    verdict = verdict_of(weighing, left, typical)
+    if verdict == "missing" and among_neighbours(weighing, left, typical):
         tell("looking for structure in what is left")
-        if structure_left(reached.fit, calibration, held) > STRUCTURE_LEFT:
-            verdict = "unknown"
+        verdict = "unknown" if structure_left(reached.fit, calibration, held) > STRUCTURE_LEFT else verdict
     named = best if verdict == "missing" else None
     after, misfits = _steps(named or base, before, bases, calibration, held)
     attempt = _steps(best, before, bases, calibration, held)[0] if best and verdict == "unknown" else None
@@ -189,10 +188,10 @@ def _contested(contest: Contest, weighing: Weighing, base: Entrant) -> tuple[Wei
     """The ranking with the refits taken in, and the refitted ideas."""
     # The kernels let go of the interpreter, so threads do run side by side; those of BLAS would only fight them.
     with threadpool_limits(1, "blas"), ThreadPoolExecutor(WORKERS) as pool:
-        return _judged(contest, weighing, base, pool)
+        return _refitted(contest, weighing, base, pool)
 
 
-def _judged(
+def _refitted(
     contest: Contest, weighing: Weighing, base: Entrant, pool: Executor
 ) -> tuple[Weighing, dict[str, Entrant]]:
     entering = {entry.idea: pool.submit(contest.enter, entry) for entry in challengers(weighing)}
