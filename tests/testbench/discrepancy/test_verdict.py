@@ -18,6 +18,8 @@ from tests.testbench.discrepancy.samples import weighing
         pytest.param("stress_relaxation", 2.0, 0.02, 6.0, 1.1, "missing", id="explains nearly all"),
         pytest.param("stress_relaxation", 0.01, 0.99, 1.1, 1.1, "nothing_missing", id="gains nothing, at the noise"),
         pytest.param("stress_relaxation", 0.01, 0.99, 5.0, 4.9, "unknown", id="gains nothing, far from the noise"),
+        pytest.param("stress_relaxation", 0.12, 0.25, 1.4, 1.1, "nothing_missing", id="gains little"),
+        pytest.param("stress_relaxation", 0.2, 0.25, 1.4, 1.1, "missing", id="gains enough"),
         pytest.param("stress_relaxation", 1.0, 0.4, 6.0, 3.9, "unknown", id="leaves 40 % and structure"),
         pytest.param("stress_relaxation", 0.6, 0.4, 2.5, 1.8, "missing", id="leaves 40 %, but no structure"),
         pytest.param("stress_relaxation", 0.6, 0.55, 19.0, 14.0, "missing", id="half of an error far over the noise"),
