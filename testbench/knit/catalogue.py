@@ -45,6 +45,7 @@ BUILT_IN = {
     "slack": "testbench.knit.grip:Slack",
     # mechanics
     "stress_relaxation": "testbench.knit.relaxation:StressRelaxation",
+    "stress_relaxation_two_times": "testbench.knit.relaxation:StressRelaxationTwoTimes",
     "stress_relaxation_spectrum": "testbench.knit.relaxation:StressRelaxationSpectrum",
     "stress_relaxation_power": "testbench.knit.relaxation:StressRelaxationPower",
     "stress_relaxation_log": "testbench.knit.relaxation:StressRelaxationLog",

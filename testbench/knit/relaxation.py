@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from testbench.knit import spectra
@@ -35,6 +37,37 @@ class StressRelaxation(Effect):
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         force_N = signals["force_N"]
         return {"force_N": force_N - self.fraction * (lowpass(force_N, self.tau_s, dt_s) - force_N[0])}
+
+
+class StressRelaxationTwoTimes(Effect):
+    """Force decays in two steps, a quick one and a slow one: two terms of a Prony series.
+
+    F(t) = F_e(t) - fraction * integral of phi(t - s) dF_e(s)
+    phi(t) = share (1 - exp(-t / fast)) + (1 - share) (1 - exp(-t / slow))
+
+    Source: as `stress_relaxation`.
+    Valid: as `stress_relaxation`.
+    """
+
+    name = "stress_relaxation_two_times"
+    idea = "stress_relaxation"
+    stage = Stage.MECHANICS
+    reads, writes = ("force_N",), ("force_N",)
+    strength = "fraction"
+    look = "in a hold the force sinks within seconds, and then on for minutes"
+
+    fraction: float = parameter(0.2, unit="1", low=0, high=0.9, doc="share of the force that is lost in the end")
+    fast_s: float = parameter(5.0, unit="s", low=0.1, high=100, scale="log", doc="time of the quick step")
+    slow_s: float = parameter(100.0, unit="s", low=10, high=1e4, scale="log", doc="time of the slow step")
+    share: float = parameter(0.5, unit="1", low=0, high=1, doc="share of the quick step")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        times_s = np.array([self.fast_s, self.slow_s])
+        weights = self.fraction * np.array([self.share, 1 - self.share])
+        return {"force_N": signals["force_N"] - memory(signals["force_N"], times_s, weights, dt_s)}
+
+    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+        return [{"fast_s": fast_s, "slow_s": slow_s} for fast_s in (1.5, 6.0, 20.0) for slow_s in (60.0, 300.0)]
 
 
 class StressRelaxationSpectrum(Effect):

@@ -13,6 +13,7 @@ from testbench.knit.relaxation import (
     StressRelaxationNonlinear,
     StressRelaxationPower,
     StressRelaxationSpectrum,
+    StressRelaxationTwoTimes,
     ViscousRateStiffening,
     ViscousRateStiffeningEyring,
 )
@@ -124,3 +125,11 @@ def test_eyring_force_adds_the_same_for_every_tenfold_rate() -> None:
         for speed in (0.01, 0.1, 1.0)
     ]
     np.testing.assert_allclose(np.diff(forces), 0.1 * np.log(10), rtol=1e-3)
+
+
+def test_two_times_are_the_sum_of_their_terms() -> None:
+    both = StressRelaxationTwoTimes(fraction=0.5, fast_s=2.0, slow_s=40.0, share=0.3)
+    terms = [StressRelaxation(fraction=0.15, tau_s=2.0), StressRelaxation(fraction=0.35, tau_s=40.0)]
+    lost = [RAMP_AND_HOLD - term.apply({"force_N": RAMP_AND_HOLD}, DT_S)["force_N"] for term in terms]
+    force = both.apply({"force_N": RAMP_AND_HOLD}, DT_S)["force_N"]
+    np.testing.assert_allclose(RAMP_AND_HOLD - force, sum(lost), atol=1e-12)
