@@ -140,7 +140,7 @@ def run_job(job: Job, diagnose: Diagnose) -> Row:
     catalogue = load_catalogue()
     ideas = {name: effect.idea or name for name, effect in catalogue.effects.items()}
     if job.left_out:
-        catalogue.effects = {name: e for name, e in catalogue.effects.items() if ideas[name] != job.effect}
+        catalogue = catalogue.without(job.effect)
     # Two at once: they are found one after the other, and a third round may find what is not there.
     hidden = len(case.truth["effects"])
     rounds = hidden + 1 if hidden > 1 else 1

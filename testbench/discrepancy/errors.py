@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from statistics import NormalDist
+
 import numpy as np
 
 from testbench.discrepancy.measurement import CONDUCTANCE_CHANNEL, FORCE_CHANNEL, Measurement
@@ -9,6 +11,12 @@ from testbench.discrepancy.noise import noise_floor
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
 from testbench.recording import FORCE, RESISTANCE
+
+SPARED = 0.02  # share of the samples, those that fit worst, that typical errors leave out
+_LARGEST = NormalDist().inv_cdf(1 - SPARED / 2)
+KEPT_OF_NOISE = (
+    1 - 2 * _LARGEST * NormalDist().pdf(_LARGEST) / (1 - SPARED)
+) ** 0.5  # RMS of Gaussian noise without them
 
 
 def sampled(measurement: Measurement, channel: str) -> tuple[FloatArray, FloatArray]:
@@ -19,10 +27,6 @@ def sampled(measurement: Measurement, channel: str) -> tuple[FloatArray, FloatAr
     rows = (time_s >= counting[0]) & (time_s <= counting[-1])
     values = recording[FORCE] if channel == FORCE_CHANNEL else -np.log(recording[RESISTANCE])
     return time_s[rows], values[rows]
-
-
-SPARED = 0.02  # share of the samples, those that fit worst, that typical errors leave out
-KEPT_OF_NOISE = 0.9346  # RMS of Gaussian noise without these, over its RMS
 
 
 def rms_errors(

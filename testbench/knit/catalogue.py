@@ -144,6 +144,11 @@ class Catalogue:
         except KeyError:
             raise UserError(f"no effect called {name}; `testbench effects` lists them all") from None
 
+    def without(self, idea: str) -> Catalogue:
+        """The catalogue without any form of an idea."""
+        rest = {name: form for name, form in self.effects.items() if (form.idea or name) != idea}
+        return Catalogue(rest, self.broken)
+
     def ideas(self) -> dict[str, list[type[Effect]]]:
         """Effects grouped by physical idea: the name of the idea -> its forms, the namesake first."""
         groups: dict[str, list[type[Effect]]] = {}

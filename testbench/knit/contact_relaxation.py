@@ -6,9 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from testbench.knit import spectra
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
-from testbench.knit.filters import highpass, log_conductance, lowpass, memory, shifted
+from testbench.knit.filters import highpass, log_conductance, lowpass, memory_of_box, memory_of_decades, shifted
 
 
 class ContactRelaxation(Effect):
@@ -64,9 +63,9 @@ class ContactRelaxationSpectrum(Effect):
     longest_s: float = parameter(100.0, unit="s", low=1, high=1e5, scale="log", doc="longest relaxation time")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        times, weights = spectra.box(self.shortest_s, self.longest_s)
-        lost = memory(signals["contact_force_N"], times, self.fraction * weights, dt_s)
-        return {"contact_force_N": signals["contact_force_N"] - lost}
+        pressing_N = signals["contact_force_N"]
+        lost = memory_of_box(pressing_N, self.fraction, self.shortest_s, self.longest_s, dt_s)
+        return {"contact_force_N": pressing_N - lost}
 
 
 class ContactRelaxationAsymmetric(Effect):
@@ -124,8 +123,7 @@ class ContactRelaxationSpots(Effect):
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         conductance = signals["conductance_S"]
-        times, weights = spectra.box(self.shortest_s, self.longest_s)
-        lost = memory(log_conductance(conductance), times, self.fraction * weights, dt_s)
+        lost = memory_of_box(log_conductance(conductance), self.fraction, self.shortest_s, self.longest_s, dt_s)
         return {"conductance_S": shifted(conductance, -lost)}
 
 
@@ -185,9 +183,8 @@ class ContactCreep(Effect):
     tau_s: float = parameter(1.0, unit="s", low=0.05, high=300, scale="log", doc="when the creep sets in")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        times, weights = spectra.logarithm(self.tau_s)
-        gained = memory(signals["contact_force_N"], times, self.per_decade / np.log(10) * weights, dt_s)
-        return {"contact_force_N": signals["contact_force_N"] + gained}
+        pressing_N = signals["contact_force_N"]
+        return {"contact_force_N": pressing_N + memory_of_decades(pressing_N, self.per_decade, self.tau_s, dt_s)}
 
 
 class ElectricalOvershootForce(Effect):

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from testbench.knit import spectra
 from testbench.knit.effect import FloatArray
 
 # A strain rate is a slope over so long to either side. (A lag of 0.1 s instead cost four noise floors where a strong
@@ -81,6 +82,18 @@ def memory(x: FloatArray, tau_s: FloatArray, weights: FloatArray, dt_s: float) -
 
     a, b0, b1 = hold_coefficients(tau_s, dt_s)
     return exponential_bank(np.ascontiguousarray(x), a, b0, b1, np.asarray(weights, dtype=np.float64))
+
+
+def memory_of_box(x: FloatArray, fraction: float, shortest_s: float, longest_s: float, dt_s: float) -> FloatArray:
+    """`memory` of a box of relaxation times between two: `fraction` is forgotten in the end."""
+    times_s, weights = spectra.box(shortest_s, longest_s)
+    return memory(x, times_s, fraction * weights, dt_s)
+
+
+def memory_of_decades(x: FloatArray, per_decade: float, tau_s: float, dt_s: float) -> FloatArray:
+    """`memory` that goes on with the logarithm of time: `per_decade` in every tenfold of it beyond `tau_s`."""
+    times_s, weights = spectra.logarithm(tau_s)
+    return memory(x, times_s, per_decade / np.log(10) * weights, dt_s)
 
 
 def log_conductance(conductance_S: FloatArray) -> FloatArray:

@@ -10,6 +10,12 @@ from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 from testbench.knit.filters import lowpass, shifted
 
 
+def _coefficient(power: str) -> float:
+    return parameter(
+        -0.02, unit="1", low=-2, high=2, doc=f"change of ln G in the end at the {power} power; < 0 for metals"
+    )
+
+
 class SelfHeating(Effect):
     """The measuring current warms the sensor; at constant voltage the more, the better it conducts.
 
@@ -25,9 +31,7 @@ class SelfHeating(Effect):
     strength = "coefficient"
     look = "conductance drifts after switching on and after each change of the mean stretch"
 
-    coefficient: float = parameter(
-        -0.02, unit="1", low=-2, high=2, doc="change of ln G in the end at the starting power; < 0 for metals"
-    )
+    coefficient: float = _coefficient("starting")
     tau_s: float = parameter(60.0, unit="s", low=1, high=3000, scale="log", doc="thermal time constant")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
@@ -52,9 +56,7 @@ class SelfHeatingTwoMasses(Effect):
     strength = "coefficient"
     look = "conductance comes back within seconds after each change of the stretch, and drifts for minutes besides"
 
-    coefficient: float = parameter(
-        -0.02, unit="1", low=-2, high=2, doc="change of ln G in the end at the starting power; < 0 for metals"
-    )
+    coefficient: float = _coefficient("starting")
     fast_s: float = parameter(12.0, unit="s", low=1, high=100, scale="log", doc="thermal time constant of the yarn")
     slow_s: float = parameter(300.0, unit="s", low=30, high=3000, scale="log", doc="that of the fabric")
     share: float = parameter(0.5, unit="1", low=0, high=1, doc="share of the yarn")
@@ -86,9 +88,7 @@ class SelfHeatingCurrent(Effect):
     strength = "coefficient"
     look = "conductance drifts after switching on and after each change of the mean stretch"
 
-    coefficient: float = parameter(
-        -0.02, unit="1", low=-2, high=2, doc="change of ln G in the end at the starting power; < 0 for metals"
-    )
+    coefficient: float = _coefficient("starting")
     tau_s: float = parameter(60.0, unit="s", low=1, high=3000, scale="log", doc="thermal time constant")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
@@ -113,9 +113,7 @@ class SelfHeatingDivider(Effect):
     strength = "coefficient"
     look = "conductance drifts after switching on and after each change of the mean stretch, up or down"
 
-    coefficient: float = parameter(
-        -0.02, unit="1", low=-2, high=2, doc="change of ln G in the end at the largest power; < 0 for metals"
-    )
+    coefficient: float = _coefficient("largest")
     tau_s: float = parameter(60.0, unit="s", low=1, high=3000, scale="log", doc="thermal time constant")
     match: float = parameter(1.0, unit="1", low=0.02, high=50, scale="log", doc="R(0) / R_d")
 

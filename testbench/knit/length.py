@@ -9,6 +9,8 @@ import numpy as np
 
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 
+TAUT = 0.3  # pretension of a knit that never hangs limp
+
 
 class Lengthening(Effect):
     """Base of set and slip: a length is added between the clamps, and a limp fabric bears no compression.
@@ -25,10 +27,10 @@ class Lengthening(Effect):
     reads: ClassVar[tuple[str, ...]] = ("strain",)
     writes = ("strain",)
     akin = ("permanent_set", "clamp_slip")
-    absent_at: ClassVar[Mapping[str, float]] = {"pretension": 0.3}  # it never hangs limp
+    absent_at: ClassVar[Mapping[str, float]] = {"pretension": TAUT}
 
     pretension: float = parameter(
-        0.0, unit="1", low=0, high=0.3, doc="strain it was mounted with: so far below the start it still pulls"
+        0.0, unit="1", low=0, high=TAUT, doc="strain it was mounted with: so far below the start it still pulls"
     )
 
     renewed: float = parameter(0.0, unit="1", low=0, high=1, doc="share of the added length that stretches along")

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from testbench.knit import spectra
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
-from testbench.knit.filters import lowpass, memory
+from testbench.knit.filters import lowpass, memory_of_decades
 
 
 class LoadCellCreep(Effect):
@@ -54,9 +53,8 @@ class LoadCellCreepLog(Effect):
     tau_s: float = parameter(3.0, unit="s", low=0.05, high=300, scale="log", doc="when the creep sets in")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        times, weights = spectra.logarithm(self.tau_s)
-        gained = memory(signals["force_N"], times, self.per_decade / np.log(10) * weights, dt_s)
-        return {"force_N": signals["force_N"] + gained}
+        force_N = signals["force_N"]
+        return {"force_N": force_N + memory_of_decades(force_N, self.per_decade, self.tau_s, dt_s)}
 
 
 class LoadCellZeroDrift(Effect):

@@ -9,10 +9,10 @@ import numpy as np
 from testbench.knit.damage import cycled_strain, share_of_strain
 from testbench.knit.effect import Effect, FloatArray, Signals, parameter
 from testbench.knit.filters import lowpass
-from testbench.knit.length import Lengthening, overload_s
+from testbench.knit.length import TAUT, Lengthening, overload_s
 
 RENEWED = 0.5
-LIMP_OR_TAUT = (0.0, 0.3)  # pretension: a knit that hangs limp as soon as it has grown, and one that never does
+LIMP_OR_TAUT = (0.0, TAUT)  # pretension: a knit that hangs limp as soon as it has grown, and one that never does
 COST_OF_FLOW = 0.1  # while the load stays on, a fabric that flows cannot be told from one that relaxes
 
 

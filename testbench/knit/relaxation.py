@@ -8,7 +8,7 @@ import numpy as np
 
 from testbench.knit import spectra
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
-from testbench.knit.filters import lowpass, memory, rate
+from testbench.knit.filters import lowpass, memory, memory_of_box, memory_of_decades, rate
 
 REFERENCE_RATE_PER_S = 0.1
 
@@ -92,9 +92,8 @@ class StressRelaxationSpectrum(Effect):
     longest_s: float = parameter(100.0, unit="s", low=1, high=1e5, scale="log", doc="longest relaxation time")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        times, weights = spectra.box(self.shortest_s, self.longest_s)
-        lost = memory(signals["force_N"], times, self.fraction * weights, dt_s)
-        return {"force_N": signals["force_N"] - lost}
+        force_N = signals["force_N"]
+        return {"force_N": force_N - memory_of_box(force_N, self.fraction, self.shortest_s, self.longest_s, dt_s)}
 
 
 class StressRelaxationPower(Effect):
@@ -142,9 +141,8 @@ class StressRelaxationLog(Effect):
     tau_s: float = parameter(1.0, unit="s", low=0.05, high=300, scale="log", doc="when the decay sets in")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        times, weights = spectra.logarithm(self.tau_s)
-        lost = memory(signals["force_N"], times, self.per_decade / np.log(10) * weights, dt_s)
-        return {"force_N": signals["force_N"] - lost}
+        force_N = signals["force_N"]
+        return {"force_N": force_N - memory_of_decades(force_N, self.per_decade, self.tau_s, dt_s)}
 
 
 class StressRelaxationNonlinear(Effect):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from testbench.discrepancy import diagnose
-from testbench.knit.catalogue import Catalogue, load_catalogue
+from testbench.knit.catalogue import load_catalogue
 from testbench.worlds import make_case
 
 pytestmark = pytest.mark.slow
@@ -29,9 +29,7 @@ def test_a_slipping_clamp_is_told_from_a_knit_that_grew_longer(world, seed):
 @pytest.mark.parametrize(("effect", "seed"), [("gauge_factor_fades", 42020), ("cyclic_fatigue", 47027)])
 def test_what_the_catalogue_does_not_have_is_none_of_its_neighbours(effect, seed):
     case = make_case(effect, 5, "matched", seed)
-    catalogue = load_catalogue()
-    rest = {name: form for name, form in catalogue.effects.items() if (form.idea or name) != effect}
-    assert diagnose(case.calibration, case.held_out, catalogue=Catalogue(rest)).verdict == "unknown"
+    assert diagnose(case.calibration, case.held_out, catalogue=load_catalogue().without(effect)).verdict == "unknown"
 
 
 def test_noise_that_wanders_is_no_structure():
