@@ -58,10 +58,7 @@ def _slope(x: FloatArray, y: FloatArray) -> float:
 def _force_laws(effects: dict[str, type[Effect]], strain: FloatArray, force: FloatArray | None) -> list[Effect]:
     if force is None:
         return [effects["elasticity"](), effects["hysteresis"]()]
-    stiffness, curvature, offset = _j_curve(strain, force)
-    elasticity = effects["elasticity"].model_validate(
-        {"stiffness_N": stiffness, "curvature": curvature, "offset_N": offset}
-    )
+    elasticity = effects["elasticity"]().initial_guess({"strain": strain, "force_N": force}, 1.0)
     span = float(np.ptp(strain))
     hysteresis = effects["hysteresis"].model_validate(
         {"friction_N": 0.05 * float(np.ptp(force)), "threshold": float(np.clip(0.05 * span, 1e-3, 0.3))}
@@ -72,18 +69,6 @@ def _force_laws(effects: dict[str, type[Effect]], strain: FloatArray, force: Flo
 def _pressing(laws: list[Effect], measurement: Measurement) -> FloatArray:
     """Force that presses the contacts where it was not measured: of the laws as they start."""
     return KnitModel.of(*laws).simulate(measurement.signals, measurement.dt_s)["force_N"]
-
-
-def _j_curve(strain: FloatArray, force: FloatArray) -> tuple[float, float, float]:
-    """Best stiffness, curvature and offset over a grid of curvatures; each is a linear problem."""
-    best = (np.inf, 1.0, 0.0, 0.0)
-    for curvature in (-4.0, -2.0, -0.5, 0.5, 1.5, 3.0, 5.0, 8.0):
-        shape = np.expm1(curvature * strain) / curvature
-        slope, offset = np.polyfit(shape, force, 1)
-        error = float(np.sum((force - offset - slope * shape) ** 2))
-        if error < best[0]:
-            best = (error, slope, curvature, offset)
-    return float(np.clip(best[1], 1e-3, 1e4)), best[2], float(np.clip(best[3], -100, 100))
 
 
 def framed(effect: Effect, model: KnitModel, measurement: Measurement) -> Effect:

@@ -17,9 +17,11 @@ import numpy as np
 
 from testbench.discrepancy.baseline import LOOP_SHAPES, with_shapes, without_shapes
 from testbench.discrepancy.contest import Contest
+from testbench.discrepancy.elastic_laws import ELASTICITY, Drawn, DrawnLaws, draw_laws
 from testbench.discrepancy.entrant import Entrant
 from testbench.discrepancy.evidence import PRICE_OF_SHAPE, Evidence, Weighing
 from testbench.discrepancy.fit import fit
+from testbench.discrepancy.measurement import FORCE_CHANNEL
 from testbench.discrepancy.screen import FLEXIBLE, WITHOUT_SLIP
 from testbench.knit.effect import Stage
 from testbench.knit.model import KnitModel
@@ -36,16 +38,22 @@ WORTH_A_DOUBT = 0.05
 SEEN_GAIN = 0.15  # at least, of what the readings themselves show
 OTHER_LOOPS = 0.25  # ln(squared error) that Bouc-Wen loops buy
 OTHER_KIND = 0.1  # share of the gain that counts where the loops are of another kind
+# Share of what a free shape buys that an effect instead of it is credited with. (That of the contacts buys less than
+# 0.01 where nothing is hidden, and 0.4 to 1.6 where they saturate.)
+PRICES = {WITHOUT_ELASTICITY: PRICE_OF_SHAPE, WITHOUT_CONTACT: 0.2, WITHOUT_SLIP: PRICE_OF_SHAPE}
+# The same of what the best elastic law of a few numbers misses. (Less than 0.02 of a sensor with another elastic law
+# and nothing hidden, 0.2 where that law is not in the catalogue, 0.7 to 1.7 with jamming.)
+PRICE_OF_LAW = 0.3
 BENT_ITERATIONS, BESIDE_ITERATIONS = 14, 10
 
 
 @dataclass(frozen=True)
 class _Tried:
-    """An imitable effect in place of the shape that could imitate it, and beside it."""
+    """An imitable effect in place of the shape that could imitate it, and beside it (not if beside another law)."""
 
     mode: str
     instead: Entrant
-    beside: Entrant
+    beside: Entrant | None
 
 
 def stand_ins(contest: Contest, base: Entrant, pool: Executor) -> dict[str, tuple[Entrant, Evidence]]:
@@ -64,21 +72,24 @@ def stand_ins(contest: Contest, base: Entrant, pool: Executor) -> dict[str, tupl
     dict of idea to (Entrant, Evidence)
         With the gain over the base at a fair price: see `_gain`.
     """
+    laws = _drawn_laws(contest)
     tried = list(pool.map(partial(_tried, contest), _finalists(_alone(contest, pool))))
+    if laws and laws.beside and laws.tell_apart:
+        tried.append(_beside_another_law(contest, laws.beside))
     modes = sorted({FLEXIBLE, *(one.mode for one in tried)}) if tried else []
-    bares = pool.map(lambda mode: _refitted(contest, "", contest.bases.flexible.model, mode), modes)
-    bare = dict(zip(modes, bares, strict=True))
+    bare = dict(zip(modes, pool.map(partial(_bare, contest, laws), modes), strict=True))
     other_loops = cache(lambda: _has_other_loops(contest, base))
     found: dict[str, tuple[Entrant, Evidence]] = {}
     for one in tried:
         effect = one.instead.fit.model[one.instead.name]
-        gain = _gain(one.instead, base, bare[one.mode])
-        # Neither a converter nor the contacts have to do with the kind of the loops.
-        if gain > WORTH_A_DOUBT and effect.stage < Stage.PRESSURE and other_loops():
-            gain *= OTHER_KIND
-        # Against a base that was given as many steps more: a fit that goes on gets better without any effect.
-        gain = max(gain, 2 * (min(base.score, bare[FLEXIBLE].score) - one.beside.score))
-        best = min(one.instead, one.beside, key=lambda entrant: entrant.score)
+        best, gain = one.instead, _gain(one, base, bare[one.mode])
+        if one.beside is not None:
+            # Neither a converter nor the contacts have to do with the kind of the loops.
+            if gain > WORTH_A_DOUBT and effect.stage < Stage.PRESSURE and other_loops():
+                gain *= OTHER_KIND
+            # Against a base that was given as many steps more: a fit that goes on gets better without any effect.
+            gain = max(gain, 2 * (min(base.score, bare[FLEXIBLE].score) - one.beside.score))
+            best = min(one.instead, one.beside, key=lambda entrant: entrant.score)
         if best.idea not in found or gain > found[best.idea][1].gain:
             found[best.idea] = best, _evidence(best, one.mode, gain)
     return found | _seen(contest, base)
@@ -91,6 +102,30 @@ def _tried(contest: Contest, entrant: Entrant) -> _Tried:
     instead = min(entrant, _refitted(contest, entrant.name, start, mode), key=lambda one: one.score)
     bent = with_shapes(instead.fit.model, contest.calibration, contest.catalogue)
     return _Tried(mode, instead, _refitted(contest, entrant.name, bent, FLEXIBLE))
+
+
+def _drawn_laws(contest: Contest) -> DrawnLaws | None:
+    """Elastic laws of a few numbers; None where there is no force to draw them to."""
+    model = contest.bases.flexible.model
+    if FORCE_CHANNEL not in contest.calibration.measured or ELASTICITY not in model:
+        return None
+    imitated = [form for form in contest.imitable_forms() if form.imitated_by == ELASTICITY and not form.nonlinear]
+    return draw_laws(model, contest.calibration, contest.catalogue, imitated)
+
+
+def _beside_another_law(contest: Contest, drawn: Drawn) -> _Tried:
+    assert drawn.effect is not None
+    contest.tell(f"putting in {drawn.effect.name} beside {drawn.law.name}")
+    instead = _refitted(contest, drawn.effect.name, drawn.put_in(contest.bases.flexible.model), WITHOUT_ELASTICITY)
+    return _Tried(WITHOUT_ELASTICITY, instead, None)
+
+
+def _bare(contest: Contest, laws: DrawnLaws | None, mode: str) -> Entrant:
+    """The base without what `mode` forbids; without a free shape of the elastic law, with the law that does best."""
+    models = [contest.bases.flexible.model]
+    if laws and mode == WITHOUT_ELASTICITY:
+        models.append(laws.alone.put_in(models[0]))
+    return min((_refitted(contest, "", model, mode) for model in models), key=lambda one: one.score)
 
 
 def _seen(contest: Contest, base: Entrant) -> dict[str, tuple[Entrant, Evidence]]:
@@ -146,14 +181,16 @@ def _alone(contest: Contest, pool: Executor) -> list[Entrant]:
     return sorted(worth, key=lambda one: one.score)
 
 
-def _gain(entrant: Entrant, base: Entrant, bare: Entrant) -> float:
+def _gain(one: _Tried, base: Entrant, bare: Entrant) -> float:
     """ln(squared error of the base at the price of its shape / squared error with the effect instead).
 
     The price is a share of what the shape buys: the errors of the base without it (`bare`) over those with it.
     """
     bought = max(2 * (bare.score - base.score), 0.0)
-    shortfall = 2 * (entrant.score - base.score)
-    return float(np.log1p(PRICE_OF_SHAPE * np.expm1(bought))) - shortfall
+    shortfall = 2 * (one.instead.score - base.score)
+    if one.beside is None:  # another law may suit the sensor better by itself: that is not to the effect's credit
+        return float(np.log1p(PRICE_OF_LAW * np.expm1(bought))) - max(shortfall, 0.0)
+    return float(np.log1p(PRICES[one.mode] * np.expm1(bought))) - shortfall
 
 
 def _has_other_loops(contest: Contest, base: Entrant) -> bool:

@@ -21,6 +21,9 @@ BUILT_IN = {
     "contact_drive": "testbench.knit.pressure:ContactDrive",
     "drift": "testbench.knit.electrical:Drift",
     # other forms of the baseline's ideas
+    "elasticity_cubic": "testbench.knit.elasticity:ElasticityCubic",
+    "elasticity_ogden": "testbench.knit.elasticity:ElasticityOgden",
+    "elasticity_two_slopes": "testbench.knit.elasticity:ElasticityTwoSlopes",
     "hysteresis_bouc_wen": "testbench.knit.hysteresis:HysteresisBoucWen",
     "drift_exponential": "testbench.knit.electrical:DriftExponential",
     "drift_power": "testbench.knit.electrical:DriftPower",

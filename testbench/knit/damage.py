@@ -192,6 +192,11 @@ class JammingStiffening(Effect):
         within = np.minimum(beyond, self.width)
         return {"force_N": signals["force_N"] + self.stiffness_N * (beyond - within + within**2 / (2 * self.width))}
 
+    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+        top = float(np.max(signals["strain"]))
+        onsets = [share * top for share in (0.35, 0.5, 0.62, 0.72, 0.82, 0.9)]
+        return [{"onset": onset, "width": width} for onset in onsets for width in (0.02, 0.3)]
+
     def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
         return share_of_strain(self, signals, onset=0.7, width=0.1)
 

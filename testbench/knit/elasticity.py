@@ -1,13 +1,78 @@
-"""How force follows strain, without history."""
+"""Elastic laws: how force follows strain, without history."""
 
 from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar
 
 import numpy as np
 
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 
 
-class Elasticity(Effect):
+class ElasticLaw(Effect):
+    """Base of elastic laws: a few curves over strain, each times a coefficient.
+
+    A subclass says which parameters are the coefficients (`linear`), where to look for the others (`bends`), and
+    draws the curves.
+    """
+
+    stage = Stage.MECHANICS
+    idea = "elasticity"
+    reads, writes = ("strain",), ("force_N",)
+    linear: ClassVar[tuple[str, ...]]
+    bends: ClassVar[tuple[Mapping[str, float], ...]] = ({},)
+
+    def curves(self, e: FloatArray) -> tuple[FloatArray, ...]:
+        """The curve of each coefficient over the strain, each shape (n,)."""
+        raise NotImplementedError
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        curves = self.curves(signals["strain"])
+        return {"force_N": sum(getattr(self, key) * curve for key, curve in zip(self.linear, curves, strict=True))}
+
+    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
+        """The law that follows the measured force best, its loops averaged."""
+        if "force_N" not in signals:
+            return self
+        force_N = signals["force_N"]
+        return self.drawn_to(signals["strain"], force_N, np.ones_like(force_N))[0]
+
+    def drawn_to(
+        self, e: FloatArray, force_N: FloatArray, weight: FloatArray, beside: FloatArray | None = None
+    ) -> tuple[ElasticLaw, float, float]:
+        """Draw the law to a force over strain, by least squares at each of its `bends`.
+
+        Parameters
+        ----------
+        e, force_N, weight : ndarray, shape (n,)
+        beside : ndarray, shape (n,), optional
+            A curve that may be added, times a number above zero.
+
+        Returns
+        -------
+        law : ElasticLaw
+        coefficient : float
+            Of the curve beside it.
+        misfit_N : float
+            Weighted RMS.
+        """
+        best: tuple[ElasticLaw, float, float] = (self, 0.0, np.inf)
+        for bend in self.bends:
+            law: Any = self.near(**bend)
+            columns = np.stack([*law.curves(e), *(() if beside is None else (beside,))], axis=1)
+            weighted = columns * np.sqrt(weight)[:, None]
+            size = np.maximum(np.linalg.norm(weighted, axis=0), 1e-300)
+            found = np.linalg.lstsq(weighted / size, force_N * np.sqrt(weight), rcond=1e-12)[0] / size
+            coefficient = 0.0 if beside is None else float(found[-1])
+            misfit_N = float(np.sqrt(np.average((force_N - columns @ found) ** 2, weights=weight)))
+            if coefficient >= 0 and misfit_N < best[2]:
+                coefficients = zip(self.linear, found, strict=False)  # without that of the curve beside
+                best = (law.near(**{key: float(value) for key, value in coefficients}), coefficient, misfit_N)
+        return best
+
+
+class Elasticity(ElasticLaw):
     """J-curve of a knit: loops straighten at low strain, yarn stretches at high strain.
 
     F(e) = offset + stiffness * (exp(curvature e) - 1) / curvature
@@ -19,9 +84,9 @@ class Elasticity(Effect):
     """
 
     name = "elasticity"
-    stage = Stage.MECHANICS
-    reads, writes = ("strain",), ("force_N",)
     look = "force rises with strain, the steeper the further the knit is stretched"
+    linear = ("offset_N", "stiffness_N")
+    bends = tuple({"curvature": curvature} for curvature in (-4.0, -2.0, -0.5, 0.5, 1.5, 3.0, 5.0, 8.0, 12.0))
 
     stiffness_N: float = parameter(
         8.0, unit="N", low=1e-3, high=1e4, scale="log", doc="slope of force over strain at zero strain"
@@ -29,8 +94,81 @@ class Elasticity(Effect):
     curvature: float = parameter(3.0, unit="1", low=-10, high=30, doc="how fast the slope grows with strain")
     offset_N: float = parameter(0.0, unit="N", low=-100, high=100, doc="force at zero strain (not tared)")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        e = signals["strain"]
+    def curves(self, e: FloatArray) -> tuple[FloatArray, ...]:
         c = self.curvature
-        shape = np.expm1(c * e) / c if abs(c) > 1e-6 else e
-        return {"force_N": self.offset_N + self.stiffness_N * shape}
+        return np.ones_like(e), np.expm1(c * e) / c if abs(c) > 1e-6 else e
+
+
+class ElasticityCubic(ElasticLaw):
+    """A cubic: steep, soft and steep again, as a knit is whose friction holds its loops at first.
+
+    F(e) = offset + stiffness e + square e^2 + cube e^3
+
+    Source: Mooney, J. Appl. Phys. 11 (1940) 582, expanded in strain.
+    Valid: between the strains of the fit.
+    """
+
+    name = "elasticity_cubic"
+    look = "force rises with strain, steeply at first, less steeply, and steeply again"
+    linear = ("offset_N", "stiffness_N", "square_N", "cube_N")
+
+    stiffness_N: float = parameter(8.0, unit="N", low=-1e4, high=1e4, doc="slope at zero strain")
+    square_N: float = parameter(10.0, unit="N", low=-1e5, high=1e5, doc="force of the square at strain 1")
+    cube_N: float = parameter(20.0, unit="N", low=-1e6, high=1e6, doc="force of the cube at strain 1")
+    offset_N: float = parameter(0.0, unit="N", low=-100, high=100, doc="force at zero strain (not tared)")
+
+    def curves(self, e: FloatArray) -> tuple[FloatArray, ...]:
+        return np.ones_like(e), e, e**2, e**3
+
+
+class ElasticityOgden(ElasticLaw):
+    """Rubber with a textile around it: one term of Ogden's law for uniaxial stretch, and a straight line.
+
+    F(e) = offset + modulus * (l^(power - 1) - l^(-power / 2 - 1)) + linear e,   l = 1 + e
+
+    Source: Ogden, Proc. R. Soc. A 326 (1972) 565, Eq. 28 (incompressible, uniaxial).
+    Valid: e > -0.5.
+    """
+
+    name = "elasticity_ogden"
+    look = "force rises with strain as that of a rubber band: hardly bent, then ever more steeply"
+    linear = ("offset_N", "modulus_N", "linear_N")
+    bends = tuple({"power": power} for power in (1.5, 2.5, 4.0, 6.0, 8.0, 10.0, 12.0, 14.0, 17.0, 20.0, 25.0))
+
+    modulus_N: float = parameter(1.0, unit="N", low=0, high=1e4, doc="force of the rubber's term")
+    power: float = parameter(8.0, unit="1", low=1.1, high=30, scale="log", doc="how suddenly it stiffens")
+    linear_N: float = parameter(3.0, unit="N", low=-1e4, high=1e4, doc="slope of the straight line")
+    offset_N: float = parameter(0.0, unit="N", low=-100, high=100, doc="force at zero strain (not tared)")
+
+    def curves(self, e: FloatArray) -> tuple[FloatArray, ...]:
+        stretch = 1 + np.maximum(e, -0.5)
+        return np.ones_like(e), stretch ** (self.power - 1) - stretch ** (-0.5 * self.power - 1), e
+
+
+class ElasticityTwoSlopes(ElasticLaw):
+    """Two stiffnesses with a knee between them: first the loops unfold, then the yarn stretches.
+
+    F(e) = offset + stiffness e + more * width * ln(1 + exp((e - knee) / width))
+
+    Source: toe and linear region of fibrous materials, Fung, Biomechanics (1993), ch. 7; the knee is the usual smooth
+    ramp.
+    Valid: also for one that softens (`more` < 0).
+    """
+
+    name = "elasticity_two_slopes"
+    look = "force over strain is two straight lines with a bend between them"
+    linear = ("offset_N", "stiffness_N", "more_N")
+    bends = tuple(
+        {"knee": knee, "width": width}
+        for knee in (0.03, 0.06, 0.09, 0.12, 0.15, 0.18, 0.21, 0.25, 0.3, 0.36, 0.42)
+        for width in (0.005, 0.02, 0.06)
+    )
+
+    stiffness_N: float = parameter(8.0, unit="N", low=-1e4, high=1e4, doc="slope below the knee")
+    more_N: float = parameter(10.0, unit="N", low=-1e4, high=1e4, doc="slope above the knee less that below it")
+    knee: float = parameter(0.15, unit="1", low=0.005, high=2, scale="log", doc="strain at the knee")
+    width: float = parameter(0.02, unit="1", low=1e-3, high=0.5, scale="log", doc="strain over which it bends")
+    offset_N: float = parameter(0.0, unit="N", low=-100, high=100, doc="force at zero strain (not tared)")
+
+    def curves(self, e: FloatArray) -> tuple[FloatArray, ...]:
+        return np.ones_like(e), e, self.width * np.logaddexp(0.0, (e - self.knee) / self.width)

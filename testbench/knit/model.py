@@ -50,7 +50,10 @@ class KnitModel:
             raise UserError(f"the model has no effect {name}; it has {', '.join(self.effects)}") from None
 
     def plus(self, effect: Effect, name: str | None = None) -> KnitModel:
-        """A model with `effect` at the end of its stage."""
+        """A model with `effect` at the end of its stage; a law takes the place of another law of the same idea."""
+        place = "" if name else self._place_of_law(effect)
+        if place:
+            return self.replacing(place, effect)
         name = name or self._free_name(effect.name)
         if name in self.effects:
             raise UserError(f"the model already has an effect {name}")
@@ -58,6 +61,12 @@ class KnitModel:
         return KnitModel(dict(sorted(items, key=lambda item: item[1].stage)))  # sorted() is stable
 
     __add__ = plus
+
+    def _place_of_law(self, law: Effect) -> str:
+        """Name of the law, which cannot be absent as an effect can, that `law` is another form of; empty if none."""
+        laws = {name: effect for name, effect in self.effects.items() if not (effect.strength or law.strength)}
+        same = [name for name, effect in laws.items() if (effect.idea or effect.name) == (law.idea or law.name)]
+        return same[0] if same else ""
 
     def _free_name(self, base: str) -> str:
         name, number = base, 1
