@@ -13,7 +13,7 @@ from threadpoolctl import threadpool_limits
 from testbench.discrepancy.baseline import SHAPES, starting_baseline, with_shapes, without_shapes
 from testbench.discrepancy.confidence import with_intervals
 from testbench.discrepancy.contest import FIT_RATE_HZ, Contest, challengers, reranked
-from testbench.discrepancy.entrant import Bases, Entrant
+from testbench.discrepancy.entrant import SHAPES_MUST_PAY, Bases, Entrant
 from testbench.discrepancy.errors import noise_floors
 from testbench.discrepancy.evidence import Evidence, Weighing, ranked_with_costs, structure_left, weigh
 from testbench.discrepancy.fit import Fit, fit
@@ -50,6 +50,8 @@ class Diagnosis:
         Ideas that this pair of recordings cannot tell from the first; empty where the first stands alone.
     base_misfits : tuple of str
         Shapes that the base law needs: its own misfit, whatever else is missing.
+    other_laws : tuple of str
+        Laws that suit the sensor better than those of the base, and took their places.
     left : float
         Share of the held-out error above the noise floor that the best idea leaves.
     before, after : ModelFile
@@ -64,6 +66,7 @@ class Diagnosis:
     weighing: Weighing
     tied: tuple[str, ...]
     base_misfits: tuple[str, ...]
+    other_laws: tuple[str, ...]
     left: float
     before: ModelFile
     after: ModelFile
@@ -79,6 +82,7 @@ class Diagnosis:
             "ranking": [_ranked(entry, self.tied) for entry in self.weighing.ranking],
             "tied": list(self.tied),
             "base_misfits": list(self.base_misfits),
+            "other_laws": list(self.other_laws),
             "depends_on": [
                 {"channel": channel, "coordinate": coordinate, "gain": gain}
                 for channel, coordinate, gain in self.weighing.depends_on
@@ -165,7 +169,7 @@ def _concluded(
     before = on_the_ladder(given, None, "baseline", calibration, held)
     contest = Contest(bases, calibration, held, catalogue, tell)
     base = contest.base()
-    weighing, entrants = _contested(contest, weighing, base)
+    weighing, entrants, law = _contested(contest, weighing, base)
     weighing = with_intervals(weighing, entrants, base.fit.model, held)
     best = entrants.get(weighing.ranking[0].idea) if weighing.ranking else None
     reached = best or base
@@ -177,15 +181,19 @@ def _concluded(
         tell("looking for structure in what is left")
         verdict = "unknown" if structure_left(reached.fit, calibration, held) > STRUCTURE_LEFT else verdict
     named = best if verdict == "missing" else None
-    after, misfits = _steps(named or base, before, bases, calibration, held)
-    attempt = _steps(best, before, bases, calibration, held)[0] if best and verdict == "unknown" else None
+    bent = law if law and law.score < base.score + SHAPES_MUST_PAY else base
+    after = _steps(named or bent, before, bases, calibration, held)
+    attempt = _steps(best, before, bases, calibration, held) if best and verdict == "unknown" else None
+    misfits, laws = _shapes_beyond(before, after.model), _laws_beyond(before, after.model)
     tied = _tied(weighing, verdict)
     first, last = (file.history[-1]["errors"]["held_out"] for file in (before, after))
-    return Diagnosis(verdict, weighing, tied, misfits, left.share, before, after, first, last, floors, attempt)
+    return Diagnosis(verdict, weighing, tied, misfits, laws, left.share, before, after, first, last, floors, attempt)
 
 
-def _contested(contest: Contest, weighing: Weighing, base: Entrant) -> tuple[Weighing, dict[str, Entrant]]:
-    """The ranking with the refits taken in, and the refitted ideas."""
+def _contested(
+    contest: Contest, weighing: Weighing, base: Entrant
+) -> tuple[Weighing, dict[str, Entrant], Entrant | None]:
+    """The ranking with the refits taken in, the refitted ideas, and another law for the base, if one suits it."""
     # The kernels let go of the interpreter, so threads do run side by side; those of BLAS would only fight them.
     with threadpool_limits(1, "blas"), ThreadPoolExecutor(WORKERS) as pool:
         return _refitted(contest, weighing, base, pool)
@@ -193,9 +201,10 @@ def _contested(contest: Contest, weighing: Weighing, base: Entrant) -> tuple[Wei
 
 def _refitted(
     contest: Contest, weighing: Weighing, base: Entrant, pool: Executor
-) -> tuple[Weighing, dict[str, Entrant]]:
+) -> tuple[Weighing, dict[str, Entrant], Entrant | None]:
     entering = {entry.idea: pool.submit(contest.enter, entry) for entry in challengers(weighing)}
-    instead = stand_ins(contest, base, pool)
+    stood_in = stand_ins(contest, base, pool)
+    instead = stood_in.found
     entrants = {idea: entrant.result() for idea, entrant in entering.items()}
 
     def judged() -> Weighing:
@@ -211,18 +220,29 @@ def _refitted(
         entrants[late.idea] = contest.enter(late)
     weighing = judged()
     entrants |= {idea: entrant for idea, (entrant, _) in instead.items()}
-    return run_off(contest, weighing, entrants, base, GAIN_TO_NAME, pool)
+    return *run_off(contest, weighing, entrants, base, GAIN_TO_NAME, pool), stood_in.law
 
 
 def _steps(
     winner: Entrant, before: ModelFile, bases: Bases, calibration: Measurement, held: Measurement
-) -> tuple[ModelFile, tuple[str, ...]]:
-    """The ladder from the model as given to the winner's, and the shapes that the winner's needs beyond it."""
-    misfits = tuple(name for name in winner.fit.model if name in SHAPES and name not in before.model)
-    after = on_the_ladder(bases.flexible, before, "+ shape freedom", calibration, held) if misfits else before
-    if winner.name:
-        after = on_the_ladder(winner.fit, after, f"+ {winner.name}", calibration, held)
-    return after, misfits
+) -> ModelFile:
+    """The ladder from the model as given to the winner's."""
+    shapes = "shape freedom" if _shapes_beyond(before, winner.fit.model) else ""
+    after = before
+    if winner.name and shapes:
+        after, shapes = on_the_ladder(bases.flexible, before, f"+ {shapes}", calibration, held), ""
+    added = [name for name in (winner.name, shapes, *_laws_beyond(before, winner.fit.model)) if name]
+    return on_the_ladder(winner.fit, after, f"+ {', '.join(added)}", calibration, held) if added else after
+
+
+def _shapes_beyond(before: ModelFile, model: KnitModel) -> tuple[str, ...]:
+    return tuple(name for name in model if name in SHAPES and name not in before.model)
+
+
+def _laws_beyond(before: ModelFile, model: KnitModel) -> tuple[str, ...]:
+    """Laws in the places of others."""
+    same = [name for name in model if name in before.model]
+    return tuple(model[name].name for name in same if model[name].name != before.model[name].name)
 
 
 def _tied(weighing: Weighing, verdict: Verdict) -> tuple[str, ...]:

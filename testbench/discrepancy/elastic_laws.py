@@ -24,7 +24,7 @@ from testbench.knit.model import KnitModel
 
 POINTS = 200  # of the curve
 OUTERMOST = 5e-4  # share of the samples at either end that the curve leaves out
-POLISHING = 30  # steps
+POLISHED, POLISHING = 3, 30  # starts of each law, steps
 WORTH_A_TRY = 0.1  # ln(squared misfit and noise) that an effect must gain
 ELASTICITY = "elasticity"  # the place of the law in a model
 
@@ -50,7 +50,6 @@ class Drawn:
     law: ElasticLaw
     effect: Effect | None
     misfit_N: float
-
 
     def put_in(self, model: KnitModel) -> KnitModel:
         """`model` with this law in the place of its own, and the effect."""
@@ -129,7 +128,7 @@ def best_law_beside(curve: Curve, laws: Iterable[ElasticLaw], starts: Sequence[E
             for effect, (one, strength, misfit_N) in zip(starts, tried, strict=True)
             if strength > 0
         ]
-        found += sorted(drawn, key=lambda one: one.misfit_N)[:1]
+        found += sorted(drawn, key=lambda one: one.misfit_N)[:POLISHED]
     return _closest(found, curve) if found else None
 
 

@@ -6,15 +6,18 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from gcode.support.errors import UserError
 from testbench.discrepancy.baseline import framed
 from testbench.discrepancy.errors import noise_floors, rms_errors
 from testbench.discrepancy.fit import Fit, fit
-from testbench.discrepancy.measurement import Measurement
+from testbench.discrepancy.measurement import CONDUCTANCE_CHANNEL, FORCE_CHANNEL, Measurement
 from testbench.discrepancy.model_file import ModelFile, fit_summary
 from testbench.discrepancy.remounting import held_errors
 from testbench.discrepancy.screen import best_start
 from testbench.knit.catalogue import Catalogue, model_from_dict
+from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
 
 NO_LONGER_PAYS = 0.005  # leaving an effect out costs less than this share of the held-out error
@@ -76,10 +79,23 @@ def add_effect(
     catalogue: Catalogue,
     progress: Callable[[str], None] | None = None,
 ) -> ModelFile:
-    """Add the catalogue's effect `name`, refit everything, and put it on the ladder."""
+    """Add the catalogue's effect `name`, refit everything, and put it on the ladder.
+
+    A law (without a strength) takes the place of the law that it is another form of.
+    """
     effect = framed(catalogue[name](), file.model, calibration)
-    model = file.model.plus(best_start(file.model, effect, calibration))
+    start = best_start(file.model, effect, calibration) if effect.strength else _drawn_to_data(effect, calibration)
+    model = file.model.plus(start)
     return fitted_file(model, calibration, held, f"+ {name}", file, progress)
+
+
+def _drawn_to_data(law: Effect, calibration: Measurement) -> Effect:
+    signals = {"strain": calibration.signals["strain"]}
+    if FORCE_CHANNEL in calibration.measured:
+        signals["force_N"] = calibration.measured[FORCE_CHANNEL]
+    if CONDUCTANCE_CHANNEL in calibration.measured:
+        signals["conductance_S"] = np.exp(calibration.measured[CONDUCTANCE_CHANNEL])
+    return law.initial_guess(signals, calibration.dt_s)
 
 
 def undo(file: ModelFile, catalogue: Catalogue) -> ModelFile:

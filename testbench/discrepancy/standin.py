@@ -8,7 +8,7 @@ goes in beside the shape: a corner that no smooth shape can follow shows there.)
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from functools import cache, partial
@@ -56,7 +56,23 @@ class _Tried:
     beside: Entrant | None
 
 
-def stand_ins(contest: Contest, base: Entrant, pool: Executor) -> dict[str, tuple[Entrant, Evidence]]:
+@dataclass(frozen=True)
+class StandIns:
+    """What was tried in place of the shapes of the base.
+
+    Attributes
+    ----------
+    found : dict of idea to (Entrant, Evidence)
+        The best of the imitable effects, with the gain over the base at a fair price: see `_gain`.
+    law : Entrant, optional
+        Not an effect, but another elastic law in place of a free shape of the base's.
+    """
+
+    found: Mapping[str, tuple[Entrant, Evidence]]
+    law: Entrant | None
+
+
+def stand_ins(contest: Contest, base: Entrant, pool: Executor) -> StandIns:
     """The best of the imitable effects, refitted in place of the shapes that could imitate them.
 
     Parameters
@@ -66,11 +82,6 @@ def stand_ins(contest: Contest, base: Entrant, pool: Executor) -> dict[str, tupl
         What the gains are counted from.
     pool : Executor
         Where the refits run, side by side.
-
-    Returns
-    -------
-    dict of idea to (Entrant, Evidence)
-        With the gain over the base at a fair price: see `_gain`.
     """
     laws = _drawn_laws(contest)
     tried = list(pool.map(partial(_tried, contest), _finalists(_alone(contest, pool))))
@@ -92,7 +103,13 @@ def stand_ins(contest: Contest, base: Entrant, pool: Executor) -> dict[str, tupl
             best = min(one.instead, one.beside, key=lambda entrant: entrant.score)
         if best.idea not in found or gain > found[best.idea][1].gain:
             found[best.idea] = best, _evidence(best, one.mode, gain)
-    return found | _seen(contest, base)
+    return StandIns(found | _seen(contest, base), _other_law(bare.get(WITHOUT_ELASTICITY), contest))
+
+
+def _other_law(bare: Entrant | None, contest: Contest) -> Entrant | None:
+    if bare is None or bare.fit.model[ELASTICITY].name == contest.bases.stiff.model[ELASTICITY].name:
+        return None
+    return bare
 
 
 def _tried(contest: Contest, entrant: Entrant) -> _Tried:

@@ -95,6 +95,8 @@ def diagnosis_table(diagnosis: Diagnosis) -> str:
         lines += [f"  {channel}: {coordinate}" for channel, coordinate, _ in weighing.depends_on[:3]]
     if diagnosis.base_misfits:
         lines.append(f"the base laws misfit in themselves; shape freedom used: {', '.join(diagnosis.base_misfits)}")
+    if diagnosis.other_laws:
+        lines.append(f"a law that suits this sensor better took its place: {', '.join(diagnosis.other_laws)}")
     lines += ["", ladder_table(diagnosis.after)]
     return "\n".join(lines)
 

@@ -44,6 +44,7 @@ BUILT_IN = {
     "clamp_slip_events": "testbench.knit.slip:ClampSlipEvents",
     "actuator_backlash": "testbench.knit.grip:ActuatorBacklash",
     "actuator_backlash_windup": "testbench.knit.grip:ActuatorBacklashWindup",
+    "actuator_backlash_compensated": "testbench.knit.grip:ActuatorBacklashCompensated",
     "leadscrew_ripple": "testbench.knit.grip:LeadscrewRipple",
     "slack": "testbench.knit.grip:Slack",
     # mechanics

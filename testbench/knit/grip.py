@@ -8,6 +8,7 @@ import numpy as np
 
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 
+TURN_STRAIN = 2e-4  # that the motion comes back by for a turn to count
 JOINTS = np.linspace(-1, 1, 5)  # relative gaps of a drive whose play closes little by little
 
 
@@ -71,6 +72,38 @@ class ActuatorBacklashWindup(Effect):
         from testbench.knit.kernels import dahl
 
         return {"strain": signals["strain"] - 0.5 * self.gap * dahl(signals["strain"], self.travel)}
+
+
+class ActuatorBacklashCompensated(Effect):
+    """A controller that makes up for a play at every reversal, however short the stroke, and not by the right amount.
+
+    e -= (gap / 2) * d * (1 - 2 exp(-s / travel)),   s = strain since the last turn,   d = 1 outwards, -1 on the way back
+
+    Source: reversal value of an axis, ISO 230-2:2014; backlash compensation of CNC controllers adds the whole gap at
+    each turn.
+    Valid: a turn counts once the motion has come back by 0.0002; gap > 0: lost motion, gap < 0: too much made up for.
+    """
+
+    name = "actuator_backlash_compensated"
+    idea = "actuator_backlash"
+    stage = Stage.KINEMATICS
+    reads, writes = ("strain",), ("strain",)
+    strength = "gap"
+    imitated_by = "slip"
+    look = "after each reversal, also of the shortest stroke, force and conductance jump by the same displacement"
+
+    gap: float = parameter(0.004, unit="1", low=-0.2, high=0.2, doc="motion lost at each turn, as strain")
+    travel: float = parameter(0.004, unit="1", low=2e-4, high=0.02, scale="log", doc="strain over which it is")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        from testbench.knit.kernels import turns
+
+        e = np.ascontiguousarray(signals["strain"])
+        at = turns(e, TURN_STRAIN)[0].astype(int)
+        since = e - e[at]
+        swing = np.where(at > 0, 2.0, 1.0)  # before the first turn the drive rests in the middle
+        wound = np.sign(since) * (1 - swing * np.exp(-np.abs(since) / self.travel))
+        return {"strain": e - 0.5 * self.gap * wound}
 
 
 class LeadscrewRipple(Effect):

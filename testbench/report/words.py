@@ -48,12 +48,16 @@ def error_fall(before: Mapping[str, float], after: Mapping[str, float]) -> str:
 def base_in_words(diagnosis: Mapping[str, Any]) -> str:
     """What is wrong with the base laws themselves; empty when nothing is."""
     names = [spoken(name.removesuffix("_shape")) for name in diagnosis.get("base_misfits", [])]
+    laws = " and ".join(diagnosis.get("other_laws", []))
+    better = f"The law `{laws}` suits this sensor better." if laws else ""
     if not names:
-        return ""
+        return better
     if len(names) == 1:
-        return f"The base law itself misfits: the shape of its {names[0]} is not quite this sensor's."
-    listed = f"{', '.join(names[:-1])} and {names[-1]}"
-    return f"The base laws themselves misfit: the shapes of {listed} are not quite this sensor's."
+        misfit = f"The base law itself misfits: the shape of its {names[0]} is not quite this sensor's."
+    else:
+        listed = f"{', '.join(names[:-1])} and {names[-1]}"
+        misfit = f"The base laws themselves misfit: the shapes of {listed} are not quite this sensor's."
+    return f"{misfit} {better}".strip()
 
 
 def experiment_in_words(found: Mapping[str, Any]) -> str:

@@ -167,15 +167,19 @@ class _Candidates:
         named = self.diagnosis["verdict"] == "missing"
         first = named and entry["form"] == self.diagnosis["ranking"][0]["form"]
         # What the diagnosis has refitted already need not be fitted again: the first candidate, or the shapes alone.
-        if self._is_fresh() and (first or (not named and self.diagnosis.get("base_misfits"))):
+        if self._is_fresh() and (first or (not named and self._base_misfits())):
             models.adopt_diagnosed(self.studio, self.c)
             if first:
                 done()
                 return
         have = models.model_path(self.studio, self.c).read_text(encoding="utf-8")
-        shapes = [name for name in self.diagnosis.get("base_misfits", []) if f'"{name}"' not in have]
-        commands = [models.add_command(self.studio, self.c, name) for name in (*shapes, entry["form"])]
+        missing = [name for name in self._base_misfits() if f'"{name}"' not in have]
+        commands = [models.add_command(self.studio, self.c, name) for name in (*missing, entry["form"])]
         models.run_in_turn(self.studio, f"model:{self.c}", commands, self.holder, done)
+
+    def _base_misfits(self) -> list[str]:
+        """Laws and shapes that the base needs, whatever else is missing."""
+        return [*self.diagnosis.get("other_laws", []), *self.diagnosis.get("base_misfits", [])]
 
     def _is_fresh(self) -> bool:
         """Whether the diagnosis was made of the model as it is now."""

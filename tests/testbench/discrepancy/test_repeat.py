@@ -24,7 +24,7 @@ def said(verdict: Any, before: float, after: float, attempt: ModelFile | None = 
     errors = {"before": {"force": before}, "after": {"force": after}, "floor": {"force": 1.0}}
     nothing = Weighing((), "", 0.0, 0.0, ())
     return Diagnosis(
-        verdict, nothing, (), (), 0.0, BEFORE, BEFORE, errors["before"], errors["after"], errors["floor"], attempt
+        verdict, nothing, (), (), (), 0.0, BEFORE, BEFORE, errors["before"], errors["after"], errors["floor"], attempt
     )
 
 

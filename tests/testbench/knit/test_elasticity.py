@@ -1,0 +1,98 @@
+"""Elastic laws: known answers, drawn to data, and one in the place of another."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from testbench.knit.catalogue import baseline, load_catalogue
+from testbench.knit.elasticity import ElasticityCubic, ElasticityOgden, ElasticityTwoSlopes, ElasticLaw
+from testbench.knit.model import inputs
+
+CATALOGUE = load_catalogue()
+STRAIN = np.linspace(0.0, 0.3, 121)
+LAWS = [
+    CATALOGUE["elasticity"]().replaced(stiffness_N=7.0, curvature=5.0, offset_N=0.2),
+    ElasticityCubic(stiffness_N=9.0, square_N=-20.0, cube_N=150.0, offset_N=0.1),
+    ElasticityOgden(modulus_N=0.8, power=12.0, linear_N=2.0, offset_N=-0.1),
+    ElasticityTwoSlopes(stiffness_N=6.0, more_N=14.0, knee=0.15, width=0.02, offset_N=0.05),
+]
+
+
+def force_N(law, strain=STRAIN):
+    return law.apply({"strain": strain}, 0.1)["force_N"]
+
+
+def test_ogden_of_power_two_is_the_neo_hookean_law():
+    stretch = 1 + STRAIN
+    law = ElasticityOgden(modulus_N=3.0, power=2.0, linear_N=0.0)
+    np.testing.assert_allclose(force_N(law), 3.0 * (stretch - stretch**-2), rtol=1e-12)
+
+
+def test_a_cubic_has_its_slope_at_zero():
+    step = 1e-6
+    law = ElasticityCubic(stiffness_N=9.0, square_N=-20.0, cube_N=150.0)
+    low, high = force_N(law, np.array([-step, step]))
+    assert (high - low) / (2 * step) == pytest.approx(9.0, rel=1e-6)
+
+
+def test_two_slopes_are_what_they_say_away_from_the_knee():
+    slope = np.gradient(force_N(LAWS[3]), STRAIN)
+    assert slope[2] == pytest.approx(6.0, rel=0.01)
+    assert slope[-3] == pytest.approx(20.0, rel=0.01)
+
+
+@pytest.mark.parametrize("law", LAWS, ids=lambda law: law.name)
+def test_a_law_is_drawn_to_data_of_its_own_kind(law):
+    drawn, _, misfit_N = type(law)().drawn_to(STRAIN, force_N(law), np.ones_like(STRAIN))
+    assert misfit_N < 1e-9
+    assert drawn == pytest.approx(law) or np.allclose(force_N(drawn), force_N(law), atol=1e-9)
+
+
+@pytest.mark.parametrize("law", LAWS, ids=lambda law: law.name)
+def test_a_curve_beside_the_law_gets_its_own_coefficient(law):
+    beside = np.maximum(STRAIN - 0.22, 0) ** 2
+    drawn, coefficient, misfit_N = type(law)().drawn_to(
+        STRAIN, force_N(law) + 40 * beside, np.ones_like(STRAIN), beside
+    )
+    assert misfit_N < 1e-9
+    assert coefficient == pytest.approx(40, rel=1e-6)
+    np.testing.assert_allclose(force_N(drawn), force_N(law), atol=1e-8)
+
+
+def test_a_curve_that_would_have_to_pull_back_is_left_out():
+    beside = np.maximum(STRAIN - 0.22, 0) ** 2
+    law = LAWS[0]
+    _, coefficient, misfit_N = type(law)().drawn_to(STRAIN, force_N(law) - 40 * beside, np.ones_like(STRAIN), beside)
+    assert coefficient >= 0
+    assert misfit_N > 1e-4
+
+
+def test_weights_say_which_strains_count():
+    bent = force_N(LAWS[0]) + np.where(STRAIN > 0.25, 5.0, 0.0)
+    drawn, _, misfit_N = type(LAWS[0])().drawn_to(STRAIN, bent, np.where(STRAIN > 0.25, 0.0, 1.0))
+    assert misfit_N < 1e-9
+    np.testing.assert_allclose(force_N(drawn), force_N(LAWS[0]), atol=1e-8)
+
+
+def test_a_law_takes_the_place_of_another_form_of_it():
+    model = baseline().plus(ElasticityTwoSlopes())
+    assert list(model) == list(baseline())
+    assert model["elasticity"].name == "elasticity_two_slopes"
+    strain = 0.1 + 0.05 * np.sin(np.linspace(0, 20, 200))
+    made = model.simulate(inputs(np.arange(200) * 0.1, strain), 0.1)
+    friction_N = baseline().simulate(inputs(np.arange(200) * 0.1, strain), 0.1)["force_N"] - force_N(
+        baseline()["elasticity"], strain
+    )
+    np.testing.assert_allclose(made["force_N"] - force_N(ElasticityTwoSlopes(), strain), friction_N, atol=1e-12)
+
+
+def test_an_effect_with_a_strength_stands_beside_another_of_its_idea():
+    model = baseline().plus(CATALOGUE["hysteresis"]())
+    assert [name for name in model if name.startswith("hysteresis")] == ["hysteresis", "hysteresis_2"]
+
+
+def test_every_elastic_law_of_the_catalogue_is_of_one_idea():
+    laws = [law for law in CATALOGUE.effects.values() if issubclass(law, ElasticLaw)]
+    assert len(laws) >= 4
+    assert {law.idea for law in laws} == {"elasticity"}
