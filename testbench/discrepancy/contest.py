@@ -11,7 +11,7 @@ from testbench.discrepancy.baseline import framed
 from testbench.discrepancy.candidates import candidate_ideas, is_vector
 from testbench.discrepancy.contact_start import contact_start
 from testbench.discrepancy.entrant import SHAPES_MUST_PAY, Bases, Entrant, bends, spoken_for_by
-from testbench.discrepancy.errors import rms_errors
+from testbench.discrepancy.errors import noise_floors, rms_errors
 from testbench.discrepancy.evidence import Evidence, Weighing
 from testbench.discrepancy.fit import Fit, fit
 from testbench.discrepancy.measurement import CONDUCTANCE_CHANNEL, Measurement, coarser
@@ -27,6 +27,7 @@ AS_GOOD = 0.8  # of the best gain: one more is refitted
 LEAST_GAIN = 0.02
 REFIT_ITERATIONS, ALONE_ITERATIONS = 10, 20
 FIT_RATE_HZ = 12.5  # grid of the fits; errors are judged on the samples as recorded
+NEARLY_AT_THE_NOISE = 1.3  # mean error over the noise floors
 UNDECIDED = 0.05  # share of strain in what the contacts feel, off either end
 
 
@@ -45,6 +46,7 @@ class Contest:
         self.coarse = coarser(calibration, FIT_RATE_HZ)
         self.catalogue, self.tell = catalogue, tell
         self.entered: dict[str, list[Entrant]] = {}  # every form that was refitted, by idea
+        self._floors = noise_floors(held)
         self._ideas = candidate_ideas(catalogue, bases.stiff.model)
         self._signals = frozenset(bases.stiff.model.simulate(self.coarse.signals, self.coarse.dt_s))
 
@@ -130,6 +132,11 @@ class Contest:
         pressing = model.simulate(here.signals, here.dt_s)["contact_force_N"]
         log_g = here.measured[CONDUCTANCE_CHANNEL]
         return model.replacing("contact", contact_start(model["contact"], pressing, log_g))
+
+    def at_the_noise(self, entrant: Entrant) -> bool:
+        """Whether a better form could hardly do better."""
+        over = [entrant.held[channel] / floor for channel, floor in self._floors.items()]
+        return float(np.mean(over)) < NEARLY_AT_THE_NOISE
 
     def scored(self, name: str, result: Fit) -> Entrant:
         """A fit with its errors on both recordings."""

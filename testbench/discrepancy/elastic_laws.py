@@ -8,7 +8,7 @@ but one of them with the effect beside it does, the effect is there.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -24,7 +24,7 @@ from testbench.knit.model import KnitModel
 
 POINTS = 200  # of the curve
 OUTERMOST = 5e-4  # share of the samples at either end that the curve leaves out
-POLISHED, POLISHING = 3, 30  # starts of each law, steps
+STARTS_OF_ONE_LAW, POLISHED, POLISHING = 3, 9, 30  # starts that are polished, and steps of that
 WORTH_A_TRY = 0.1  # ln(squared misfit and noise) that an effect must gain
 ELASTICITY = "elasticity"  # the place of the law in a model
 
@@ -66,6 +66,11 @@ class DrawnLaws:
     noise_N: float
 
     @property
+    def follows(self) -> bool:
+        """Whether the law by itself follows the curve so closely that no effect could gain enough."""
+        return 2 * np.log(np.hypot(1, self.alone.misfit_N / self.noise_N)) < WORTH_A_TRY
+
+    @property
     def tell_apart(self) -> bool:
         """Whether with the effect the misfit is less, counted with the noise."""
         if self.beside is None:
@@ -93,8 +98,9 @@ def draw_laws(model: KnitModel, measurement: Measurement, catalogue: Catalogue, 
     state, residual = model.simulate(measurement.signals, measurement.dt_s), measurement.residual(model)
     kinds = [type(form) for form in forms]
     starts = [one.effect for kind in kinds for one in expand([kind], kind.name, model, measurement, state, residual)]
-    noise_N = noise_floors(measurement)[FORCE_CHANNEL]
-    return DrawnLaws(best_law(curve, laws), best_law_beside(curve, laws, starts), noise_N)
+    noise_N, alone = noise_floors(measurement)[FORCE_CHANNEL], best_law(curve, laws)
+    without = DrawnLaws(alone, None, noise_N)
+    return without if without.follows else replace(without, beside=best_law_beside(curve, laws, starts))
 
 
 def elastic_curve(model: KnitModel, measurement: Measurement) -> Curve:
@@ -128,7 +134,7 @@ def best_law_beside(curve: Curve, laws: Iterable[ElasticLaw], starts: Sequence[E
             for effect, (one, strength, misfit_N) in zip(starts, tried, strict=True)
             if strength > 0
         ]
-        found += sorted(drawn, key=lambda one: one.misfit_N)[:POLISHED]
+        found += sorted(drawn, key=lambda one: one.misfit_N)[:STARTS_OF_ONE_LAW]
     return _closest(found, curve) if found else None
 
 
@@ -139,7 +145,8 @@ def _alone(effect: Effect, curve: Curve) -> FloatArray:
 
 
 def _closest(drawn: Iterable[Drawn], curve: Curve) -> Drawn:
-    return min((_polished(one, curve) for one in drawn), key=lambda one: one.misfit_N)
+    nearest = sorted(drawn, key=lambda one: one.misfit_N)[:POLISHED]
+    return min((_polished(one, curve) for one in nearest), key=lambda one: one.misfit_N)
 
 
 def _polished(drawn: Drawn, curve: Curve) -> Drawn:

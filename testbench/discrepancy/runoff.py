@@ -16,7 +16,7 @@ import numpy as np
 from testbench.discrepancy.contest import Contest
 from testbench.discrepancy.entrant import Entrant, spoken_for_by
 from testbench.discrepancy.evidence import Evidence, Weighing, ranked, share_after_costs
-from testbench.discrepancy.settling import settled
+from testbench.discrepancy.settling import in_its_best_form, settled
 
 CLOSE = 0.25  # of the first's gain
 MOST = 3
@@ -56,7 +56,19 @@ def run_off(
         most = (1 - CLOSE) * max(entry.gain for entry in decided)
         others = [replace(e, gain=min(e.gain, most)) for e in weighing.ranking if e.idea not in in_full]
         weighing = ranked(weighing, [*decided, *others])
-    return weighing, {**entrants, **in_full}
+    entrants = {**entrants, **in_full}
+    return _first_in_its_best_form(contest, weighing, entrants, base, pool) if close else (weighing, entrants)
+
+
+def _first_in_its_best_form(
+    contest: Contest, weighing: Weighing, entrants: dict[str, Entrant], base: Entrant, pool: Executor
+) -> tuple[Weighing, dict[str, Entrant]]:
+    first, *others = weighing.ranking
+    entrant = in_its_best_form(contest, entrants[first.idea], pool)
+    if entrant is entrants[first.idea]:
+        return weighing, entrants
+    first = _decided(spoken_for_by(first, entrant), entrant, base, contest.calibration.signals.keys())
+    return ranked(weighing, [first, *others]), {**entrants, first.idea: entrant}
 
 
 def unproven(weighing: Weighing, refitted: Collection[str], least_gain: float) -> Evidence | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import Executor
 from dataclasses import replace
 
 from testbench.discrepancy.baseline import with_shapes
@@ -10,6 +11,7 @@ from testbench.discrepancy.entrant import SHAPES_MUST_PAY, Entrant, bends, has_e
 from testbench.discrepancy.fit import fit
 from testbench.discrepancy.noise import robust_sd
 from testbench.discrepancy.remounting import placed
+from testbench.discrepancy.screen import best_starts
 
 ITERATIONS, TOUCH_UP_ITERATIONS = 30, 4
 SEARCHES, SEARCH_MUST_PAY = 3, 0.02  # for events, each on what the last one left; in ln(RMS)
@@ -29,6 +31,23 @@ def settled(contest: Contest, entrant: Entrant) -> Entrant:
     reached = [(_with_its_events if has_events(one) else _from_the_stiff_base)(contest, one) for one in ways]
     best = _with_the_unseen_absent(contest, min(reached, key=lambda one: one.score))
     return best if best.score < entrant.score - (0.0 if bends(entrant) else SHAPES_MUST_PAY) else entrant
+
+
+def in_its_best_form(contest: Contest, entrant: Entrant, pool: Executor) -> Entrant:
+    """The entrant, or another form of its idea in its place, where that comes nearer to the noise.
+
+    Which form did best on a base that misfits for want of the effect says little about which it is.
+    """
+    others = [form for form in contest.forms_of(entrant.idea) if form.name != entrant.name]
+    if not others or has_events(entrant) or contest.at_the_noise(entrant):
+        return entrant
+    contest.tell(f"trying other forms of {entrant.idea}")
+    without = entrant.fit.model.without(entrant.name)
+    models = [without.plus(start) for start in best_starts(without, others, contest.coarse)]
+    fits = pool.map(lambda model: fit(model, [contest.coarse], max_iterations=REFIT_ITERATIONS), models)
+    tried = [contest.scored(form.name, one) for form, one in zip(others, fits, strict=True)]
+    best = min(tried, key=lambda one: one.score)
+    return _from_the_stiff_base(contest, best) if best.score < entrant.score - SEARCH_MUST_PAY else entrant
 
 
 def _from_the_stiff_base(contest: Contest, entrant: Entrant) -> Entrant:

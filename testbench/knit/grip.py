@@ -75,9 +75,9 @@ class ActuatorBacklashWindup(Effect):
 
 
 class ActuatorBacklashCompensated(Effect):
-    """A controller that makes up for a play at every reversal, however short the stroke, and not by the right amount.
+    """A controller makes up for a play at every reversal, however short the stroke, and not by the right amount.
 
-    e -= (gap / 2) * d * (1 - 2 exp(-s / travel)),   s = strain since the last turn,   d = 1 outwards, -1 on the way back
+    e -= (gap / 2) * d * (1 - 2 exp(-s / travel)),   s = strain since the last turn,   d = 1 out, -1 back
 
     Source: reversal value of an axis, ISO 230-2:2014; backlash compensation of CNC controllers adds the whole gap at
     each turn.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -12,7 +14,13 @@ from testbench.knit.damage import (
     MullinsSofteningDamage,
     MullinsSofteningPower,
 )
-from testbench.knit.grip import ActuatorBacklash, ActuatorBacklashWindup, LeadscrewRipple, Slack
+from testbench.knit.grip import (
+    ActuatorBacklash,
+    ActuatorBacklashCompensated,
+    ActuatorBacklashWindup,
+    LeadscrewRipple,
+    Slack,
+)
 from testbench.knit.kernels import travelled
 from tests.testbench.knit.samples import UP, UP_DOWN_UP
 
@@ -91,3 +99,19 @@ def test_a_spread_gap_closes_little_by_little_and_loses_as_much_in_the_end() -> 
     # gaps of 10 to 30 thousandths, half of it each way: at 10 of travel the two smallest are closed
     assert gradual[10] == pytest.approx(np.mean([5, 7.5, 10, 10, 10]) / 1000)
     assert at_once[10] == pytest.approx(0.01)
+
+
+def test_a_wrongly_compensated_backlash_jumps_by_the_same_motion_at_every_turn() -> None:
+    """After long strokes, and after one that is shorter than the travel."""
+    targets = [0.0, 0.2, 0.1, 0.101, 0.05]
+    e = np.concatenate([np.linspace(a, b, 400, endpoint=False) for a, b in pairwise(targets)])
+    effect = ActuatorBacklashCompensated(gap=0.01, travel=0.004)
+    lost = e - effect.apply({"strain": e}, 0.1)["strain"]
+    assert lost[0] == 0
+    assert lost[399] == pytest.approx(0.005, rel=1e-6)  # wound up outwards
+    assert lost[799] == pytest.approx(-0.005, rel=1e-6)  # and on the way back
+    short = lost[1199]  # the end of a stroke of a quarter of the travel
+    assert short == pytest.approx(0.005 * (1 - 2 * np.exp(-0.001 / 0.004)), rel=0.01)
+    assert np.max(lost[1200:1300]) > 3 * short  # after which the whole of it is made up for all the same
+    made_up = ActuatorBacklashCompensated(gap=-0.01, travel=0.004).apply({"strain": e}, 0.1)["strain"]
+    np.testing.assert_allclose(made_up - e, lost, atol=1e-15)
