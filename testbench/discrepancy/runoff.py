@@ -67,8 +67,9 @@ def _first_in_its_best_form(
     entrant = in_its_best_form(contest, entrants[first.idea], pool)
     if entrant is entrants[first.idea]:
         return weighing, entrants
-    first = _decided(spoken_for_by(first, entrant), entrant, base, contest.calibration.signals.keys())
-    return ranked(weighing, [first, *others]), {**entrants, first.idea: entrant}
+    again = _decided(spoken_for_by(first, entrant), entrant, base, contest.calibration.signals.keys())
+    again = replace(again, gain=max(again.gain, first.gain))
+    return ranked(weighing, [again, *others]), {**entrants, first.idea: entrant}
 
 
 def unproven(weighing: Weighing, refitted: Collection[str], least_gain: float) -> Evidence | None:

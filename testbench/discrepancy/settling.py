@@ -47,7 +47,9 @@ def in_its_best_form(contest: Contest, entrant: Entrant, pool: Executor) -> Entr
     fits = pool.map(lambda model: fit(model, [contest.coarse], max_iterations=REFIT_ITERATIONS), models)
     tried = [contest.scored(form.name, one) for form, one in zip(others, fits, strict=True)]
     best = min(tried, key=lambda one: one.score)
-    return _from_the_stiff_base(contest, best) if best.score < entrant.score - SEARCH_MUST_PAY else entrant
+    if best.score > entrant.score - SEARCH_MUST_PAY:
+        return entrant
+    return min(best, _from_the_stiff_base(contest, best), key=lambda one: one.score)
 
 
 def _from_the_stiff_base(contest: Contest, entrant: Entrant) -> Entrant:

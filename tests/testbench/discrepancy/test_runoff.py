@@ -33,9 +33,15 @@ def test_what_is_akin_to_the_first_is_refitted_however_it_screened():
     assert unproven(weighing(permanent_set=0.05, clamp_slip=0.02), set(), 0.075) is None
 
 
-def test_who_was_not_settled_does_not_overtake_the_winner(monkeypatch):
+@pytest.fixture
+def contest(monkeypatch):
+    """A contest in which every entrant has settled and is in its best form already."""
     monkeypatch.setattr(runoff, "settled", lambda contest, one: one)
-    contest = SimpleNamespace(calibration=SimpleNamespace(signals={}))
+    monkeypatch.setattr(runoff, "in_its_best_form", lambda contest, one, pool: one)
+    return SimpleNamespace(calibration=SimpleNamespace(signals={}))
+
+
+def test_who_was_not_settled_does_not_overtake_the_winner(contest):
     ranked = weighing(stress_relaxation=1.0, permanent_set=0.9, viscous_rate_stiffening=0.7)
     entrants = {
         "stress_relaxation": entrant(-0.3, "stress_relaxation_log"),
@@ -46,3 +52,19 @@ def test_who_was_not_settled_does_not_overtake_the_winner(monkeypatch):
     gains = {entry.idea: entry.gain for entry in after.ranking}
     assert (after.ranking[0].idea, after.ranking[0].form) == ("stress_relaxation", "stress_relaxation_log")
     assert gains["viscous_rate_stiffening"] == pytest.approx((1 - CLOSE) * gains["stress_relaxation"])
+
+
+def test_the_winner_is_counted_in_its_best_form(contest, monkeypatch):
+    better = {"stress_relaxation": entrant(-0.5, "stress_relaxation_spectrum")}
+    monkeypatch.setattr(runoff, "in_its_best_form", lambda contest, one, pool: better[one.candidate.idea])
+    ranked = weighing(stress_relaxation=0.6, permanent_set=0.5)
+    entrants = {
+        "stress_relaxation": entrant(-0.3, "stress_relaxation"),
+        "permanent_set": entrant(-0.2, "permanent_set"),
+    }
+    after, reached = run_off(contest, ranked, entrants, entrant(0.0, ""), 0.075, ThreadPoolExecutor(1))
+    first, second = after.ranking[:2]
+    assert (first.idea, first.form) == ("stress_relaxation", "stress_relaxation_spectrum")
+    assert reached["stress_relaxation"] is better["stress_relaxation"]
+    assert first.gain > 0.9
+    assert second.gain < 0.5
