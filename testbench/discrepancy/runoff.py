@@ -19,6 +19,7 @@ from testbench.discrepancy.evidence import Evidence, Weighing, ranked, share_aft
 from testbench.discrepancy.settling import in_its_best_form, settled
 
 CLOSE = 0.25  # of the first's gain
+AKIN = 0.5  # of the first's gain: comes close if it is akin to it
 MOST = 3
 SHARE_OF_REFIT = 0.95
 
@@ -92,7 +93,9 @@ def _close(weighing: Weighing, entrants: Mapping[str, Entrant], least_gain: floa
     first, *others = ranking
     if first.candidate.effect.imitable:
         return [first]
-    near = [e for e in others if e.gain > (1 - CLOSE) * first.gain and not e.candidate.effect.imitable]
+    akin = first.candidate.effect.akin
+    least = {e.idea: (AKIN if e.idea in akin else 1 - CLOSE) * first.gain for e in others}
+    near = [e for e in others if e.gain > least[e.idea] and not e.candidate.effect.imitable]
     return [first, *near][:MOST]
 
 

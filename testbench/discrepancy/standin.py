@@ -92,18 +92,26 @@ def stand_ins(contest: Contest, base: Entrant, pool: Executor) -> StandIns:
     other_loops = cache(lambda: _has_other_loops(contest, base))
     found: dict[str, tuple[Entrant, Evidence]] = {}
     for one in tried:
-        effect = one.instead.fit.model[one.instead.name]
-        best, gain = one.instead, _gain(one, base, bare[one.mode])
-        if one.beside is not None:
-            # Neither a converter nor the contacts have to do with the kind of the loops.
-            if gain > WORTH_A_DOUBT and effect.stage < Stage.PRESSURE and other_loops():
-                gain *= OTHER_KIND
-            # Against a base that was given as many steps more: a fit that goes on gets better without any effect.
-            gain = max(gain, 2 * (min(base.score, bare[FLEXIBLE].score) - one.beside.score))
-            best = min(one.instead, one.beside, key=lambda entrant: entrant.score)
+        best, gain = _judged(one, base, bare, other_loops)
         if best.idea not in found or gain > found[best.idea][1].gain:
             found[best.idea] = best, _evidence(best, one.mode, gain)
     return StandIns(found | _seen(contest, base), _other_law(bare.get(WITHOUT_ELASTICITY), contest))
+
+
+def _judged(
+    one: _Tried, base: Entrant, bare: Mapping[str, Entrant], other_loops: Callable[[], bool]
+) -> tuple[Entrant, float]:
+    """The better of the effect in place of the shape and beside it, and what it gains."""
+    gain = _gain(one, base, bare[one.mode])
+    if one.beside is None:
+        return one.instead, gain
+    # Neither a converter nor the contacts have to do with the kind of the loops.
+    mechanical = one.instead.fit.model[one.instead.name].stage < Stage.PRESSURE
+    if gain > WORTH_A_DOUBT and mechanical and other_loops():
+        gain *= OTHER_KIND
+    # Against a base that was given as many steps more: a fit that goes on gets better without any effect.
+    gain = max(gain, 2 * (min(base.score, bare[FLEXIBLE].score) - one.beside.score))
+    return min(one.instead, one.beside, key=lambda entrant: entrant.score), gain
 
 
 def _other_law(bare: Entrant | None, contest: Contest) -> Entrant | None:

@@ -143,6 +143,7 @@ class TemperatureDrift(Effect):
 
     name = "temperature_drift"
     cost = 0.25
+    akin = ("self_heating",)
     stage = Stage.ELECTRICAL
     reads, writes = ("time_s", "conductance_S"), ("conductance_S",)
     optional_reads = ("temperature_C",)
@@ -178,6 +179,7 @@ class TemperatureDriftTrend(Effect):
     name = "temperature_drift_trend"
     idea = "temperature_drift"
     cost = 0.25
+    akin = ("self_heating",)
     stage = Stage.ELECTRICAL
     reads, writes = ("time_s", "conductance_S"), ("conductance_S",)
     strength = "coefficient_per_h"
@@ -202,6 +204,7 @@ class TemperatureDriftWander(Effect):
     name = "temperature_drift_wander"
     idea = "temperature_drift"
     cost = 0.25
+    akin = ("self_heating",)
     stage = Stage.ELECTRICAL
     reads, writes = ("time_s", "conductance_S"), ("conductance_S",)
     strength = "weights"
