@@ -113,6 +113,7 @@ BUILT_IN = {
     "adc_saturation_soft": "testbench.knit.adc_saturation:AdcSaturationSoft",
     "adc_saturation_force": "testbench.knit.adc_saturation:AdcSaturationForce",
     "load_cell_creep": "testbench.knit.load_cell:LoadCellCreep",
+    "load_cell_creep_two_times": "testbench.knit.load_cell:LoadCellCreepTwoTimes",
     "load_cell_creep_log": "testbench.knit.load_cell:LoadCellCreepLog",
     "load_cell_zero_drift": "testbench.knit.load_cell:LoadCellZeroDrift",
     "periodic_interference": "testbench.knit.interference:PeriodicInterference",

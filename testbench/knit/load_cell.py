@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
-from testbench.knit.filters import lowpass, memory_of_decades
+from testbench.knit.filters import lowpass, memory, memory_of_decades
 
 
 class LoadCellCreep(Effect):
@@ -24,12 +26,44 @@ class LoadCellCreep(Effect):
     strength = "fraction"
     look = "in a hold the force reading creeps while the conductance holds; after a release zero is off"
 
-    fraction: float = parameter(0.02, unit="1", low=-0.3, high=0.3, doc="share of the load by which it creeps")
+    fraction: float = parameter(0.02, unit="1", low=-1, high=1, doc="share of the load by which it creeps")
     tau_s: float = parameter(300.0, unit="s", low=5, high=1e4, scale="log", doc="time constant of the creep")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         force_N = signals["force_N"]
         return {"force_N": force_N + self.fraction * (lowpass(force_N, self.tau_s, dt_s) - force_N[0])}
+
+
+class LoadCellCreepTwoTimes(Effect):
+    """The load cell's reading creeps in two steps: a quick one of the glue, a slow one of the spring.
+
+    reading(t) = F(t) + fraction * integral of phi(t - s) dF(s)
+    phi(t) = share (1 - exp(-t / fast)) + (1 - share) (1 - exp(-t / slow))
+
+    Source: OIML R 60; two terms of a Prony series.
+    Valid: as `load_cell_creep`.
+    """
+
+    name = "load_cell_creep_two_times"
+    idea = "load_cell_creep"
+    cost = 0.1  # data sheets promise hundredths of a per cent
+    stage = Stage.READOUT
+    reads, writes = ("force_N",), ("force_N",)
+    strength = "fraction"
+    look = "in a hold the force reading creeps within seconds, and then on for minutes, while the conductance holds"
+
+    fraction: float = parameter(0.02, unit="1", low=-1, high=1, doc="share of the load by which it creeps")
+    fast_s: float = parameter(30.0, unit="s", low=2, high=300, scale="log", doc="time of the quick step")
+    slow_s: float = parameter(400.0, unit="s", low=30, high=1e4, scale="log", doc="time of the slow step")
+    share: float = parameter(0.5, unit="1", low=0, high=1, doc="share of the quick step")
+
+    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+        return [{"fast_s": fast_s, "slow_s": slow_s} for fast_s in (10.0, 40.0) for slow_s in (200.0, 800.0)]
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        force_N, times_s = signals["force_N"], np.array([self.fast_s, self.slow_s])
+        weights = self.fraction * np.array([self.share, 1 - self.share])
+        return {"force_N": force_N + memory(force_N, times_s, weights, dt_s)}
 
 
 class LoadCellCreepLog(Effect):
@@ -49,7 +83,7 @@ class LoadCellCreepLog(Effect):
     strength = "per_decade"
     look = "in a hold the force reading creeps ever more slowly while the conductance holds"
 
-    per_decade: float = parameter(0.01, unit="1", low=-0.1, high=0.1, doc="relative creep per decade of time")
+    per_decade: float = parameter(0.01, unit="1", low=-0.5, high=0.5, doc="relative creep per decade of time")
     tau_s: float = parameter(3.0, unit="s", low=0.05, high=300, scale="log", doc="when the creep sets in")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:

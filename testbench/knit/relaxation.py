@@ -11,6 +11,16 @@ from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 from testbench.knit.filters import lowpass, memory, memory_of_box, memory_of_decades, rate
 
 REFERENCE_RATE_PER_S = 0.1
+PLATEAU = "rate below which the viscosity no longer grows"
+
+
+def _power_of_rate(strain: FloatArray, dt_s: float, exponent: float, rate0_per_s: float) -> FloatArray:
+    speed = rate(strain, dt_s) / REFERENCE_RATE_PER_S
+    return speed * (speed**2 + (rate0_per_s / REFERENCE_RATE_PER_S) ** 2) ** (0.5 * (exponent - 1))
+
+
+def _powers_of_rate(*exponents: float) -> list[dict[str, Any]]:
+    return [{"exponent": exponent, "rate0_per_s": rate0} for exponent in exponents for rate0 in (1e-4, 4e-3)]
 
 
 class StressRelaxation(Effect):
@@ -177,12 +187,12 @@ class StressRelaxationNonlinear(Effect):
 class ViscousRateStiffening(Effect):
     """A dashpot beside the knit: force grows with the rate of strain, by a power of it.
 
-    F += force * sgn(e') * (|e'| / 0.1 per s)^exponent
+    F += force * v (v^2 + v0^2)^((exponent - 1) / 2),   v = e' / 0.1 per s,   v0 = rate0 / 0.1 per s
 
-    `exponent` 1 is Newton's dashpot (Kelvin-Voigt); towards 0 it becomes dry friction.
+    `exponent` 1 is Newton's dashpot (Kelvin-Voigt); towards 0 it becomes dry friction. Below `rate0` it is Newton's.
 
     Source: Ferry, Viscoelastic Properties of Polymers (1980), ch. 1 (Kelvin-Voigt element); power law after
-    Ostwald - de Waele.
+    Ostwald - de Waele, with the plateau of Carreau, Trans. Soc. Rheol. 16 (1972) 99.
     Valid: rates within about two decades of each other.
     """
 
@@ -194,10 +204,13 @@ class ViscousRateStiffening(Effect):
 
     force_at_rate_N: float = parameter(0.2, unit="N", low=0, high=100, doc="viscous force at 10 % strain per second")
     exponent: float = parameter(1.0, unit="1", low=0.2, high=1.5, doc="1: linear dashpot; smaller: shear thinning")
+    rate0_per_s: float = parameter(1e-4, unit="1/s", low=1e-5, high=0.1, scale="log", doc=PLATEAU)
+
+    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+        return _powers_of_rate(0.3, 0.6, 1.0, 1.3)
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        speed = rate(signals["strain"], dt_s) / REFERENCE_RATE_PER_S
-        viscous = np.sign(speed) * np.abs(speed) ** self.exponent
+        viscous = _power_of_rate(signals["strain"], dt_s, self.exponent, self.rate0_per_s)
         return {"force_N": signals["force_N"] + self.force_at_rate_N * viscous}
 
 
@@ -252,9 +265,10 @@ class ViscousRateStiffeningLog(Effect):
 class ViscousRateStiffeningPower(Effect):
     """The whole force grows with a power of the strain rate.
 
-    F *= 1 + gain * sgn(e') * (|e'| / 0.1 per s)^exponent
+    F *= 1 + gain * v (v^2 + v0^2)^((exponent - 1) / 2),   v = e' / 0.1 per s,   v0 = rate0 / 0.1 per s
 
     Source: Cowper & Symonds, Brown University Applied Mathematics Report 28 (1957); exponent = 1/q there.
+    Linear below `rate0`, as in Carreau, Trans. Soc. Rheol. 16 (1972) 99.
     Valid: rates within a few decades; releasing lowers the force as stretching raises it.
     """
 
@@ -267,10 +281,13 @@ class ViscousRateStiffeningPower(Effect):
 
     gain: float = parameter(0.1, unit="1", low=0, high=3, doc="relative force added at a strain rate of 0.1 / s")
     exponent: float = parameter(0.4, unit="1", low=0.1, high=1.5, scale="log", doc="power of the rate")
+    rate0_per_s: float = parameter(1e-4, unit="1/s", low=1e-5, high=0.1, scale="log", doc=PLATEAU)
+
+    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+        return _powers_of_rate(0.15, 0.35, 0.7, 1.1)
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        speed = rate(signals["strain"], dt_s) / 0.1
-        raised = np.sign(speed) * np.abs(speed) ** self.exponent
+        raised = _power_of_rate(signals["strain"], dt_s, self.exponent, self.rate0_per_s)
         return {"force_N": signals["force_N"] * (1 + self.gain * raised)}
 
 
@@ -294,7 +311,7 @@ class ViscousRateStiffeningMagnitude(Effect):
     exponent: float = parameter(0.4, unit="1", low=0.1, high=1.5, scale="log", doc="power of the rate")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        speed = np.abs(rate(signals["strain"], dt_s)) / 0.1
+        speed = np.abs(rate(signals["strain"], dt_s)) / REFERENCE_RATE_PER_S
         return {"force_N": signals["force_N"] * (1 + self.gain * speed**self.exponent)}
 
 

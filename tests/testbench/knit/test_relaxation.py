@@ -118,6 +118,13 @@ def test_dashpot_force_grows_with_a_power_of_the_rate(speed: float, exponent: fl
     assert force[-1] == pytest.approx(expected)
 
 
+@pytest.mark.parametrize("speed", [1e-4, 2e-4])
+def test_far_below_its_plateau_a_power_of_the_rate_is_a_linear_dashpot(speed: float) -> None:
+    effect = ViscousRateStiffening(force_at_rate_N=0.5, exponent=0.4, rate0_per_s=0.02)
+    force = effect.apply({"strain": speed * T, "force_N": np.zeros_like(T)}, DT_S)["force_N"]
+    assert force[-1] == pytest.approx(0.5 * (speed / 0.1) * (0.02 / 0.1) ** -0.6, rel=1e-3)
+
+
 def test_eyring_force_adds_the_same_for_every_tenfold_rate() -> None:
     effect = ViscousRateStiffeningEyring(force_per_efold_N=0.1, rate0_per_s=1e-4)
     forces = [

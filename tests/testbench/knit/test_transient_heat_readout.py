@@ -15,7 +15,7 @@ from testbench.knit.heat import (
     ThermalSoftening,
 )
 from testbench.knit.interference import PeriodicInterference, strongest_frequency_Hz
-from testbench.knit.load_cell import LoadCellCreep, LoadCellZeroDrift
+from testbench.knit.load_cell import LoadCellCreep, LoadCellCreepTwoTimes, LoadCellZeroDrift
 from testbench.knit.transient import ElectricalOvershoot, ElectricalOvershootMagnitude, RateResistance, ShoulderPeak
 from testbench.knit.turning import ElectricalOvershootAnew, ElectricalOvershootReversal
 
@@ -133,6 +133,14 @@ def test_creeping_reading_ends_at_its_fraction_and_zero_drift_at_its_shift() -> 
     assert crept[-1] == pytest.approx(2.1)
     drifted = LoadCellZeroDrift(drift_N=0.3, tau_s=20).apply({"force_N": np.zeros_like(t), "time_s": t}, 0.5)
     assert drifted["force_N"][-1] == pytest.approx(0.3)
+
+
+def test_a_reading_that_creeps_twice_is_the_sum_of_its_steps() -> None:
+    force_N = np.minimum(np.arange(0, 1000, 0.5), 2.0)
+    both = LoadCellCreepTwoTimes(fraction=0.1, fast_s=10, slow_s=200, share=0.3).apply({"force_N": force_N}, 0.5)
+    steps = [LoadCellCreep(fraction=0.03, tau_s=10), LoadCellCreep(fraction=0.07, tau_s=200)]
+    added = [step.apply({"force_N": force_N}, 0.5)["force_N"] - force_N for step in steps]
+    np.testing.assert_allclose(both["force_N"] - force_N, sum(added), atol=1e-12)
 
 
 def test_the_line_in_the_spectrum_is_found() -> None:
