@@ -125,7 +125,7 @@ def best_law_beside(curve: Curve, laws: Iterable[ElasticLaw], starts: Sequence[E
 
     The starts are forms in proportion to their strength, at several points of their other parameters.
     """
-    added_N = [_alone(effect, curve) for effect in starts]
+    added_N = [_at_strength_one(effect, curve.strain) for effect in starts]
     found = []
     for law in laws:
         tried = (law.drawn_to(curve.strain, curve.force_N, curve.weight, curve_N) for curve_N in added_N)
@@ -138,10 +138,18 @@ def best_law_beside(curve: Curve, laws: Iterable[ElasticLaw], starts: Sequence[E
     return _closest(found, curve) if found else None
 
 
-def _alone(effect: Effect, curve: Curve) -> FloatArray:
-    """What the effect adds at a strength of one."""
-    nothing = {"strain": curve.strain, "force_N": np.zeros_like(curve.strain)}
-    return effect.replaced(**{effect.strength: 1.0}).apply(nothing, 1.0)["force_N"]
+def bends_the_law(form: Effect) -> bool:
+    """Whether the effect can be drawn beside a law: it adds a curve over strain, times its strength, to the force."""
+    if form.imitated_by != ELASTICITY or form.nonlinear or not {"strain", "force_N"}.issuperset(form.reads):
+        return False
+    return bool(np.any(_at_strength_one(form, np.linspace(0.0, 1.0, POINTS))))
+
+
+def _at_strength_one(effect: Effect, strain: FloatArray) -> FloatArray:
+    """What the effect adds to no force at all, for each unit of its strength, shape (n,)."""
+    nothing = {"strain": strain, "time_s": strain, "force_N": np.zeros_like(strain)}
+    unit = effect.near(**{effect.strength: 1.0})
+    return KnitModel.of(unit).simulate(nothing, 1.0)["force_N"] / getattr(unit, unit.strength)
 
 
 def _closest(drawn: Iterable[Drawn], curve: Curve) -> Drawn:

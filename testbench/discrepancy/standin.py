@@ -17,13 +17,13 @@ import numpy as np
 
 from testbench.discrepancy.baseline import LOOP_SHAPES, with_shapes, without_shapes
 from testbench.discrepancy.contest import Contest
-from testbench.discrepancy.elastic_laws import ELASTICITY, Drawn, DrawnLaws, draw_laws
+from testbench.discrepancy.elastic_laws import ELASTICITY, Drawn, DrawnLaws, bends_the_law, draw_laws
 from testbench.discrepancy.entrant import Entrant
 from testbench.discrepancy.evidence import PRICE_OF_SHAPE, Evidence, Weighing
 from testbench.discrepancy.fit import fit
 from testbench.discrepancy.measurement import FORCE_CHANNEL
 from testbench.discrepancy.screen import FLEXIBLE, WITHOUT_SLIP
-from testbench.knit.effect import Stage
+from testbench.knit.effect import Effect, Stage
 from testbench.knit.model import KnitModel
 
 WITHOUT_ELASTICITY, WITHOUT_CONTACT = "without elasticity_shape", "without contact_shape"
@@ -84,10 +84,11 @@ def stand_ins(contest: Contest, base: Entrant, pool: Executor) -> StandIns:
         Where the refits run, side by side.
     """
     laws = _drawn_laws(contest)
-    tried = list(pool.map(partial(_tried, contest), _finalists(_alone(contest, pool))))
+    forms = [form for form in contest.imitable_forms() if not (laws and bends_the_law(form))]
+    tried = list(pool.map(partial(_tried, contest), _finalists(_alone(contest, forms, pool))))
     if laws and laws.beside and laws.tell_apart:
         tried.append(_beside_another_law(contest, laws.beside))
-    modes = sorted({FLEXIBLE, *(one.mode for one in tried)}) if tried else []
+    modes = sorted({FLEXIBLE, *(one.mode for one in tried), *([WITHOUT_ELASTICITY] if laws else [])})
     bare = dict(zip(modes, pool.map(partial(_bare, contest, laws), modes), strict=True))
     other_loops = cache(lambda: _has_other_loops(contest, base))
     found: dict[str, tuple[Entrant, Evidence]] = {}
@@ -134,8 +135,8 @@ def _drawn_laws(contest: Contest) -> DrawnLaws | None:
     model = contest.bases.flexible.model
     if FORCE_CHANNEL not in contest.calibration.measured or ELASTICITY not in model:
         return None
-    imitated = [form for form in contest.imitable_forms() if form.imitated_by == ELASTICITY and not form.nonlinear]
-    return draw_laws(model, contest.calibration, contest.catalogue, imitated)
+    bending = [form for form in contest.imitable_forms() if bends_the_law(form)]
+    return draw_laws(model, contest.calibration, contest.catalogue, bending)
 
 
 def _beside_another_law(contest: Contest, drawn: Drawn) -> _Tried:
@@ -149,7 +150,7 @@ def _bare(contest: Contest, laws: DrawnLaws | None, mode: str) -> Entrant:
     """The base without what `mode` forbids; without a free shape of the elastic law, with the law that does best."""
     models = [contest.bases.flexible.model]
     if laws and mode == WITHOUT_ELASTICITY:
-        models.append(laws.alone.put_in(models[0]))
+        models = [laws.alone.put_in(models[0]), *(models if laws.tell_apart else ())]
     return min((_refitted(contest, "", model, mode) for model in models), key=lambda one: one.score)
 
 
@@ -198,10 +199,10 @@ def _finalists(alone: Sequence[Entrant]) -> list[Entrant]:
     return chosen[:FINALISTS]
 
 
-def _alone(contest: Contest, pool: Executor) -> list[Entrant]:
-    """Every imitable effect on the stiff base, best first; only those that gain at all."""
+def _alone(contest: Contest, forms: Sequence[Effect], pool: Executor) -> list[Entrant]:
+    """Each of the forms on the stiff base, best first; only those that gain at all."""
     before = contest.scored("", contest.bases.stiff)
-    found = contest.alone(contest.imitable_forms(), pool.map)
+    found = contest.alone(forms, pool.map)
     worth = [one for one in found if 2 * (before.score - one.score) > WORTH_A_TRY]
     return sorted(worth, key=lambda one: one.score)
 

@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 
 from testbench.discrepancy import diagnose
-from testbench.discrepancy.elastic_laws import Curve, best_law, best_law_beside, draw_laws, elastic_curve
+from testbench.discrepancy.elastic_laws import (
+    Curve,
+    bends_the_law,
+    best_law,
+    best_law_beside,
+    draw_laws,
+    elastic_curve,
+)
 from testbench.discrepancy.ladder import add_effect, fitted_file, undo
 from testbench.discrepancy.measurement import prepare, split
 from testbench.knit.catalogue import Catalogue
@@ -81,6 +88,23 @@ def test_a_users_own_law_takes_part():
     assert drawn.alone.law.name == "tangent"
     assert drawn.alone.misfit_N < 1e-6
     assert not drawn.tell_apart
+
+
+class Squeezed(JammingStiffening):
+    """A user's own that multiplies the force: no curve to be drawn beside a law."""
+
+    name = "squeezed"
+
+    def apply(self, signals, dt_s):
+        return {
+            "force_N": signals["force_N"] * (1 + self.stiffness_N * np.maximum(signals["strain"] - self.onset, 0))
+        }
+
+
+def test_which_effects_can_be_drawn_beside_a_law():
+    able = {name for name, form in CATALOGUE.effects.items() if form.strength and bends_the_law(form())}
+    assert able == {"jamming_stiffening", "jamming_stiffening_power", "jamming_stiffening_locking"}
+    assert not bends_the_law(Squeezed())
 
 
 def test_no_start_is_no_effect_beside():
