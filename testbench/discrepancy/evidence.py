@@ -149,6 +149,12 @@ def ranked_with_costs(weighing: Weighing, measured: Collection[str]) -> Weighing
     return ranked(weighing, paid)
 
 
+def depending_on(weighing: Weighing, channel: str, coordinate: str, gain: float) -> Weighing:
+    """The weighing with one more coordinate that something unknown depends on."""
+    found = [*weighing.depends_on, (channel, coordinate, gain)]
+    return replace(weighing, depends_on=tuple(sorted(found, key=lambda item: -item[2])))
+
+
 def ranked(weighing: Weighing, entries: Iterable[Evidence]) -> Weighing:
     """The weighing with these entries, best first."""
     return replace(weighing, ranking=tuple(sorted(entries, key=lambda entry: -entry.gain)))

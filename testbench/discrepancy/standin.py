@@ -65,7 +65,7 @@ class StandIns:
     found : dict of idea to (Entrant, Evidence)
         The best of the imitable effects, with the gain over the base at a fair price: see `_gain`.
     law : Entrant, optional
-        Not an effect, but another elastic law in place of a free shape of the base's.
+        Not an effect, but the elastic law that does best in place of its free shape.
     """
 
     found: Mapping[str, tuple[Entrant, Evidence]]
@@ -96,7 +96,7 @@ def stand_ins(contest: Contest, base: Entrant, pool: Executor) -> StandIns:
         best, gain = _judged(one, base, bare, other_loops)
         if best.idea not in found or gain > found[best.idea][1].gain:
             found[best.idea] = best, _evidence(best, one.mode, gain)
-    return StandIns(found | _seen(contest, base), _other_law(bare.get(WITHOUT_ELASTICITY), contest))
+    return StandIns(found | _seen(contest, base), bare.get(WITHOUT_ELASTICITY) if laws else None)
 
 
 def _judged(
@@ -113,12 +113,6 @@ def _judged(
     # Against a base that was given as many steps more: a fit that goes on gets better without any effect.
     gain = max(gain, 2 * (min(base.score, bare[FLEXIBLE].score) - one.beside.score))
     return min(one.instead, one.beside, key=lambda entrant: entrant.score), gain
-
-
-def _other_law(bare: Entrant | None, contest: Contest) -> Entrant | None:
-    if bare is None or bare.fit.model[ELASTICITY].name == contest.bases.stiff.model[ELASTICITY].name:
-        return None
-    return bare
 
 
 def _tried(contest: Contest, entrant: Entrant) -> _Tried:

@@ -91,7 +91,7 @@ def diagnosis_table(diagnosis: Diagnosis) -> str:
         lines.append(f"{place:<6}{entry.idea:<26}{entry.form:<34}{numbers}{tied}{seen}")
     if diagnosis.verdict == "unknown":
         lines.append("two effects at once can hide each other: --repeat 2 looks for a second beside the first")
-        lines.append("what is left depends most on:")
+        lines.append("what they do not explain depends most on:")
         lines += [f"  {channel}: {coordinate}" for channel, coordinate, _ in weighing.depends_on[:3]]
     if diagnosis.base_misfits:
         lines.append(f"the base laws misfit in themselves; shape freedom used: {', '.join(diagnosis.base_misfits)}")

@@ -23,7 +23,7 @@ def verdict_in_words(diagnosis: Mapping[str, Any]) -> str:
 
 def _depends(diagnosis: Mapping[str, Any]) -> str:
     most = [f"{entry['channel']} on {spoken(entry['coordinate'])}" for entry in diagnosis.get("depends_on", [])[:2]]
-    return f" What is left depends most on this: {'; '.join(most)}." if most else ""
+    return f" It depends most on this: {'; '.join(most)}." if most else ""
 
 
 def _missing(diagnosis: Mapping[str, Any]) -> str:

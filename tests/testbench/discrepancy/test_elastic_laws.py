@@ -149,6 +149,14 @@ def test_jamming_is_told_from_another_elastic_law(seed):
 
 
 @pytest.mark.slow
+def test_a_bend_that_neither_a_law_nor_an_effect_explains_is_unknown_and_depends_on_strain():
+    case = make_case("jamming_stiffening", 5, "mismatched", 60023)
+    result = diagnose(case.calibration, case.held_out, catalogue=CATALOGUE.without("jamming_stiffening"))
+    assert result.verdict == "unknown"
+    assert result.weighing.depends_on[0][:2] == ("force", "strain")
+
+
+@pytest.mark.slow
 def test_the_first_idea_is_tried_in_its_other_forms():
     """Screened and refitted, continuum damage looked best in another form, left 2.7 floors and was unknown."""
     case = make_case("mullins_softening", 5, "mismatched", 57010)

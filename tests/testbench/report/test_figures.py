@@ -195,7 +195,7 @@ def test_nothing_left_to_depend_on_is_no_figure() -> None:
         ),
         (
             "unknown",
-            "Something is missing that no single effect of the catalogue explains. What is left depends most on "
+            "Something is missing that no single effect of the catalogue explains. It depends most on "
             "this: force on elapsed time.",
         ),
         ("nothing_missing", "Nothing is missing that these recordings could show."),
