@@ -13,6 +13,8 @@ from testbench.discrepancy.evidence import Evidence
 from testbench.discrepancy.measurement import UNIT_OF
 from testbench.discrepancy.model_file import ModelFile
 
+STEP_WIDTH = 34  # of the ladder's first column, if no step needs more
+
 
 def fit_table(file: ModelFile) -> str:
     """Parameters with their standard errors, and plain words on what cannot be trusted."""
@@ -48,7 +50,8 @@ def errors_line(step: Mapping[str, Any]) -> str:
 
 def ladder_table(file: ModelFile) -> str:
     """The errors step by step, down to the noise floor."""
-    lines = [f"{'step':<34}{'channel':<13}{'calibration':>14}{'held out':>14}{'noise floor':>14}{'fall':>8}"]
+    wide = max(STEP_WIDTH, 2 + max((len(step["step"]) for step in file.history), default=0))
+    lines = [f"{'step':<{wide}}{'channel':<13}{'calibration':>14}{'held out':>14}{'noise floor':>14}{'fall':>8}"]
     first: dict[str, float] = {}
     for step in file.history:
         name, errors = step["step"], step["errors"]
@@ -56,7 +59,7 @@ def ladder_table(file: ModelFile) -> str:
             top = first.setdefault(channel, held)
             numbers = (errors["calibration"][channel], held, step["noise_floor"][channel])
             cells = "".join(f"{value:>9.4g} {UNIT_OF[channel]:<4}" for value in numbers)
-            lines.append(f"{name:<34}{channel_name(channel):<13}{cells}{100 * (1 - held / top):>6.0f} %")
+            lines.append(f"{name:<{wide}}{channel_name(channel):<13}{cells}{100 * (1 - held / top):>6.0f} %")
             name = ""
     return "\n".join(lines)
 

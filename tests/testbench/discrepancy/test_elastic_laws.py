@@ -16,6 +16,7 @@ from testbench.discrepancy.elastic_laws import (
 )
 from testbench.discrepancy.ladder import add_effect, fitted_file, undo
 from testbench.discrepancy.measurement import prepare, split
+from testbench.discrepancy.tables import ladder_table
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.damage import JammingStiffening
 from testbench.knit.effect import parameter
@@ -137,6 +138,15 @@ def test_a_law_is_added_in_the_place_of_another_and_taken_back():
     errors = [step["errors"]["held_out"]["force"] for step in second.history]
     assert errors[1] < 0.5 * errors[0]
     assert undo(second, CATALOGUE).model["elasticity"].name == "elasticity"
+
+
+def test_the_ladder_keeps_its_columns_apart_however_long_a_step_is_called():
+    recording = record(truth(), seed=3)
+    step = "+ shape freedom, elasticity_two_slopes"
+    file = fitted_file(truth(), *split(recording, record(truth(), seed=4)), step)
+    first, second, third = ladder_table(file).splitlines()
+    assert second.startswith(f"{step}  force")
+    assert first.index("channel") == second.index("force") == third.index("conductance")
 
 
 @pytest.mark.slow
