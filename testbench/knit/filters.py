@@ -84,6 +84,13 @@ def memory(x: FloatArray, tau_s: FloatArray, weights: FloatArray, dt_s: float) -
     return exponential_bank(np.ascontiguousarray(x), a, b0, b1, np.asarray(weights, dtype=np.float64))
 
 
+def memory_of_two_times(
+    x: FloatArray, fraction: float, share: float, fast_s: float, slow_s: float, dt_s: float
+) -> FloatArray:
+    """`memory` of two times: `fraction` is forgotten in the end, `share` of it by the quick one."""
+    return memory(x, np.array([fast_s, slow_s]), fraction * np.array([share, 1 - share]), dt_s)
+
+
 def memory_of_box(x: FloatArray, fraction: float, shortest_s: float, longest_s: float, dt_s: float) -> FloatArray:
     """`memory` of a box of relaxation times between two: `fraction` is forgotten in the end."""
     times_s, weights = spectra.box(shortest_s, longest_s)

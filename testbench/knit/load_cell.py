@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
-from testbench.knit.filters import lowpass, memory, memory_of_decades
+from testbench.knit.filters import lowpass, memory_of_decades, memory_of_two_times
 
 
 class LoadCellCreep(Effect):
@@ -61,9 +61,9 @@ class LoadCellCreepTwoTimes(Effect):
         return [{"fast_s": fast_s, "slow_s": slow_s} for fast_s in (10.0, 40.0) for slow_s in (200.0, 800.0)]
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        force_N, times_s = signals["force_N"], np.array([self.fast_s, self.slow_s])
-        weights = self.fraction * np.array([self.share, 1 - self.share])
-        return {"force_N": force_N + memory(force_N, times_s, weights, dt_s)}
+        force_N = signals["force_N"]
+        crept = memory_of_two_times(force_N, self.fraction, self.share, self.fast_s, self.slow_s, dt_s)
+        return {"force_N": force_N + crept}
 
 
 class LoadCellCreepLog(Effect):

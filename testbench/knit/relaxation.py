@@ -8,7 +8,7 @@ import numpy as np
 
 from testbench.knit import spectra
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
-from testbench.knit.filters import lowpass, memory, memory_of_box, memory_of_decades, rate
+from testbench.knit.filters import lowpass, memory, memory_of_box, memory_of_decades, memory_of_two_times, rate
 
 REFERENCE_RATE_PER_S = 0.1
 PLATEAU = "rate below which the viscosity no longer grows"
@@ -72,9 +72,9 @@ class StressRelaxationTwoTimes(Effect):
     share: float = parameter(0.5, unit="1", low=0, high=1, doc="share of the quick step")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        times_s = np.array([self.fast_s, self.slow_s])
-        weights = self.fraction * np.array([self.share, 1 - self.share])
-        return {"force_N": signals["force_N"] - memory(signals["force_N"], times_s, weights, dt_s)}
+        force_N = signals["force_N"]
+        lost = memory_of_two_times(force_N, self.fraction, self.share, self.fast_s, self.slow_s, dt_s)
+        return {"force_N": force_N - lost}
 
     def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
         return [{"fast_s": fast_s, "slow_s": slow_s} for fast_s in (1.5, 6.0, 20.0) for slow_s in (60.0, 300.0)]
