@@ -49,7 +49,7 @@ def base_in_words(diagnosis: Mapping[str, Any]) -> str:
     """What is wrong with the base laws themselves; empty when nothing is."""
     names = [spoken(name.removesuffix("_shape")) for name in diagnosis.get("base_misfits", [])]
     laws = " and ".join(diagnosis.get("other_laws", []))
-    better = f"The law `{laws}` suits this sensor better." if laws else ""
+    better = f"The law {laws} suits this sensor better." if laws else ""
     if not names:
         return better
     if len(names) == 1:

@@ -239,7 +239,7 @@ def test_a_base_that_misfits_is_said() -> None:
     assert "the shape of its elasticity is not quite" in words.base_in_words(samples.diagnosis())
     assert words.base_in_words({"base_misfits": []}) == ""
     better = words.base_in_words({"base_misfits": [], "other_laws": ["elasticity_ogden"]})
-    assert better == "The law `elasticity_ogden` suits this sensor better."
+    assert better == "The law elasticity_ogden suits this sensor better."
     both = words.base_in_words({"base_misfits": ["drift_shape"], "other_laws": ["elasticity_ogden"]})
     assert both.startswith("The base law itself misfits: the shape of its drift")
     assert both.endswith(better)
