@@ -11,7 +11,7 @@ from testbench.discrepancy.baseline import framed
 from testbench.discrepancy.candidates import candidate_ideas, is_vector
 from testbench.discrepancy.contact_start import contact_start
 from testbench.discrepancy.entrant import SHAPES_MUST_PAY, Bases, Entrant, bends, spoken_for_by
-from testbench.discrepancy.errors import noise_floors, rms_errors
+from testbench.discrepancy.errors import noise_floors, over_the_floors, rms_errors
 from testbench.discrepancy.evidence import Evidence, Weighing
 from testbench.discrepancy.fit import Fit, fit
 from testbench.discrepancy.measurement import CONDUCTANCE_CHANNEL, Measurement, coarser
@@ -69,11 +69,12 @@ class Contest:
             effects[best.name] = best.fit.model[best.name]
         effects |= {effect.name: effect for effect in self.events_of(entry.idea)}
         bases = [self.bases.flexible.model] + ([self.bases.stiff.model] if entry.mode == STIFF else [])
-        entrants = [self._refitted(model, effect) for model in bases for effect in effects.values()]
+        entrants = [self.refitted(model, effect) for model in bases for effect in effects.values()]
         self.entered[entry.idea] = entrants
         return min(entrants, key=lambda one: one.score + (SHAPES_MUST_PAY if bends(one) else 0.0))
 
-    def _refitted(self, model: KnitModel, effect: Effect) -> Entrant:
+    def refitted(self, model: KnitModel, effect: Effect) -> Entrant:
+        """`model` with the effect put in."""
         return self.scored(effect.name, fit(model.plus(effect), [self.coarse], max_iterations=REFIT_ITERATIONS))
 
     def forms_of(self, idea: str) -> list[Effect]:
@@ -135,8 +136,7 @@ class Contest:
 
     def at_the_noise(self, entrant: Entrant) -> bool:
         """Whether a better form could hardly do better."""
-        over = [entrant.held[channel] / floor for channel, floor in self._floors.items()]
-        return float(np.mean(over)) < NEARLY_AT_THE_NOISE
+        return over_the_floors(entrant.held, self._floors) < NEARLY_AT_THE_NOISE
 
     def scored(self, name: str, result: Fit) -> Entrant:
         """A fit with its errors on both recordings."""

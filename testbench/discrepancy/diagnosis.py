@@ -190,9 +190,10 @@ def _concluded(
     if verdict == "missing" and among_neighbours(weighing, left, typical):
         tell("looking for structure in what is left")
         verdict = "unknown" if structure_left(reached.fit, calibration, held) > STRUCTURE_LEFT else verdict
-    if verdict == "nothing_missing" and law and 2 * (law.score - base.score) > LAW_MAY_MISS:
+    law_misses = 2 * (law.score - base.score) if law else 0.0
+    if verdict == "nothing_missing" and law_misses > LAW_MAY_MISS:
         # What bends it depends on strain alone: the free shape hides it from everything above.
-        verdict, weighing = "unknown", depending_on(weighing, FORCE_CHANNEL, "strain", 2 * (law.score - base.score))
+        verdict, weighing = "unknown", depending_on(weighing, FORCE_CHANNEL, "strain", law_misses)
     named = best if verdict == "missing" else None
     bent = law if law and bends(base) and law.score < base.score + SHAPES_MUST_PAY else base
     after = _steps(named or bent, before, bases, calibration, held)
@@ -206,7 +207,7 @@ def _concluded(
 def _contested(
     contest: Contest, weighing: Weighing, base: Entrant
 ) -> tuple[Weighing, dict[str, Entrant], Entrant | None]:
-    """The ranking with the refits taken in, the refitted ideas, and another law for the base, if one suits it."""
+    """The ranking with the refits taken in, the refitted ideas, and the base with an elastic law for its shape."""
     # The kernels let go of the interpreter, so threads do run side by side; those of BLAS would only fight them.
     with threadpool_limits(1, "blas"), ThreadPoolExecutor(WORKERS) as pool:
         return _refitted(contest, weighing, base, pool)

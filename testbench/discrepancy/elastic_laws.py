@@ -68,15 +68,16 @@ class DrawnLaws:
     @property
     def follows(self) -> bool:
         """Whether the law by itself follows the curve so closely that no effect could gain enough."""
-        return 2 * np.log(np.hypot(1, self.alone.misfit_N / self.noise_N)) < WORTH_A_TRY
+        return self._gained(0.0) < WORTH_A_TRY
 
     @property
     def tell_apart(self) -> bool:
         """Whether with the effect the misfit is less, counted with the noise."""
-        if self.beside is None:
-            return False
-        misfits_N = np.hypot(self.noise_N, [self.alone.misfit_N, self.beside.misfit_N])
-        return bool(2 * np.log(misfits_N[0] / misfits_N[1]) > WORTH_A_TRY)
+        return self.beside is not None and self._gained(self.beside.misfit_N) > WORTH_A_TRY
+
+    def _gained(self, misfit_N: float) -> float:
+        """ln(squared misfit of the law alone / this misfit squared), both counted with the noise."""
+        return 2 * float(np.log(np.hypot(self.noise_N, self.alone.misfit_N) / np.hypot(self.noise_N, misfit_N)))
 
 
 def draw_laws(model: KnitModel, measurement: Measurement, catalogue: Catalogue, forms: Sequence[Effect]) -> DrawnLaws:
@@ -95,12 +96,12 @@ def draw_laws(model: KnitModel, measurement: Measurement, catalogue: Catalogue, 
     """
     curve = elastic_curve(model, measurement)
     laws = [law() for law in catalogue.effects.values() if issubclass(law, ElasticLaw)]
+    alone = DrawnLaws(best_law(curve, laws), None, noise_floors(measurement)[FORCE_CHANNEL])
+    if alone.follows:
+        return alone
     state, residual = model.simulate(measurement.signals, measurement.dt_s), measurement.residual(model)
-    kinds = [type(form) for form in forms]
-    starts = [one.effect for kind in kinds for one in expand([kind], kind.name, model, measurement, state, residual)]
-    noise_N, alone = noise_floors(measurement)[FORCE_CHANNEL], best_law(curve, laws)
-    without = DrawnLaws(alone, None, noise_N)
-    return without if without.follows else replace(without, beside=best_law_beside(curve, laws, starts))
+    points = expand([type(form) for form in forms], "", model, measurement, state, residual)
+    return replace(alone, beside=best_law_beside(curve, laws, [point.effect for point in points]))
 
 
 def elastic_curve(model: KnitModel, measurement: Measurement) -> Curve:

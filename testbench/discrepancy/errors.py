@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from statistics import NormalDist
 
 import numpy as np
@@ -14,9 +15,8 @@ from testbench.recording import FORCE, RESISTANCE
 
 SPARED = 0.02  # share of the samples, those that fit worst, that typical errors leave out
 _LARGEST = NormalDist().inv_cdf(1 - SPARED / 2)
-KEPT_OF_NOISE = (
-    1 - 2 * _LARGEST * NormalDist().pdf(_LARGEST) / (1 - SPARED)
-) ** 0.5  # RMS of Gaussian noise without them
+# RMS of Gaussian noise without them, over its RMS
+KEPT_OF_NOISE = (1 - 2 * _LARGEST * NormalDist().pdf(_LARGEST) / (1 - SPARED)) ** 0.5
 
 
 def sampled(measurement: Measurement, channel: str) -> tuple[FloatArray, FloatArray]:
@@ -60,6 +60,11 @@ def rms_errors(
 def noise_floors(measurement: Measurement) -> dict[str, float]:
     """Estimated standard deviation of the sample noise, per channel: force in N, conductance in ln S."""
     return {channel: float(noise_floor(sampled(measurement, channel)[1])) for channel in measurement.channels}
+
+
+def over_the_floors(errors: Mapping[str, float], floors: Mapping[str, float]) -> float:
+    """Errors over the noise floors, averaged over the channels."""
+    return sum(errors[channel] / max(floors[channel], 1e-300) for channel in errors) / len(errors)
 
 
 def channel_name(channel: str) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from testbench.discrepancy.baseline import framed
-from testbench.discrepancy.errors import noise_floors, rms_errors
+from testbench.discrepancy.errors import noise_floors, over_the_floors, rms_errors
 from testbench.discrepancy.fit import Fit, fit
 from testbench.discrepancy.measurement import CONDUCTANCE_CHANNEL, FORCE_CHANNEL, Measurement
 from testbench.discrepancy.model_file import ModelFile, fit_summary
@@ -115,17 +115,12 @@ def undo(file: ModelFile, catalogue: Catalogue) -> ModelFile:
 
 def idle_effects(file: ModelFile, calibration: Measurement, held: Measurement, optional: set[str]) -> list[str]:
     """Names of added effects that no longer pay: refitted without them, the held-out error hardly rises."""
-    full = _relative(held_errors(file.model, held), held)
+    floors = noise_floors(held)
+    full = over_the_floors(held_errors(file.model, held), floors)
     idle = []
     for name in optional:
         if name in file.model:
             without = fit(file.model.without(name), [calibration], max_iterations=6).model
-            if _relative(held_errors(without, held), held) < full * (1 + NO_LONGER_PAYS):
+            if over_the_floors(held_errors(without, held), floors) < full * (1 + NO_LONGER_PAYS):
                 idle.append(name)
     return sorted(idle)
-
-
-def _relative(errors: Mapping[str, float], held: Measurement) -> float:
-    """Errors over the noise floors, averaged over the channels."""
-    floors = noise_floors(held)
-    return sum(errors[channel] / max(floors[channel], 1e-300) for channel in errors) / len(errors)

@@ -94,9 +94,8 @@ def _close(weighing: Weighing, entrants: Mapping[str, Entrant], least_gain: floa
     if first.candidate.effect.imitable:
         return [first]
     akin = first.candidate.effect.akin
-    least = {e.idea: (AKIN if e.idea in akin else 1 - CLOSE) * first.gain for e in others}
-    near = [e for e in others if e.gain > least[e.idea] and not e.candidate.effect.imitable]
-    return [first, *near][:MOST]
+    near = [e for e in others if e.gain > (AKIN if e.idea in akin else 1 - CLOSE) * first.gain]
+    return [first, *(e for e in near if not e.candidate.effect.imitable)][:MOST]
 
 
 def _decided(entry: Evidence, entrant: Entrant, base: Entrant, measured: Collection[str]) -> Evidence:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from concurrent.futures import Executor
 from dataclasses import replace
+from functools import partial
 
 from testbench.discrepancy.baseline import with_shapes
 from testbench.discrepancy.contest import REFIT_ITERATIONS, Contest
@@ -43,10 +44,8 @@ def in_its_best_form(contest: Contest, entrant: Entrant, pool: Executor) -> Entr
         return entrant
     contest.tell(f"trying other forms of {entrant.idea}")
     without = entrant.fit.model.without(entrant.name)
-    models = [without.plus(start) for start in best_starts(without, others, contest.coarse)]
-    fits = pool.map(lambda model: fit(model, [contest.coarse], max_iterations=REFIT_ITERATIONS), models)
-    tried = [contest.scored(form.name, one) for form, one in zip(others, fits, strict=True)]
-    best = min(tried, key=lambda one: one.score)
+    starts = best_starts(without, others, contest.coarse)
+    best = min(pool.map(partial(contest.refitted, without), starts), key=lambda one: one.score)
     if best.score > entrant.score - SEARCH_MUST_PAY:
         return entrant
     return min(best, _from_the_stiff_base(contest, best), key=lambda one: one.score)

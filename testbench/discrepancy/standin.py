@@ -42,7 +42,7 @@ OTHER_KIND = 0.1  # share of the gain that counts where the loops are of another
 # 0.01 where nothing is hidden, and 0.4 to 1.6 where they saturate.)
 PRICES = {WITHOUT_ELASTICITY: PRICE_OF_SHAPE, WITHOUT_CONTACT: 0.2, WITHOUT_SLIP: PRICE_OF_SHAPE}
 # The same of what the best elastic law of a few numbers misses. (Less than 0.02 of a sensor with another elastic law
-# and nothing hidden, 0.2 where that law is not in the catalogue, 0.7 to 1.7 with jamming.)
+# and nothing hidden, 0.2 where that law is not in the catalogue, 0.45 to 1.7 with jamming.)
 PRICE_OF_LAW = 0.3
 BENT_ITERATIONS, BESIDE_ITERATIONS = 14, 10
 
@@ -83,12 +83,14 @@ def stand_ins(contest: Contest, base: Entrant, pool: Executor) -> StandIns:
     pool : Executor
         Where the refits run, side by side.
     """
-    laws = _drawn_laws(contest)
-    forms = [form for form in contest.imitable_forms() if not (laws and bends_the_law(form))]
+    laws, forms = _drawn_laws(contest, contest.imitable_forms())
     tried = list(pool.map(partial(_tried, contest), _finalists(_alone(contest, forms, pool))))
-    if laws and laws.beside and laws.tell_apart:
-        tried.append(_beside_another_law(contest, laws.beside))
-    modes = sorted({FLEXIBLE, *(one.mode for one in tried), *([WITHOUT_ELASTICITY] if laws else [])})
+    compared = {one.mode for one in tried} | ({FLEXIBLE} if tried else set())
+    if laws:
+        compared.add(WITHOUT_ELASTICITY)
+        if laws.beside and laws.tell_apart:
+            tried.append(_beside_another_law(contest, laws.beside))
+    modes = sorted(compared)
     bare = dict(zip(modes, pool.map(partial(_bare, contest, laws), modes), strict=True))
     other_loops = cache(lambda: _has_other_loops(contest, base))
     found: dict[str, tuple[Entrant, Evidence]] = {}
@@ -96,7 +98,7 @@ def stand_ins(contest: Contest, base: Entrant, pool: Executor) -> StandIns:
         best, gain = _judged(one, base, bare, other_loops)
         if best.idea not in found or gain > found[best.idea][1].gain:
             found[best.idea] = best, _evidence(best, one.mode, gain)
-    return StandIns(found | _seen(contest, base), bare.get(WITHOUT_ELASTICITY) if laws else None)
+    return StandIns(found | _seen(contest, base), bare[WITHOUT_ELASTICITY] if laws else None)
 
 
 def _judged(
@@ -124,13 +126,14 @@ def _tried(contest: Contest, entrant: Entrant) -> _Tried:
     return _Tried(mode, instead, _refitted(contest, entrant.name, bent, FLEXIBLE))
 
 
-def _drawn_laws(contest: Contest) -> DrawnLaws | None:
-    """Elastic laws of a few numbers; None where there is no force to draw them to."""
+def _drawn_laws(contest: Contest, forms: Sequence[Effect]) -> tuple[DrawnLaws | None, list[Effect]]:
+    """Elastic laws of a few numbers, and the forms that they say nothing of; None and all without a force."""
     model = contest.bases.flexible.model
     if FORCE_CHANNEL not in contest.calibration.measured or ELASTICITY not in model:
-        return None
-    bending = [form for form in contest.imitable_forms() if bends_the_law(form)]
-    return draw_laws(model, contest.calibration, contest.catalogue, bending)
+        return None, list(forms)
+    bending = {form.name: form for form in forms if bends_the_law(form)}
+    laws = draw_laws(model, contest.calibration, contest.catalogue, list(bending.values()))
+    return laws, [form for form in forms if form.name not in bending]
 
 
 def _beside_another_law(contest: Contest, drawn: Drawn) -> _Tried:

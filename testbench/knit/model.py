@@ -64,9 +64,11 @@ class KnitModel:
 
     def _place_of_law(self, law: Effect) -> str:
         """Name of the law, which cannot be absent as an effect can, that `law` is another form of; empty if none."""
-        laws = {name: effect for name, effect in self.effects.items() if not (effect.strength or law.strength)}
-        same = [name for name, effect in laws.items() if (effect.idea or effect.name) == (law.idea or law.name)]
-        return same[0] if same else ""
+        if law.strength:
+            return ""
+        laws = {name: effect for name, effect in self.effects.items() if not effect.strength}
+        idea = law.idea or law.name
+        return next((name for name, effect in laws.items() if (effect.idea or effect.name) == idea), "")
 
     def _free_name(self, base: str) -> str:
         name, number = base, 1
