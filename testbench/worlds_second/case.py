@@ -28,7 +28,8 @@ class Case:
     truth : dict
         Ready for JSON: ``verdict`` (``missing`` where an effect of the catalogue's mechanisms is hidden, ``unknown``
         where only others are, ``nothing_missing``), ``effects``, ``base``, ``noise_floor``, ``noise_kind``,
-        ``displacement_noise_mm`` and ``recipe``.
+        ``displacement_noise_mm`` and ``recipe``. An effect's ``magnitude`` is in its form's own measure: the share of
+        the force that creeps for ``load_cell_creep``, a length over the stroke for ``permanent_set``.
     """
 
     calibration: Recording

@@ -62,6 +62,8 @@ def choose(effect: str | None, seed: int, recorded: set[str], feels_force: bool 
     words = [_drawn(seed, recorded, feels_force)] if effect is None else [word.strip() for word in effect.split(",")]
     if words == [NONE]:
         return []
+    if NONE in words:
+        raise UserError(f"effect: none stands alone; got {effect}")
     if len(words) > 2:
         raise UserError(f"effect: at most two, joined by a comma; got {effect}")
     return [_choose_one(word, seed, recorded, feels_force) for word in words]

@@ -18,9 +18,10 @@ STEP = 1e-3
 SHAPE_DEGREE = 3
 ONSET_S = 10.0
 CLOSE = 0.03  # the search ends within this share of the strength asked for
-TRIALS = 25
+TRIALS = 30
 START = 1e-2  # of the largest magnitude
-LARGEST_STEP = 4.0
+LARGEST_STEP = 1.8  # upwards, while all was too weak
+DEEPEST_STEP = 250.0  # downwards, while all was too strong
 CONDITION = 1e-9  # of the largest eigenvalue; what lies below is a copy of other columns
 
 Channels = Mapping[str, Array]
@@ -97,5 +98,5 @@ def _next(guess: float, low: float, high: float, *, found: bool) -> float:
     if not found:
         return min(guess, LARGEST_STEP * low, high)
     if low == 0.0:
-        return max(guess, high / LARGEST_STEP**4)
+        return max(guess, high / DEEPEST_STEP)
     return guess if low < guess < high else float(np.sqrt(low * high))

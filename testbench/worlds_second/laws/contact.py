@@ -15,10 +15,16 @@ from testbench.worlds_second.kernels import Array
 from testbench.worlds_second.laws.registry import law
 
 STRAIN_DRIVEN = frozenset({"sigmoid_strain", "exponential_strain", "tunnelling"})
+BUCKLING = 0.05  # of full scale
+
+
+def _load(drive: Array) -> Array:
+    """Load on the contacts: the drive, that a fabric about to buckle loses softly and never turns round."""
+    return 0.5 * (drive + np.sqrt(drive**2 + BUCKLING**2))
 
 
 def _holm(drive: Array, exponent: float, closed: float) -> Array:
-    return exponent * np.log(np.maximum(drive, 0.0) + closed)
+    return exponent * np.log(_load(drive) + closed)
 
 
 @law("contact", exponent=lin(0.12, 0.6), closed=log(0.02, 0.15))
@@ -61,7 +67,7 @@ def tunnelling(drive: Array, e: Array, spread: float, barrier: float, power: flo
 @law("contact", rise=lin(0.4, 2.5), half=log(0.15, 1.0))
 def langmuir_force(drive: Array, e: Array, rise: float, half: float) -> Array:
     """The number of contacts rises with force towards all there are."""
-    load = np.maximum(drive, 0.0)
+    load = _load(drive)
     return np.log1p(rise * load / (load + half))
 
 

@@ -14,7 +14,7 @@ from testbench.worlds_second import LAW_FAMILIES, MECHANISMS, PROTOCOLS, UNKNOWN
 SHORT = {"minutes": 2.0, "rate_hz": 10.0}
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(st.integers(0, 2**31), st.sampled_from([*MECHANISMS, *UNKNOWN_KINDS, None]))
 def test_one_seed_is_one_case(seed, effect):
     first, again = (make_case(effect, seed=seed, **SHORT) for _ in range(2))
@@ -122,8 +122,10 @@ def test_one_channel(channel, seed):
 
 
 def test_a_thermometer_shows_the_room_that_acts():
-    case = make_case("temperature_drift:with_the_room", 30.0, seed=2, channels=[FORCE, RESISTANCE, TEMPERATURE])
-    plain = make_case("none", seed=2)
+    case = make_case(
+        "temperature_drift:with_the_room", 30.0, seed=2, channels=[FORCE, RESISTANCE, TEMPERATURE], rate_hz=4.0
+    )
+    plain = make_case("none", seed=2, rate_hz=4.0)
     change = np.log(case.calibration[RESISTANCE] / plain.calibration[RESISTANCE])
     assert abs(np.corrcoef(change, case.calibration[TEMPERATURE])[0, 1]) > 0.99
 
@@ -158,6 +160,7 @@ def test_laws_are_restricted_and_others_stay(member, seed):
     [
         ({"effect": "magic"}, "none of none, unknown"),
         ({"effect": "slack:magic"}, "slack has the forms loose"),
+        ({"effect": "slack,none"}, "none stands alone"),
         ({"effect": "slack,slack,slack"}, "at most two"),
         ({"effect": "none", "protocol": "walk"}, "protocol must be one of perlin"),
         ({"effect": "none", "channels": ["force"]}, "channels must name force_N"),

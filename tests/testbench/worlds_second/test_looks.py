@@ -8,7 +8,7 @@ from testbench.worlds_second import make_case
 from testbench.worlds_second.effects import KNOWN
 
 LOUD, LOUD_QUIETLY = 40.0, 40e3
-HOLDS = {"protocol": "staircase", "minutes": 6.0, "noise": 1e-3}
+HOLDS = {"protocol": "staircase", "minutes": 6.0, "noise": 1e-3, "rate_hz": 10.0}
 
 
 def changes(effect, seed, **keywords):
@@ -31,7 +31,7 @@ def test_relaxing_force_sinks_in_a_hold(form):
 
 @pytest.mark.parametrize("form", KNOWN["coating_cracks"])
 def test_cracks_stay(form):
-    _, way, _, ln_g = changes(f"coating_cracks:{form}", 3, minutes=4.0, noise=1e-3)
+    _, way, _, ln_g = changes(f"coating_cracks:{form}", 3, minutes=4.0, noise=1e-3, rate_hz=20.0)
     after = np.argmax(way) + 1
     assert np.all(ln_g[after:] < 0)
     if form != "cracks_that_gape":
@@ -40,13 +40,15 @@ def test_cracks_stay(form):
 
 @pytest.mark.parametrize("form", KNOWN["jamming_stiffening"])
 def test_jamming_is_above_an_edge(form):
-    _, way, force, _ = changes(f"jamming_stiffening:{form}", 3, minutes=4.0, noise=1e-3)
+    _, way, force, _ = changes(f"jamming_stiffening:{form}", 3, minutes=4.0, noise=1e-3, rate_hz=20.0)
     assert force[way > 0.97].min() > 20 * np.abs(force[way < 0.3]).max()
 
 
 @pytest.mark.parametrize("form", KNOWN["shoulder_peak"])
 def test_shoulder_is_on_the_way_back(form):
-    time_s, way, _, ln_g = changes(f"shoulder_peak:{form}", 3, protocol="cyclic", minutes=4.0, noise=1e-3)
+    time_s, way, _, ln_g = changes(
+        f"shoulder_peak:{form}", 3, protocol="cyclic", minutes=4.0, noise=1e-3, rate_hz=20.0
+    )
     back = np.gradient(way, time_s) < -1e-3
     out = np.gradient(way, time_s) > 1e-3
     assert ln_g[back].min() < 5 * ln_g[out].mean()
@@ -55,7 +57,7 @@ def test_shoulder_is_on_the_way_back(form):
 
 @pytest.mark.parametrize("form", ["conductance_clipped_high", "conductance_clipped_low"])
 def test_a_clipped_reading_repeats_one_value(form):
-    recording = make_case(f"adc_saturation:{form}", LOUD, 3, minutes=4.0).calibration
+    recording = make_case(f"adc_saturation:{form}", LOUD, 3, minutes=4.0, rate_hz=20.0).calibration
     values, counts = np.unique(recording[RESISTANCE], return_counts=True)
     extreme = {"conductance_clipped_high": 0, "conductance_clipped_low": -1}[form]
     assert counts.max() == counts[extreme] > 20
@@ -63,7 +65,7 @@ def test_a_clipped_reading_repeats_one_value(form):
 
 
 def test_hum_is_one_line_of_the_spectrum():
-    *_, ln_g = changes("periodic_interference:hum", 3, minutes=4.0, noise=1e-3)
+    *_, ln_g = changes("periodic_interference:hum", 3, minutes=4.0, noise=1e-3, rate_hz=20.0)
     power = np.abs(np.fft.rfft(ln_g * np.hanning(len(ln_g)))) ** 2
     at = int(np.argmax(power[5:])) + 5
     assert power[at - 4 : at + 5].sum() > 0.8 * power[5:].sum()
