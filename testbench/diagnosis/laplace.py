@@ -76,6 +76,7 @@ def fitted(
     like: Hypothesis | None = None,
     iterations: int = constants.ITERATIONS,
     quick: bool = False,
+    believed: Mapping[str, tuple[float, float]] | None = None,
 ) -> Hypothesis:
     """Levenberg-Marquardt on the posterior; the scales of shapes and noise follow by maximum evidence.
 
@@ -87,28 +88,37 @@ def fitted(
         Around which its base laws are believed.
     like : Hypothesis, optional
         A neighbour: scales, and sensitivities of what both have, are taken from it at first.
+    believed : mapping of address to (mean, standard deviation), optional
+        Priors of some parameters, other than those declared.
     quick : bool
         Keep the sensitivities of the shapes' weights as they are there: nearly right, and ten times cheaper.
     """
-    return _Search(model, likelihood, reference, like, quick).run(iterations)
+    return _Search(model, likelihood, reference, like, quick, believed or {}).run(iterations)
 
 
 class _Search:
     def __init__(
-        self, model: KnitModel, likelihood: Likelihood, reference: KnitModel, like: Hypothesis | None, quick: bool
+        self,
+        model: KnitModel,
+        likelihood: Likelihood,
+        reference: KnitModel,
+        like: Hypothesis | None,
+        quick: bool,
+        believed: Mapping[str, tuple[float, float]],
     ) -> None:
         self.likelihood, self.cache = likelihood, SimulationCache()
-        self.priors = priors_of(model, likelihood.measurement, reference)
+        known = {**(like.priors.believed if like else {}), **believed}
+        self.priors = priors_of(model, likelihood.measurement, reference, known)
         self.model, self.x = model, values_of(model, self.priors.parameters)
         scales = like.scales if like else {}
         self.scale = np.array([scales.get(name, 1.0) for name in self.priors.groups])
         self.columns = {c: np.zeros((len(self.x) + 1, len(likelihood.rows))) for c in likelihood.measurement.channels}
-        known = {p.address: i + 1 for i, p in enumerate(like.priors.parameters)} if like else {}
+        place = {p.address: i + 1 for i, p in enumerate(like.priors.parameters)} if like else {}
         new = []
         for index, p in enumerate(self.priors.parameters):
-            if self.priors.group[index] >= 0 and p.address in known:
+            if self.priors.group[index] >= 0 and p.address in place:
                 for c, rows in self.columns.items():
-                    rows[index + 1] = like.columns[c][known[p.address]]
+                    rows[index + 1] = like.columns[c][place[p.address]]
             else:
                 new.append(index)
         self.curved = np.array(new) if quick else np.flatnonzero(self.priors.group < 0)

@@ -140,7 +140,10 @@ class Search:
             before.append(
                 fitted(best.hypothesis.model.without(best.name), likelihood, self.reference, best.hypothesis)
             )
-        bare = max((self.entry("", under(h, likelihood), likelihood) for h in before), key=lambda e: e.best)
+        bare = max(
+            (self.entry("", under(h, likelihood), likelihood) for h in before if np.isfinite(h.log_z)),
+            key=lambda e: e.best,
+        )
         entries = [
             self.entry(e.mechanism, under(e.hypothesis, likelihood), likelihood, e.law, e.name) for e in entries
         ]
@@ -187,15 +190,24 @@ class Search:
         return [*self.pool.map(lambda e: self.settled(e, likelihood), full), *rest]
 
     def settled(self, e: Entry, likelihood: Likelihood) -> Entry:
-        h = fitted(e.hypothesis.model, likelihood, self.reference, e.hypothesis)
-        return self.entry(e.mechanism, h, likelihood, e.law, e.name)
+        """Refitted in full, also with contacts that feel the force alone where they were found to feel some strain."""
+        h = e.hypothesis
+        starts = [h.model]
+        drive = getattr(h.model.effects.get("contact_drive"), "strain_share", 0.0)
+        if drive > 0.02 and {"strain", "force_N"} & set(h.model[e.name].writes):
+            starts.append(h.model.with_parameters({"contact_drive.strain_share": 0.0}))
+        found = [fitted(start, likelihood, self.reference, h) for start in starts]
+        best = max(found, key=lambda one: one.log_z)
+        return self.entry(e.mechanism, best, likelihood, e.law, e.name)
 
     def entered(self, current: Hypothesis, proposals: Sequence[Proposal], likelihood: Likelihood) -> list[Entry]:
         def enter(p: Proposal) -> Entry:
             model = current.model.plus(p.effect)
             name = next(n for n in model if n not in current.model)
             self.tell(f"refitting with {p.law}")
-            h = fitted(model, likelihood, self.reference, current, iterations=6, quick=True)
+            address = f"{name}.{p.effect.strength}"
+            believed = {address: p.believed} if p.believed and p.believed[0] > 0 else {}
+            h = fitted(model, likelihood, self.reference, current, iterations=6, quick=True, believed=believed)
             return self.entry(p.mechanism, h, likelihood, p.law, name)
 
         return list(self.pool.map(enter, proposals))
