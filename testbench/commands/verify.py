@@ -10,11 +10,13 @@ EXAMPLE = "testbench verify pes-1"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
+    from testbench.trust import EFFECTS_HELP
+
     parser.add_argument("campaigns", nargs="+", metavar="CAMPAIGN", help="campaign folder, or data set")
     parser.add_argument(
         "--again", action="store_true", help="also make a simulated campaign again and compare every byte"
     )
-    parser.add_argument("--effects", metavar="FILE", help="with --again: the campaign's own effects, a program")
+    parser.add_argument("--effects", metavar="FILE", help=f"with --again. {EFFECTS_HELP}")
 
 
 def run(args: argparse.Namespace) -> int:
