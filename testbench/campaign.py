@@ -6,6 +6,7 @@ import json
 import shutil
 from collections.abc import Callable, Iterable
 from dataclasses import replace
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -96,6 +97,7 @@ def _fill(
         status = recorder.run(pace(plan.rig(motion).lines()), stopped)
     finally:
         whole = sink.close()
+    status.sync_failures = sink.sync_failures
     return finish(folder, plan.gauge_length_mm, "simulated", status, whole, plan.recipe(), intake)
 
 
@@ -107,24 +109,27 @@ def finish(
     whole: bool,
     recipe: dict[str, Any],
     intake: Intake,
+    again: Iterable[None] = (),
 ) -> Status:
     """Write the manifest over the files in `folder`, and say how it ended.
 
     A disk that does not even take the manifest leaves the campaign unfinished, as a killed recorder does: its files
-    are as readable as those, and `testbench record --resume` takes it up.
+    are as readable as those, and `testbench record --resume` takes it up. Each element of `again` is another trial.
     """
     counted = counts(intake) | {"samples": intake.accepted - status.unwritten}
     counted |= {"unwritten": status.unwritten} if status.unwritten else {}
+    counted |= {"sync_failures": status.sync_failures} if status.sync_failures else {}
     campaign = Campaign(gauge_length_mm, origin, status.state, recipe, counted, software_versions())
-    try:
-        if not whole:
-            raise UserError(f"{folder}: a file could not be closed with a whole line")
-        write_manifest(folder, campaign, campaign_files(folder))
-    except (OSError, UserError) as error:
-        state = status.state if status.state in ("alarm", *DISK_STATES) else "disk error"
-        unfinished = f"the manifest could not be written, so the campaign stays unfinished ({error})"
-        return replace(status, state=state, message="; ".join(filter(None, (status.message, unfinished))))
-    return status
+    problem = "a file could not be closed with a whole line"
+    for _ in chain([None], again) if whole else ():
+        try:
+            write_manifest(folder, campaign, campaign_files(folder))
+            return status
+        except (OSError, UserError) as error:
+            problem = str(error)
+    state = status.state if status.state in ("alarm", *DISK_STATES) else "disk error"
+    unfinished = f"the manifest could not be written, so the campaign stays unfinished ({problem})"
+    return replace(status, state=state, message="; ".join(filter(None, (status.message, unfinished))))
 
 
 def write_derived(folder: Path, recording: Recording, how: str, details: dict[str, Any], program: Path) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -16,7 +16,7 @@ from testbench.plan import PROGRAM
 from testbench.rig.ending import EndOfMotion
 from testbench.rig.motion import played
 from testbench.rig.ports import remembered_port, stated_port
-from testbench.rig.recorder import Limits, Part, Recorder, Status
+from testbench.rig.recorder import PROGRESS_S, Limits, Part, Recorder, Status
 from testbench.rig.resume import continued, mend, watched
 from testbench.rig.sink import CSV, EVENTS, ROOM_BYTES, Sink, Syncer
 from testbench.rig.stream import Event, Intake
@@ -120,7 +120,16 @@ def record(
         status = _synced(sink, lambda: recorder.run(link, stopped))
     finally:
         whole = sink.close()
-    return finish(folder, job.gauge_length_mm, "recorded", status, whole, job.recipe(), intake)
+    status.sync_failures = sink.sync_failures
+    again = _paused(pause, job.give_up_s)
+    return finish(folder, job.gauge_length_mm, "recorded", status, whole, job.recipe(), intake, again)
+
+
+def _paused(pause: Callable[[float], None], patience_s: float) -> Iterator[None]:
+    """Moments to try again, as long as the patience lasts."""
+    for _ in range(int(patience_s / PROGRESS_S)):
+        pause(PROGRESS_S)
+        yield None
 
 
 def _synced(sink: Sink, work: Callable[[], Status]) -> Status:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gcode.support.errors import UserError
-from gcode.support.files import atomic_path
+from gcode.support.files import atomic_writer
 from gcode.support.strict import check_plain
 from testbench.recording import DISPLACEMENT, FORCE, RESISTANCE, TIME, UNITS, Recording
 
@@ -209,8 +209,8 @@ def write_recording_csv(path: str | Path, recording: Recording) -> None:
     columns = {TIME: recording.time_s, **recording.channels}
     names = [name for name in ORDER if name in columns] + sorted(set(columns) - set(ORDER))
     line = ",".join(f"%.{DECIMALS.get(name, 6)}f" for name in names) + "\n"
-    with atomic_path(path) as temporary, temporary.open("w", encoding="utf-8", newline="\n") as stream:
-        stream.write(",".join(names) + "\n")
+    with atomic_writer(path) as write:
+        write((",".join(names) + "\n").encode())
         for start in range(0, len(recording), ROWS_AT_ONCE):
             block = np.column_stack([columns[name][start : start + ROWS_AT_ONCE] for name in names])
-            stream.write(line * len(block) % tuple(block.ravel().tolist()))
+            write((line * len(block) % tuple(block.ravel().tolist())).encode())

@@ -193,6 +193,7 @@ class StoredEvent(StrictModel):
     model_config = ConfigDict(frozen=True, extra="ignore", allow_inf_nan=False)
 
     event: Label
+    channels: Annotated[list[Label], Field(max_length=20)] | None = None
     time_s: Annotated[float, Field(ge=0, le=1e10)]
     lost: Annotated[int, Field(ge=0, lt=1 << 40)] | None = None
     boot: Annotated[str, Field(pattern=r"^[0-9a-f]{8}$")] | None = None

@@ -7,7 +7,7 @@ import hashlib
 import json
 import secrets
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -48,12 +48,19 @@ def write_bytes(path: str | Path, data: bytes) -> None:
     UserError
         If the disk does not take it; what was there before is untouched.
     """
+    with atomic_writer(path) as write:
+        write(data)
+
+
+@contextlib.contextmanager
+def atomic_writer(path: str | Path) -> Iterator[Callable[[bytes], None]]:
+    """Yield a function that writes the next bytes of a file; `path` becomes that file when the block ends well."""
     path = Path(path)
     temporary = _sibling(path)
     try:
         handle = disk.DISK.create(temporary)
         try:
-            disk.write_all(handle, data)
+            yield lambda data: disk.write_all(handle, data)
             disk.DISK.sync(handle)
         finally:
             disk.DISK.close(handle)

@@ -21,6 +21,8 @@ def as_text(status: Status) -> str:
     parts.append(f"{status.lost} lost, {status.rejected} rejected")
     if status.unwritten:
         parts.append(f"{status.unwritten} NOT WRITTEN")
+    if status.sync_failures:
+        parts.append(f"the disk failed {status.sync_failures} times to keep what it took")
     if status.force_N is not None:
         parts.append(f"{status.force_N:.3f} N")
     if status.resistance_ohm is not None:

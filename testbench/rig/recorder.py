@@ -74,6 +74,8 @@ class Status:
         Recording time so far; planned (infinite if open).
     samples, lost, rejected, unwritten : int
         `unwritten` rows were accepted, and the disk did not take them.
+    sync_failures : int
+        How often the disk said that it could not keep what it had taken.
     rate_hz : float
         Mean over the last seconds.
     force_N, resistance_ohm : float or None
@@ -91,6 +93,7 @@ class Status:
     lost: int = 0
     rejected: int = 0
     unwritten: int = 0
+    sync_failures: int = 0
     rate_hz: float = 0.0
     force_N: float | None = None
     resistance_ohm: float | None = None
@@ -142,7 +145,7 @@ class Recorder:
         self._window: tuple[int, int] | None = None
         self._reported_s = float("-inf")
         self._full_since_s: float | None = None
-        self._pause, self._sync_failures = pause, 0
+        self._pause = pause
 
     def run(self, link: Iterable[Part], stopped: Callable[[], bool] = lambda: False) -> Status:
         """Record until a limit, the end of the link, a full disk that stays full, or `stopped`."""
@@ -193,10 +196,9 @@ class Recorder:
         return ""
 
     def _disk(self, whole: bool, host_s: float) -> None:
-        if self.sink.sync_failures > self._sync_failures:
-            self._sync_failures = self.sink.sync_failures
-            self.status.message = "the disk reports an error: after a power cut, what it did not keep would be gone"
-            self.sink.write([Event("sync failed", self.intake.time_us, {"times": self._sync_failures})])
+        if self.sink.sync_failures > self.status.sync_failures:
+            self.status.sync_failures = self.sink.sync_failures
+            self.sink.write([Event("sync failed", self.intake.time_us, {"times": self.status.sync_failures})])
         if whole:
             self._full_since_s = None
             return

@@ -23,6 +23,7 @@ from testbench.stored import StoredEvent
 MOST_LINE = 8192
 MOST_BYTES = 4 << 30
 DAMAGED = "damaged on disk"
+UNKNOWN_BOOT = -1
 _CELL = re.compile(rb"-?\d{1,15}\.\d{1,6}")
 
 
@@ -82,13 +83,15 @@ def mend(folder: Path, wall_s: float) -> Left:
             # Opened as the recorder will: a link or a second name is refused before anything is cut.
             disk.DISK.close(disk.open_growing(folder / name))
             check_plain(folder / name, "recording", MOST_BYTES)
+    events = [(_event(folder / EVENTS, line), line) for line, _ in _lines(folder / EVENTS)]
     if (folder / CSV).exists():
         left.idle_s = max(0.0, wall_s - (folder / CSV).stat().st_mtime)
-        damaged = _read_rows(folder / CSV, left)
+        start = next((event.channels for event, _ in events if event and event.channels), None)
+        damaged = _read_rows(folder / CSV, left, start)
         if damaged:
-            _set_aside(folder, damaged)
+            _set_aside(folder, left, damaged)
     left.bad = _reasons(folder / BAD)
-    left.events = _mended_events(folder / EVENTS, -1 if left.last_time_us is None else left.last_time_us)
+    left.events = _kept_events(folder / EVENTS, events, -1 if left.last_time_us is None else left.last_time_us)
     return left
 
 
@@ -109,7 +112,8 @@ def continued(left: Left, now_s: float) -> Intake:
         anchor = Anchor(int(stamp.boot, 16), micros, left.last_time_us, now_s - left.idle_s)
         intake.continue_from(anchor, (stamp.sequence + since) % SEQUENCE_WRAP)
     elif left.last_time_us is not None:
-        raise UserError(f"{EVENTS} does not say which device clock {CSV} was recorded by; start a new recording")
+        # A power cut took the event with the device's clock: what comes is as after a reboot, timed by the host.
+        intake.continue_from(Anchor(UNKNOWN_BOOT, 0, left.last_time_us, now_s - left.idle_s), 0)
     return intake
 
 
@@ -135,55 +139,62 @@ def _lines(path: Path) -> Iterator[tuple[bytes, int]]:
             yield line.rstrip(b"\n"), end
 
 
-def _read_rows(path: Path, left: Left) -> list[bytes]:
-    """Read the rows into `left` and cut what follows the last good one; returns damaged lines among the good ones."""
+def _read_rows(path: Path, left: Left, start: list[str] | None) -> list[bytes]:
+    """Read the rows into `left` and cut what follows the last good one; returns damaged lines among the good ones.
+
+    A header that a power cut took is taken from `start`, the channels that the first event names.
+    """
     damaged: list[bytes] = []
     pending: list[bytes] = []
-    end = column = 0
-    for line, after in _lines(path):
-        if left.channels is None:
-            left.channels, end = _channels(path, line), after
-            column = left.channels.index(DISPLACEMENT) + 1
+    end = 0
+    for number, (line, after) in enumerate(_lines(path)):
+        if number == 0:
+            left.channels = _channels(path, line, start)
+            damaged, end = ([line], 0) if b"\0" in line else ([], after)
             continue
-        cells = _cells(line, len(left.channels) + 1)
+        cells = _cells(line, left.channels)
         if cells is None or (left.times_us and cells[0] <= left.times_us[-1]):
             pending.append(line)  # a power cut may leave blocks of zeros: at the end, or before what came later
             continue
         left.times_us.append(cells[0])
-        left.displacements_nm.append(cells[column])
+        left.displacements_nm.append(cells[1])
         if pending:
             damaged, pending = damaged + pending, []
         end = after
+    if left.channels is None:
+        damaged += pending
     _cut(path, end)
     return damaged
 
 
-def _channels(path: Path, header: bytes) -> tuple[str, ...]:
-    names = header.decode("latin-1").split(",")
+def _channels(path: Path, header: bytes, start: list[str] | None) -> tuple[str, ...] | None:
+    names = [TIME, *(start or [])] if b"\0" in header else header.decode("latin-1").split(",")
+    if names == [TIME]:
+        return None  # torn, and no event says what it was
     known = names[:1] == [TIME] and DISPLACEMENT in names and len(set(names)) == len(names)
     if not known or set(names) - set(UNITS):
         raise UserError(f"{path}: its header is none that a recorder writes; start a new recording in another folder")
     return tuple(names[1:])
 
 
-def _cells(line: bytes, count: int) -> list[int] | None:
-    """The cells of a row as whole millionths; None if it is not a whole row."""
+def _cells(line: bytes, channels: tuple[str, ...] | None) -> tuple[int, int] | None:
+    """Time and displacement of a row in whole millionths; None if it is not a whole row."""
     cells = line.split(b",")
-    if len(cells) != count or not all(_CELL.fullmatch(cell) for cell in cells):
+    if channels is None or len(cells) != len(channels) + 1 or not all(_CELL.fullmatch(cell) for cell in cells):
         return None
-    return [_fixed(cell) for cell in cells]
+    return _fixed(cells[0]), _fixed(cells[channels.index(DISPLACEMENT) + 1])
 
 
-def _set_aside(folder: Path, damaged: list[bytes]) -> None:
+def _set_aside(folder: Path, left: Left, damaged: list[bytes]) -> None:
     """Move lines that are no rows out of the recording, into the file of rejected lines."""
     gone = Counter(damaged)
-    good = []
+    good = [",".join((TIME, *left.channels)).encode() + b"\n"] if left.channels else []
     for number, (line, _) in enumerate(_lines(folder / CSV)):
-        if number and gone[line]:
+        if gone[line]:
             gone[line] -= 1
-        else:
+        elif number and left.channels:
             good.append(line + b"\n")
-    _append(folder / BAD, (bad_line(Bad(DAMAGED, line)).encode() for line in damaged))
+    _append(folder / BAD, (bad_line(Bad(DAMAGED, line)).encode() for line in damaged if line.strip(b"\0")))
     write_bytes(folder / CSV, b"".join(good))
 
 
@@ -220,11 +231,10 @@ def _reasons(path: Path) -> Counter[str]:
     return reasons
 
 
-def _mended_events(path: Path, last_time_us: int) -> list[StoredEvent]:
+def _kept_events(path: Path, found: list[tuple[StoredEvent | None, bytes]], last_time_us: int) -> list[StoredEvent]:
     """Events up to the last row; those of a row that was not written yet will come again with that row."""
     if not path.exists():
         return []
-    found = [(_event(path, line), line) for line, _ in _lines(path)]
     kept = [(event, line) for event, line in found if event and round(event.time_s * 1e6) <= last_time_us]
     text = b"".join(line + b"\n" for _, line in kept)
     if text != path.read_bytes():

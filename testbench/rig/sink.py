@@ -24,6 +24,7 @@ from testbench.recording import TIME
 from testbench.rig.stream import Bad, Event, Item, Row, channels_of
 
 CSV, BAD, EVENTS = "recording.csv", "recording.bad", "events.jsonl"
+STAMPS = ("start", "reboot", "clock jump", "renumbered", "resume")
 ROOM = ".room"
 ROOM_BYTES = 256 << 10
 TAIL_BYTES = 4096
@@ -218,7 +219,7 @@ class Sink:
 
     def write(self, items: Iterable[Item]) -> bool:
         """Append a batch; False when the disk does not take it all (nothing is forgotten: call again)."""
-        rows, bad, events = [], [], []
+        rows, bad, events, stamped = [], [], [], False
         for item in items:
             if isinstance(item, Row):
                 if not self._headed:
@@ -229,9 +230,13 @@ class Sink:
                 bad.append(bad_line(item))
             else:
                 events.append(event_line(item))
+                stamped = stamped or item.kind in STAMPS
         whole = self._bad.write("".join(bad))
         # Events first: a row without its gap record would be worse than a gap record without its row.
         if self._events.write("".join(events)):
+            if stamped:
+                # The device's clock stands in these alone: rows that no event explains cannot be continued.
+                self._events.sync()
             return self._csv.write("".join(rows)) and whole
         self._csv.hold("".join(rows))
         return False
@@ -308,4 +313,4 @@ class Sink:
             raise UserError(f"{self._folder}: cannot record here: {error.strerror}; make room, or use -o") from None
 
     def _parts(self) -> tuple[Appender, Appender, Appender]:
-        return self._csv, self._bad, self._events
+        return self._events, self._bad, self._csv

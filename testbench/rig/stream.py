@@ -140,7 +140,7 @@ class Intake:
         if self.anchor is None:
             self.channels = channels
             time_us = 0
-            yield Event("start", 0, _device(sample))
+            yield Event("start", 0, {**_device(sample), "channels": list(channels)})
         elif sample.boot != self.anchor.boot:
             yield self._reboot(sample, host_s, self.anchor)
             time_us = self.time_us
