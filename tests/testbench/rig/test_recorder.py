@@ -265,8 +265,15 @@ def test_a_disk_that_fills_up_at_the_very_end_is_waited_for(stingy, job, tmp_pat
     assert len(read_recording(tmp_path / "c")) == status.samples
 
 
-def test_rows_that_a_full_disk_never_took_are_counted_everywhere(stingy, job, tmp_path):
+def test_rows_that_a_full_disk_never_took_are_counted_everywhere(stingy, job, tmp_path, monkeypatch):
     stingy.room = 5_000
+    release = Sink.release_room
+
+    def released(sink):
+        release(sink)
+        stingy.room = 4096
+
+    monkeypatch.setattr(Sink, "release_room", released)
     seen = []
     hasty = replace(job, give_up_s=1.0)
     status = recorded(hasty, tmp_path / "c", in_memory(bench_lines(job)), pause=seen.append)
