@@ -91,7 +91,8 @@ def _fill(
     pace: Callable[[Iterable[bytes]], Iterable[Part]],
     stopped: Callable[[], bool] = lambda: False,
 ) -> Status:
-    intake, sink = Intake(), Sink(folder)
+    # A rig that delivers at once has no host time to hold its clock against.
+    intake, sink = Intake(host_clock=pace is not in_memory), Sink(folder)
     try:
         recorder = Recorder(intake, sink, plan.gauge_length_mm, duration_s=motion.duration_s, report=report)
         status = recorder.run(pace(plan.rig(motion).lines()), stopped)

@@ -18,6 +18,7 @@ from testbench.rig.motion import played
 from testbench.rig.ports import remembered_port, stated_port
 from testbench.rig.recorder import PROGRESS_S, Limits, Part, Recorder, Status
 from testbench.rig.resume import continued, mend, watched
+from testbench.rig.serial_port import host_clock_s
 from testbench.rig.sink import CSV, EVENTS, ROOM_BYTES, Sink, Syncer
 from testbench.rig.stream import Event, Intake
 from testbench.versions import software_versions
@@ -92,7 +93,7 @@ def record(
     report: Callable[[Status], None] = lambda status: None,
     stopped: Callable[[], bool] = lambda: False,
     resume: bool = False,
-    clock: Callable[[], float] = time.monotonic,
+    clock: Callable[[], float] = host_clock_s,
     pause: Callable[[float], None] = time.sleep,
 ) -> Status:
     """Record what `link` delivers into `folder`, which `begin` has made, and write its manifest.

@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 from testbench.rig.sink import Sink
 from testbench.rig.stream import Event, Intake, Item, Row
+from testbench.rig.watchdog import Watchdog
 
 PROGRESS_S = 0.5
 RATE_WINDOW_US = 5_000_000
@@ -145,12 +146,13 @@ class Recorder:
         self._window: tuple[int, int] | None = None
         self._reported_s = float("-inf")
         self._full_since_s: float | None = None
-        self._pause = pause
+        self._pause, self._watchdog, self._port_lost = pause, Watchdog(), False
 
     def run(self, link: Iterable[Part], stopped: Callable[[], bool] = lambda: False) -> Status:
         """Record until a limit, the end of the link, a full disk that stays full, or `stopped`."""
         for part in link:
             self._disk(self.sink.write(self._items(part)), part.host_s)
+            self._look(part)
             if self.status.state == "recording" and stopped():
                 self.status.state = "interrupted"
             if self.status.state != "recording":
@@ -159,8 +161,23 @@ class Recorder:
                 self._progress(part.host_s)
         return self._ended()
 
+    def _look(self, part: Part) -> None:
+        """Let the watchdog look; it speaks where nothing graver is to be said."""
+        if isinstance(part, End):
+            return
+        if isinstance(part, Lost):
+            self._port_lost = True
+        if self._port_lost:
+            self._watchdog.away(part.host_s)
+            return
+        if found := self._watchdog.look(part.host_s, isinstance(part, Chunk), self.intake):
+            self.sink.write(found)
+        if self.status.state == "recording" and self._full_since_s is None:
+            self.status.message = self._watchdog.message
+
     def _items(self, part: Part) -> Iterator[Item]:
         if isinstance(part, Chunk):
+            self._port_lost = False
             for item in self.intake.feed(part.data, part.host_s):
                 if isinstance(item, Row) and (ending := self._ending(item)):
                     yield from ending
@@ -174,7 +191,7 @@ class Recorder:
 
     def _ending(self, row: Row) -> list[Item]:
         """What to write last if this row ends the recording; empty if it goes on."""
-        self._last, self.status.message = row, ""
+        self._last = row
         if alarm := self._alarm(row):
             self.status.state, self.status.message = "alarm", alarm
             return [row, Event("alarm", row.time_us, {"message": alarm})]
