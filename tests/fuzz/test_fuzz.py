@@ -63,6 +63,7 @@ def fuzzed(name: str, folder: Path, examples: int, mutants: int = 0) -> None:
     )
     @given(st.data())
     def run(data) -> None:
+        nonlocal ran
         case = data.draw(TARGETS[name][1]())
         rng = random.Random(data.draw(st.integers(0, 2**32)) if mutants else 0)
         for number in range(mutants + 1):
@@ -71,10 +72,14 @@ def fuzzed(name: str, folder: Path, examples: int, mutants: int = 0) -> None:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # numbers that overflow on their way to an error
                 attack(name, place, mutant(case, rng) if number else case)
+            ran += 1
 
+    ran = 0
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
     run()
-    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 - before < MOST_MEMORY_BYTES
+    grown = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 - before
+    print(f"\n{name}: {ran} cases, {grown >> 20} MB more memory at most")
+    assert grown < MOST_MEMORY_BYTES
 
 
 def mutant(case, rng: random.Random):

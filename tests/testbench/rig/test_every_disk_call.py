@@ -168,6 +168,7 @@ def test_a_recording_on_a_disk_that_refuses_any_one_call(tmp_path, monkeypatch, 
             assert str(outcome.unwritten) in outcome.message
         if len(rows) > 1:
             assert len(read_recording(folder)) == len(rows)
+    print(f"\nrecording, {kind}, {'for ever' if lasting else 'once'}: {tried} calls failed in turn")
     assert tried > 25
 
 
@@ -219,6 +220,7 @@ def test_a_recording_whose_power_goes_at_any_call(tmp_path, monkeypatch, fate):
             assert missing <= counts["lost"] <= missing + (numbers[0] if fate == "torn" else 0)
         if fate != "torn":
             assert kept == before
+    print(f"\nrecording, power cut, unsynced bytes {fate}: {tried} calls in turn")
     assert tried > 25
 
 
@@ -244,6 +246,7 @@ def test_a_simulated_campaign_is_whole_or_not_there(tmp_path, monkeypatch, kind,
                 assert isinstance(outcome, BaseException)
         if isinstance(outcome, OSError):
             assert outcome.errno in (errno.ENOSPC, errno.EIO)
+    print(f"\ncampaign, {kind}, {'for ever' if lasting else 'once'}: {tried} calls in turn")
     assert tried > 12
 
 
@@ -299,4 +302,5 @@ def test_a_file_that_is_replaced_is_the_old_or_the_new_one(tmp_path, monkeypatch
             assert [path.name for path in place.iterdir() if kind != "power"] in (["dataset.json"], [])
         if kind != "power":
             assert isinstance(outcome, UserError | None)
+    print(f"\n{what}, {kind}: {tried} calls in turn")
     assert tried >= 4
