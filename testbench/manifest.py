@@ -71,7 +71,13 @@ class Campaign:
 
 
 def write_manifest(folder: Path, campaign: Campaign, files: Iterable[str]) -> None:
-    """Describe `files` of `folder` and write the manifest, atomically and last."""
+    """Describe `files` of `folder` and write the manifest, atomically and last.
+
+    Raises
+    ------
+    UserError
+        If `campaign` holds what `read_manifest` would refuse.
+    """
     hashed = not campaign.in_progress
     resources = [_resource(folder / name, hashed) for name in files]
     head = {"format": FORMAT, "version": FORMAT_VERSION}
@@ -81,7 +87,10 @@ def write_manifest(folder: Path, campaign: Campaign, files: Iterable[str]) -> No
         "resources": resources,
         "knitbench": {**head, **vars(campaign)},
     }
-    write_text(folder / NAME, sealed(data))
+    text = sealed(data)
+    # What is written can be read again: a name or a number beyond the loader's bounds is refused here.
+    strict.validated(strict.json_of(text), StoredManifest, folder / NAME, "campaign manifest")
+    write_text(folder / NAME, text)
 
 
 def read_manifest(folder: Path) -> tuple[Campaign, list[Resource]]:

@@ -108,8 +108,9 @@ def record(
     first: list[Event] = []
     if resume:
         Sink(folder).close()  # refuses what another recorder is writing, before anything is cut
+        now_s = clock()  # reading a day's rows takes a while
         left = mend(folder, time.time())
-        intake, ending = continued(left, clock()), watched(ending, left)
+        intake, ending = continued(left, now_s), watched(ending, left)
         _mark_in_progress(folder, job.gauge_length_mm, job.recipe())
         first.append(Event("resume", intake.time_us, {"idle_s": round(left.idle_s, 3)}))
     sink = Sink(folder, ROOM_BYTES)

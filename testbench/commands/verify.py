@@ -23,7 +23,6 @@ def run(args: argparse.Namespace) -> int:
     import sys
 
     from testbench.dataset_index import INDEX, index_problems
-    from testbench.manifest import problems
     from testbench.remake import made_again
 
     failed, effects = False, Path(args.effects) if args.effects else None
@@ -32,7 +31,7 @@ def run(args: argparse.Namespace) -> int:
         if (folder / INDEX).is_file():
             members, found = index_problems(folder)
         for member in members:
-            wrong, note = problems(member), ""
+            wrong, note = _problems(member, alone=member == folder), ""
             if args.again and not wrong:
                 remade = made_again(member, effects)
                 wrong, note = remade.explained(member), ", made again byte for byte"
@@ -44,3 +43,16 @@ def run(args: argparse.Namespace) -> int:
             print(problem, file=sys.stderr)
         failed = failed or bool(found)
     return int(failed)
+
+
+def _problems(member: Path, alone: bool) -> list[str]:
+    """What is wrong with a campaign; in a data set, one that cannot be read at all does not hide the others."""
+    from gcode.support.errors import UserError
+    from testbench.manifest import problems
+
+    try:
+        return problems(member)
+    except UserError as error:
+        if alone:
+            raise
+        return [str(error)]
