@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gcode.support.errors import UserError
-from testbench.recording_files import in_words
+from gcode.support.strict import check_plain
+from testbench.recording_files import MOST_BYTES, MOST_COLUMNS, in_words
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -76,6 +77,7 @@ def _rest(layout: Layout) -> tuple[str, int, tuple[str, ...]]:
 
 
 def _head(path: Path) -> tuple[str, list[str]]:
+    check_plain(path, "table", MOST_BYTES)
     try:
         with path.open("rb") as stream:
             raw = stream.read(1 << 20)
@@ -97,7 +99,14 @@ def _head(path: Path) -> tuple[str, list[str]]:
 
 
 def _split(lines: list[str], separator: str) -> list[list[str]]:
-    return [next(csv.reader([line], delimiter=separator), []) for line in lines]
+    return [_cells(line, separator) for line in lines]
+
+
+def _cells(line: str, separator: str) -> list[str]:
+    try:
+        return next(csv.reader([line], delimiter=separator), [])[:MOST_COLUMNS]
+    except csv.Error:
+        return []  # a cell of more than 128 kB is no name of a column
 
 
 def _decimal(lines: list[str], separator: str) -> str:
@@ -143,6 +152,7 @@ def read_foreign(
             skipinitialspace=True,
             index_col=False,
             low_memory=False,
+            compression=None,
         )
     except pd.errors.EmptyDataError:
         frame = pd.DataFrame()
