@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -41,6 +42,7 @@ class Campaign:
     Attributes
     ----------
     gauge_length_mm : float
+        NaN where no displacement was recorded; null in the file.
     origin : str
         ``simulated``, ``recorded`` or ``imported``.
     status : str
@@ -75,11 +77,17 @@ def write_manifest(folder: Path, campaign: Campaign, files: Iterable[str]) -> No
         "$schema": PROFILE,
         "name": "knitbench-campaign",
         "resources": resources,
-        "knitbench": {**head, **vars(campaign), "manifest_sha256": NO_HASH},
+        "knitbench": {**head, **vars(campaign), **_gauge(campaign), "manifest_sha256": NO_HASH},
     }
     text = _dump(data)
     digest = hashlib.sha256(text.encode()).hexdigest()
     write_text(folder / NAME, text.replace(NO_HASH, digest))
+
+
+def _gauge(campaign: Campaign) -> dict[str, float | None]:
+    """The gauge length as JSON has it: there is no NaN in it."""
+    gauge_mm = campaign.gauge_length_mm
+    return {"gauge_length_mm": None if math.isnan(gauge_mm) else gauge_mm}
 
 
 def read_manifest(folder: Path) -> tuple[Campaign, dict[str, Any]]:
@@ -103,6 +111,8 @@ def read_manifest(folder: Path) -> tuple[Campaign, dict[str, Any]]:
             "update knitbench"
         )
     try:
+        if recipe["gauge_length_mm"] is None:
+            recipe["gauge_length_mm"] = math.nan
         campaign = Campaign(**{name: recipe[name] for name in Campaign.__dataclass_fields__})
     except KeyError as missing:
         raise UserError(f"{path}: the manifest has no {missing} under knitbench; run the campaign again") from None

@@ -32,10 +32,13 @@ def add_effects(parser: argparse.ArgumentParser) -> None:
 
 
 def load_recording(path: str, gauge_length_mm: float | None) -> Recording:
-    """Read one recording."""
+    """Read one recording; all that use this need its displacement."""
     from testbench.recording import read_recording
+    from testbench.recording_checks import check_displacement
 
-    return read_recording(path, gauge_length_mm)
+    recording = read_recording(path, gauge_length_mm)
+    check_displacement(recording)
+    return recording
 
 
 def load_split(args: argparse.Namespace, recording: str | None = None) -> tuple[Measurement, Measurement]:
