@@ -104,8 +104,10 @@ class Imported:
         Subtracted from the file's times, so that the first sample is at 0.
     taken : dict of str to str
         What was taken for what, with the conversion shown.
+    doubts : list of str
+        What looks wrong, with the remedy.
     notes : list of str
-        What a person should know: columns that were not used, what looks wrong.
+        What else was done or left out.
     details : dict
         For the manifest.
     """
@@ -117,6 +119,7 @@ class Imported:
     repeated: int = 0
     time_offset_s: float = 0.0
     taken: dict[str, str] = field(default_factory=dict)
+    doubts: list[str] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     details: dict[str, Any] = field(default_factory=dict)
 
@@ -228,7 +231,8 @@ def _recorded(
         told.append(f"the sign of {role} was turned")
     recording = Recording(when_s - when_s[0], picked, _gauge_mm(wish, picked), str(path))
     done = Imported(recording, label, int((~kept).sum()), moved, repeated, float(when_s[0]), dict(read.words))
-    done.notes = [*choice.notes, *told, *_remarks(choice, recording, wish)]
+    done.doubts = _doubts(choice, recording, wish)
+    done.notes = [*choice.notes, *told, *_remarks(choice, recording)]
     done.details = _details(sheet, choice, wish, done)
     return done
 
@@ -262,8 +266,8 @@ def _zeroed(picked: dict[str, np.ndarray], choice: Choice, wish: Wish) -> list[s
     return told
 
 
-def _remarks(choice: Choice, recording: Recording, wish: Wish) -> list[str]:
-    """What a person should know before the recording is used."""
+def _doubts(choice: Choice, recording: Recording, wish: Wish) -> list[str]:
+    """What looks wrong, or cannot be seen in such a recording."""
     said = doubts(recording.channels, wish.negate)
     if recording.mean_rate_hz < SLOWEST_HZ:
         said.append(
@@ -271,7 +275,13 @@ def _remarks(choice: Choice, recording: Recording, wish: Wish) -> list[str]:
             f"{1 / SLOWEST_HZ:.0f} s, and what is faster than the samples cannot be seen"
         )
     if wish.r0_ohm is None and {"relative", "relative_change"} & set(choice.taken):
-        said.append("R0 was not given and is taken as 1 Ω: the resistance is in units of R0 (--r0-ohm)")
+        said.append("R0 was not given and is taken as 1 Ω: the resistance is in units of R0; say --r0-ohm")
+    return said
+
+
+def _remarks(choice: Choice, recording: Recording) -> list[str]:
+    """What was not there, and what was not used."""
+    said = []
     missing = [name for name in (DISPLACEMENT, FORCE, RESISTANCE) if not recording.has(name)]
     if missing:
         said.append(f"without {' and '.join(missing)}: no column was found for it")
@@ -295,7 +305,7 @@ def _details(sheet: Sheet, choice: Choice, wish: Wish, done: Imported) -> dict[s
     details: dict[str, Any] = {"file": sheet.path.name, "sha256": sha256_of(sheet.path), "columns": columns}
     details |= {"r0_ohm": wish.r0_ohm, **sheet.details, "header_row": sheet.layout.header_row}
     details |= {"units_row": sheet.layout.units_row, "negate": sorted(wish.negate), "zero": dict(wish.zero)}
-    return details | ({"repeat": done.label} if done.label else {}) | {"notes": done.notes}
+    return details | ({"repeat": done.label} if done.label else {}) | {"doubts": done.doubts, "notes": done.notes}
 
 
 def place_of(out: Path, label: str) -> Path:

@@ -126,7 +126,8 @@ def run(args: argparse.Namespace) -> int:
     for imported, place in zip(every, places, strict=True):
         write_import(imported, place)
     if args.json:
-        print(json.dumps([_data(imported, place) for imported, place in zip(every, places, strict=True)]))
+        data = [_data(imported, place) for imported, place in zip(every, places, strict=True)]
+        print(json.dumps({"recordings": data}))
         return 0
     for role, words in every[0].taken.items():
         print(f"{role}: {words}")
@@ -150,7 +151,8 @@ def _report(imported: Imported, place: Path) -> list[str]:
     size = f"{len(recording)} samples in {recording.duration_s:.1f} s, {recording.mean_rate_hz:.3g} Hz"
     lines = [f"{place}: {size}: {', '.join(ranges)}"]
     lines += [f"{place}: {', '.join(done)}"] * bool(done)
-    return [*lines, *(f"{place}: {note}" for note in imported.notes)]
+    lines += [f"{place}: {note}" for note in imported.notes]
+    return [*lines, *(f"{place}: LOOK: {doubt}" for doubt in imported.doubts)]
 
 
 def _data(imported: Imported, place: Path) -> dict:
@@ -163,6 +165,7 @@ def _data(imported: Imported, place: Path) -> dict:
         "mean_rate_hz": recording.mean_rate_hz,
         "channels": {name: [float(values.min()), float(values.max())] for name, values in recording.channels.items()},
         "taken": imported.taken,
+        "doubts": imported.doubts,
         "notes": imported.notes,
         "dropped": imported.dropped,
         "moved": imported.moved,

@@ -74,6 +74,24 @@ def read_columns(sheet: Sheet, choice: Choice, thousands: str | None = None) -> 
     return read
 
 
+def previewed(sheet: Sheet, choice: Choice, thousands: str | None = None) -> dict[str, str]:
+    """What each role is taken from, with the conversion of a first value shown, from the top of the file alone."""
+    import pandas as pd
+
+    body = sheet.head[sheet.layout.first_row - 1 :]
+    words = {}
+    for role, one in choice.taken.items():
+        cells = [row[one.column.number - 1] if one.column.number <= len(row) else "" for row in body]
+        if one.unit is None:
+            is_date = one.unit_from and role == "time"
+            words[role] = "dates and times, in seconds from the first" if is_date else ""
+            continue
+        values, _ = numbers(pd.Series(cells, dtype="string"), sheet.decimal, thousands)
+        good = values[np.isfinite(values) & (values != 0)]
+        words[role] = conversion(_example(good), one.unit)
+    return words
+
+
 def _own_clock(sheet: Sheet, choice: Choice, one: Taken, cells, thousands: str | None, read: Read) -> np.ndarray:
     main = choice.taken.get("time")
     assert one.clock is not None
@@ -120,6 +138,9 @@ def on_main_clock(sheet: Sheet, read: Read, time_s: np.ndarray, labels: Mapping[
         Rows at which every channel has a value; before its first and after its last sample there is none.
     """
     inside = np.ones(len(time_s), dtype=bool)
+    if read.clocks:  # below the end of the main clock, rows hold only what other clocks time
+        mine = [values for role, values in read.values.items() if role not in read.clocks]
+        inside = np.isfinite(np.column_stack([time_s, *mine])).any(axis=1)
     for role, own_s in read.clocks.items():
         read.values[role] = on_one_clock(sheet.path, time_s, own_s, read.values[role], labels[role], sort)
         inside &= np.isfinite(read.values[role]) | ~np.isfinite(time_s)

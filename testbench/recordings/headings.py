@@ -11,6 +11,7 @@ from testbench.recordings.words import ROLES, STRETCH, is_generic, roles_of
 _BRACKET = re.compile(r"^(.*?)\s*(?:\[([^\[\]]*)\]|\(([^()]*)\)|\{([^{}]*)\}|<([^<>]*)>)\s*$", re.S)
 _FORMULA = re.compile(r"R_?[0o]$", re.I)
 _TAIL = re.compile(r"^(.*?)(?:\s*/\s*|\s+in\s+|\s*[,:;=]\s*|_|\s+)([^\s/,:;=_]+)$", re.S)
+_STROKE = re.compile(r"^([^/,]+?)\s*[/,]\s*([^\s/,\d][^\s/,]*)$")
 _PER_CENT = re.compile(r"^(.*?)\s*([%‰])$", re.S)
 
 
@@ -80,7 +81,7 @@ def _may_be_a_unit(inside: str, name: str) -> bool:
 
 
 def _tail(plain: str) -> tuple[str, str]:
-    """A unit behind a stroke, a comma, an underscore or a blank: only one that suits the name before it."""
+    """A unit behind a stroke, a comma, an underscore or a blank: one that suits the name before it."""
     for pattern in (_PER_CENT, _TAIL):
         found = pattern.match(plain)
         if found and found[1].strip() and not _FORMULA.search(plain):
@@ -88,6 +89,9 @@ def _tail(plain: str) -> tuple[str, str]:
             quantities = read_heading(name).quantities if not is_generic(name) else ()
             if unit_of(found[2], quantities) is not None:
                 return name, found[2]
+    stroke = _STROKE.match(plain)
+    if stroke and roles_of(stroke[1], stroke[1]) and not _FORMULA.search(plain):
+        return stroke[1], stroke[2]  # a unit that we cannot read
     return plain, ""
 
 

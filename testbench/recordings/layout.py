@@ -153,10 +153,15 @@ def _above(rows: Rows, start: int, width: int) -> list[int]:
         filled = sum(bool(cell.strip()) for cell in rows[place])
         if not filled:
             continue
-        if not (2 * filled > width or width <= 2) or _width(rows[place]) > width + 1:
+        if not (2 * filled > width or width <= 2 or _speaks(rows[place])) or _width(rows[place]) > width + 1:
             break
         found.append(place)
     return found
+
+
+def _speaks(cells: Sequence[str]) -> bool:
+    """Whether a row with gaps is one of names or units all the same."""
+    return _is_units(cells) or sum(bool(read_heading(cell).roles) for cell in cells) > 1
 
 
 def _is_units(cells: Sequence[str]) -> bool:

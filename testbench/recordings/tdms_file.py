@@ -62,9 +62,11 @@ def _channels(path: Path, group: str | None) -> tuple[list[str], list[str], list
 
     try:
         file = nptdms.TdmsFile.read(path)
-    except (OSError, ValueError, KeyError, EOFError) as error:
+    except Exception as error:  # npTDMS raises whatever a broken file leads it to
         raise UserError(f"{path}: not a TDMS file that can be read ({error})") from None
     groups = [one for one in file.groups() if any(len(channel) for channel in one.channels())]
+    if not groups:
+        raise UserError(f"{path}: a TDMS file without a channel that holds numbers, or none at all")
     if group is not None:
         groups = [one for one in groups if one.name == group]
     if len(groups) != 1:
