@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime
+import warnings
 import zipfile
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -69,7 +70,9 @@ def _read(path: Path, wanted: str | None) -> dict[str, list[Cells]]:
     from openpyxl.utils.exceptions import InvalidFileException
 
     try:
-        book = openpyxl.load_workbook(path, read_only=True, data_only=True)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of styles and extensions that are of no use here
+            book = openpyxl.load_workbook(path, read_only=True, data_only=True)
     except (OSError, InvalidFileException, zipfile.BadZipFile, KeyError, ValueError) as error:
         raise UserError(f"{path}: not an Excel workbook that can be read ({error}); save it again as .xlsx") from None
     try:

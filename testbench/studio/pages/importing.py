@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from nicegui import app, events, ui
+from nicegui import events, ui
 
 from gcode.support.errors import UserError
 from testbench.studio.import_form import NOT_THERE, Choices
@@ -59,7 +59,7 @@ def page(studio: Studio) -> None:
     ui.timer(0.5, lambda: name_in_page(".q-uploader .q-btn, .q-uploader__input", "Choose a file"), once=True)
     form = _Form(studio)
     ui.context.client.on_delete(form.forget_upload)
-    app.on_shutdown(form.forget_upload)
+    ui.context.client.sub_pages_router.on_path_changed(lambda _: form.left())
 
     async def received(event: events.UploadEventArguments) -> None:
         form.forget_upload()
@@ -79,18 +79,26 @@ class _Form:
         self.studio = studio
         self.upload: tempfile.TemporaryDirectory | None = None
         self.holder = ui.column().classes("w-full gap-4")
+        self.job: Job | None = None
         self.seen: tuple[Sheet, Choice, dict[str, str]] | None = None
 
     def forget_upload(self) -> None:
-        """Remove what was uploaded."""
+        """Remove what was uploaded; at the latest, that happens when the studio ends."""
         if self.upload is not None:
             self.upload.cleanup()
             self.upload = None
+
+    def left(self) -> None:
+        """The page was left: what was uploaded goes, unless it is being imported."""
+        if self.job is None or not self.job.running:
+            self.forget_upload()
 
     async def read(self, path: Path) -> None:
         """Show a file."""
         if not path.is_file():
             raise UserError(f"{path or 'file'}: no such file; name one on this machine, or drop one")
+        if self.upload is not None and path.parent != Path(self.upload.name):
+            self.forget_upload()
         self.choices = Choices(path)
         self.holder.clear()
         with self.holder:
@@ -197,8 +205,8 @@ class _Form:
             column = ui.select(_options(sheet), value=value).props("outlined dense")
             column.props(f"aria-label='Column of {title.lower()}'")
             column.on_value_change(partial(self._column_chosen, role))
-            unit = ui.select(_units(role), value=_unit_key(choice, role), label="Unit").props("outlined dense")
-            unit.props(f"aria-label='Unit of {title.lower()}'").set_enabled(taken is not None)
+            unit = ui.select(_units(role), value=_unit_key(choice, role), label=f"Unit of {title.lower()}")
+            unit.props("outlined dense").set_enabled(taken is not None)
             unit.on_value_change(partial(self._unit_chosen, role))
             with ui.row().classes("items-center gap-2"):
                 wrong = _trouble_words(choice, role)
@@ -251,9 +259,11 @@ class _Form:
                 argv = self._command(name)
             except UserError as error:
                 trouble(str(error))
+                self._show_result()
                 return
-            job = self.studio.jobs.start(f"import:{name}", f"Importing {self.choices.path.name}", argv)
-            job_card(self.studio, job, self._ended)
+            self.job = self.studio.jobs.start(f"import:{name}", f"Importing {self.choices.path.name}", argv)
+            job_card(self.studio, self.job, self._ended)
+        self._show_result()
 
     def _command(self, name: str) -> list[str]:
         if self.seen is None:
@@ -265,9 +275,12 @@ class _Form:
         return self.choices.command(self.studio.workspace.free_name(name), set(choice.taken))
 
     def _ended(self, job: Job) -> None:
+        """Go to the recording; stay where there is something to be read first."""
         if job.state is State.FAILED:
+            self.result.clear()
             with self.result:
                 trouble(page_words(job.problem.replace(f"{self.choices.path}: ", "")))
+            self._show_result()
         if job.state is not State.DONE:
             return
         self.forget_upload()
@@ -276,6 +289,7 @@ class _Form:
         if not doubts and len(made) == 1:
             ui.navigate.to(self._address(made[0]))
             return
+        self.result.clear()
         with self.result:
             for doubt in doubts:
                 trouble(page_words(doubt))
@@ -287,6 +301,13 @@ class _Form:
                 for one in made:
                     label = f"Open {Path(one['out']).name}"
                     ui.button(label, on_click=partial(ui.navigate.to, self._address(one))).props("outline")
+
+        self._show_result()
+
+    def _show_result(self) -> None:
+        """Bring what came of the import to where the eye is."""
+        with self.result:
+            ui.run_javascript(f"getHtmlElement({self.result.id}).scrollIntoView({{block: 'end'}})")
 
     def _address(self, made: dict[str, Any]) -> str:
         return address("/recording", c=Path(made["out"]).relative_to(self.studio.workspace.root).as_posix())

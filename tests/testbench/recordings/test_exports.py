@@ -280,3 +280,19 @@ def test_foreign_files_without_header_are_asked_about(name):
 def test_measured_pulls_of_one_fabric_are_five_recordings():
     done = import_file(REAL / "knit_fabric_uniaxial" / "acrylic_yarn_garter_x.csv", Wish(91.6))
     assert [one.label for one in done] == ["1", "2", "3", "4", "5"]
+
+
+def test_a_held_out_recording_beyond_the_calibrated_strain_is_said(capsys):
+    from testbench.commands._arguments import beyond_calibration
+    from testbench.discrepancy.measurement import split
+    from testbench.recording import Recording
+
+    time_s = np.arange(0, 60, 0.1)
+    stretch = np.sin(time_s / 3) ** 2
+    parts = [
+        Recording(time_s, {"displacement_mm": reach * stretch, "force_N": reach * stretch}, 40.0, name)
+        for reach, name in ((4.0, "small"), (6.0, "large"))
+    ]
+    said = beyond_calibration(*split(*parts))
+    assert said.startswith("large: the held-out strain, 0.0 to 15.0 %, leaves the 0.0 to 10.0 % that was fitted on")
+    assert beyond_calibration(*split(*parts[::-1])) == ""
