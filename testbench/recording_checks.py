@@ -22,7 +22,7 @@ def check_recording(recording: Recording) -> None:
         raise UserError(f"{source}: the gauge length must be a positive number of mm, got {gauge_mm}")
     if len(recording.time_s) < 2:
         raise UserError(f"{source}: a recording needs at least 2 samples, got {len(recording.time_s)}")
-    if "displacement_mm" not in recording.channels and not {"force_N", "resistance_ohm"} <= set(recording.channels):
+    if "displacement_mm" not in recording.channels and not _goes_without_displacement(recording):
         have = ", ".join(recording.channels) or "none"
         raise UserError(f"{source}: no column displacement_mm (found: {have}); name yours with `testbench import`")
     _check_time(source, recording.time_s)
@@ -32,6 +32,12 @@ def check_recording(recording: Recording) -> None:
         _check_finite(source, name, values)
     if "resistance_ohm" in recording.channels:
         _check_positive(source, "resistance_ohm", recording.channels["resistance_ohm"])
+
+
+def _goes_without_displacement(recording: Recording) -> bool:
+    """Whether force and resistance are there, and no column that may be a displacement under another name or unit."""
+    overlooked = any(name.lower().startswith(("displ", "strain", "extension")) for name in recording.channels)
+    return not overlooked and {"force_N", "resistance_ohm"} <= set(recording.channels)
 
 
 def check_displacement(recording: Recording) -> None:
