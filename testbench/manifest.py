@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -45,6 +46,7 @@ class Campaign:
     Attributes
     ----------
     gauge_length_mm : float
+        NaN where no displacement was recorded; null in the file.
     origin : str
         ``simulated``, ``recorded`` or ``imported``.
     status : str
@@ -85,12 +87,18 @@ def write_manifest(folder: Path, campaign: Campaign, files: Iterable[str]) -> No
         "$schema": PROFILE,
         "name": "knitbench-campaign",
         "resources": resources,
-        "knitbench": {**head, **vars(campaign)},
+        "knitbench": {**head, **vars(campaign), **_gauge(campaign)},
     }
     text = sealed(data)
     # What is written can be read again: a name or a number beyond the loader's bounds is refused here.
     strict.validated(strict.json_of(text), StoredManifest, folder / NAME, "campaign manifest")
     write_text(folder / NAME, text)
+
+
+def _gauge(campaign: Campaign) -> dict[str, float | None]:
+    """The gauge length as JSON has it: there is no NaN in it."""
+    gauge_mm = campaign.gauge_length_mm
+    return {"gauge_length_mm": None if math.isnan(gauge_mm) else gauge_mm}
 
 
 def read_manifest(folder: Path) -> tuple[Campaign, list[Resource]]:
@@ -122,9 +130,8 @@ def _read(folder: Path) -> tuple[Campaign, list[Resource], bool]:
     stored = strict.validated(data, StoredManifest, path, "campaign manifest")
     about = stored.knitbench
     counts = about.counts.model_dump(exclude_unset=True)
-    campaign = Campaign(
-        about.gauge_length_mm, about.origin, about.status, about.recipe.to_dict(), counts, about.versions
-    )
+    gauge_mm = math.nan if about.gauge_length_mm is None else about.gauge_length_mm
+    campaign = Campaign(gauge_mm, about.origin, about.status, about.recipe.to_dict(), counts, about.versions)
     return campaign, stored.resources, _self_hash_holds(text, about.manifest_sha256)
 
 

@@ -1,7 +1,8 @@
 """A recording: time and named channels, exactly as sampled.
 
 File format ``recording.csv``: header ``time_s,displacement_mm,force_N,resistance_ohm`` plus optional channels
-(``temperature_C``). Rows are as sampled: jittered, never resampled. ``force_N`` or ``resistance_ohm`` may be absent.
+(``temperature_C``). Rows are as sampled: jittered, never resampled. ``force_N`` or ``resistance_ohm`` may be absent;
+where both are there, ``displacement_mm`` may be.
 """
 
 from __future__ import annotations
@@ -36,9 +37,10 @@ class Recording:
     time_s : ndarray, shape (n,)
         Sample times, strictly increasing.
     channels : mapping of str to ndarray, each shape (n,)
-        ``displacement_mm`` always; ``force_N`` and ``resistance_ohm`` where measured; others by name and unit.
+        ``displacement_mm``, ``force_N`` and ``resistance_ohm`` where measured (a displacement, or force and
+        resistance, always); others by name and unit.
     gauge_length_mm : float
-        Length of the unstretched sensor between the clamps.
+        Length of the unstretched sensor between the clamps; NaN where no displacement was recorded.
     source : str
         File or campaign it came from; used in error messages.
     metadata : mapping
@@ -73,6 +75,9 @@ class Recording:
     @cached_property
     def strain(self) -> FloatArray:
         """Nominal strain: displacement over gauge length (dimensionless)."""
+        from testbench.recording_checks import check_displacement
+
+        check_displacement(self)
         return self[DISPLACEMENT] / self.gauge_length_mm
 
     @cached_property

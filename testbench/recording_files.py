@@ -38,9 +38,10 @@ def load(path: Path, gauge_length_mm: float | None) -> Recording:
         return _load_campaign(path, gauge_length_mm)
     if not path.exists():
         raise UserError(f"{path}: no such recording; give a CSV or a campaign folder")
-    if gauge_length_mm is None:
+    columns = read_columns(path)
+    if gauge_length_mm is None and DISPLACEMENT in columns:
         raise UserError(f"{path}: a bare CSV does not know its gauge length; add --gauge-length-mm")
-    return _recording(path, read_columns(path), gauge_length_mm)
+    return _recording(path, columns, gauge_length_mm)
 
 
 def _load_campaign(folder: Path, gauge_length_mm: float | None) -> Recording:
@@ -78,13 +79,14 @@ def _say_once(text: str) -> None:
 
 
 def _recording(
-    path: Path, columns: dict[str, np.ndarray], gauge_length_mm: float, metadata: dict[str, Any] | None = None
+    path: Path, columns: dict[str, np.ndarray], gauge_length_mm: float | None, metadata: dict[str, Any] | None = None
 ) -> Recording:
     if TIME not in columns:
         raise UserError(f"{path}: no column {TIME} (found: {', '.join(columns)}); name yours with `testbench import`")
     _check_names(path, list(columns))
     time_s = columns.pop(TIME)
-    return Recording(time_s, columns, float(gauge_length_mm), str(path), metadata or {})
+    gauge_mm = np.nan if gauge_length_mm is None else float(gauge_length_mm)
+    return Recording(time_s, columns, gauge_mm, str(path), metadata or {})
 
 
 def _check_names(path: Path, names: list[str]) -> None:

@@ -133,7 +133,7 @@ class StoredCampaign(StrictModel):
 
     format: Literal["knitbench-campaign"]
     version: Literal[1]
-    gauge_length_mm: GaugeLength
+    gauge_length_mm: GaugeLength | None  # null where no displacement was recorded
     origin: Origin
     status: Status
     recipe: Recipe

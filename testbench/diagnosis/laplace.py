@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from testbench.diagnosis import constants
-from testbench.diagnosis.evidence import LogEvidence, NormalEquations, maximised
+from testbench.diagnosis.evidence import LogEvidence, NormalEquations, maximised, opened
 from testbench.diagnosis.likelihood import Likelihood
 from testbench.diagnosis.priors import Priors, priors_of
 from testbench.discrepancy.measurement import CONDUCTANCE_CHANNEL
@@ -111,7 +111,7 @@ class _Search:
         self.priors = priors_of(model, likelihood.measurement, reference, known)
         self.model, self.x = model, values_of(model, self.priors.parameters)
         scales = like.scales if like else {}
-        self.scale = np.array([scales.get(name, 1.0) for name in self.priors.groups])
+        self.scale = opened(np.array([scales.get(name, 1.0) for name in self.priors.groups]))
         self.columns = {c: np.zeros((len(self.x) + 1, len(likelihood.rows))) for c in likelihood.measurement.channels}
         place = {p.address: i + 1 for i, p in enumerate(like.priors.parameters)} if like else {}
         new = []
@@ -233,13 +233,15 @@ class _Search:
             total += float(np.sum(huber(np.abs(values) / self.sigma[c]))) * self.likelihood.share[c]
         return total if np.isfinite(total) else np.inf
 
-    def tails(self, robust, sigma) -> float:
-        """What a Huber density says more of outliers than the weighted squares in ln Z."""
-        total = 0.0
-        for c, rows in self.columns.items():
-            z = np.abs(rows[0]) / sigma[c]
-            total -= float(np.sum(huber(z) - 0.5 * (robust[c] * z) ** 2)) * self.likelihood.share[c]
-        return total
+    def tails(self, robust: Mapping[str, FloatArray], sigma: Mapping[str, float]) -> float:
+        share = self.likelihood.share
+        return sum(tail(rows[0] / sigma[c], robust[c], share[c]) for c, rows in self.columns.items())
+
+
+def tail(z: FloatArray, robust: FloatArray, share: float) -> float:
+    """What a Huber density says more of outliers than the weighted squares in ln Z."""
+    z = np.abs(z)
+    return -float(np.sum(huber(z) - 0.5 * (robust * z) ** 2)) * share
 
 
 def huber(z: FloatArray) -> FloatArray:
@@ -267,8 +269,5 @@ def under(h: Hypothesis, likelihood: Likelihood) -> Hypothesis:
     """The same point judged with samples that count otherwise; the linear model finds the new maximum."""
     normal = replace(h.normal, counts=likelihood.counts, share=likelihood.share)
     evidence = maximised(normal, scale=h.evidence.scale, iterations=15)
-    tails = 0.0
-    for c, rows in h.columns.items():
-        z = np.abs(rows[0]) / evidence.sigma[c]
-        tails -= float(np.sum(huber(z) - 0.5 * (h.robust[c] * z) ** 2)) * likelihood.share[c]
+    tails = sum(tail(rows[0] / evidence.sigma[c], h.robust[c], likelihood.share[c]) for c, rows in h.columns.items())
     return replace(h, normal=normal, evidence=evidence, tails=tails)

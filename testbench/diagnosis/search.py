@@ -68,10 +68,19 @@ class Round:
             else:
                 gain = max((p.gain for p in self.proposals if p.mechanism == mechanism), default=-np.inf)
                 logs[mechanism] = prior + self.before.log_z + gain - np.log(self.laws[mechanism])
+        known = max(self.laws, key=lambda name: logs[name], default=None)
+        entry = next((e for e in self.entries if e.mechanism == known), None)
+        if known and entry:
+            # Laws of the catalogue are never quite the sensor's own: what is mostly explained is not unknown.
+            left = excess(entry.hypothesis, self.likelihood) / max(
+                excess(self.before.hypothesis, self.likelihood), 1e-9
+            )
+            least = 0.5 * (left - constants.MOST_LEFT**2) / constants.LAW_ERROR**2
+            logs[UNKNOWN] = min(logs[UNKNOWN], logs[known] + least)
         total = logsumexp(list(logs.values()))
         return {name: float(np.exp(value - total)) for name, value in logs.items()}
 
-    @property
+    @cached_property
     def accepted(self) -> Entry | None:
         """The best law of the most probable mechanism, if some mechanism is more probable than none."""
         chances = self.probabilities()
@@ -216,7 +225,11 @@ class Search:
         return Entry(mechanism, law, name, h, h.log_z + remainder(h, likelihood), Map(h, likelihood).log_z)
 
 
+def excess(h: Hypothesis, likelihood: Likelihood) -> float:
+    """Squared error above the noise, in noise floors, summed over the channels."""
+    return sum(max((sigma / likelihood.floor[c]) ** 2 - 1, 0.0) for c, sigma in h.evidence.sigma.items())
+
+
 def remainder(h: Hypothesis, likelihood: Likelihood) -> float:
     """Log prior of what a complete model leaves: an instrument's slow noise is of the size of its quick noise."""
-    excess = [max((sigma / likelihood.floor[c]) ** 2 - 1, 0.0) for c, sigma in h.evidence.sigma.items()]
-    return -0.5 * float(sum(excess)) / constants.SLOW_NOISE**2
+    return -0.5 * excess(h, likelihood) / constants.SLOW_NOISE**2
