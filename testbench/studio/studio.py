@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from testbench.knit.catalogue import Catalogue
 
 OWN_EFFECTS = "effects.py"
+KEY_RECORDING = "record"  # one recording at a time
+KEY_RIG = "rig"  # the simulated one, where it is behind the port
+RUNNING = "running"  # below results; what is to be known of jobs that outlive the studio
 POINTER = "effects-file.txt"  # below results; one line, the path of the file with own effects
 
 
@@ -29,7 +32,8 @@ class Studio:
 
     def __init__(self, root: str | Path) -> None:
         self.workspace = Workspace(root)
-        self.jobs = JobBoard()
+        running = self.workspace.root / RESULTS / RUNNING
+        self.jobs = JobBoard({key: running / key for key in (KEY_RECORDING, KEY_RIG)})
         self.memory = Memory()
 
     @property

@@ -5,8 +5,10 @@ from __future__ import annotations
 from nicegui import ui
 
 from gcode.support.errors import UserError
+from testbench.manifest import IN_PROGRESS
 from testbench.report.recording_figures import summary, thumbnail
 from testbench.studio.studio import Studio
+from testbench.studio.unfinished import is_under_way, is_unfinished
 from testbench.studio.widgets import address, aside, guarded, heading, invitation
 from testbench.studio.workspace import Campaign
 
@@ -44,14 +46,16 @@ class _Card:
             with ui.row().classes("items-center gap-2"):
                 if campaign.origin:
                     ui.label(campaign.origin).classes("tag")
-                if campaign.status not in ("", "complete"):
-                    ui.label(campaign.status).classes("tag bad")
+                self.state = ui.label().classes("tag bad")
+                self.state.set_visibility(False)
                 self.facts = ui.label("").classes("quiet text-sm")
 
     async def fill(self, studio: Studio, campaign: Campaign) -> None:
         """Check and draw; a campaign that cannot be read, or is not what was written, says why."""
+        growing = campaign.status == IN_PROGRESS
+        self._tell_state(studio, campaign)
         try:
-            problems = await aside(studio.workspace.problems, campaign.name)
+            problems = [] if growing else await aside(studio.workspace.problems, campaign.name)
             if problems:
                 self._mark("changed" if campaign.origin else "not ours", "bad", "; ".join(problems))
                 return
@@ -60,9 +64,21 @@ class _Card:
         except UserError as error:
             self._mark("unreadable", "bad", str(error))
             return
-        self._mark("verified", "good")
+        if growing:
+            self.verdict.set_visibility(False)  # there is nothing to hold its bytes against yet
+        else:
+            self._mark("verified", "good")
         self.picture.set_content(picture)
         self.facts.set_text(" · ".join(value for _, value in summary(recording)[:1] + summary(recording)[3:4]))
+
+    def _tell_state(self, studio: Studio, campaign: Campaign) -> None:
+        if is_under_way(studio, campaign):
+            self.state.set_text("recording now")
+        elif is_unfinished(campaign):
+            self.state.set_text("unfinished")
+        elif campaign.status not in ("", "complete"):
+            self.state.set_text(campaign.status)
+        self.state.set_visibility(bool(self.state.text))
 
     def _mark(self, text: str, kind: str, why: str = "") -> None:
         self.verdict.set_text(text)

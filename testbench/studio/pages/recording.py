@@ -9,12 +9,14 @@ from pathlib import Path
 from nicegui import ui
 
 from gcode.support.errors import UserError
+from testbench.manifest import IN_PROGRESS
 from testbench.recording import Recording
 from testbench.report import recording_figures as figures
 from testbench.studio.models import model_path
 from testbench.studio.pages.compare import view_of
 from testbench.studio.picture import plot, zooming_plot
 from testbench.studio.studio import Studio
+from testbench.studio.unfinished import is_under_way, is_unfinished, under_way_card, unfinished_card
 from testbench.studio.widgets import address, aside, campaign_head, facts, guarded, later, trouble
 
 
@@ -22,7 +24,12 @@ from testbench.studio.widgets import address, aside, campaign_head, facts, guard
 async def page(studio: Studio, c: str = "") -> None:
     """The recording of campaign `c`."""
     campaign_head(c, "/recording")
-    problems = await aside(studio.workspace.problems, c)
+    campaign = studio.workspace.campaign(c)
+    if is_under_way(studio, campaign):
+        under_way_card(campaign)
+    elif is_unfinished(campaign):
+        unfinished_card(studio, campaign)
+    problems = [] if campaign.status == IN_PROGRESS else await aside(studio.workspace.problems, c)
     if problems:
         remedy = "Restore the file from a copy, or import it as a foreign CSV if you changed it on purpose."
         trouble("This campaign does not agree with its manifest: " + "; ".join(problems), remedy)
