@@ -14,7 +14,7 @@ from testbench.report.downsample import window
 from testbench.report.recording_figures import line
 
 NAMED_STEPS = 3
-UNITS = {"force": "N", "conductance": "ln S"}
+UNITS = {"force": "N", "conductance": "ln S", "resistance": "kΩ"}
 
 
 @dataclass(frozen=True)

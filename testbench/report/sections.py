@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from testbench.knit.model import KnitModel
 from testbench.recording import Recording
 from testbench.report import (
     comparison_figures,
@@ -19,6 +20,8 @@ from testbench.report import (
 from testbench.report.comparison_figures import Overlay
 from testbench.report.document import Facts, Item, Picture, Section, Table
 from testbench.report.ladder_figures import UNITS, Step
+from testbench.report.parameters import parameter_table
+from testbench.report.places import beyond_noise, place_in_words
 
 
 def recording_section(recording: Recording, title: str, key: str) -> Section:
@@ -47,10 +50,11 @@ def comparison_section(both: Overlay, comparison: Mapping[str, Any]) -> Section:
         The JSON of ``testbench compare``.
     """
     items: list[Item] = [errors_table(comparison["channels"])]
-    worst = comparison["worst"]
+    worst = beyond_noise(comparison)
     if worst:
         rows = [
-            (str(n), place["words"], f"{100 * place['share_of_error']:.0f} %") for n, place in enumerate(worst, 1)
+            (str(n), place_in_words(place), f"{100 * place['share_of_error']:.0f} %")
+            for n, place in enumerate(worst, 1)
         ]
         items.append(Table(("", "Where it fails, the worst first", "Share of the squared error"), rows))
     else:
@@ -103,31 +107,10 @@ def fall_in_words(first: Step, last: Step) -> str:
     return ", ".join(f"{channel} {-100 * fall:+.0f} %" for channel, fall in falls)
 
 
-def parameters_section(fit: Mapping[str, Any]) -> Section | None:
-    """Fitted parameters with standard errors; shape weights are counted, not listed."""
-    entries = fit.get("parameters", {})
-    rows = [_parameter_row(address, entry, fit) for address, entry in entries.items() if "[" not in address]
-    if not rows:
-        return None
-    weights = sum("[" in address for address in entries)
-    caption = f"and {weights} shape weights" if weights else ""
-    return Section(
-        "The model's parameters", [Table(("Parameter", "Value", "Standard error", "Unit", ""), rows, caption)]
-    )
-
-
-def _parameter_row(address: str, entry: Mapping[str, Any], fit: Mapping[str, Any]) -> tuple[str, ...]:
-    unit = "" if entry["unit"] == "1" else entry["unit"]
-    return address, f"{entry['value']:.4g}", f"± {entry['standard_error']:.2g}", unit, _doubts(address, fit)
-
-
-def _doubts(address: str, fit: Mapping[str, Any]) -> str:
-    doubts = []
-    if address in fit.get("at_bound", ()):
-        doubts.append("at its bound")
-    if address in fit.get("unidentified", ()):
-        doubts.append("this recording cannot tell")
-    return ", ".join(doubts)
+def parameters_section(fit: Mapping[str, Any], model: KnitModel) -> Section | None:
+    """Fitted parameters with standard errors, allowed ranges and doubts; shape weights are counted, not listed."""
+    table = parameter_table(fit, model)
+    return Section("The model's parameters", [table]) if table else None
 
 
 def compensator_section(score: Mapping[str, Any]) -> Section:

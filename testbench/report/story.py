@@ -93,7 +93,7 @@ class Story:
             found.append(sections.ladder_section(self.steps))
         if self.judged:
             found.append(self._comparison(self.judged))
-        parameters = sections.parameters_section(self.file.fit)
+        parameters = sections.parameters_section(self.file.fit, self.file.model)
         return [*found, *([parameters] if parameters else [])]
 
     def _comparison(self, judged: Measurement) -> Section:

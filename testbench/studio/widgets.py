@@ -35,6 +35,58 @@ def address(path: str, **query: str | None) -> str:
     return f"{path}?{urlencode(given)}" if given else path
 
 
+class Address:
+    """The address of a page: every choice on it is kept there, so that it can be shared and gone back to.
+
+    Parameters
+    ----------
+    path : str
+    **query : str
+        What is chosen now.
+    """
+
+    def __init__(self, path: str, **query: str) -> None:
+        self.path, self.query = path, dict(query)
+
+    def note(self, **chosen: str) -> None:
+        """Put what was chosen into the address, without leaving the page."""
+        self.query |= chosen
+        ui.navigate.history.replace(self.with_())
+
+    def note_span(self, span: tuple[float | None, float | None]) -> None:
+        """Keep the stretch of time that is looked at."""
+        self.note(**dict(zip(("start", "end"), ("" if end is None else f"{end:.2f}" for end in span), strict=True)))
+
+    def with_(self, **chosen: str) -> str:
+        """The address with something else chosen."""
+        return address(self.path, **(self.query | chosen))
+
+    def go(self, **chosen: str) -> None:
+        """Open it with something else chosen."""
+        ui.navigate.to(self.with_(**chosen))
+
+
+def span_of(start: str, end: str) -> tuple[float | None, float | None]:
+    """The stretch of time in an address.
+
+    Raises
+    ------
+    UserError
+        If it is no stretch.
+    """
+    if not start or not end:
+        return None, None
+    try:
+        start_s, end_s = float(start), float(end)
+    except ValueError:
+        raise UserError(f"the address asks for times from {start!r} to {end!r}; they must be seconds") from None
+    if start_s >= end_s:
+        raise UserError(
+            f"the address asks for times from {start_s:g} to {end_s:g} s; the end must come after the start"
+        )
+    return start_s, end_s
+
+
 def guarded(page: Callable) -> Callable:
     """Show a `UserError` of a page in its place: errors are read, not thrown."""
 
@@ -116,7 +168,28 @@ def facts(pairs: Sequence[tuple[str, str]]) -> None:
     ui.html(f'<div class="facts">{cells}</div>', sanitize=False).classes("w-full")
 
 
-def campaign_head(name: str, here: str) -> None:
+RESISTANCE = "resistance"
+CONDUCTANCE_OR = {"": "Conductance", RESISTANCE: "Resistance in kΩ"}
+
+
+def quantity_toggle(where: Address) -> None:
+    """Conductance or resistance: the choice is in the address and goes along from tab to tab."""
+    toggle = ui.toggle(CONDUCTANCE_OR, value=where.query.get("show", ""), clearable=False)
+    toggle.props("no-caps dense unelevated aria-label='Conductance or resistance'").classes("quantity")
+    toggle.on_value_change(lambda event: where.go(show=event.value))
+
+
+def table(head: Sequence[str], rows: Sequence[Sequence[str]], caption: str = "") -> None:
+    """A table of text; it scrolls by itself where the screen is narrow."""
+    names = "".join(f"<th scope='col'>{_text(name)}</th>" for name in head)
+    body = "".join("<tr>" + "".join(f"<td>{_text(cell)}</td>" for cell in row) + "</tr>" for row in rows)
+    under = f"<caption>{_text(caption)}</caption>" if caption else ""
+    ui.html(
+        f"<table>{under}<thead><tr>{names}</tr></thead><tbody>{body}</tbody></table>", sanitize=False, tag="div"
+    ).classes("table").props("tabindex=0")
+
+
+def campaign_head(name: str, here: str, show: str = "") -> None:
     """Title and tabs of one campaign; each tab is a deep link."""
     with ui.row().classes("items-center gap-2"):
         ui.link("Campaigns", "/").classes("quiet")
@@ -124,7 +197,7 @@ def campaign_head(name: str, here: str) -> None:
         ui.html(f"<h1>{_text(name)}</h1>", sanitize=False)
     with ui.element("nav").classes("tabs").props("aria-label='Steps'"):
         for path, title in TABS:
-            link = ui.link(title, address(path, c=name))
+            link = ui.link(title, address(path, c=name, show=show))
             if path == here:
                 link.classes("here").props("aria-current=page")
 

@@ -140,7 +140,7 @@ def test_the_whole_story_from_a_fitted_model(tmp_path: Path) -> None:
         "no effect has been added yet",
         'id="at-a-glance"',
         "Where the model fails",
-        "elasticity.stiffness_N",
+        "elasticity: stiffness",
     ):
         assert words in page
 
