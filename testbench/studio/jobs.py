@@ -22,6 +22,7 @@ from pathlib import Path
 from typing import Any
 
 from testbench.studio.outliving import About, Outliving
+from testbench.studio.pace import Pace, Paces
 
 KEPT_LINES = 400
 PATIENCE_S = 5.0  # how long a cancelled job may take to end well before it is killed
@@ -62,6 +63,7 @@ class Job:
     state: State = State.RUNNING
     share: float | None = None
     note: str = ""
+    step: str = ""  # "motion 7 of 13", where the command counts
     latest: dict[str, Any] = field(default_factory=dict)
     lines: deque[str] = field(default_factory=lambda: deque(maxlen=KEPT_LINES))
     errors: deque[str] = field(default_factory=lambda: deque(maxlen=40))
@@ -70,6 +72,7 @@ class Job:
     version: int = 0
     task: asyncio.Task | None = None
     process: asyncio.subprocess.Process | None = None
+    pace: Pace = field(default_factory=Pace)
     about: About | None = None  # of a job that outlives the studio
 
     @property
@@ -113,11 +116,22 @@ class Job:
 
     def _take(self, event: dict[str, Any]) -> None:
         self.latest = event
+        self.step = ""
         done, total = event.get("done", event.get("time_s")), event.get("total", event.get("duration_s"))
         if isinstance(done, int | float) and isinstance(total, int | float) and total > 0:
             self.share = min(1.0, done / total)
+            self.step = _counted(event)
         said = [str(event[key]) for key in ("label", "note", "message") if event.get(key)]
         self.note = " · ".join(said) or self.note
+        if event.get("note"):
+            self.pace.hear(str(event["note"]), self.share, self.elapsed_s)
+
+
+def _counted(event: dict[str, Any]) -> str:
+    """``motion 7 of 13``; a command that does not say what it counts counts steps."""
+    if "done" not in event:
+        return ""
+    return f"{event.get('unit', 'step')} {event['done']} of {event['total']}"
 
 
 def _event(line: str) -> dict[str, Any] | None:
@@ -135,10 +149,13 @@ class JobBoard:
     ----------
     outliving : mapping of key to Path, optional
         Kinds of jobs that go on when the studio ends, each with the folder that it is followed in.
+    paces : Path, optional
+        Where it is kept how long jobs have taken.
     """
 
-    def __init__(self, outliving: Mapping[str, Path] | None = None) -> None:
+    def __init__(self, outliving: Mapping[str, Path] | None = None, paces: Path | None = None) -> None:
         self.jobs: list[Job] = []
+        self._paces = Paces(paces)
         self._outliving = {key: Outliving(folder) for key, folder in (outliving or {}).items()}
 
     def find(self, key: str) -> Job | None:
@@ -156,10 +173,15 @@ class JobBoard:
         running = self.find(key)
         if running and running.running:
             return running
-        job = Job(key, title, tuple(argv))
+        job = Job(key, title, tuple(argv), pace=self._paces.start(argv))
         self.jobs.append(job)
-        job.task = asyncio.create_task(self._outlive(job) if key in self._outliving else _run(job))
+        job.task = asyncio.create_task(self._outlive(job) if key in self._outliving else self._run(job))
         return job
+
+    async def _run(self, job: Job) -> None:
+        await _run(job)
+        if job.state is State.DONE:
+            self._paces.keep(job.argv, job.pace, job.elapsed_s)
 
     def _adopt(self, key: str) -> None:
         """Take in a job that lives and that this board does not know: an earlier studio has started it."""

@@ -59,7 +59,6 @@ class Outliving:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self._process: subprocess.Popen | None = None
 
     def start(self, title: str, argv: Sequence[str]) -> About:
         """Start a command of ours in a session of its own.
@@ -81,7 +80,7 @@ class Outliving:
             (self.folder / ERRORS).open("wb") as errors,
         ):
             fcntl.flock(alive, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            self._process = subprocess.Popen(
+            process = subprocess.Popen(
                 command,
                 stdin=subprocess.DEVNULL,
                 stdout=said,
@@ -90,8 +89,8 @@ class Outliving:
                 pass_fds=[alive.fileno()],  # the lock is the child's from here on
                 start_new_session=True,
             )
-            LEFT.append(self._process)
-        about = About(secrets.token_hex(8), title, tuple(argv), self._process.pid)
+            LEFT.append(process)
+        about = About(secrets.token_hex(8), title, tuple(argv), process.pid)
         write_text(self.folder / ABOUT, json.dumps(vars(about)) + "\n")
         return about
 
@@ -108,8 +107,8 @@ class Outliving:
 
     def alive(self) -> bool:
         """Whether its process lives: the system takes the lock back when it ends, however it ends."""
-        if self._process is not None:
-            self._process.poll()  # leaves no zombie behind
+        for process in LEFT:
+            process.poll()  # leaves no zombie behind
         try:
             with (self.folder / ALIVE).open("r+") as file:
                 fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)

@@ -18,6 +18,7 @@ OWN_EFFECTS = "effects.py"
 KEY_RECORDING = "record"  # one recording at a time
 KEY_RIG = "rig"  # the simulated one, where it is behind the port
 RUNNING = "running"  # below results; what is to be known of jobs that outlive the studio
+PACES = "paces.json"
 POINTER = "effects-file.txt"  # below results; one line, the path of the file with own effects
 
 
@@ -33,7 +34,7 @@ class Studio:
     def __init__(self, root: str | Path) -> None:
         self.workspace = Workspace(root)
         running = self.workspace.root / RESULTS / RUNNING
-        self.jobs = JobBoard({key: running / key for key in (KEY_RECORDING, KEY_RIG)})
+        self.jobs = JobBoard({key: running / key for key in (KEY_RECORDING, KEY_RIG)}, running / PACES)
         self.memory = Memory()
 
     @property
