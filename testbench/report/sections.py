@@ -20,6 +20,7 @@ from testbench.report import (
 from testbench.report.comparison_figures import Overlay
 from testbench.report.document import Facts, Item, Picture, Section, Table
 from testbench.report.ladder_figures import UNITS, Step
+from testbench.report.numbers import plain
 from testbench.report.parameters import parameter_table
 from testbench.report.places import beyond_noise, place_in_words
 
@@ -74,7 +75,7 @@ def comparison_section(both: Overlay, comparison: Mapping[str, Any]) -> Section:
 def errors_table(channels: Mapping[str, Mapping[str, Any]]) -> Table:
     """RMS error of each channel beside its noise floor."""
     rows = [
-        (name, f"{entry['rms']:.4g} {entry['unit']}", f"{entry['noise_floor']:.2g} {entry['unit']}",
+        (name, f"{plain(entry['rms'])} {entry['unit']}", f"{plain(entry['noise_floor'], 2)} {entry['unit']}",
          f"{entry['over_noise']:.1f} x")
         for name, entry in channels.items()
     ]  # fmt: skip
@@ -86,16 +87,22 @@ def ladder_section(steps: Sequence[Step]) -> Section:
     channels = list(steps[0].errors)
     head = ("Step", *(f"Held-out {channel} / {UNITS[channel]}" for channel in channels), "Fall")
     rows = [
-        (step.label, *(f"{step.errors[channel]:.4g}" for channel in channels), fall_in_words(steps[0], step))
+        (step.label, *(plain(step.errors[channel]) for channel in channels), fall_in_words(steps[0], step))
         for step in steps
     ]
-    floor = ", ".join(f"{channel} {value:.2g} {UNITS[channel]}" for channel, value in steps[-1].noise_floor.items())
+    floor = ", ".join(
+        f"{channel} {plain(value, 2)} {UNITS[channel]}" for channel, value in steps[-1].noise_floor.items()
+    )
     caption = (
         "Held-out error after each step; the dashed line is the noise floor, below which nothing is left to explain."
     )
     return Section(
         "The error ladder",
-        [Picture("ladder", ladder_figures.ladder(steps), caption), Table(head, rows, f"Noise floor: {floor}.")],
+        [
+            Picture("ladder", ladder_figures.ladder(steps), caption),
+            *words.ladder_notes(step.label for step in steps),
+            Table(head, rows, f"Noise floor: {floor}."),
+        ],
     )
 
 
@@ -193,10 +200,10 @@ def diagnosis_section(diagnosis: Mapping[str, Any]) -> Section:
     base = words.base_in_words(diagnosis)
     items += [base] if base else []
     if diagnosis["ranking"]:
+        items.append(candidates_table(diagnosis))
         caption = (
-            "What each effect would take off the held-out error, its best form speaking for it: weighed beforehand "
-            "(bars) and measured after a refit (dots, 95 % over blocks of 60 s). The dashed line is what a free-form "
-            "map of the residual finds."
+            "What a refit with each effect takes off the held-out error, with the 95 % interval over blocks of 60 s. "
+            "The dashed line is what a free-form map of the residual takes off."
         )
         items.append(Picture("candidates", diagnosis_figures.candidates(diagnosis), caption))
     depends = diagnosis_figures.dependence(diagnosis)
@@ -204,3 +211,18 @@ def diagnosis_section(diagnosis: Mapping[str, Any]) -> Section:
         caption = "What the residual depends on before anything is added."
         items.append(Picture("dependence", depends, caption))
     return Section("What is missing", items)
+
+
+def candidates_table(diagnosis: Mapping[str, Any]) -> Table:
+    """Every ranked effect with its one number: what a refit with it leaves of the held-out error."""
+    told = any(words.probability_of(diagnosis, entry["effect"]) is not None for entry in diagnosis["ranking"])
+    head = ("", "Effect", *(("Probability",) if told else ()), "Held-out error left", "95 %", "Form")
+    rows = []
+    for number, entry in enumerate(diagnosis["ranking"][: diagnosis_figures.SHOWN], 1):
+        probability = words.probability_of(diagnosis, entry["effect"])
+        chance = ("" if probability is None else words.percent(probability),) if told else ()
+        left = words.error_left(entry) or "not worth a refit"
+        form = words.spoken(entry["form"]) if entry["form"] != entry["effect"] else ""
+        name = words.spoken(entry["effect"])
+        rows.append((str(number), name, *chance, left, words.error_left_between(entry), form))
+    return Table(head, rows)

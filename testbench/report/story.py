@@ -15,6 +15,7 @@ from testbench.report import ladder_figures, sections, words
 from testbench.report.comparison_figures import busiest_window
 from testbench.report.document import Facts, Item, Picture, Section
 from testbench.report.ladder_figures import UNITS, Step
+from testbench.report.numbers import plain
 from testbench.report.overlays import models_of, overlay_of, steps_of
 
 GLANCE_S = 60.0
@@ -114,7 +115,7 @@ def glance_facts(steps: Sequence[Step]) -> list[tuple[str, str]]:
     last = steps[-1]
     pairs = []
     for channel, error in last.errors.items():
-        pairs.append((f"held-out error of the {channel}", f"{error:.3g} {UNITS[channel]}"))
+        pairs.append((f"held-out error of the {channel}", f"{plain(error)} {UNITS[channel]}"))
         floor = last.noise_floor.get(channel, 0.0)
         if len(steps) > 1 and steps[0].errors[channel] > 0:
             pairs.append(("against the first model", f"{100 * (error / steps[0].errors[channel] - 1):+.0f} %"))

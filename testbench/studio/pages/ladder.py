@@ -13,7 +13,7 @@ from testbench.report.numbers import plain
 from testbench.report.parameters import parameter_table
 from testbench.report.sections import fall_in_words
 from testbench.report.story import GLANCE_S
-from testbench.report.words import spoken
+from testbench.report.words import ladder_notes, spoken
 from testbench.studio import models
 from testbench.studio.jobs import Job, State
 from testbench.studio.picture import plot
@@ -76,6 +76,8 @@ class _Ladder:
             "Error on the held-out samples, which no fit has seen, after each step; dashed: the noise floor, the "
             "least that any model can reach.",
         )
+        for note in ladder_notes(step.label for step in self.steps):
+            ui.label(note).classes("quiet text-sm")
         with ui.column().classes("card gap-1"):
             under = "Move along the steps; the pictures follow."
             subheading(

@@ -105,6 +105,31 @@ async def test_candidates_are_ranked_and_ties_are_said(user: User, fitted: Studi
     await user.should_see("tied")
 
 
+async def test_with_nothing_missing_there_is_nothing_to_add_but_a_better_law(user: User, fitted: Studio) -> None:
+    with_diagnosis(fitted, "nothing_missing")
+    await user.open("/missing?c=sleeve")
+    await user.should_see("Nothing is missing that these recordings could show.")
+    await user.should_see("lie on the dashed line", retries=100)
+    await user.should_not_see("Add stress relaxation")
+    await user.should_not_see("Design the experiment")
+    await user.should_not_see("Use elasticity ogden")
+    path = fitted.workspace.results("sleeve") / "diagnosis.json"
+    path.write_text(json.dumps(json.loads(path.read_text()) | {"other_laws": ["elasticity_ogden"]}))
+    await user.open("/missing?c=sleeve")
+    await user.should_see("The law elasticity ogden suits this sensor better.")
+    await user.should_see("Use elasticity ogden")
+
+
+async def test_a_candidate_is_told_with_formula_source_and_values(user: User, fitted: Studio) -> None:
+    with_diagnosis(fitted)
+    await user.open("/missing?c=sleeve")
+    await user.should_see("Add stress relaxation", retries=100)
+    await user.should_see("F(t) = F_e(t) - fraction")
+    await user.should_see("Source: Fung, Biomechanics")
+    await user.should_see("leaves 38 % of the held-out error")
+    await user.should_see("not worth a refit")
+
+
 async def test_looking_at_a_candidate_shows_its_prediction(user: User, fitted: Studio) -> None:
     with_diagnosis(fitted)
     await user.open("/missing?c=sleeve&pick=load_cell_creep")
