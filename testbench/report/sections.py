@@ -188,13 +188,16 @@ def short_name(source: str) -> str:
     return path.parent.name if path.name == "recording.csv" else path.stem
 
 
-def diagnosis_section(diagnosis: Mapping[str, Any]) -> Section:
+def diagnosis_section(diagnosis: Mapping[str, Any], title: str = "What is missing", tail: str = "") -> Section:
     """What is missing, and the evidence.
 
     Parameters
     ----------
     diagnosis : mapping
         The JSON of ``testbench diagnose``.
+    title : str
+    tail : str
+        Behind the names of its pictures, where a report has several diagnoses.
     """
     items: list[Item] = [words.verdict_in_words(diagnosis)]
     base = words.base_in_words(diagnosis)
@@ -205,12 +208,12 @@ def diagnosis_section(diagnosis: Mapping[str, Any]) -> Section:
             "What a refit with each effect takes off the held-out error, with the 95 % interval over blocks of 60 s. "
             "The dashed line is what a free-form map of the residual takes off."
         )
-        items.append(Picture("candidates", diagnosis_figures.candidates(diagnosis), caption))
+        items.append(Picture(f"candidates{tail}", diagnosis_figures.candidates(diagnosis), caption))
     depends = diagnosis_figures.dependence(diagnosis)
     if depends:
         caption = "What the residual depends on before anything is added."
-        items.append(Picture("dependence", depends, caption))
-    return Section("What is missing", items)
+        items.append(Picture(f"dependence{tail}", depends, caption))
+    return Section(title, items)
 
 
 def candidates_table(diagnosis: Mapping[str, Any]) -> Table:

@@ -156,6 +156,7 @@ class JobBoard:
     def __init__(self, outliving: Mapping[str, Path] | None = None, paces: Path | None = None) -> None:
         self.jobs: list[Job] = []
         self._paces = Paces(paces)
+        self.listeners: list[Callable[[Job], None]] = []  # told of every job that has ended well
         self._outliving = {key: Outliving(folder) for key, folder in (outliving or {}).items()}
 
     def find(self, key: str) -> Job | None:
@@ -182,6 +183,8 @@ class JobBoard:
         await _run(job)
         if job.state is State.DONE:
             self._paces.keep(job.argv, job.pace, job.elapsed_s)
+            for listener in self.listeners:
+                listener(job)
 
     def _adopt(self, key: str) -> None:
         """Take in a job that lives and that this board does not know: an earlier studio has started it."""
@@ -210,6 +213,9 @@ class JobBoard:
         if code is None and job.state is State.RUNNING:
             job.hear_error("error: something outside the studio ended it")
         _end(job, -1 if code is None else code)
+        if job.state is State.DONE:
+            for listener in self.listeners:
+                listener(job)
 
     async def cancel(self, job: Job) -> None:
         """Ask a job to end (as Ctrl-C would), kill it if it does not, and wait until it is gone."""

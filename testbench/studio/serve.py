@@ -7,7 +7,9 @@ import socket
 import threading
 
 from gcode.support.errors import UserError
-from testbench.studio.studio import KEY_RECORDING, Studio
+from gcode.support.files import make_folder
+from testbench.studio.studio import KEY_RECORDING, RESULTS_URL, Studio
+from testbench.studio.workspace import RESULTS
 
 HOST = "127.0.0.1"
 WARM = ("pandas", "tsdownsample", "testbench.manifest", "testbench.knit.catalogue", "testbench.discrepancy.compare")
@@ -33,6 +35,7 @@ def serve(studio: Studio, port: int, show: bool) -> None:
 
     _check_free(port)
     serve_plotly()
+    app.add_static_files(RESULTS_URL, make_folder(studio.workspace.root / RESULTS), max_cache_age=0)
     # A page elsewhere must not reach the studio by giving this machine another name (DNS rebinding).
     app.add_middleware(TrustedHostMiddleware, allowed_hosts=[HOST, "localhost"])
     app.on_startup(lambda: threading.Thread(target=_warm, daemon=True).start())

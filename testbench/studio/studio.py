@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gcode.support.errors import UserError
 from gcode.support.files import make_folder, write_text
-from testbench.studio.jobs import JobBoard
+from testbench.studio.jobs import Job, JobBoard
 from testbench.studio.memory import Memory
 from testbench.studio.workspace import RESULTS, Workspace
 
@@ -19,6 +20,10 @@ KEY_RECORDING = "record"  # one recording at a time
 KEY_RIG = "rig"  # the simulated one, where it is behind the port
 RUNNING = "running"  # below results; what is to be known of jobs that outlive the studio
 PACES = "paces.json"
+RESULTS_URL = "/files"  # below it, the server hands out what was made from the campaigns
+COMMANDS = "commands.txt"
+LOGGED = (KEY_RECORDING, "run", "import", "align", "model", "diagnose", "experiment", "train", "score")
+WITH_TARGET = ("train", "score")
 POINTER = "effects-file.txt"  # below results; one line, the path of the file with own effects
 
 
@@ -36,6 +41,22 @@ class Studio:
         running = self.workspace.root / RESULTS / RUNNING
         self.jobs = JobBoard({key: running / key for key in (KEY_RECORDING, KEY_RIG)}, running / PACES)
         self.memory = Memory()
+        self.jobs.listeners.append(self._log)
+
+    def commands_path(self, name: str) -> Path:
+        """The command lines that have been run for a campaign, one a line with its time."""
+        return self.workspace.results(name) / COMMANDS
+
+    def _log(self, job: Job) -> None:
+        """Keep what was run for a campaign: a key is ``kind:campaign``, with the target behind where it has one."""
+        kind, _, name = job.key.partition(":")
+        if job.key == KEY_RECORDING:
+            kind, name = KEY_RECORDING, Path(job.argv[-1]).relative_to(self.workspace.root).as_posix()
+        if kind in WITH_TARGET:
+            name = name.rpartition(":")[0]
+        if name and kind in LOGGED:
+            with self.commands_path(name).open("a", encoding="utf-8") as stream:
+                stream.write(f"{time.strftime('%Y-%m-%d %H:%M')}  {job.command}\n")
 
     @property
     def effects_path(self) -> Path:

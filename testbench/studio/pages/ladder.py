@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
+import time
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
+from urllib.parse import quote
 
 from nicegui import ui
 
 from testbench.discrepancy.model_file import ModelFile
+from testbench.report import diagnosis_figures
 from testbench.report import ladder_figures as figures
+from testbench.report.build import read_diagnosis
 from testbench.report.comparison_figures import busiest_window
 from testbench.report.numbers import plain
 from testbench.report.parameters import parameter_table
 from testbench.report.sections import fall_in_words
 from testbench.report.story import GLANCE_S
-from testbench.report.words import ladder_notes, spoken
+from testbench.report.words import ladder_notes, spoken, verdict_in_words
 from testbench.studio import models
 from testbench.studio.jobs import Job, State
 from testbench.studio.picture import plot
-from testbench.studio.studio import Studio
+from testbench.studio.studio import RESULTS_URL, Studio
 from testbench.studio.widgets import (
     RESISTANCE,
     Address,
@@ -32,6 +38,9 @@ from testbench.studio.widgets import (
     subheading,
     table,
 )
+from testbench.studio.workspace import RESULTS
+
+REPORT = "report.html"
 
 
 @guarded
@@ -93,10 +102,21 @@ class _Ladder:
         self.glance = plot(
             await aside(self._glance, step), "A minute of held-out samples, where the first model is worst."
         )
+        for step, path in models.kept_diagnoses(self.studio, self.c).items():
+            self._why(step, read_diagnosis(str(path)))
         parameters = parameter_table(self.file.fit, self.file.model)
         if parameters:
             subheading("The model's parameters", "After the last step; what speaks against a value stands beside it.")
             table(parameters.head, parameters.rows, parameters.caption)
+
+    def _why(self, step: int, diagnosis: Mapping[str, Any]) -> None:
+        """The diagnosis that led to a step, as it was then."""
+        title = f"The diagnosis that led to step {step}, {self.steps[step].label.removeprefix('+ ')}"
+        with ui.expansion(title, icon="search").classes("card").style("padding:0"):
+            ui.label(verdict_in_words(diagnosis)).style("font-weight:600")
+            if diagnosis["ranking"]:
+                caption = "What a refit with each effect took off the held-out error, as it was found then."
+                plot(diagnosis_figures.candidates(diagnosis), caption)
 
     def _tell(self, step: int) -> None:
         chosen = self.steps[step]
@@ -140,6 +160,8 @@ class _Ladder:
 
     def _buttons(self, last: int) -> None:
         holder = ui.column().classes("w-full")
+        with holder:
+            self._written()
         with ui.row():
             undo = ui.button("Undo the last step", icon="undo", on_click=lambda: attempt(lambda: self._undo(holder)))
             undo.props("outline").set_enabled(last > 0)
@@ -152,28 +174,53 @@ class _Ladder:
             path = models.model_path(self.studio, self.c)
             ui.button("Model as JSON", icon="download", on_click=lambda: ui.download(path)).props("outline")
 
+    def _written(self) -> None:
+        """The report that was written last, where there is one."""
+        path = self.studio.workspace.results(self.c) / REPORT
+        if not path.is_file():
+            return
+        when = time.strftime("%d %B %Y, %H:%M", time.localtime(path.stat().st_mtime))
+        with ui.row().classes("items-center gap-3"):
+            ui.icon("description").classes("quiet")
+            ui.link("Open the report", report_url(self.studio, path), new_tab=True)
+            ui.label(f"of {when}").classes("quiet text-sm")
+            name = f"{self.c.replace('/', '-')}-report.html"
+            ui.button("Download", icon="download", on_click=lambda: ui.download(path, name)).props("flat dense")
+
     def _undo(self, holder: ui.column) -> None:
         command = models.undo_command(self.studio, self.c)
         models.run_in_turn(self.studio, f"model:{self.c}", [command], holder, ui.navigate.reload)
 
     def _report(self, holder: ui.column) -> None:
         folder = self.studio.workspace.results(self.c)
-        output = folder / "report.html"
+        output = folder / REPORT
         argv = ["testbench", "report", "--recording", str(self.studio.workspace.campaign(self.c).folder)]
         argv += models.held_out_arguments(self.studio, models.held_out_of(self.studio, self.c))
         argv += ["--model", str(models.model_path(self.studio, self.c)), *self.studio.effects_arguments()]
+        for path in models.kept_diagnoses(self.studio, self.c).values():
+            argv += ["--diagnosis", str(path)]
+        if models.is_fresh(self.studio, self.c):
+            argv += ["--diagnosis", str(models.diagnosis_path(self.studio, self.c))]
         argv += _if_there("--compensator", folder / "force.score.json")
+        argv += _if_there("--commands", self.studio.commands_path(self.c))
         job = self.studio.jobs.start(
             f"report:{self.c}", f"Writing the report of {self.c}", [*argv, "-o", str(output)]
         )
 
         def ended(finished: Job) -> None:
             if finished.state is State.DONE:
-                ui.download(output, f"{self.c.replace('/', '-')}-report.html")
+                with holder:
+                    self._written()
 
         holder.clear()
         with holder:
             job_card(self.studio, job, ended)
+
+
+def report_url(studio: Studio, path: Path) -> str:
+    """Where the studio's own server hands out a file of the results."""
+    below = path.relative_to(studio.workspace.root / RESULTS).as_posix()
+    return f"{RESULTS_URL}/{quote(below)}?made={path.stat().st_mtime_ns}"
 
 
 def _over_noise(step: figures.Step) -> list[float]:

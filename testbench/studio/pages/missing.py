@@ -103,6 +103,7 @@ def _better_law(studio: Studio, c: str, laws: list[str]) -> None:
     done = partial(ui.navigate.to, address("/ladder", c=c))
 
     def start() -> None:
+        models.keep_diagnosis(studio, c)
         commands = [models.add_command(studio, c, law) for law in laws]
         models.run_in_turn(studio, f"model:{c}", commands, holder, done)
 
@@ -185,6 +186,7 @@ class _Candidates:
         return studio.memory.recall(("predicted", c, entry["form"], files), make)
 
     def _add(self, entry: Mapping[str, Any]) -> None:
+        models.keep_diagnosis(self.studio, self.c)
         done = partial(ui.navigate.to, address("/ladder", c=self.c))
         named = self.diagnosis["verdict"] == "missing"
         first = named and entry["form"] == self.diagnosis["ranking"][0]["form"]

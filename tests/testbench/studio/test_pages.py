@@ -169,6 +169,33 @@ async def test_what_the_diagnosis_put_in_goes_on_top_of_the_ladder(fitted: Studi
     assert steps == ["baseline", "+ slack", "+ slack"]
 
 
+async def test_the_diagnosis_of_each_step_is_kept(user: User, fitted: Studio) -> None:
+    with_diagnosis(fitted)
+    models.keep_diagnosis(fitted, "sleeve")
+    assert models.kept_diagnoses(fitted, "sleeve") == {}, "the step has not been taken yet"
+    path = models.model_path(fitted, "sleeve")
+    data = json.loads(path.read_text())
+    data["history"].append(data["history"][0] | {"step": "+ stress_relaxation"})
+    path.write_text(json.dumps(data))
+    with_diagnosis(fitted, "nothing_missing")
+    kept = models.kept_diagnoses(fitted, "sleeve")
+    assert list(kept) == [1]
+    assert json.loads(kept[1].read_text())["verdict"] == "missing"
+    await user.open("/ladder?c=sleeve")
+    await user.should_see("The diagnosis that led to step 1, stress relaxation", retries=50)
+
+
+async def test_commands_of_a_campaign_are_kept(studio: Studio) -> None:
+    job = studio.jobs.start("model:sleeve", "Help", ["testbench", "--help"])
+    assert job.task
+    await job.task
+    other = studio.jobs.start("effects", "Help", ["testbench", "--version"])
+    assert other.task
+    await other.task
+    assert studio.commands_path("sleeve").read_text().endswith("  testbench --help\n")
+    assert studio.commands_path("sleeve").read_text().count("\n") == 1
+
+
 async def test_a_new_effect_starts_from_the_template_and_is_checked(user: User, studio: Studio) -> None:
     await user.open("/effects")
     user.find("Name of a new effect").type("My Effect")
