@@ -35,14 +35,14 @@ def held_out_choices(studio: Studio, c: str) -> list[str]:
 
 
 def companions(studio: Studio, c: str) -> tuple[list[str], list[str]]:
-    """Other campaigns of the same gauge length: those of the same specimen, and the rest."""
+    """Other campaigns of the same gauge length: those known to be of the same specimen, and the rest."""
     own = studio.workspace.campaign(c)
     found = [
         other
         for other in studio.workspace.campaigns()
         if other.name != c and other.gauge_length_mm == own.gauge_length_mm
     ]
-    same = [other.name for other in found if other.specimen == own.specimen]
+    same = [other.name for other in found if own.specimen and other.specimen == own.specimen]
     return same, [other.name for other in found if other.name not in same]
 
 

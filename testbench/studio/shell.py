@@ -20,6 +20,7 @@ from testbench.studio.pages import (
     plan,
     record,
     recording,
+    side,
 )
 from testbench.studio.picture import load_plotly
 from testbench.studio.studio import Studio
@@ -33,6 +34,7 @@ NAVIGATION = (
 )
 PAGES: dict[str, Callable] = {
     "/": campaigns.page,
+    "/side": side.page,
     "/import": importing.page,
     "/plan": plan.page,
     "/record": record.page,

@@ -10,6 +10,7 @@ from gcode.support.errors import UserError
 from gcode.support.files import make_folder, write_text
 from testbench.studio.jobs import Job, JobBoard
 from testbench.studio.memory import Memory
+from testbench.studio.notes import Notes
 from testbench.studio.workspace import RESULTS, Workspace
 
 if TYPE_CHECKING:
@@ -21,6 +22,7 @@ KEY_RIG = "rig"  # the simulated one, where it is behind the port
 RUNNING = "running"  # below results; what is to be known of jobs that outlive the studio
 PACES = "paces.json"
 RESULTS_URL = "/files"  # below it, the server hands out what was made from the campaigns
+KEPT_SKETCHES = 2000
 COMMANDS = "commands.txt"
 LOGGED = (KEY_RECORDING, "run", "import", "align", "model", "diagnose", "experiment", "train", "score")
 WITH_TARGET = ("train", "score")
@@ -41,6 +43,8 @@ class Studio:
         running = self.workspace.root / RESULTS / RUNNING
         self.jobs = JobBoard({key: running / key for key in (KEY_RECORDING, KEY_RIG)}, running / PACES)
         self.memory = Memory()
+        self.sketches = Memory(KEPT_SKETCHES)
+        self.notes = Notes(self.workspace.root / RESULTS)
         self.jobs.listeners.append(self._log)
 
     def commands_path(self, name: str) -> Path:

@@ -16,6 +16,7 @@ from testbench.report import recording_figures as figures
 from testbench.studio.models import LAST_THIRD, held_out_of, model_path
 from testbench.studio.pages.compare import view_of
 from testbench.studio.picture import plot, zooming_plot
+from testbench.studio.provenance import provenance
 from testbench.studio.studio import Studio
 from testbench.studio.unfinished import is_under_way, is_unfinished, under_way_card, unfinished_card
 from testbench.studio.widgets import (
@@ -58,6 +59,7 @@ async def page(studio: Studio, c: str = "", show: str = "", start: str = "", end
     zooming_plot(drawn, caption, span_of(start, end), where.note_span)
     path = studio.workspace.campaign(c).folder / "recording.csv"
     later(partial(_below, c, recording, path, kohm))
+    later(partial(provenance, studio, c))
     later(partial(_prepare, studio, c))
 
 
