@@ -4,7 +4,9 @@ const draw = (holder) => {
   if (holder.dataset.drawn) return;
   holder.dataset.drawn = "yes";
   const figure = figures[holder.id];
-  Plotly.newPlot(holder, figure.data, figure.layout, figures.config);
+  const layout = forNarrow(figure.layout, holder.clientWidth);
+  holder.style.height = `${layout.height}px`;
+  Plotly.newPlot(holder, figure.data, layout, figures.config);
 };
 const holders = [...document.querySelectorAll(".plot")];
 const watcher = new IntersectionObserver(

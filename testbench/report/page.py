@@ -39,6 +39,7 @@ def to_html(report: Report) -> str:
 <main>{body}<footer>{escape(report.footer)}</footer></main>
 <script>{plotly_js()}</script>
 <script type="application/json" id="figures">{_for_script(to_json(figures))}</script>
+<script>{own.joinpath("narrow.js").read_text("utf-8")}</script>
 <script>{own.joinpath("page.js").read_text("utf-8")}</script>
 </body></html>
 """

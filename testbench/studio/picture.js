@@ -46,9 +46,11 @@ export default {
       this.stale = false;
       const Plotly = await plotly();
       if (!this.$el.isConnected) return;
-      const { data, layout, config } = JSON.parse(this.figure);
+      const { data, layout: wide, config } = JSON.parse(this.figure);
       const first = !this.width;
       this.width = this.$el.clientWidth;
+      const layout = window.forNarrow(wide, this.width);
+      this.$el.style.height = `${layout.height}px`;
       await Plotly.react(this.$el, data, layout, config);
       if (first) this.$el.on("plotly_relayout", (change) => this.$emit("zoom", change));
       this.$el.dataset.drawn = 1 + Number(this.$el.dataset.drawn ?? 0);
@@ -60,8 +62,12 @@ export default {
     },
     fit() {
       if (!this.width || this.width === this.$el.clientWidth || !this.$el.clientWidth) return;
+      const narrow = [this.width, this.$el.clientWidth].some((width) => width < 560);
       this.width = this.$el.clientWidth;
-      window.Plotly.Plots.resize(this.$el);
+      if (narrow) {
+        this.stale = true;
+        this.draw();
+      } else window.Plotly.Plots.resize(this.$el);
     },
   },
 };

@@ -6,6 +6,7 @@ import math
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from importlib.resources import files
 from typing import Any
 
 from nicegui import events, ui
@@ -77,7 +78,8 @@ def serve_plotly() -> None:
 
 def load_plotly() -> None:
     """Have the page fetch it while everything else is still on its way."""
-    ui.add_head_html(f'<script id="plotly" async src="{PLOTLY_URL}"></script>')
+    narrow = files("testbench.report").joinpath("narrow.js").read_text("utf-8")
+    ui.add_head_html(f'<script>{narrow}</script><script id="plotly" async src="{PLOTLY_URL}"></script>')
 
 
 def plot(figure: style.Figure, caption: str) -> Picture:

@@ -11,6 +11,7 @@ from gcode.support.files import make_folder, write_text
 from testbench.studio.jobs import Job, JobBoard
 from testbench.studio.memory import Memory
 from testbench.studio.notes import Notes
+from testbench.studio.trust import is_trusted, trust
 from testbench.studio.workspace import RESULTS, Workspace
 
 if TYPE_CHECKING:
@@ -76,6 +77,17 @@ class Studio:
         return self.effects_path if self.effects_path.is_file() else None
 
     @property
+    def runnable_effects(self) -> Path | None:
+        """The user's own effects, where the user agreed to run them as they are now: they are code."""
+        path = self.effects_file
+        return path if path is not None and is_trusted(path) else None
+
+    def agree_to_effects(self) -> None:
+        """The user agrees to run the file of own effects as it is now."""
+        if self.effects_file is not None:
+            trust(self.effects_file)
+
+    @property
     def _pointer(self) -> Path:
         return self.workspace.root / RESULTS / POINTER
 
@@ -89,12 +101,14 @@ class Studio:
         """
         if path.suffix != ".py" or not path.is_file():
             raise UserError(f"{path}: no such Python file; give the full path of a .py file on this machine")
+        trust(path)
         make_folder(self._pointer.parent)
         write_text(self._pointer, f"{path.resolve()}\n")
 
     def effects_arguments(self) -> list[str]:
-        """``--effects FILE`` where the user has some."""
-        return ["--effects", str(self.effects_file)] if self.effects_file else []
+        """``--effects FILE`` where the user has some, and agreed to run them."""
+        path = self.runnable_effects
+        return ["--effects", str(path)] if path else []
 
     def catalogue(self) -> Catalogue:
         """Built-in effects and the user's own.
@@ -106,4 +120,4 @@ class Studio:
         """
         from testbench.knit.catalogue import load_catalogue
 
-        return load_catalogue(self.effects_file)
+        return load_catalogue(self.runnable_effects)

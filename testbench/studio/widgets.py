@@ -95,6 +95,7 @@ def guarded(page: Callable) -> Callable:
     @functools.wraps(page)
     async def build(*args: Any, **kwargs: Any) -> None:
         with ui.column().classes("page gap-4"):
+            _ask_before_running(kwargs.get("studio") or args[0])
             try:
                 result = page(*args, **kwargs)
                 if inspect.isawaitable(result):
@@ -103,6 +104,24 @@ def guarded(page: Callable) -> Callable:
                 trouble(str(error))
 
     return build
+
+
+def _ask_before_running(studio: Studio) -> None:
+    """Own effects are code, and a workspace may be somebody else's: ask before it is run."""
+    path = studio.effects_file
+    if path is None or studio.runnable_effects is not None:
+        return
+
+    def agree() -> None:
+        studio.agree_to_effects()
+        ui.navigate.reload()
+
+    with ui.column().classes("trouble gap-2").props("role=alert"):
+        ui.label(f"This workspace brings its own effects: {path}. They are Python code and have not been run.")
+        ui.label("Run them only if you know where they come from.").classes("text-sm")
+        with ui.row():
+            ui.button("Look at the code", icon="code", on_click=lambda: ui.navigate.to("/effects")).props("outline")
+            ui.button("Run it", icon="play_arrow", on_click=agree).props("unelevated color=accent")
 
 
 async def aside(function: Callable[..., T], *arguments: Any) -> T:
@@ -202,6 +221,7 @@ def campaign_head(name: str, here: str, show: str = "") -> None:
             link = ui.link(title, address(path, c=name, show=show))
             if path == here:
                 link.classes("here").props("aria-current=page")
+    ui.run_javascript("document.querySelector('.tabs .here')?.scrollIntoView({block: 'nearest', inline: 'center'})")
 
 
 def later(build: Callable[[], Awaitable[None] | None]) -> None:

@@ -223,6 +223,28 @@ async def test_own_effects_may_lie_in_a_file_elsewhere(user: User, studio: Studi
     assert Studio(studio.workspace.root).effects_file == tmp_path / "mine.py"
 
 
+async def test_somebody_elses_effects_are_not_run_unasked(user: User, studio: Studio, tmp_path: Path) -> None:
+    ran = tmp_path / "ran"
+    mine = (
+        "from testbench.knit.relaxation import StressRelaxation\nclass Mine(StressRelaxation):\n    name = 'mine'\n"
+    )
+    (studio.workspace.root / "effects.py").write_text(f"open({str(ran)!r}, 'w').close()\n{mine}")
+    assert studio.effects_arguments() == []
+    studio.catalogue()
+    await user.open("/recording?c=sleeve")
+    await user.should_see("have not been run")
+    await user.should_see("How often each value occurred")
+    assert not ran.exists()
+    user.find("Run it").click()
+    await asyncio.sleep(0.1)
+    assert studio.effects_arguments() == ["--effects", str(studio.workspace.root / "effects.py")]
+    studio.catalogue()
+    assert ran.exists()
+    (studio.workspace.root / "effects.py").write_text("other = 1\n")
+    assert studio.effects_arguments() == [], "it was another text that was agreed to"
+    assert Studio(studio.workspace.root).runnable_effects is None
+
+
 async def test_tied_effects_lead_to_the_experiment(user: User, fitted: Studio) -> None:
     with_diagnosis(fitted)
     await user.open("/missing?c=sleeve")
