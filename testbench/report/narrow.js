@@ -1,10 +1,10 @@
 // On a narrow screen, panels that stand side by side are stacked: each gets the whole width and a height of its own.
 const NARROW_PX = 560, PANEL_PX = 230, GAP_PX = 58;
 
-window.forNarrow = (layout, width) => {
+window.forNarrow = ({ data, layout }, width) => {
   const panels = width < NARROW_PX ? panelsOf(layout) : [];
   const columns = new Set(panels.map((panel) => panel.left.toFixed(2)));
-  if (columns.size < 2) return { ...layout, ...(width < NARROW_PX ? narrowMargin(layout) : {}) };
+  if (columns.size < 2) return { data, layout: { ...layout, ...(width < NARROW_PX ? narrowMargin(layout) : {}) } };
   panels.sort((one, other) => other.top - one.top || one.left - other.left);
   const inner = panels.length * PANEL_PX + (panels.length - 1) * GAP_PX;
   const stacked = { ...layout, ...narrowMargin(layout) };
@@ -16,7 +16,15 @@ window.forNarrow = (layout, width) => {
   });
   stacked.annotations = (layout.annotations ?? []).map((note) => moved(note, panels));
   stacked.height = inner + stacked.margin.t + stacked.margin.b;
-  return stacked;
+  return { data: data.map((trace) => barBeside(trace, panels)), layout: stacked };
+};
+
+// A colour bar stands beside its own panel.
+const barBeside = (trace, panels) => {
+  const panel = trace.colorbar && panels.find(({ yRef }) => yRef === (trace.yaxis ?? "y"));
+  if (!panel) return trace;
+  const [low, high] = panel.now;
+  return { ...trace, colorbar: { ...trace.colorbar, x: 1.01, y: (low + high) / 2, yanchor: "middle", len: high - low } };
 };
 
 // Each vertical axis with the horizontal one that it is drawn on.

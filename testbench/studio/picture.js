@@ -46,12 +46,12 @@ export default {
       this.stale = false;
       const Plotly = await plotly();
       if (!this.$el.isConnected) return;
-      const { data, layout: wide, config } = JSON.parse(this.figure);
+      const figure = JSON.parse(this.figure);
       const first = !this.width;
       this.width = this.$el.clientWidth;
-      const layout = window.forNarrow(wide, this.width);
-      this.$el.style.height = `${layout.height}px`;
-      await Plotly.react(this.$el, data, layout, config);
+      const { data, layout } = window.forNarrow(figure, this.width);
+      this.$el.style.minHeight = `${layout.height}px`;
+      await Plotly.react(this.$el, data, layout, figure.config);
       if (first) this.$el.on("plotly_relayout", (change) => this.$emit("zoom", change));
       this.$el.dataset.drawn = 1 + Number(this.$el.dataset.drawn ?? 0);
       this.$emit("drawn");
