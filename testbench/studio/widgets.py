@@ -244,11 +244,6 @@ def name_in_page(selector: str, name: str) -> None:
     )
 
 
-def number(label: str, value: float | None, form: str = "%.6g") -> ui.number:
-    """A field for a number."""
-    return ui.number(label, value=value, format=form).props("outlined dense").style("width:170px")
-
-
 @contextmanager
 def working(what: str) -> Iterator[None]:
     """Say what is being done while the work below it goes on."""

@@ -8,11 +8,12 @@ from pathlib import Path
 from nicegui import ui
 
 from gcode.support.errors import UserError
+from testbench.studio.fields import check, number_field
 from testbench.studio.pages.live import Live
 from testbench.studio.pages.plan import PROGRAMS, SENSORS
 from testbench.studio.studio import KEY_RECORDING, KEY_RIG, Studio
 from testbench.studio.unfinished import rig_port
-from testbench.studio.widgets import attempt, guarded, heading, invitation, number
+from testbench.studio.widgets import attempt, guarded, heading, invitation
 
 SIMULATED = "the simulated rig"
 PATIENCE_S = 30
@@ -50,11 +51,12 @@ def _form(studio: Studio, holder: ui.column) -> None:
         with ui.row().classes("items-center"):
             name = ui.input("Campaign name", value=_free(studio, "recorded")).props("outlined dense")
             specimen = ui.input("Specimen").props("outlined dense")
-            force = number("Force limit / N", None)
-            strain = number("Strain limit / %", None)
+            force = number_field("Force limit / N", None, optional=True)
+            strain = number_field("Strain limit / %", None, optional=True)
         ui.label(_hint(ports_here())).classes("quiet text-sm")
 
         async def start() -> None:
+            check(force, strain)
             target = studio.workspace.free_name(name.value)
             tap = studio.workspace.root / PROGRAMS / program.value / "program.tap"
             running = studio.jobs.find(KEY_RECORDING)

@@ -9,6 +9,7 @@ import shutil
 from pathlib import Path
 
 import pytest
+from nicegui import ui
 from nicegui.testing import User
 
 import tests.testbench.report.samples as samples
@@ -297,6 +298,20 @@ async def test_a_broken_effect_is_said_not_thrown(user: User, studio: Studio) ->
 async def test_recording_needs_a_program_first(user: User) -> None:
     await user.open("/record")
     await user.should_see("No program yet")
+
+
+async def test_a_wrong_field_is_marked_in_its_own_words(user: User, studio: Studio) -> None:
+    await user.open("/plan")
+    user.find("Duration / min").clear()
+    user.find("Speed / mm/s").type("-3")
+    user.find(kind=ui.button, content="Plan").click()
+    await user.should_see("Give the duration.")
+    assert not studio.jobs.jobs
+    fields = {field.props["label"]: field for field in user.find(kind=ui.number).elements}
+    assert fields["Duration / min"].error == "Give the duration."
+    assert fields["Speed / mm/s"].error == "The speed must be more than 0."
+    assert fields["Seed"].error is None
+    assert fields["Speed / mm/s"].props["hint"] == "empty: 4.35 mm/s"
 
 
 async def test_a_plan_that_was_not_made_is_a_sentence(user: User) -> None:
