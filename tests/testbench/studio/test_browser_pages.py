@@ -153,7 +153,7 @@ def test_compare_opens_where_it_fails_and_every_place_is_a_link(full: Served, pa
     page.get_by_text("held-out resistance").wait_for()
     assert "show=resistance" in page.url
     page.goto(f"{full.address}/compare?c=knit&start=130&end=100")
-    page.get_by_text("the end must be after the start").wait_for()
+    page.get_by_text("the end must come after the start").wait_for()
 
 
 def test_a_wrong_stretch_is_said_in_place(full: Served, page) -> None:
