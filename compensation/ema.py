@@ -52,7 +52,12 @@ def start_samples(alphas: Sequence[float] | FloatArray, rate_hz: float) -> NDArr
     return np.ceil(exact * (1 - 1e-12)).astype(np.int64)
 
 
-def smooth(x: FloatArray, alphas: FloatArray, rate_hz: float, start: str = "paper") -> FloatArray:
+Affine = tuple[FloatArray, FloatArray]
+
+
+def smooth(
+    x: FloatArray, alphas: FloatArray, rate_hz: float, start: str = "paper", affine: Affine | None = None
+) -> FloatArray:
     """Smooth a uniformly sampled signal with every factor.
 
     Parameters
@@ -65,6 +70,8 @@ def smooth(x: FloatArray, alphas: FloatArray, rate_hz: float, start: str = "pape
     start : {"paper", "causal"}
         ``paper``: ``y(0)`` is the mean of the first M samples, which looks M - 1 samples ahead. ``causal``: the mean
         of those seen so far, as a stream must; both agree from sample M - 1 on.
+    affine : tuple of two ndarrays, each shape (k,), optional
+        Gain and offset of each filter: ``y(0)`` is ``offset + gain * mean`` (see `compensation.runtime.Beginning`).
 
     Returns
     -------
@@ -75,7 +82,7 @@ def smooth(x: FloatArray, alphas: FloatArray, rate_hz: float, start: str = "pape
     x = np.asarray(x, dtype=np.float64)
     out = np.empty((len(x), len(alphas)))
     for column, (alpha, count) in enumerate(zip(alphas, start_samples(alphas, rate_hz), strict=True)):
-        initial = _initial_values(x, int(count), start)
+        initial = _moved(_initial_values(x, int(count), start), affine, column)
         forced = np.zeros(len(x))
         if len(x) > 1:
             forced[1:] = lfilter([alpha], [1.0, alpha - 1.0], x[1:])
@@ -84,7 +91,12 @@ def smooth(x: FloatArray, alphas: FloatArray, rate_hz: float, start: str = "pape
 
 
 def smooth_irregular(
-    x: FloatArray, time_s: FloatArray, alphas: FloatArray, rate_hz: float, start: str = "paper"
+    x: FloatArray,
+    time_s: FloatArray,
+    alphas: FloatArray,
+    rate_hz: float,
+    start: str = "paper",
+    affine: Affine | None = None,
 ) -> FloatArray:
     """Smooth a signal at the times it was sampled: no resampling.
 
@@ -102,7 +114,7 @@ def smooth_irregular(
     out = np.empty((len(x), len(alphas)))
     for column, (alpha, count) in enumerate(zip(alphas, start_samples(alphas, rate_hz), strict=True)):
         within = max(int(np.searchsorted(elapsed, count - 0.5)), 1)
-        initial = _initial_values(x, within, start)
+        initial = _moved(_initial_values(x, within, start), affine, column)
         retention = np.exp(np.log1p(-min(alpha, 1 - 1e-16)) * steps)
         weight = np.concatenate([[1.0], np.cumprod(retention)])
         out[:, column] = smooth_steps(x, retention) + weight * initial
@@ -118,3 +130,10 @@ def _initial_values(x: FloatArray, count: int, start: str) -> FloatArray | float
         raise UserError(f"the bank's start must be 'paper' or 'causal', got {start!r}")
     seen = np.cumsum(head) / np.arange(1, len(head) + 1)
     return np.concatenate([seen, np.full(len(x) - len(head), seen[-1])])
+
+
+def _moved(initial: FloatArray | float, affine: Affine | None, column: int) -> FloatArray | float:
+    if affine is None:
+        return initial
+    gain, offset = affine
+    return offset[column] + gain[column] * initial

@@ -54,9 +54,7 @@ def _sensor_rows(sensor: str, series, target: str, seeds: int) -> Iterable[str]:
     yield _row(
         sensor, "best straight line (rho2), ours", [score.rho_squared(p.truth, p.conductance_S) for p in parts]
     )
-    criterion = published.E.get((sensor, target))
-    about = f"{'':14} {'about':>14} {'':14} {published.COMPENSATED[sensor, target]:9.2f}"
-    yield f"  {sensor:6} {'compensated, the paper':40} {about}" + (f" {criterion:7.4f}" if criterion else "")
+    yield _row(sensor, "compensated, the paper", published.COMPENSATED[sensor, target], None, 51)
     label = f"EMA + (4,2,2), all seeds ({paper.dead.sum()} dead)"
     yield _row(sensor, label, paper.r2.mean(axis=0), paper.r2.std(axis=0), 51)
     yield _row(sensor, "EMA + (4,2,2), live seeds", paper.live.mean(axis=0), paper.live.std(axis=0), 51)

@@ -14,6 +14,7 @@ from compensation.ema import PAPER_COUNT, PAPER_FACTOR, PAPER_RATE_HZ, smoothing
 from compensation.engines import DEFAULT_L2, Fit, engine
 from compensation.history import NO_HISTORY, History
 from compensation.preprocessing import Series, series_of
+from compensation.runtime import ready_for_use
 from compensation.score import r2
 from testbench.recording import Recording
 
@@ -110,7 +111,7 @@ def train_on_series(
     scores = [r2(truth, fit.network(features)) for fit in fits]
     best = int(np.argmax(scores))
     recipe = describe(series, options, fits, features) | {"seed": options.seed + best, "training_r2": scores[best]}
-    return replace(blank, networks=(fits[best].network,), recipe=recipe)
+    return ready_for_use(replace(blank, networks=(fits[best].network,), recipe=recipe), series)
 
 
 def untrained(series: Sequence[Series], target: str, options: Options) -> Compensator:
@@ -134,9 +135,13 @@ def untrained(series: Sequence[Series], target: str, options: Options) -> Compen
 def training_arrays(blank: Compensator, series: Sequence[Series]) -> tuple[FloatArray, FloatArray]:
     """Features (n, k) and standardised target (n,) of all recordings, one after the other."""
     features = [blank.features(part.time_s, part.conductance_S) for part in series]
-    scalings = [Scaling.of(part.truth) if blank.per_recording else blank.scaling_out for part in series]
-    truth = [scaling.apply(part.truth) for scaling, part in zip(scalings, series, strict=True)]
+    truth = [scaling_of_target(blank, part).apply(part.truth) for part in series]
     return np.concatenate(features), np.concatenate(truth)
+
+
+def scaling_of_target(blank: Compensator, part: Series) -> Scaling:
+    """By which a recording's target is standardised: its own, or the training's."""
+    return Scaling.of(part.truth) if blank.per_recording else blank.scaling_out
 
 
 def describe(series: Sequence[Series], options: Options, fits: Sequence[Fit], features: FloatArray) -> dict[str, Any]:
