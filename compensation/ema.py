@@ -45,6 +45,20 @@ def smoothing_factors(factor: float = PAPER_FACTOR, count: int = PAPER_COUNT) ->
     return np.asarray([float(factor) ** -i for i in range(1, int(count) + 1)])
 
 
+def given_factors(alphas: Sequence[float]) -> FloatArray:
+    """Smoothing factors set by hand.
+
+    Raises
+    ------
+    UserError
+        Unless there is at least one and each is from 1e-6 to 1.
+    """
+    found = np.asarray(alphas, dtype=np.float64)
+    if not len(found) or not ((found >= SMALLEST_ALPHA) & (found <= 1)).all():
+        raise UserError(f"smoothing factors must be numbers from {SMALLEST_ALPHA:g} to 1, got {list(alphas)}")
+    return found
+
+
 def start_samples(alphas: Sequence[float] | FloatArray, rate_hz: float) -> NDArray[np.int64]:
     """Samples averaged for each filter's initial value: ``M_i = ceil(1 / (f alpha_i))``."""
     exact = 1.0 / (rate_hz * np.asarray(alphas, dtype=np.float64))

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compensation.compensator import Compensator, Scaling
-from compensation.ema import PAPER_COUNT, PAPER_FACTOR, PAPER_RATE_HZ, smoothing_factors
+from compensation.ema import PAPER_COUNT, PAPER_FACTOR, PAPER_RATE_HZ, given_factors, smoothing_factors
 from compensation.engines import DEFAULT_L2, Fit, engine
 from compensation.history import NO_HISTORY, History
 from compensation.preprocessing import Series, series_of
@@ -34,6 +34,8 @@ class Options:
         Hidden layers.
     factor, count : float, int
         Smoothing factors ``alpha_i = factor^-i``, i = 1..count.
+    alphas : tuple of float, optional
+        Smoothing factors set by hand, in place of those.
     l2 : float
         MLPRegressor's ``alpha``.
     seed : int
@@ -62,6 +64,12 @@ class Options:
     engine: str = "exact"
     rate_hz: float = PAPER_RATE_HZ
     history: History = NO_HISTORY
+    alphas: tuple[float, ...] | None = None
+
+    @property
+    def bank(self) -> FloatArray:
+        """Smoothing factors, set or calculated."""
+        return smoothing_factors(self.factor, self.count) if self.alphas is None else given_factors(self.alphas)
 
 
 def train(
@@ -121,7 +129,7 @@ def untrained(series: Sequence[Series], target: str, options: Options) -> Compen
     return Compensator(
         target=target,
         rate_hz=options.rate_hz,
-        alphas=smoothing_factors(options.factor, options.count),
+        alphas=options.bank,
         scaling_in=Scaling.of(conductance),
         scaling_out=Scaling.of(truth),
         networks=(),
@@ -153,6 +161,7 @@ def describe(series: Sequence[Series], options: Options, fits: Sequence[Fit], fe
         "sizes": list(options.sizes),
         "factor": options.factor,
         "count": options.count,
+        "alphas": options.bank.tolist(),
         "l2": options.l2,
         "restarts": len(fits),
         "dead_networks": sum(fit.network.is_dead(features) for fit in fits),

@@ -36,8 +36,8 @@ SHIFT = 10.0  # least_squares takes difference steps relative to the variable, w
 
 # What is not tuned. The stiffness gives 3 to 5 N at 30 %; offset_N is the pretension in the clamps.
 COMMON: dict[str, dict[str, float]] = {
-    "permanent_set_recovering": {"fraction": 0.12, "tau_s": 300},
-    "permanent_set_worked": {"amount": 0.03, "scale": 30},
+    "permanent_set_recovering": {"fraction": 0.12, "tau_s": 300, "pretension": 0.3},
+    "permanent_set_worked": {"amount": 0.03, "scale": 30, "pretension": 0.3},
     "elasticity": {"stiffness_N": 6, "curvature": 3.5, "offset_N": 0.6},
     "hysteresis": {"friction_N": 0.4, "threshold": 0.02, "growth": 3},
     "stress_relaxation": {"fraction": 0.2, "tau_s": 15},

@@ -93,6 +93,19 @@ def parse_sizes(text: str) -> tuple[int, ...]:
     return sizes
 
 
+def parse_factors(text: str) -> tuple[float, ...]:
+    """Smoothing factors from ``0.5,0.1,0.025,0.0025``."""
+    from compensation.ema import given_factors
+    from gcode.support.errors import UserError
+
+    try:
+        factors = tuple(float(part) for part in text.split(","))
+    except ValueError:
+        raise UserError(f"--factors must be numbers with commas, such as 0.5,0.1,0.025; got {text!r}") from None
+    given_factors(factors)
+    return factors
+
+
 def finish(args: argparse.Namespace, scores: dict[str, Any], note: str) -> int:
     """Print the score, as a table or JSON, and draw it where asked."""
     import json

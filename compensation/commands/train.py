@@ -16,7 +16,7 @@ SUMMARY = "Train a compensator on recorded campaigns."
 EXAMPLE = "compensation train campaigns/pes-T --target force -o pes.compensator.json"
 
 # What --method paper is told, and the other methods choose themselves.
-OWN_CHOICES = ("hidden", "factor", "count", "l2", "restarts", "engine")
+OWN_CHOICES = ("hidden", "factors", "factor", "count", "l2", "restarts", "engine")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -43,6 +43,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--hidden", metavar="A,B,..", help="paper: hidden layers (default 4,2,2)")
     parser.add_argument("--factor", type=float, metavar="A", help="paper: factors A^-i (default 2.5)")
     parser.add_argument("--count", type=int, metavar="N", help="paper: number of filters (default 7)")
+    parser.add_argument(
+        "--factors", metavar="A,B,..", help="paper: smoothing factors set by hand, such as 0.5,0.1,0.025,0.0025"
+    )
     parser.add_argument("--l2", type=float, help="paper: MLPRegressor's alpha (default 1e-4)")
     parser.add_argument(
         "--restarts",
@@ -73,7 +76,7 @@ def run(args: argparse.Namespace) -> int:
     save(args.output, compensator)
     recipe = compensator.recipe
     note = (
-        f"a = {recipe['factor']:g}, N = {recipe['count']}, L2 {recipe['l2']:g}, "
+        f"{_bank(recipe)}, L2 {recipe['l2']:g}, "
         f"hidden layers {tuple(recipe['sizes'])}, {len(compensator.networks)} network(s), "
         f"{compensator.parameter_count} parameters, {recipe['dead_networks']} of {recipe['restarts']} starts dead"
         f"\nwrote {args.output}"
@@ -89,9 +92,18 @@ def run(args: argparse.Namespace) -> int:
     return finish(args, score_recordings(compensator, recordings), note)
 
 
+def _bank(recipe) -> str:
+    from compensation.ema import smoothing_factors
+
+    alphas = recipe["alphas"]
+    if alphas == smoothing_factors(recipe["factor"], recipe["count"]).tolist():
+        return f"a = {recipe['factor']:g}, N = {recipe['count']}"
+    return f"smoothing factors {', '.join(f'{alpha:g}' for alpha in alphas)}"
+
+
 def _options(args: argparse.Namespace) -> Options:
     """The options that were given, checked; the others are the paper's."""
-    from compensation.commands.common import parse_sizes
+    from compensation.commands.common import parse_factors, parse_sizes
     from compensation.engines import engine
     from compensation.training import Options
 
@@ -99,6 +111,8 @@ def _options(args: argparse.Namespace) -> Options:
     given = {name: getattr(args, name) for name in OWN_CHOICES if getattr(args, name) is not None}
     if "hidden" in given:
         given["sizes"] = parse_sizes(given.pop("hidden"))
+    if "factors" in given:
+        given["alphas"] = parse_factors(given.pop("factors"))
     options = Options(seed=args.seed, irregular=args.irregular, per_recording=args.per_recording, **given)
     engine(options.engine)
     return options
@@ -111,6 +125,8 @@ def _check(args: argparse.Namespace) -> None:
     for name in OWN_CHOICES:
         if chosen and getattr(args, name) is not None:
             raise UserError(f"--{name} is for --method paper only: {chosen} makes that choice itself; leave it out")
+    if args.factors is not None and (args.factor is not None or args.count is not None):
+        raise UserError("--factors sets the smoothing factors by hand; leave out --factor and --count")
     if args.twin and args.method:
         raise UserError("--twin is a method of its own; leave --method out")
     if args.strain is not None and not args.twin:
