@@ -57,9 +57,31 @@ def test_result_table_shows_both(runs, monkeypatch):
 
     monkeypatch.setattr(tuning, "PENALTIES", (0.1,))
     monkeypatch.setattr(tuning, "BANKS", ((2.5, 7),))
-    text = tables.results({"pes": runs}, "force", 5)
-    for words in ("0.423", "0.0490", "all seeds", "best of 5", "tuned", "95 %"):
+    text = tables.results({"pes": [runs]}, "force", 5)
+    for words in ("0.423", "0.0490", "each by its own scaler: all seeds", "all by T's scaler: live seeds", "tuned"):
         assert words in text
+    assert "95 %" in text
+
+
+def test_several_sensors_are_averaged(runs, recordings):
+    several = [runs, dict(zip("TAB", recordings[::-1], strict=True))]
+    text = tables.results({"pes": several}, "force", 2, engine="fast", tuned=False)
+    raw = [[score.r2_before(s.truth, s.conductance_S) for s in ours.values()] for ours in map(forces, several)]
+    assert "raw, ours (2 sensors)" in text
+    for value in np.mean(raw, axis=0):
+        assert f"{value:.3f} (" in text
+
+
+def forces(runs):
+    return reproduction.prepared(runs, "force")
+
+
+def test_transfer_shows_gains_with_both_scalers(runs):
+    named = dict(runs) | {"fast-T": runs["T"], "fast-A": runs["A"]}
+    text = tables.transfer({"pes": [named]}, 2, engine="fast")
+    assert "raw 0.644" in text
+    assert "+24%" in text
+    assert text.count("trained on 0-50 %, a = 1.75") == 2
 
 
 def test_raw_row_is_the_raw_score(runs):
