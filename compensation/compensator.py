@@ -75,6 +75,8 @@ class Compensator:
         Ranges over the training recordings; see `compensation.runtime`.
     beginning : Beginning, optional
         Where a stream's memories begin.
+    margins : tuple of float, optional
+        Added to a prediction, the ends of the interval that held 90 % of the errors in cross-validation (N or mm).
     """
 
     target: str
@@ -91,6 +93,7 @@ class Compensator:
     recipe: Mapping[str, Any] = field(default_factory=dict)
     seen: Seen | None = None
     beginning: Beginning | None = None
+    margins: tuple[float, float] | None = None
 
     @property
     def unit(self) -> str:

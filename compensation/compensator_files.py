@@ -71,6 +71,7 @@ class _File(_Strict):
     networks: list[_Network] = Field(min_length=1)
     seen: _Seen | None = None
     beginning: _Beginning | None = None
+    margins: list[FiniteFloat] | None = Field(default=None, min_length=2, max_length=2)
     recipe: dict[str, Any]
     sha256: str
 
@@ -94,6 +95,7 @@ def save(path: str | Path, compensator: Compensator) -> None:
         "networks": [network.to_dict() for network in compensator.networks],
         "seen": _plain(compensator.seen),
         "beginning": _plain(compensator.beginning),
+        "margins": None if compensator.margins is None else list(compensator.margins),
         "recipe": dict(compensator.recipe),
     }
     write_json(path, data | {"sha256": _digest(data)})
@@ -169,6 +171,7 @@ def _build(checked: _File, networks: tuple[Network, ...]) -> Compensator:
         recipe=checked.recipe,
         seen=Seen(**_arrays(checked.seen)) if checked.seen else None,
         beginning=Beginning(**_arrays(checked.beginning)) if checked.beginning else None,
+        margins=(checked.margins[0], checked.margins[1]) if checked.margins else None,
     )
 
 

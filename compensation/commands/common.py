@@ -17,15 +17,21 @@ def add_recordings(parser: argparse.ArgumentParser) -> None:
     """The positional recordings and their gauge length."""
     parser.add_argument("recordings", nargs="+", metavar="CAMPAIGN", help="campaign folder or recording CSV")
     parser.add_argument(
-        "--gauge-length-mm", type=float, metavar="MM", help="for a bare CSV: unstretched length between the clamps"
+        "--gauge-length-mm",
+        type=float,
+        metavar="MM",
+        help="of a bare CSV: unstretched length between the clamps (only --twin needs it)",
     )
 
 
 def read_all(args: argparse.Namespace) -> list[Recording]:
-    """Every recording named on the command line."""
-    from testbench.recording import read_recording
+    """Every recording named on the command line; a force must have been tared."""
+    from compensation.reading import check_tared, read_signals
 
-    return [read_recording(path, args.gauge_length_mm) for path in args.recordings]
+    recordings = [read_signals(path, args.gauge_length_mm) for path in args.recordings]
+    for recording in recordings:
+        check_tared(recording)
+    return recordings
 
 
 def check_places(output: str | None, picture: str | None) -> None:

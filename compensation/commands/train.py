@@ -72,6 +72,7 @@ def run(args: argparse.Namespace) -> int:
     options = _options(args)
     check_places(args.output, args.plot)
     recordings = read_all(args)
+    _check_long_enough(args, options, recordings)
     compensator = _from_twin(args, recordings, options) if args.twin else _from_data(args, recordings, options)
     save(args.output, compensator)
     recipe = compensator.recipe
@@ -83,13 +84,20 @@ def run(args: argparse.Namespace) -> int:
     )
     if recipe["dead_networks"] == recipe["restarts"]:
         note += "\nwarning: the network is dead, its output hardly moves: give another --seed or more --restarts"
-    slowest_s, longest_s = compensator.slowest_s, max(recording.duration_s for recording in recordings)
-    if slowest_s > longest_s and not args.twin:
-        note += (
-            f"\nwarning: the slowest filter remembers {slowest_s:.0f} s and the longest recording has "
-            f"{longest_s:.0f} s: what it learned may not hold in a longer one; take a smaller --factor or --count"
-        )
     return finish(args, score_recordings(compensator, recordings), note)
+
+
+def _check_long_enough(args: argparse.Namespace, options: Options, recordings: list[Recording]) -> None:
+    """A filter that remembers longer than the recording lasts never leaves its initial value."""
+    from gcode.support.errors import UserError
+
+    slowest_s = 1.0 / (options.rate_hz * float(min(options.bank)))
+    longest_s = max(recording.duration_s for recording in recordings)
+    if slowest_s > longest_s and not args.twin:
+        raise UserError(
+            f"the slowest filter remembers {slowest_s:.0f} s and the longest recording has {longest_s:.0f} s; record "
+            "longer, or take a smaller --factor or --count"
+        )
 
 
 def _bank(recipe) -> str:
@@ -151,6 +159,7 @@ def _from_data(args: argparse.Namespace, recordings: list[Recording], options: O
 
 def _from_twin(args: argparse.Namespace, recordings: list[Recording], options: Options) -> Compensator:
     from compensation import twin
+    from compensation.reading import UNKNOWN_LENGTH_MM
     from gcode.support.console import Progress
     from gcode.support.errors import UserError
     from testbench.discrepancy.model_file import load_model_file
@@ -160,6 +169,8 @@ def _from_twin(args: argparse.Namespace, recordings: list[Recording], options: O
     strain = 0.3 if args.strain is None else args.strain
     if not 0 < strain <= 2:
         raise UserError(f"--strain must be above 0 and at most 2, got {strain:g}")
+    if args.gauge_length_mm is None and recordings[0].gauge_length_mm == UNKNOWN_LENGTH_MM:
+        raise UserError(f"{recordings[0].source}: --twin needs the length between the clamps; add --gauge-length-mm")
     model = load_model_file(args.twin).model
     progress = Progress("training", twin.steps())
     return twin.train_from_twin(model, recordings[0], args.target, strain, options, progress.step)

@@ -203,7 +203,7 @@ def test_a_place_that_cannot_be_written_is_refused_before_the_work(recordings, t
 
 def test_the_score_of_scaling_per_recording_says_what_it_knows(recordings, tmp_path, capsys):
     path, out = tmp_path / "r.csv", tmp_path / "c.json"
-    write_recording_csv(path, recordings[0].between(0, 20))
+    write_recording_csv(path, recordings[0].between(0, 40))
     words = ["train", str(path), "--gauge-length-mm", "25", "--target", "force", "--restarts", "1", "-o", str(out)]
     assert main([*words, "--per-recording"]) == 0
     printed = capsys.readouterr().out
