@@ -33,7 +33,8 @@ TUNING_SEEDS, CHECK_SEEDS = tuple(range(6)), tuple(range(100, 110))
 NETWORK_TUNING_SEEDS, NETWORK_CHECK_SEEDS = TUNING_SEEDS, CHECK_SEEDS
 ROUNDS, STEPS_A_ROUND = 3, 6
 # Figures that would else be traded for the others.
-BEFORE_WEIGHTS, AFTER_WEIGHTS = np.array([1.5] + [1.0] * 5 + [2.0]), np.array([1.0] * 6 + [1.5, 1.5, 1.0])
+BEFORE_WEIGHTS = {"pes": np.array([1.5] + [1.0] * 5 + [2.0]), "lycra": np.array([1.0] * 3 + [2.0, 1.0, 1.0, 1.0])}
+AFTER_WEIGHTS = np.array([1.0] * 6 + [1.5, 1.5, 1.0])
 SHIFT = 10.0  # least_squares takes difference steps relative to the variable, which must not be zero then
 
 # What is not tuned. The stiffness gives 3 to 5 N at 30 %; offset_N is the pretension in the clamps.
@@ -170,7 +171,7 @@ def misfit(name: str, model: KnitModel, offsets: FloatArray) -> FloatArray:
     after = now["after"].mean(axis=0) + offsets
     return np.concatenate(
         [
-            bent(np.nan_to_num(now["before"].mean(axis=0) - wanted_before(name))) * BEFORE_WEIGHTS,
+            bent(np.nan_to_num(now["before"].mean(axis=0) - wanted_before(name))) * BEFORE_WEIGHTS[name],
             bent(np.nan_to_num(after - wanted_after(name))) * AFTER_WEIGHTS,
             [
                 (now["drift"][:, 0].mean() - 1.2) / 0.03,

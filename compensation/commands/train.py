@@ -26,8 +26,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-o", "--output", required=True, metavar="FILE", help="compensator to write (JSON)")
     parser.add_argument(
         "--method",
-        choices=("paper", "tuned"),
-        help="paper (default): EMA + (4,2,2), best of 5 starts; tuned: better, every choice by cross-validation",
+        choices=("auto", "paper", "tuned"),
+        help="auto (default): what cross-validation finds best of a line, ridge, paper and several networks; paper: "
+        "EMA + (4,2,2), best of 5 starts (the default where an option of its own is given); tuned: 8 networks",
     )
     parser.add_argument(
         "--twin",
@@ -65,7 +66,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Train, save, and show the score on the training recordings."""
-    from compensation.commands.common import check_places, finish, read_all
+    from compensation.commands.common import check_places, cross_validation_table, finish, read_all
     from compensation.compensator_files import save
     from compensation.scorecard import score_recordings
 
@@ -73,6 +74,7 @@ def run(args: argparse.Namespace) -> int:
     check_places(args.output, args.plot)
     recordings = read_all(args)
     _check_long_enough(args, options, recordings)
+    args.method = args.method or _implied(args)
     compensator = _from_twin(args, recordings, options) if args.twin else _from_data(args, recordings, options)
     save(args.output, compensator)
     recipe = compensator.recipe
@@ -82,9 +84,17 @@ def run(args: argparse.Namespace) -> int:
         f"{compensator.parameter_count} parameters, {recipe['dead_networks']} of {recipe['restarts']} starts dead"
         f"\nwrote {args.output}"
     )
+    if "cross_validated" in recipe:
+        note = f"{cross_validation_table(recipe, compensator.unit)}\n{note}"
     if recipe["dead_networks"] == recipe["restarts"]:
         note += "\nwarning: the network is dead, its output hardly moves: give another --seed or more --restarts"
     return finish(args, score_recordings(compensator, recordings), note)
+
+
+def _implied(args: argparse.Namespace) -> str:
+    """The method where none is named: the paper's where one of its options is given."""
+    own = any(getattr(args, name) is not None for name in OWN_CHOICES)
+    return "paper" if own or args.per_recording else "auto"
 
 
 def _check_long_enough(args: argparse.Namespace, options: Options, recordings: list[Recording]) -> None:
@@ -129,7 +139,7 @@ def _options(args: argparse.Namespace) -> Options:
 def _check(args: argparse.Namespace) -> None:
     from gcode.support.errors import UserError
 
-    chosen = "--twin" if args.twin else "--method tuned" if args.method == "tuned" else ""
+    chosen = "--twin" if args.twin else f"--method {args.method}" if args.method in ("auto", "tuned") else ""
     for name in OWN_CHOICES:
         if chosen and getattr(args, name) is not None:
             raise UserError(f"--{name} is for --method paper only: {chosen} makes that choice itself; leave it out")
@@ -152,9 +162,21 @@ def _from_data(args: argparse.Namespace, recordings: list[Recording], options: O
     from compensation.training import train
     from gcode.support.console import Progress
 
+    if args.method == "auto":
+        return _automatic(args, recordings, options)
     tuned = args.method == "tuned"
     progress = Progress("training", tuning.steps() if tuned else options.restarts)
     return train(recordings, args.target, options, progress.step, tuned)
+
+
+def _automatic(args: argparse.Namespace, recordings: list[Recording], options: Options) -> Compensator:
+    from compensation import auto
+    from compensation.preprocessing import series_of
+    from gcode.support.console import Progress
+
+    rate_hz = None if options.irregular else options.rate_hz
+    series = [series_of(recording, args.target, rate_hz) for recording in recordings]
+    return auto.train_automatically(series, args.target, options, Progress("training", auto.steps()).step)
 
 
 def _from_twin(args: argparse.Namespace, recordings: list[Recording], options: Options) -> Compensator:
