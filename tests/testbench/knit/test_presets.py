@@ -53,13 +53,16 @@ def test_each_recording_is_as_poor_as_published(name: str, figures: ModuleType) 
     assert displacement == pytest.approx(RAW[name, "displacement"], abs=0.08)
 
 
-@pytest.mark.parametrize("name", ["pes", "lycra"])
+NO_CREEP = pytest.mark.xfail(reason="pes meets the r2 after compensation without a creep from T to B (decision 0180)")
+
+
+@pytest.mark.parametrize("name", [pytest.param("pes", marks=NO_CREEP), "lycra"])
 def test_displacement_creeps_away_from_force(name: str, figures: ModuleType) -> None:
     """Permanent set: the same force needs more and more displacement, from T over A to B."""
     needed = []
     for seed in SEEDS[:3]:
-        forces = [recording.force_N for recording in figures.campaign(preset(name), seed)]
-        strains = [recording.strain for recording in figures.campaign(preset(name), seed)]
+        campaign = figures.campaign(preset(name), seed, figures.SLOW)
+        forces, strains = [one.force_N for one in campaign], [one.strain for one in campaign]
         near = [strain[np.abs(force - 1.5) < 0.1].mean() for strain, force in zip(strains, forces, strict=True)]
         needed.append(near)
     first, second, third = np.mean(needed, axis=0)
