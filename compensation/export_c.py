@@ -58,7 +58,7 @@ def cost(compensator: Compensator) -> Cost:
     weights = sum(matrix.size for network in compensator.networks for matrix in network.weights)
     widest = max(max(network.sizes, default=1) for network in compensator.networks)
     return Cost(
-        constants_bytes=4 * (compensator.parameter_count + 5 * filters + 2 * compensator.input_count)
+        constants_bytes=4 * (compensator.parameter_count + 5 * filters + 2 * compensator.input_count + 4)
         + constants_bytes(compensator.history),
         state_bytes=4 * (4 * filters + 4) + state_bytes(compensator.history),
         scratch_bytes=4 * (compensator.input_count + 2 * widest),
