@@ -9,7 +9,7 @@ import plotly.graph_objects
 import pytest
 
 import tests.testbench.report.samples as samples
-from compensation.published import COMPENSATED
+from compensation.published import COMPENSATED, mean_of_tests
 from testbench.report import (
     alignment_figures,
     comparison_figures,
@@ -262,9 +262,9 @@ def test_clocks_are_told_in_words() -> None:
 
 
 def test_the_papers_scores_are_those_of_the_compensation_package() -> None:
-    for (knit, target), value in COMPENSATED.items():
+    for knit, target in COMPENSATED:
         name = {"pes": "PES", "lycra": "Lycra"}[knit]
-        assert compensator_figures.PAPER[target][name] == value
+        assert compensator_figures.PAPER[target][name] == pytest.approx(mean_of_tests(knit, target))
 
 
 def test_a_base_that_misfits_is_said() -> None:
