@@ -201,7 +201,8 @@ def diagnose(
 def _concluded(search: Search, rounds: list[Round], calibration: Measurement, held: Measurement) -> Diagnosis:
     accepted = [step for step in rounds if step.accepted]
     first, last = rounds[0], rounds[-1]
-    final = accepted[-1].accepted.hypothesis if accepted else first.before.hypothesis
+    found = last.accepted or (rounds[-2].accepted if len(rounds) > 1 else None)
+    final = found.hypothesis if found else first.before.hypothesis
     floors = noise_floors(held)
     before = on_the_ladder(_as_fit(search.baseline), None, "baseline", calibration, held)
     after = _ladder(search, accepted, before, calibration, held)
@@ -281,10 +282,10 @@ def _verdict(first: Round, accepted: list[Round], left: float, after: ModelFile,
 def _ranking(first: Round, chances: Mapping[str, float], held: Measurement) -> tuple[Ranked, ...]:
     """Every mechanism by its best law, the most probable first."""
     refitted: dict[str, Entry] = {}
-    for entry in first.entries:
-        refitted.setdefault(entry.mechanism, entry)
+    for own in first.entries:
+        refitted.setdefault(own.mechanism, own)
     base = first.before.hypothesis
-    ranked = []
+    ranked: list[Ranked] = []
     for proposal in first.proposals:
         if proposal.mechanism in {one.effect for one in ranked}:
             continue

@@ -116,7 +116,7 @@ class _Search:
         place = {p.address: i + 1 for i, p in enumerate(like.priors.parameters)} if like else {}
         new = []
         for index, p in enumerate(self.priors.parameters):
-            if self.priors.group[index] >= 0 and p.address in place:
+            if like is not None and self.priors.group[index] >= 0 and p.address in place:
                 for c, rows in self.columns.items():
                     rows[index + 1] = like.columns[c][place[p.address]]
             else:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.special import logsumexp
@@ -192,14 +193,11 @@ class Search:
         more = [p for p in likely if p.mechanism == best.mechanism and p not in chosen][:3]
         entries += self.entered(current, more, likelihood)
         entries.sort(key=lambda e: -e.best)
-        full, rest, seen = [], [], set()
-        for e in entries:
-            (full if len(full) < 4 and list(seen).count(e.mechanism) < 2 else rest).append(e)
-            seen.add(e.mechanism)
-        return [*self.pool.map(lambda e: self.settled(e, likelihood), full), *rest]
+        full = [*self.pool.map(lambda e: self.settled(e, likelihood), entries[: constants.SETTLED])]
+        return [*full, *entries[constants.SETTLED :]]
 
     def settled(self, e: Entry, likelihood: Likelihood) -> Entry:
-        """Refitted in full, also with contacts that feel the force alone where they were found to feel some strain."""
+        """Refitted in full; contacts that were found to feel some strain are tried with the force alone, too."""
         h = e.hypothesis
         starts = [h.model]
         drive = getattr(h.model.effects.get("contact_drive"), "strain_share", 0.0)

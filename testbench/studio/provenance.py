@@ -19,15 +19,13 @@ def provenance(studio: Studio, c: str) -> None:
     """Origin, recipe, counts, software, files with their checksums, and what was run."""
     campaign = studio.workspace.campaign(c)
     try:
-        made, data = read_manifest(campaign.folder)
+        made, resources = read_manifest(campaign.folder)
     except UserError:
         return
     when = time.strftime("%d %B %Y, %H:%M", time.localtime(campaign.made_s)).lstrip("0")
     rows = [("Origin", made.origin), ("Ended", made.status), ("Manifest written", when)]
     rows += [*_flat("Recipe", made.recipe), *_flat("Counts", made.counts), *_flat("Software", made.versions)]
-    files = [
-        (str(one.get("path", "")), str(one.get("hash", "")).removeprefix("sha256:")) for one in data["resources"]
-    ]
+    files = [(one.path, (one.hash or "").removeprefix("sha256:")) for one in resources]
     with ui.expansion("Where it comes from", icon="history_edu").classes("card").style("padding:0"):
         table(("", ""), rows)
         table(("File", "SHA-256"), files)
