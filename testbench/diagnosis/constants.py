@@ -1,8 +1,6 @@
 """The numbers of the diagnosis that nothing else determines, each with its reason."""
 
-ETA = (
-    0.05  # knowledge in a sample of white residual at 12.5 Hz: every model is a little wrong, samples share its error
-)
+ETA = 0.05  # knowledge in a sample of white residual: every model is a little wrong, and samples share its error
 HUBER = 3.0  # standard deviations beyond which a sample counts linearly, not squared (Huber 1981, ch. 7)
 SLOW_NOISE = 1.0  # slow noise of an instrument, in standard deviations of its quick noise
 LAW_ERROR = 0.2  # of an effect: how far the laws of the catalogue are from those of a sensor

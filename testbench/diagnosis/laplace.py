@@ -17,6 +17,8 @@ from testbench.discrepancy.sensitivity import RELATIVE_STEP
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel, SimulationCache
 
+FINAL_WEIGHTS = 3
+
 
 @dataclass(frozen=True, eq=False)
 class Hypothesis:
@@ -150,8 +152,10 @@ class _Search:
             self.linearise(self.all if rest else self.curved)
         if not fresh:
             self.linearise(self.all)
-        normal, robust = self.normal()
-        evidence = maximised(normal, scale=self.scale, iterations=15)
+        for _ in range(FINAL_WEIGHTS):  # until the weights of outliers and the noise agree
+            normal, robust = self.normal()
+            evidence = maximised(normal, scale=self.scale, iterations=8)
+            self.scale, self.sigma = evidence.scale, dict(evidence.sigma)
         return Hypothesis(
             self.model, self.priors, normal, evidence, self.tails(robust, evidence.sigma), self.columns, robust
         )
