@@ -11,7 +11,7 @@ from testbench.recordings.words import ROLES, STRETCH, is_generic, roles_of
 _BRACKET = re.compile(r"^(.*?)\s*(?:\[([^\[\]]*)\]|\(([^()]*)\)|\{([^{}]*)\}|<([^<>]*)>)\s*$", re.S)
 _FORMULA = re.compile(r"R_?[0o]$", re.I)
 _TAIL = re.compile(r"^(.*?)(?:\s*/\s*|\s+in\s+|\s*[,:;=]\s*|_|\s+)([^\s/,:;=_]+)$", re.S)
-_STROKE = re.compile(r"^([^/,]+?)\s*[/,]\s*([^\s/,\d][^\s/,]*)$")
+_STROKE = re.compile(r"^([^/,]+?)\s*[/,]\s*([^\s/,\d][^\s,]*)$")
 _PER_CENT = re.compile(r"^(.*?)\s*([%‰])$", re.S)
 
 
