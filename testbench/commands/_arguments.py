@@ -31,7 +31,9 @@ def add_held_out(parser: argparse.ArgumentParser) -> None:
 
 def add_effects(parser: argparse.ArgumentParser) -> None:
     """--effects: a user's own effects."""
-    parser.add_argument("--effects", metavar="FILE.py", help="your own effects, beside the built-in ones")
+    from testbench.trust import EFFECTS_HELP
+
+    parser.add_argument("--effects", metavar="FILE.py", help=EFFECTS_HELP)
 
 
 def load_recording(path: str, gauge_length_mm: float | None) -> Recording:

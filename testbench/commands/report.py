@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 
+from testbench.commands._arguments import add_effects
+
 SUMMARY = "put recordings, model, diagnosis and compensator into one self-contained HTML page"
 EXAMPLE = "testbench report --recording campaign-1 --held-out campaign-2 --model model.json -o report.html"
 
@@ -15,9 +17,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--held-out", metavar="B", help="the recording that errors are judged on")
     parser.add_argument("--model", metavar="M", help="a model.json with its ladder")
-    parser.add_argument("--effects", metavar="FILE.py", help="your own effects, where the model has some")
-    parser.add_argument("--diagnosis", metavar="D", help="the JSON of `testbench diagnose`")
+    add_effects(parser)
+    parser.add_argument(
+        "--diagnosis",
+        action="append",
+        default=[],
+        metavar="D",
+        help="the JSON of `testbench diagnose`; repeat it for those that led to each step of the model, oldest first",
+    )
     parser.add_argument("--compensator", metavar="SCORE", help="the JSON of `compensation score`")
+    parser.add_argument("--commands", metavar="TXT", help="the command lines that led here, one a line")
     parser.add_argument("--gauge-length-mm", type=float, metavar="L", help="for bare CSVs")
     parser.add_argument("--title", default="", help="heading of the page")
     parser.add_argument("--format", choices=("html", "md"), default="html", help="html (default) or md")
@@ -36,7 +45,8 @@ def run(args: argparse.Namespace) -> int:
         gauge_length_mm=args.gauge_length_mm,
         model=args.model,
         effects=args.effects,
-        diagnosis=args.diagnosis,
+        diagnoses=tuple(args.diagnosis),
+        commands=args.commands,
         compensator=args.compensator,
         title=args.title,
     )

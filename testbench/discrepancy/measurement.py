@@ -42,6 +42,8 @@ class Measurement:
         Where it came from, as sampled.
     start_s : float
         Time of the first grid point after the recording's first sample.
+    strain_noise : float
+        Standard deviation of the noise of the strain reading, at a grid point.
     """
 
     signals: Mapping[str, FloatArray]
@@ -50,6 +52,7 @@ class Measurement:
     counts: np.ndarray
     recording: Recording
     start_s: float = 0.0
+    strain_noise: float = 0.0
 
     @property
     def grid_s(self) -> FloatArray:
@@ -117,7 +120,7 @@ def prepare(
     counts = (grid_s >= max(start_s, BURN_IN_S)) & (grid_s < end_s)
     noise = reading_noise(time_s, recording.strain) / np.sqrt(max(len(time_s) / count, 1.0))
     signals = inputs(grid_s, without_reading_noise(binned(recording.strain), noise), temperature)
-    return Measurement(signals, 1.0 / rate_hz, measured, counts, recording, float(grid_s[0]))
+    return Measurement(signals, 1.0 / rate_hz, measured, counts, recording, float(grid_s[0]), noise)
 
 
 class _Bins:

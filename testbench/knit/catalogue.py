@@ -124,6 +124,8 @@ BUILT_IN = {
     "hysteresis_shape": "testbench.knit.shape:HysteresisShape",
     "contact_shape": "testbench.knit.shape:ContactShape",
     "drift_shape": "testbench.knit.shape:DriftShape",
+    "contact_drift_shape": "testbench.knit.shape:ContactDriftShape",
+    "contact_loops_shape": "testbench.knit.shape:ContactLoopsShape",
 }
 BASELINE = ("elasticity", "hysteresis", "contact", "drift")
 ENTRY_POINT_GROUP = "knitbench.effects"

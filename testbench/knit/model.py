@@ -163,6 +163,12 @@ class SimulationCache:
         state = dict(self._states[-1]) if same else dict(inputs)
         return state, items[same:]
 
+    def before(self, name: str, model: KnitModel) -> Signals:
+        """Signals before the effect `name` of the model that was simulated last."""
+        index = list(model.effects).index(name)
+        assert self._inputs is not None
+        return self._states[index - 1] if index else self._inputs
+
     def keep(self, effect: Effect, state: dict[str, FloatArray]) -> None:
         """Remember the signals after `effect`."""
         self._effects.append(effect)

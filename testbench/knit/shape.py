@@ -18,6 +18,8 @@ SLIP_STRAINS = (0.001, 0.12)  # break-away strains of the first and the last sli
 SLIP_SPAN = 0.3  # over this span
 LOOP_SLIPS, CONTACT_SLIPS = 12, 9
 DRIFT_TAUS_S = (3.0, 30.0, 300.0)
+DRIFT_BUMPS = 6
+SMOOTH_LOOPS, LOOP_THRESHOLDS, LOOP_SKEWS = 12, (0.004, 0.25), (0.0, 0.5)  # thresholds in parts of the span
 
 
 def spline(x: FloatArray, weights: tuple[float, ...]) -> FloatArray:
@@ -167,3 +169,90 @@ class DriftShape(Effect):
         settled = _settled(float(t[0]), float(t[-1]), len(t))
         log_change = np.asarray(self.weights) @ settled + self.slope_per_ks * t / 1000
         return {"conductance_S": signals["conductance_S"] * np.exp(log_change)}
+
+
+class ContactDriftShape(Effect):
+    """Drift of the contacts alone: how much it changes ln G depends on how hard they are pressed.
+
+    ln G += sum_j B_j(P / span_N) * (sum_k w_jk (1 - exp(-t / tau_k)) + w_j3 t / 1000 s),   tau = 3, 30, 300 s
+
+    Paths beside the contacts (floats) and in series (yarn) hide part of what the contacts do, each at its own load.
+
+    Source: Prony series as in `drift_shape`; penalised splines, Eilers & Marx, Statist. Sci. 11 (1996) 89.
+    Valid: one recording from its start; inside the contact force seen in the fit.
+    """
+
+    name = "contact_drift_shape"
+    stage = Stage.CONTACT
+    reads, writes = ("time_s", "strain", "conductance_S"), ("conductance_S",)
+    optional_reads = ("contact_force_N",)
+    strength = "weights"
+    look = "the conductance creeps, and how much depends on the load"
+
+    weights: tuple[float, ...] = parameter(
+        (0.0,) * (DRIFT_BUMPS * (len(DRIFT_TAUS_S) + 1)), unit="1", low=-5, high=5, doc="drift at each bump and time"
+    )
+    low_N: float = parameter(0.0, unit="N", low=-1e3, high=1e3, doc="contact force where the bumps begin")
+    span_N: float = parameter(3.0, unit="N", low=1e-3, high=1e4, doc="contact force covered by the bumps")
+    span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain covered by the bumps, without a force")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        from testbench.knit.kernels import bspline
+
+        t = signals["time_s"]
+        times = [*_settled(float(t[0]), float(t[-1]), len(t)), t / 1000]
+        load = signals["strain"] / self.span
+        if "contact_force_N" in signals:
+            load = (signals["contact_force_N"] - self.low_N) / self.span_N
+        weights = np.reshape(self.weights, (DRIFT_BUMPS, -1))
+        drifts = (bspline(load, weights[:, k].copy()) * one for k, one in enumerate(times) if weights[:, k].any())
+        return {"conductance_S": signals["conductance_S"] * np.exp(sum(drifts, np.zeros_like(t)))}
+
+
+class ContactLoopsShape(Effect):
+    """Smooth loops of ln G over strain, of any width, that may widen or narrow with strain.
+
+    ln G += sum_k (w_k + v_k e / span) z_k(e),   z_k: Bouc-Wen variables of many thresholds and two skews
+
+    Source: Wen, J. Eng. Mech. Div. ASCE 102 (1976) 249. Valid: rate-independent loops.
+    """
+
+    name = "contact_loops_shape"
+    stage = Stage.CONTACT
+    reads, writes = ("strain", "conductance_S"), ("conductance_S",)
+    strength = "weights"
+    look = "conductance over strain is a loop with smooth corners, at any speed"
+
+    weights: tuple[float, ...] = parameter(
+        (0.0,) * SMOOTH_LOOPS, unit="1", low=-3, high=3, doc="width of each loop in ln G"
+    )
+    growth: tuple[float, ...] = parameter(
+        (0.0,) * SMOOTH_LOOPS, unit="1", low=-3, high=3, doc="its growth over the strain span"
+    )
+    span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain over which growth is counted")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        e = signals["strain"]
+        weights, growth = np.asarray(self.weights), np.asarray(self.growth)
+        if not (weights.any() or growth.any()):
+            return {"conductance_S": signals["conductance_S"].copy()}
+        z = _loops(e, self.span)
+        log_change = weights @ z + (growth @ z) * (e / self.span)
+        return {"conductance_S": signals["conductance_S"] * np.exp(log_change)}
+
+
+_LAST_LOOPS: list[tuple[FloatArray, float, FloatArray]] = []  # newest last
+
+
+def _loops(e: FloatArray, span: float) -> FloatArray:
+    """Bouc-Wen variables over a strain, shape (SMOOTH_LOOPS, n); they do not depend on any weight."""
+    from testbench.knit.kernels import bouc_wen
+
+    for seen, at, z in tuple(_LAST_LOOPS):
+        if seen is e and at == span:
+            return z
+    thresholds = np.geomspace(*LOOP_THRESHOLDS, SMOOTH_LOOPS // 2) * span
+    z = np.stack([bouc_wen(e, threshold, skew) for skew in LOOP_SKEWS for threshold in thresholds])
+    _LAST_LOOPS.append((e, span, z))
+    del _LAST_LOOPS[:-6]
+    return z

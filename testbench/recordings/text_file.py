@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gcode.support.errors import UserError
-from testbench.recording_files import in_words
+from gcode.support.strict import check_plain
+from testbench.recording_files import MOST_BYTES, MOST_COLUMNS, in_words
 from testbench.recordings.encodings import encoding_of, known_encoding
 from testbench.recordings.layout import Layout, find_layout, is_data
 from testbench.recordings.notation import decimal_sign, is_number, is_when
@@ -48,6 +49,7 @@ class TextSheet(Sheet):
                 skipinitialspace=True,
                 index_col=False,
                 low_memory=False,
+                compression=None,
             )
             return frame.set_axis(sorted(set(numbers)), axis=1)
         except pd.errors.EmptyDataError:
@@ -89,6 +91,7 @@ def _layouts(
 
 
 def _head(path: Path, encoding: str | None) -> tuple[str, list[str]]:
+    check_plain(path, "table", MOST_BYTES)
     try:
         with path.open("rb") as stream:
             raw = stream.read(HEAD_BYTES)
@@ -110,7 +113,14 @@ def _head(path: Path, encoding: str | None) -> tuple[str, list[str]]:
 def _split(lines: Sequence[str], separator: str) -> list[list[str]]:
     if separator == BLANKS:
         return [line.split() for line in lines]
-    return [next(csv.reader([line], delimiter=separator, skipinitialspace=True), []) for line in lines]
+    return [_cells(line, separator) for line in lines]
+
+
+def _cells(line: str, separator: str) -> list[str]:
+    try:
+        return next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])[:MOST_COLUMNS]
+    except csv.Error:
+        return []  # a cell of more than 128 kB is no name of a column
 
 
 def _worth(rows: Sequence[Sequence[str]], layout: Layout, wanted: Sequence[str]) -> tuple[float, ...]:

@@ -99,7 +99,9 @@ def diagnosis(verdict: str = "missing") -> dict:
     """The JSON of `testbench diagnose`, but for its models."""
 
     def entry(name: str, gain: float, tied: bool) -> dict:
-        return {"effect": name, "form": name, "gain": gain, "gains": {"white": gain - 0.1, "plain": gain + 0.1},
+        measured = [1.96, 1.8, 2.2] if gain > 0 else None
+        return {"held_out_gain": measured,
+                "effect": name, "form": name, "gain": gain, "gains": {"white": gain - 0.1, "plain": gain + 0.1},
                 "error_share_left": 0.6, "tied_for_first": tied, "start": {}}  # fmt: skip
 
     floor = {"force": 0.01, "conductance": 0.002}

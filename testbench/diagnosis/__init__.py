@@ -1,0 +1,1 @@
+"""Which physical effect is missing: models compared by their evidence."""

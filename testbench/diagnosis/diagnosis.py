@@ -1,0 +1,318 @@
+"""What is missing: every law of the catalogue weighed by its evidence, and what was found put in and judged."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from testbench.diagnosis import constants
+from testbench.diagnosis.discrepancy_map import Map
+from testbench.diagnosis.held_out import Interval, gain_over
+from testbench.diagnosis.laplace import Hypothesis
+from testbench.diagnosis.search import NOTHING, UNKNOWN, Entry, Progress, Round, Search
+from testbench.discrepancy.baseline import SHAPES, without_shapes
+from testbench.discrepancy.errors import noise_floors, rms_errors
+from testbench.discrepancy.fit import Fit
+from testbench.discrepancy.ladder import on_the_ladder
+from testbench.discrepancy.measurement import Measurement, split
+from testbench.discrepancy.model_file import ModelFile
+from testbench.knit.catalogue import Catalogue, load_catalogue
+from testbench.knit.effect import Effect
+from testbench.knit.model import KnitModel
+from testbench.recording import Recording
+
+Verdict = Literal["missing", "nothing_missing", "unknown"]
+TIED = 0.9  # the smallest set of mechanisms with this probability is what cannot be told apart
+
+
+@dataclass(frozen=True)
+class Ranked:
+    """One mechanism's case.
+
+    Attributes
+    ----------
+    effect, form : str
+        The mechanism, and the law of the catalogue that speaks for it.
+    probability : float
+        That it is what is missing most.
+    log_evidence : float
+        ln Z over the model without it, in nats.
+    gain : float
+        ln(squared error without / with it) on the calibration, channels averaged; to first order if not `refitted`.
+    held_out_gain : (value, low, high), optional
+        The same on held-out samples with its 95 % interval; None where it was not refitted.
+    start : Effect
+        The law with its parameters.
+    """
+
+    effect: str
+    form: str
+    probability: float
+    log_evidence: float
+    gain: float
+    held_out_gain: Interval | None
+    start: Effect
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready form."""
+        return {
+            "effect": self.effect,
+            "form": self.form,
+            "probability": self.probability,
+            "log_evidence": self.log_evidence,
+            "gain": self.gain,
+            "held_out_gain": list(self.held_out_gain) if self.held_out_gain else None,
+            "error_share_left": float(np.exp(-0.5 * self.gain)),
+            "start": self.start.model_dump(mode="json"),
+        }
+
+
+@dataclass(frozen=True)
+class Found:
+    """An effect that was put in.
+
+    Attributes
+    ----------
+    effect, form : str
+        Mechanism and law.
+    probability : float
+        Of this mechanism among all that could have been put in at this step.
+    log_evidence : float
+        What it added, in nats.
+    """
+
+    effect: str
+    form: str
+    probability: float
+    log_evidence: float
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """Result of `diagnose`.
+
+    Attributes
+    ----------
+    verdict : {"missing", "nothing_missing", "unknown"}
+    probabilities : mapping
+        Of ``nothing``, ``unknown`` and every mechanism: what is missing most. They sum to 1.
+    found : tuple of Found
+        The effects that were put in, the most telling first.
+    ranking : tuple of Ranked
+        Every mechanism, the most probable first.
+    tied : tuple of str
+        The mechanisms that share 90 % of the probability; empty where one stands alone.
+    base_misfits, other_laws : tuple of str
+        Shapes that the base laws need; laws that took the place of others.
+    depends_on : tuple of (channel, coordinate, share)
+        What the final model's residual depends on, and the share of it that a free-form map explains.
+    left : float
+        Share of the calibration error above the noise floor that the final model leaves.
+    before, after : ModelFile
+        The baseline, and with what was found put in and refitted.
+    error_before, error_after, noise_floor : mapping of channel to float
+        Held-out RMS in N and in ln S. Nothing was selected on these samples; free in them are the zero of force, the
+        gain of the conductance, and what an effect declares as `per_recording`.
+    """
+
+    verdict: Verdict
+    probabilities: Mapping[str, float]
+    found: tuple[Found, ...]
+    ranking: tuple[Ranked, ...]
+    tied: tuple[str, ...]
+    base_misfits: tuple[str, ...]
+    other_laws: tuple[str, ...]
+    depends_on: tuple[tuple[str, str, float], ...]
+    left: float
+    before: ModelFile
+    after: ModelFile
+    error_before: Mapping[str, float]
+    error_after: Mapping[str, float]
+    noise_floor: Mapping[str, float]
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready form; the shape is documented in docs/diagnosis.md."""
+        return {
+            "verdict": self.verdict,
+            "probabilities": dict(self.probabilities),
+            "found": [vars(one) for one in self.found],
+            "ranking": [one.to_dict() | {"tied_for_first": one.effect in self.tied} for one in self.ranking],
+            "tied": list(self.tied),
+            "base_misfits": list(self.base_misfits),
+            "other_laws": list(self.other_laws),
+            "depends_on": [
+                {"channel": channel, "coordinate": coordinate, "gain": gain}
+                for channel, coordinate, gain in self.depends_on
+            ],
+            "left_unexplained": self.left,
+            "error_before": dict(self.error_before),
+            "error_after": dict(self.error_after),
+            "noise_floor": dict(self.noise_floor),
+            "model_before": self.before.model.to_dict(),
+            "model_after": self.after.model.to_dict(),
+            "parameters_after": dict(self.after.fit),
+            "history": [dict(step) for step in self.after.history],
+        }
+
+
+def diagnose(
+    recording: Recording,
+    held_out: Recording | None = None,
+    model: KnitModel | None = None,
+    catalogue: Catalogue | None = None,
+    progress: Progress | None = None,
+    most: int = constants.ROUNDS,
+) -> Diagnosis:
+    """Find out which physical effects a model is missing.
+
+    Parameters
+    ----------
+    recording : Recording
+        To calibrate on; everything is selected on it.
+    held_out : Recording, optional
+        For the final error; default the last third of `recording`.
+    model : KnitModel, optional
+        Start from this model instead of the baseline.
+    catalogue : Catalogue, optional
+        Effects to consider.
+    progress : callable, optional
+        Called with a short text at each step.
+    most : int
+        Effects to find at most.
+
+    Raises
+    ------
+    UserError
+        If the recordings are too short or still, have a constant channel, or do not fit together.
+    """
+    catalogue = catalogue or load_catalogue()
+    calibration, held = split(recording, held_out)
+    # The kernels let go of the interpreter, so threads do run side by side; those of BLAS would only fight them.
+    with threadpool_limits(1, "blas"):
+        search = Search(calibration, catalogue, progress or (lambda text: None), model)
+        rounds = search.run(most)
+        return _concluded(search, rounds, calibration, held)
+
+
+def _concluded(search: Search, rounds: list[Round], calibration: Measurement, held: Measurement) -> Diagnosis:
+    accepted = [step for step in rounds if step.accepted]
+    first, last = rounds[0], rounds[-1]
+    found = last.accepted or (rounds[-2].accepted if len(rounds) > 1 else None)
+    final = found.hypothesis if found else first.before.hypothesis
+    floors = noise_floors(held)
+    before = on_the_ladder(_as_fit(search.baseline), None, "baseline", calibration, held)
+    after = _ladder(search, accepted, before, calibration, held)
+    left = _share_left(before.model, after.model, calibration)
+    verdict = _verdict(first, accepted, left, after, calibration)
+    chances = first.probabilities()
+    explained = Map(final, last.likelihood).gains
+    return Diagnosis(
+        verdict,
+        chances,
+        tuple(_found(step) for step in accepted),
+        _ranking(first, chances, held),
+        _tied(chances, verdict),
+        tuple(name for name in after.model if name in SHAPES and name not in before.model),
+        tuple(e.name for n, e in after.model.effects.items() if n in before.model and e.name != before.model[n].name),
+        tuple(sorted(((c, where, share) for (c, where), share in explained.items()), key=lambda one: -one[2])),
+        left,
+        before,
+        after,
+        before.history[-1]["errors"]["held_out"],
+        after.history[-1]["errors"]["held_out"],
+        floors,
+    )
+
+
+def _found(step: Round) -> Found:
+    entry = step.accepted
+    assert entry is not None
+    chances = step.probabilities()
+    return Found(entry.mechanism, entry.law, chances[entry.mechanism], entry.best - step.before.best)
+
+
+def _ladder(
+    search: Search, accepted: list[Round], before: ModelFile, calibration: Measurement, held: Measurement
+) -> ModelFile:
+    """From the baseline over the freedom of its shapes to each effect that was found."""
+    after = before
+    if not any(name in SHAPES for name in before.model):
+        bare = accepted[0].before.hypothesis if accepted else search.flexible
+        after = on_the_ladder(_as_fit(bare), after, "+ shape freedom", calibration, held)
+    for step in accepted:
+        assert step.accepted is not None
+        after = on_the_ladder(_as_fit(step.accepted.hypothesis), after, f"+ {step.accepted.law}", calibration, held)
+    return after
+
+
+def _as_fit(h: Hypothesis) -> Fit:
+    """A hypothesis as a fit, without the shapes that the evidence has switched off."""
+    unused = [name for name in h.model if name in SHAPES and h.idle(name)]
+    model = without_shapes(h.model, unused)
+    kept = [i for i, p in enumerate(h.priors.parameters) if p.address.partition(".")[0] in model]
+    parameters = tuple(h.priors.parameters[i] for i in kept)
+    vector = h.vector[kept]
+    return Fit(model, parameters, vector, h.evidence.covariance[np.ix_(kept, kept)], dict(h.evidence.sigma), 0)
+
+
+def _share_left(before: KnitModel, after: KnitModel, calibration: Measurement) -> float:
+    """Share of the squared error above the noise that is left, channels weighed by their noise."""
+    floors = noise_floors(calibration)
+
+    def above(model: KnitModel) -> float:
+        errors = rms_errors(model, calibration)
+        return sum(max((errors[c] / floors[c]) ** 2 - 1, 0.0) for c in errors)
+
+    return float(np.sqrt(above(after) / max(above(before), 1e-12)))
+
+
+def _verdict(first: Round, accepted: list[Round], left: float, after: ModelFile, calibration: Measurement) -> Verdict:
+    chances = first.probabilities()
+    if not accepted:
+        return "nothing_missing" if chances[NOTHING] >= chances[UNKNOWN] else "unknown"
+    floors, errors = noise_floors(calibration), after.history[-1]["errors"]["calibration"]
+    worst = max(errors[c] / max(floors[c], 1e-300) for c in errors)
+    return "unknown" if left > constants.MOST_LEFT and worst > 2 else "missing"
+
+
+def _ranking(first: Round, chances: Mapping[str, float], held: Measurement) -> tuple[Ranked, ...]:
+    """Every mechanism by its best law, the most probable first."""
+    refitted: dict[str, Entry] = {}
+    for own in first.entries:
+        refitted.setdefault(own.mechanism, own)
+    base = first.before.hypothesis
+    ranked: list[Ranked] = []
+    for proposal in first.proposals:
+        if proposal.mechanism in {one.effect for one in ranked}:
+            continue
+        entry = refitted.get(proposal.mechanism)
+        chance = chances[proposal.mechanism]
+        if entry is None:
+            gain = 2 * max(proposal.gain, 0.0) / sum(first.likelihood.counts.values())
+            one = Ranked(proposal.mechanism, proposal.law, chance, proposal.gain, gain, None, proposal.effect)
+        else:
+            law = entry.hypothesis.model[entry.name]
+            gain = float(
+                np.mean([2 * np.log(base.evidence.sigma[c] / s) for c, s in entry.hypothesis.evidence.sigma.items()])
+            )
+            over = gain_over(base.model, entry.hypothesis.model, held)
+            one = Ranked(entry.mechanism, entry.law, chance, entry.best - first.before.best, gain, over, law)
+        ranked.append(one)
+    return tuple(sorted(ranked, key=lambda one: (-one.probability, -one.log_evidence)))
+
+
+def _tied(chances: Mapping[str, float], verdict: Verdict) -> tuple[str, ...]:
+    if verdict != "missing":
+        return ()
+    ordered = sorted((name for name in chances if name not in (NOTHING, UNKNOWN)), key=lambda name: -chances[name])
+    total, chosen = 0.0, []
+    for name in ordered:
+        chosen.append(name)
+        total += chances[name]
+        if total >= TIED * sum(chances[other] for other in ordered):
+            break
+    return tuple(chosen) if len(chosen) > 1 else ()

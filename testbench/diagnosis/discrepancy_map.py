@@ -1,0 +1,75 @@
+"""Unknown as a hypothesis: a free-form map of what a model leaves, over what the knit did and went through.
+
+Source: Kennedy & O'Hagan, J. R. Statist. Soc. B 63 (2001) 425 (a model beside its discrepancy).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import lru_cache
+
+import numpy as np
+
+from testbench.diagnosis.evidence import maximised, opened
+from testbench.diagnosis.laplace import Hypothesis, tail
+from testbench.diagnosis.likelihood import Likelihood
+from testbench.diagnosis.proposals import Proposal, Screen
+from testbench.discrepancy.freeform import features
+from testbench.discrepancy.measurement import Measurement
+from testbench.knit.effect import FloatArray
+
+
+class Map:
+    """The map beside one fitted model.
+
+    Attributes
+    ----------
+    log_z : float
+        Log evidence of the model with the map.
+    gains : dict of (channel, coordinate) to float
+        Share of the residual's squares that the map explains by each group of coordinates.
+    left : dict of channel to ndarray, shape (k,)
+        What both leave, over its relative noise.
+    """
+
+    def __init__(self, hypothesis: Hypothesis, likelihood: Likelihood, beside: Sequence[Proposal] = ()) -> None:
+        names, groups, values = _features(likelihood.measurement)
+        screen, channels = Screen(hypothesis, likelihood), list(hypothesis.columns)
+        picked = values[:, likelihood.rows]
+        count, size = len(values), len(hypothesis.priors.mean)
+        rows = {c: np.zeros((count * len(channels) + len(beside), len(likelihood.rows))) for c in channels}
+        precision: list[float] = []
+        group: list[int] = []
+        first = len(hypothesis.evidence.scale)
+        for place, c in enumerate(channels):
+            part = slice(place * count, (place + 1) * count)
+            rows[c][part] = picked * (likelihood.weight[c] * hypothesis.robust[c])
+            for k, proposal in enumerate(beside):
+                rows[c][count * len(channels) + k] = proposal.trace[c][0] * hypothesis.robust[c]
+            precision += [hypothesis.evidence.sigma[c] ** -2.0] * count
+            group += [first + place * len(names) + g for g in groups]
+        precision += [1e-6] * len(beside)
+        group += [-1] * len(beside)
+        normal = screen.extended(rows, [0.0] * len(precision), precision, group)
+        scale = np.r_[opened(hypothesis.evidence.scale), np.full(len(names) * len(channels), 10.0)]
+        found = maximised(normal, scale=scale, iterations=12, start=hypothesis.evidence)
+        self.left, self.gains, tails = {}, {}, 0.0
+        for place, c in enumerate(channels):
+            amounts = found.coefficients[size:]
+            residual = screen.base[c][0] - found.coefficients[:size] @ screen.base[c][1:]
+            self.left[c] = residual - amounts @ rows[c]
+            tails += tail(
+                self.left[c] / hypothesis.robust[c] / found.sigma[c], hypothesis.robust[c], likelihood.share[c]
+            )
+            for g, name in enumerate(names):
+                inside = np.flatnonzero(np.asarray(groups) == g) + place * count
+                self.gains[c, name] = float(np.mean((amounts[inside] @ rows[c][inside]) ** 2) / np.mean(residual**2))
+        self.log_z = found.value + tails
+
+
+@lru_cache(maxsize=2)
+def _features(measurement: Measurement) -> tuple[tuple[str, ...], tuple[int, ...], FloatArray]:
+    """Names of the groups, the group of each feature, and the features, shape (m, n)."""
+    found = features(measurement)
+    numbers = tuple(g for g, rows in enumerate(found.values()) for _ in rows)
+    return tuple(found), numbers, np.vstack(list(found.values()))

@@ -1,0 +1,273 @@
+"""A model fitted by maximum evidence, and its log evidence there (Laplace's approximation)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from testbench.diagnosis import constants
+from testbench.diagnosis.evidence import LogEvidence, NormalEquations, maximised, opened
+from testbench.diagnosis.likelihood import Likelihood
+from testbench.diagnosis.priors import Priors, priors_of
+from testbench.discrepancy.measurement import CONDUCTANCE_CHANNEL
+from testbench.discrepancy.parameters import values_of, with_values
+from testbench.discrepancy.sensitivity import RELATIVE_STEP
+from testbench.knit.effect import FloatArray
+from testbench.knit.model import KnitModel, SimulationCache
+
+
+@dataclass(frozen=True, eq=False)
+class Hypothesis:
+    """A model at the maximum of its posterior.
+
+    Attributes
+    ----------
+    model : KnitModel
+    priors : Priors
+    normal : NormalEquations
+        At `model`; residual and sensitivities.
+    evidence : LogEvidence
+    log_z : float
+        With the tails of the noise.
+    columns : dict of channel to ndarray, shape (p + 1, k)
+        Residual and sensitivities at the samples that count, over their relative noise.
+    robust : dict of channel to ndarray, shape (k,)
+        Square roots of the Huber weights.
+    """
+
+    model: KnitModel
+    priors: Priors
+    normal: NormalEquations
+    evidence: LogEvidence
+    tails: float
+    columns: Mapping[str, FloatArray]
+    robust: Mapping[str, FloatArray]
+
+    @property
+    def log_z(self) -> float:
+        return self.evidence.value + self.tails
+
+    @property
+    def vector(self) -> FloatArray:
+        """The point in the fit's coordinates, shape (p,)."""
+        return values_of(self.model, self.priors.parameters)
+
+    def idle(self, name: str) -> bool:
+        """Whether the data determine no weight of the shape `name`: the evidence has switched it off."""
+        mine = [i for i, p in enumerate(self.priors.parameters) if p.address.startswith(name + ".")]
+        weights = [i for i in mine if self.priors.group[i] >= 0]
+        if not weights:
+            return False
+        shrunk = self.priors.scaled(self.evidence.scale)[weights] * np.diag(self.evidence.covariance)[weights]
+        return float(np.sum(1 - shrunk)) < 0.5
+
+    @property
+    def scales(self) -> dict[str, float]:
+        """Factor on the precision of each group of weights."""
+        return dict(zip(self.priors.groups, self.evidence.scale, strict=True))
+
+
+def fitted(
+    model: KnitModel,
+    likelihood: Likelihood,
+    reference: KnitModel,
+    like: Hypothesis | None = None,
+    iterations: int = constants.ITERATIONS,
+    quick: bool = False,
+    believed: Mapping[str, tuple[float, float]] | None = None,
+) -> Hypothesis:
+    """Levenberg-Marquardt on the posterior; the scales of shapes and noise follow by maximum evidence.
+
+    Parameters
+    ----------
+    model : KnitModel
+        Where the search starts.
+    reference : KnitModel
+        Around which its base laws are believed.
+    like : Hypothesis, optional
+        A neighbour: scales, and sensitivities of what both have, are taken from it at first.
+    believed : mapping of address to (mean, standard deviation), optional
+        Priors of some parameters, other than those declared.
+    quick : bool
+        Keep the sensitivities of the shapes' weights as they are there: nearly right, and ten times cheaper.
+    """
+    return _Search(model, likelihood, reference, like, quick, believed or {}).run(iterations)
+
+
+class _Search:
+    def __init__(
+        self,
+        model: KnitModel,
+        likelihood: Likelihood,
+        reference: KnitModel,
+        like: Hypothesis | None,
+        quick: bool,
+        believed: Mapping[str, tuple[float, float]],
+    ) -> None:
+        self.likelihood, self.cache = likelihood, SimulationCache()
+        known = {**(like.priors.believed if like else {}), **believed}
+        self.priors = priors_of(model, likelihood.measurement, reference, known)
+        self.model, self.x = model, values_of(model, self.priors.parameters)
+        scales = like.scales if like else {}
+        self.scale = opened(np.array([scales.get(name, 1.0) for name in self.priors.groups]))
+        self.columns = {c: np.zeros((len(self.x) + 1, len(likelihood.rows))) for c in likelihood.measurement.channels}
+        place = {p.address: i + 1 for i, p in enumerate(like.priors.parameters)} if like else {}
+        new = []
+        for index, p in enumerate(self.priors.parameters):
+            if like is not None and self.priors.group[index] >= 0 and p.address in place:
+                for c, rows in self.columns.items():
+                    rows[index + 1] = like.columns[c][place[p.address]]
+            else:
+                new.append(index)
+        self.curved = np.array(new) if quick else np.flatnonzero(self.priors.group < 0)
+        self.all = self.curved if quick else np.arange(len(self.x))
+        moved = like is not None and any(
+            "strain" in effect.writes for name, effect in model.effects.items() if name not in like.model
+        )
+        self.exact = not quick or moved
+        self.linearise(range(len(self.x)) if moved else new)
+        self.sigma = {c: max(_trimmed(rows[0]), likelihood.least[c]) for c, rows in self.columns.items()}
+
+    def run(self, iterations: int) -> Hypothesis:
+        damping, quiet, fresh = 1e-4, False, self.exact
+        for _ in range(iterations):
+            normal, robust = self.normal()
+            evidence = maximised(normal, iterations=3, scale=self.scale)
+            self.scale, self.sigma = evidence.scale, dict(evidence.sigma)
+            gain, damping = self.move(normal, damping)
+            if gain is None and fresh:
+                break
+            if gain is None:
+                self.all = np.arange(len(self.x))  # what was taken from a neighbour does not hold here
+            # The columns of the shapes' weights hardly change; they are made anew where the search comes to rest.
+            rest = gain is None or gain < 1.0
+            if rest and quiet and fresh:
+                break
+            quiet = rest
+            fresh = rest
+            self.linearise(self.all if rest else self.curved)
+        if not fresh:
+            self.linearise(self.all)
+        normal, robust = self.normal()
+        evidence = maximised(normal, scale=self.scale, iterations=15)
+        return Hypothesis(
+            self.model, self.priors, normal, evidence, self.tails(robust, evidence.sigma), self.columns, robust
+        )
+
+    def move(self, normal: NormalEquations, damping: float):
+        cost = self.cost({c: rows[0] for c, rows in self.columns.items()}, self.x)
+        while damping < 1e5:
+            step = _step(normal, self.priors, self.x, self.scale, self.sigma, damping)
+            trial = with_values(self.model, self.priors.parameters, self.x + step)
+            then = self.cost(self.residual(trial), self.x + step)
+            if then < cost:
+                self.model, self.x = trial, values_of(trial, self.priors.parameters)
+                return cost - then, max(damping / 10, 1e-7)
+            damping = max(damping * 10, 1e-4)
+        return None, 1e-3
+
+    def residual(self, model: KnitModel) -> dict[str, FloatArray]:
+        left = self.likelihood.measurement.residual(model, self.cache)
+        return {c: self.likelihood.picked(values, c) for c, values in left.items()}
+
+    def linearise(self, which) -> None:
+        """Residual and these sensitivities at the present point."""
+        measurement, parameters = self.likelihood.measurement, self.priors.parameters
+        here = measurement.modelled(self.model, self.cache)
+        for c, values in here.items():
+            self.columns[c][0] = self.likelihood.picked(measurement.measured[c] - values, c)
+        # From the end of the signal chain backwards, so that the cache holds the unchanged beginning.
+        plain: set[str] = set()  # effects whose change of ln G nothing after them alters
+        for index in reversed(list(which)):
+            p = parameters[index]
+            step = RELATIVE_STEP * (1.0 if p.log else max(abs(self.x[index]), 0.1 * p.width))
+            step = -step if self.x[index] + step > self.priors.high[index] else step
+            moved = with_values(self.model, [p], self.x[index : index + 1] + step)
+            name = p.address.partition(".")[0]
+            if name in plain:
+                self.columns[CONDUCTANCE_CHANNEL][index + 1] = self._local(name, moved) / step
+                continue
+            changed = measurement.modelled(moved, self.cache)
+            for c, values in changed.items():
+                self.columns[c][index + 1] = self.likelihood.picked((values - here[c]) / step, c)
+            if self.priors.group[index] >= 0 and self.model[name].writes == ("conductance_S",):
+                local, whole = self._local(name, moved), self.columns[CONDUCTANCE_CHANNEL][index + 1] * step
+                if np.allclose(local, whole, rtol=1e-6, atol=1e-9 * np.max(np.abs(whole))):
+                    plain.add(name)
+
+    def _local(self, name: str, moved: KnitModel) -> FloatArray:
+        """Change of ln G by the effect `name` alone, moved, at the samples that count."""
+        before = self.cache.before(name, self.model)
+        here, there = (
+            m[name].apply(before, self.likelihood.measurement.dt_s)["conductance_S"] for m in (self.model, moved)
+        )
+        return self.likelihood.picked(np.log(there / here), CONDUCTANCE_CHANNEL)
+
+    def normal(self) -> tuple[NormalEquations, dict[str, FloatArray]]:
+        products, robust = {}, {}
+        for c, rows in self.columns.items():
+            z = np.abs(rows[0]) / self.sigma[c]
+            robust[c] = np.sqrt(np.minimum(1.0, constants.HUBER / np.maximum(z, 1e-12)))
+            weighted = rows * robust[c]
+            products[c] = weighted @ weighted.T
+        priors = self.priors
+        likelihood = self.likelihood
+        return (
+            NormalEquations(
+                products,
+                likelihood.counts,
+                likelihood.share,
+                likelihood.least,
+                priors.mean - self.x,
+                priors.precision,
+                priors.group,
+            ),
+            robust,
+        )
+
+    def cost(self, residual: Mapping[str, FloatArray], x: FloatArray) -> float:
+        total = 0.5 * float(self.priors.scaled(self.scale) @ (x - self.priors.mean) ** 2)
+        for c, values in residual.items():
+            total += float(np.sum(huber(np.abs(values) / self.sigma[c]))) * self.likelihood.share[c]
+        return total if np.isfinite(total) else np.inf
+
+    def tails(self, robust: Mapping[str, FloatArray], sigma: Mapping[str, float]) -> float:
+        share = self.likelihood.share
+        return sum(tail(rows[0] / sigma[c], robust[c], share[c]) for c, rows in self.columns.items())
+
+
+def tail(z: FloatArray, robust: FloatArray, share: float) -> float:
+    """What a Huber density says more of outliers than the weighted squares in ln Z."""
+    z = np.abs(z)
+    return -float(np.sum(huber(z) - 0.5 * (robust * z) ** 2)) * share
+
+
+def huber(z: FloatArray) -> FloatArray:
+    """Minus the log density of noise with exponential tails, shape of `z`."""
+    return np.where(z < constants.HUBER, 0.5 * z * z, constants.HUBER * (z - 0.5 * constants.HUBER))
+
+
+def _trimmed(values: FloatArray) -> float:
+    return float(np.sqrt(np.mean(np.minimum(values**2, np.quantile(values**2, 0.98)))))
+
+
+def _step(normal: NormalEquations, priors: Priors, x, scale, sigma, damping) -> FloatArray:
+    total = sum(g * (normal.share[c] / sigma[c] ** 2) for c, g in normal.products.items())
+    precision = priors.scaled(scale)
+    matrix, gradient = total[1:, 1:] + np.diag(precision), total[1:, 0] + precision * normal.mean
+    held = ((x <= priors.low) & (gradient < 0)) | ((x >= priors.high) & (gradient > 0))
+    free = np.flatnonzero(~held)
+    inner = matrix[np.ix_(free, free)]
+    step = np.zeros_like(x)
+    step[free] = np.linalg.solve(inner + damping * np.diag(np.diag(inner)), gradient[free])
+    return np.clip(x + step, priors.low, priors.high) - x
+
+
+def under(h: Hypothesis, likelihood: Likelihood) -> Hypothesis:
+    """The same point judged with samples that count otherwise; the linear model finds the new maximum."""
+    normal = replace(h.normal, counts=likelihood.counts, share=likelihood.share)
+    evidence = maximised(normal, scale=h.evidence.scale, iterations=15)
+    tails = sum(tail(rows[0] / evidence.sigma[c], h.robust[c], likelihood.share[c]) for c, rows in h.columns.items())
+    return replace(h, normal=normal, evidence=evidence, tails=tails)

@@ -1,0 +1,113 @@
+"""How samples count: the noise at each of them, and how many of them are independent.
+
+e_i = sigma_c s_i z_i. s_i follows the noise of the reading over its level, and the noise of the displacement through
+the slope of the model (effective variance, Orear, Am. J. Phys. 50 (1982) 912).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from testbench.diagnosis import constants
+from testbench.discrepancy.measurement import Measurement, channel_of
+from testbench.discrepancy.noise import robust_sd
+from testbench.knit.effect import FloatArray
+from testbench.knit.model import KnitModel
+
+LEVELS = 10
+
+
+@dataclass(frozen=True, eq=False)
+class Likelihood:
+    """How the samples of one measurement count.
+
+    Attributes
+    ----------
+    rows : ndarray of int, shape (k,)
+        Samples that enter the normal equations.
+    weight : mapping of channel to ndarray, shape (k,)
+        Typical noise over the noise at this sample.
+    floor : mapping of channel to float
+        Standard deviation of the white noise at a typical sample.
+    share : mapping of channel to float
+        Independent samples that each of them stands for.
+    """
+
+    measurement: Measurement
+    rows: np.ndarray
+    weight: Mapping[str, FloatArray]
+    floor: Mapping[str, float]
+    share: Mapping[str, float]
+
+    @property
+    def counts(self) -> dict[str, float]:
+        """Independent samples of each channel."""
+        return {channel: len(self.rows) * share for channel, share in self.share.items()}
+
+    @property
+    def least(self) -> dict[str, float]:
+        """What no model can be expected to leave less than: half of the white noise, for that is estimated."""
+        return {channel: 0.5 * floor for channel, floor in self.floor.items()}
+
+    def picked(self, values: FloatArray, channel: str) -> FloatArray:
+        """The samples that enter, over their relative noise; along the last axis."""
+        return values[..., self.rows] * self.weight[channel]
+
+
+def likelihood_of(model: KnitModel, measurement: Measurement, noise: Mapping[str, float]) -> Likelihood:
+    """Samples and their relative noise, taken as independent."""
+    counting = np.flatnonzero(measurement.counts)
+    thin = max(1, -(-len(counting) // constants.SAMPLES))
+    rows = counting[::thin]
+    slope = _slopes(model, measurement)
+    weight, floor = {}, {}
+    for channel, values in measurement.measured.items():
+        read = _noise_by_level(values) * (noise[channel] / max(robust_sd(np.diff(values, 2)) / np.sqrt(6), 1e-300))
+        sd = np.hypot(read, slope[channel] * measurement.strain_noise)[rows]
+        floor[channel] = float(np.mean(sd**-2.0) ** -0.5)
+        weight[channel] = floor[channel] / sd
+    return Likelihood(measurement, rows, weight, floor, dict.fromkeys(weight, constants.ETA))
+
+
+def correlated(likelihood: Likelihood, left: Mapping[str, FloatArray]) -> Likelihood:
+    """The same for residuals that are as correlated as `left`, what a good model leaves, weighted, shape (k,)."""
+    share = {channel: min(constants.ETA, 1 / correlation_length(values)) for channel, values in left.items()}
+    return replace(likelihood, share=share)
+
+
+def correlation_length(values: FloatArray) -> float:
+    """Samples that repeat each other: 1 + 2 sum of the autocorrelations up to the first that is not positive."""
+    limit = 5 * max(robust_sd(values), 1e-300)
+    x = np.clip(values - np.median(values), -limit, limit)
+    size = 1 << (2 * len(x) - 1).bit_length()
+    power = np.abs(np.fft.rfft(x, size)) ** 2
+    correlation = np.fft.irfft(power)[: len(x) // 4]
+    correlation /= max(correlation[0], 1e-300)
+    ends = np.flatnonzero(correlation < 0.05)
+    return float(1 + 2 * correlation[1 : ends[0] if len(ends) else None].sum())
+
+
+def _slopes(model: KnitModel, measurement: Measurement) -> dict[str, FloatArray]:
+    """Change of each channel with the strain, shape (n,)."""
+    step = 1e-4 * max(float(np.ptp(measurement.signals["strain"])), 1e-6)
+    moved = {**measurement.signals, **{key: measurement.signals[key] + step for key in ("strain", "strain_nominal")}}
+    there = model.simulate(moved, measurement.dt_s)
+    return {c: (channel_of(there, c) - here) / step for c, here in measurement.modelled(model).items()}
+
+
+def _noise_by_level(values: FloatArray) -> FloatArray:
+    """Standard deviation of the noise at each sample, from second differences among samples of its level."""
+    second, middle = np.diff(values, 2) / np.sqrt(6), values[1:-1]
+    edges = np.quantile(middle, np.linspace(0, 1, LEVELS + 1))
+    at, sd = [], []
+    for low, high in pairwise(edges):
+        inside = (middle >= low) & (middle <= high)
+        if inside.sum() >= 50:
+            at.append(float(np.median(middle[inside])))
+            sd.append(robust_sd(second[inside]))
+    overall = max(robust_sd(second), 1e-12)
+    return np.interp(values, at, np.maximum(sd, 0.2 * overall)) if at else np.full(len(values), overall)

@@ -1,0 +1,104 @@
+"""What is believed of every parameter before the data: physical priors, as the effects declare them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from testbench.discrepancy.fit import shape_scales
+from testbench.discrepancy.measurement import Measurement
+from testbench.discrepancy.parameters import FreeParameter, _lookup, free_parameters
+from testbench.knit.effect import Effect, FloatArray, bounds_of
+from testbench.knit.model import KnitModel
+
+
+@dataclass(frozen=True)
+class Priors:
+    """Gaussian priors in the fit's coordinates.
+
+    Attributes
+    ----------
+    parameters : tuple of FreeParameter
+    mean, precision, low, high : ndarray, shape (p,)
+    group : ndarray of int, shape (p,)
+        Weights of one vector share a scale that the evidence finds; -1: as declared.
+    groups : tuple of str
+        Address of each group.
+    """
+
+    parameters: tuple[FreeParameter, ...]
+    mean: FloatArray
+    precision: FloatArray
+    low: FloatArray
+    high: FloatArray
+    group: np.ndarray
+    groups: tuple[str, ...]
+
+    @property
+    def believed(self) -> dict[str, tuple[float, float]]:
+        """Mean and standard deviation by address."""
+        return {p.address: (m, w**-0.5) for p, m, w in zip(self.parameters, self.mean, self.precision, strict=True)}
+
+    def scaled(self, factor: FloatArray) -> FloatArray:
+        """Precisions with the scales of the groups, shape (p,)."""
+        return self.precision * np.where(self.group >= 0, factor[self.group], 1.0) if len(factor) else self.precision
+
+
+def priors_of(
+    model: KnitModel, measurement: Measurement, reference: KnitModel, known: Mapping[str, tuple[float, float]]
+) -> Priors:
+    """Priors of all free parameters of `model`.
+
+    Parameters
+    ----------
+    reference : KnitModel
+        Base laws are believed near its own, within wide limits.
+    known : mapping of address to (mean, standard deviation)
+        What is believed of some parameters already, in the fit's coordinates.
+    """
+    scales = shape_scales(measurement)
+    parameters = free_parameters(model, scales)
+    groups: list[str] = []
+    believed, group = [], []
+    for p in parameters:
+        name, _, key = p.address.partition(".")
+        vector, _, index = p.address.partition("[")
+        if index and vector not in groups:
+            groups.append(vector)
+        group.append(groups.index(vector) if index else -1)
+        if p.address in known:
+            believed.append(known[p.address])
+        elif index:
+            believed.append((0.0, p.width))
+        elif name in reference and type(reference[name]) is type(model[name]):
+            believed.append((p.to_fit(_lookup(reference, p.address)), p.width))
+        else:
+            believed.append(declared(type(model[name]), key, scales))
+    mean, width = np.array(believed).reshape(-1, 2).T
+    low, high = (np.array([p.to_fit(getattr(p, side)) for p in parameters]) for side in ("low", "high"))
+    return Priors(tuple(parameters), mean, width**-2.0, low, high, np.array(group, int), tuple(groups))
+
+
+def declared(effect: type[Effect], key: str, scales: Mapping[str, float]) -> tuple[float, float]:
+    """Centre and standard deviation of an effect's parameter, in the fit's coordinate."""
+    field = effect.model_fields[key]
+    extra = bounds_of(field)
+    default, low, high = float(field.default), float(extra["low"]), float(extra["high"])
+    if extra["scale"] == "log":
+        return float(np.log(default)), max(float(np.log(high / low)) / 4, 0.5)
+    if key == effect.strength:
+        return 0.0, typical(effect, scales)
+    return default, (high - low) / 4
+
+
+def typical(effect: type[Effect], scales: Mapping[str, float]) -> float:
+    """Typical size of an effect's strength: as declared, on the scale of this sensor's force where it is a force."""
+    extra = bounds_of(effect.model_fields[effect.strength])
+    if extra["unit"] == "N":
+        return scales["N"]
+    if extra["unit"] == "1/N":
+        return 0.1 / scales["N"]
+    default = effect.model_fields[effect.strength].default
+    return float(extra.get("typical") or abs(default) or 0.1 * max(abs(extra["high"]), abs(extra["low"])))

@@ -1,0 +1,179 @@
+"""Many ways to propose: what each law of the catalogue would change, and its evidence to first order."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from testbench.diagnosis.evidence import LogEvidence, NormalEquations, maximised
+from testbench.diagnosis.laplace import Hypothesis
+from testbench.diagnosis.likelihood import Likelihood
+from testbench.diagnosis.priors import typical
+from testbench.discrepancy.candidates import Candidate, candidate_ideas, expand, is_vector, two_signed
+from testbench.discrepancy.fit import shape_scales
+from testbench.knit.catalogue import Catalogue
+from testbench.knit.effect import Effect, FloatArray
+from testbench.knit.model import SimulationCache
+
+Rows = Mapping[str, FloatArray]  # channel -> columns at the samples that count, shape (m, k)
+POINTS = 2  # points of a law's grid whose evidence is computed with all scales free
+
+
+@dataclass(frozen=True, eq=False)
+class Law:
+    """One law of a mechanism over its grid of shape parameters.
+
+    Attributes
+    ----------
+    candidates : tuple of Candidate
+    traces : mapping of channel to ndarray, shape (m, k)
+        What each changes at the samples that count, over their relative noise.
+    """
+
+    mechanism: str
+    candidates: tuple[Candidate, ...]
+    traces: Rows
+
+
+@dataclass(frozen=True, eq=False)
+class Proposal:
+    """A law at its best point, and its gain in ln Z to first order.
+
+    `believed` is mean and standard deviation of a strength that only the data have a scale for: a threshold, a level.
+    """
+
+    mechanism: str
+    law: str
+    effect: Effect
+    gain: float
+    trace: Rows
+    believed: tuple[float, float] | None = None
+
+
+def laws_of(hypothesis: Hypothesis, likelihood: Likelihood, catalogue: Catalogue, pool: Executor) -> list[Law]:
+    """Simulate every law of the catalogue beside the model, over a coarse grid of its shape parameters."""
+    measurement, model = likelihood.measurement, hypothesis.model
+    plain = measurement.modelled(model)
+    residual = {c: measurement.measured[c] - values for c, values in plain.items()}
+    state = model.simulate(measurement.signals, measurement.dt_s)
+
+    def of_mechanism(item: tuple[str, Sequence[type[Effect]]]) -> list[Law]:
+        mechanism, forms = item
+        cache = SimulationCache()
+        found = []
+        for form in forms:
+            tried, rows = [], []
+            for candidate in expand([form], mechanism, model, measurement, state, residual):
+                changed = measurement.modelled(model.plus(candidate.effect), cache)
+                row = {c: likelihood.picked(changed[c] - plain[c], c) for c in plain}
+                finite = all(np.all(np.isfinite(values)) for values in row.values())
+                if finite and (is_vector(form, form.strength) or any(np.any(values) for values in row.values())):
+                    tried.append(candidate)
+                    rows.append(row)
+            if tried:
+                found.append(Law(mechanism, tuple(tried), {c: np.stack([row[c] for row in rows]) for c in plain}))
+        return found
+
+    parts = list(pool.map(of_mechanism, candidate_ideas(catalogue, model).items()))
+    return [law for part in parts for law in part]
+
+
+class Screen:
+    """First-order evidence beside a fitted model."""
+
+    def __init__(self, hypothesis: Hypothesis, likelihood: Likelihood) -> None:
+        self.hypothesis, self.likelihood = hypothesis, likelihood
+        self.scales = shape_scales(likelihood.measurement)
+        self.base = {c: rows * hypothesis.robust[c] for c, rows in hypothesis.columns.items()}
+
+    def proposals(self, laws: Sequence[Law]) -> list[Proposal]:
+        """Every law at its best point, best first."""
+        return sorted((self.best_point(law) for law in laws), key=lambda p: -p.gain)
+
+    def best_point(self, law: Law) -> Proposal:
+        rows = {c: values * self.hypothesis.robust[c] for c, values in law.traces.items()}
+        first = law.candidates[0]
+        if is_vector(type(first.effect), first.effect.strength):
+            return self._vector(law, rows)
+        gains = self._first_order(law.candidates, rows)
+        tried = [self._beside(law, rows, int(i), gains[i]) for i in np.argsort(-gains)[:POINTS]]
+        return max(tried, key=lambda p: p.gain)
+
+    def _first_order(self, tried: Sequence[Candidate], rows: Rows) -> FloatArray:
+        """Gains at the scales of the model as it is, shape (m,)."""
+        evidence, normal = self.hypothesis.evidence, self.hypothesis.normal
+        share = {c: normal.share[c] / evidence.sigma[c] ** 2 for c in rows}
+        with_base = sum((rows[c] @ self.base[c].T) * share[c] for c in rows)
+        size = sum(np.einsum("ij,ij->i", rows[c], rows[c]) * share[c] for c in rows)
+        inner = with_base[:, 1:]
+        goal = with_base[:, 0] - inner @ evidence.coefficients
+        left = size - np.einsum("ij,ij->i", inner @ evidence.covariance, inner)
+        left = np.maximum(left, 1e-9 * size)
+        mean, precision = np.array([amplitude_prior(one, self.scales) for one in tried]).T
+        coefficient = (goal + precision * mean) / (left + precision)
+        gain = 0.5 * (left + precision) * coefficient**2 - 0.5 * precision * mean**2
+        gain -= 0.5 * np.log((left + precision) / precision)
+        one_way = np.array([not two_signed(type(one.effect)) for one in tried])
+        return np.where(one_way & (coefficient <= 0), np.minimum(gain, 0.0) - 1.0, gain)
+
+    def _beside(self, law: Law, rows: Rows, index: int, gain: float) -> Proposal:
+        """One point of a law, all scales found anew."""
+        candidate, trace = law.candidates[index], {c: values[index : index + 1] for c, values in law.traces.items()}
+        amount = 1.0
+        if gain > 0.5:
+            mean, precision = amplitude_prior(candidate, self.scales)
+            found = self.evidence({c: values[index : index + 1] for c, values in rows.items()}, mean, precision, -1)
+            amount, gain = float(found.coefficients[-1]), found.value - self.hypothesis.evidence.value
+            if amount <= 0 and not two_signed(type(candidate.effect)):
+                gain = -1.0
+        # The best of so many points is no better than one for having been chosen.
+        gain = float(gain) - np.log(len(law.candidates))
+        effect = candidate.at(amount)
+        size = abs(getattr(effect, effect.strength))
+        believed = (size, 0.3 * size) if candidate.from_data or effect.nonlinear else None
+        return Proposal(law.mechanism, candidate.form, effect, gain, trace, believed)
+
+    def _vector(self, law: Law, rows: Rows) -> Proposal:
+        """A law with a vector of weights: all its columns at once, their scale found by evidence."""
+        first, count = law.candidates[0], len(law.candidates)
+        found = self.evidence(rows, 0.0, 1e-4, 0)
+        weights = tuple(float(a) * first.strength for a in found.coefficients[-count:])
+        effect = first.effect.near(**{first.effect.strength: weights})
+        gain = found.value - self.hypothesis.evidence.value
+        return Proposal(law.mechanism, first.form, effect, gain, law.traces)
+
+    def evidence(self, rows: Rows, mean: float, precision: float, group: int, iterations: int = 6) -> LogEvidence:
+        """The model beside more columns of one prior; `group` 0: their scale is found by evidence."""
+        count = len(next(iter(rows.values())))
+        start, normal = self.hypothesis.evidence, self.hypothesis.normal
+        number = -1 if group < 0 else len(start.scale)
+        bigger = self.extended(rows, [mean] * count, [precision] * count, [number] * count)
+        scale = start.scale if group < 0 else np.r_[start.scale, 1.0]
+        return maximised(bigger, scale=scale, iterations=iterations, start=start) if normal else start
+
+    def extended(self, rows: Rows, mean, precision, group) -> NormalEquations:
+        """The normal equations with more columns (already weighted robustly)."""
+        normal, products = self.hypothesis.normal, {}
+        for c, gram in normal.products.items():
+            cross = rows[c] @ self.base[c].T
+            products[c] = np.block([[gram, cross.T], [cross, rows[c] @ rows[c].T]])
+        return replace(
+            normal,
+            products=products,
+            mean=np.r_[normal.mean, mean],
+            precision=np.r_[normal.precision, precision],
+            group=np.r_[normal.group, np.asarray(group, int)],
+        )
+
+
+def amplitude_prior(candidate: Candidate, scales: Mapping[str, float]) -> tuple[float, float]:
+    """Prior mean and precision of a trace's coefficient."""
+    form = type(candidate.effect)
+    if is_vector(form, form.strength):
+        return 0.0, 1e-4
+    if candidate.from_data or form.nonlinear:
+        return 1.0, 1 / 0.3**2
+    return 0.0, (candidate.strength / typical(form, scales)) ** 2
