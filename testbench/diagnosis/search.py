@@ -168,7 +168,9 @@ class Search:
         Two effects of one size leave each other's part unexplained, so that neither can be named alone: the first is
         put in even where it leaves more than it explains, and stays if the second explains the rest.
         """
-        current, rounds, found = self.flexible, [], []
+        current = self.flexible
+        rounds: list[Round] = []
+        found: list[Entry] = []
         with ThreadPoolExecutor(2) as self.pool:
             while len(rounds) < most:
                 step = self.round(current)
