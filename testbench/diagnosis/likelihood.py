@@ -13,12 +13,15 @@ from itertools import pairwise
 import numpy as np
 
 from testbench.diagnosis import constants
+from testbench.discrepancy.errors import sampled
 from testbench.discrepancy.measurement import Measurement, channel_of
-from testbench.discrepancy.noise import robust_sd
+from testbench.discrepancy.motion import reading_noise
+from testbench.discrepancy.noise import noise_floor, robust_sd
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
 
-LEVELS = 10
+LEVELS, MOST_NOISE = 10, 30.0  # levels whose noise is told apart; largest over typical noise
+MOTION_STEP, HOLD_STEP = 1e-4, 0.02  # of the range of the strain in a step; of the time since the motion ended
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +61,31 @@ class Likelihood:
         return values[..., self.rows] * self.weight[channel]
 
 
+def telling(measurement: Measurement) -> Measurement:
+    """Only samples that say something new count: in a hold they repeat each other, ever more so.
+
+    All are kept while the knit moves; in a hold one after each `HOLD_STEP` of the time since the motion ended. A ramp
+    of seconds before a hold of hours would weigh nothing otherwise.
+    """
+    strain, dt_s = measurement.signals["strain"], measurement.dt_s
+    moving = np.abs(np.diff(strain, prepend=strain[:1])) > MOTION_STEP * max(float(np.ptp(strain)), 1e-9)
+    index = np.arange(len(strain))
+    still_s = (index - np.maximum.accumulate(np.where(moving, index, 0))) * dt_s
+    passed = np.cumsum(dt_s / np.maximum(dt_s, HOLD_STEP * still_s))
+    new = np.diff(np.floor(passed + 1e-9), prepend=-1) > 0
+    return replace(measurement, counts=measurement.counts & new)
+
+
+def noise_of(measurement: Measurement) -> dict[str, float]:
+    """Standard deviation of the white noise at a grid point, per channel: force in N, conductance in ln S."""
+    averaged = max(len(measurement.recording) / len(measurement.counts), 1.0) ** 0.5
+    found = {}
+    for channel in measurement.channels:
+        time_s, values = sampled(measurement, channel)
+        found[channel] = max(min(noise_floor(values), reading_noise(time_s, values)) / averaged, 1e-12)
+    return found
+
+
 def likelihood_of(model: KnitModel, measurement: Measurement, noise: Mapping[str, float]) -> Likelihood:
     """Samples and their relative noise, taken as independent."""
     counting = np.flatnonzero(measurement.counts)
@@ -66,8 +94,9 @@ def likelihood_of(model: KnitModel, measurement: Measurement, noise: Mapping[str
     slope = _slopes(model, measurement)
     weight, floor = {}, {}
     for channel, values in measurement.measured.items():
-        read = _noise_by_level(values) * (noise[channel] / max(robust_sd(np.diff(values, 2)) / np.sqrt(6), 1e-300))
-        sd = np.hypot(read, slope[channel] * measurement.strain_noise)[rows]
+        by_level = _noise_by_level(values)[rows]
+        read = noise[channel] * np.clip(by_level / np.median(by_level), 0.3, MOST_NOISE)
+        sd = np.hypot(read, (slope[channel] * measurement.strain_noise)[rows])
         floor[channel] = float(np.mean(sd**-2.0) ** -0.5)
         weight[channel] = floor[channel] / sd
     return Likelihood(measurement, rows, weight, floor, dict.fromkeys(weight, constants.ETA))

@@ -13,19 +13,19 @@ from scipy.special import logsumexp
 from testbench.diagnosis import constants
 from testbench.diagnosis.discrepancy_map import Map
 from testbench.diagnosis.laplace import Hypothesis, fitted, under
-from testbench.diagnosis.likelihood import Likelihood, correlated, likelihood_of
+from testbench.diagnosis.likelihood import Likelihood, correlated, likelihood_of, noise_of, telling
 from testbench.diagnosis.proposals import Proposal, Screen, laws_of
 from testbench.discrepancy.baseline import SHAPES, starting_baseline, with_shapes, without_shapes
 from testbench.discrepancy.fit import fit
 from testbench.discrepancy.ladder import _drawn_to_data as drawn_to_data
 from testbench.discrepancy.measurement import Measurement, coarser
-from testbench.discrepancy.motion import reading_noise
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
 
 NOTHING, UNKNOWN = "nothing", "unknown"
 Progress = Callable[[str], None]
+MUCH = 3.0  # squared noise floors above the noise: then a fit is worth another start
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,12 +144,12 @@ class Search:
         start: KnitModel | None = None,
     ):
         self.catalogue, self.tell = catalogue, tell
-        self.measurement = coarser(measurement, constants.GRID_HZ)
-        time_s = measurement.signals["time_s"]
-        noise = {c: max(reading_noise(time_s, values), 1e-12) for c, values in measurement.measured.items()}
+        noise = noise_of(measurement)
+        self.measurement = telling(coarser(measurement, constants.GRID_HZ))
         tell("fitting the baseline")
         start = start or starting_baseline(self.measurement, catalogue)
-        self.reference = fit(without_shapes(start), [self.measurement]).model
+        self.start = without_shapes(start)
+        self.reference = fit(self.start, [self.measurement]).model
         self.likelihood = likelihood_of(self.reference, self.measurement, noise)
         tell("fitting the shape of the base laws")
         flexible = with_shapes(self.reference, self.measurement, catalogue, like=start)
@@ -246,13 +246,20 @@ class Search:
         return [*full, *entries[constants.SETTLED :]]
 
     def settled(self, e: Entry, likelihood: Likelihood) -> Entry:
-        """Refitted in full; contacts that were found to feel some strain are tried with the force alone, too."""
-        h = e.hypothesis
-        starts = [h.model]
-        drive = getattr(h.model.effects.get("contact_drive"), "strain_share", 0.0)
-        if drive > 0.02 and {"strain", "force_N"} & set(h.model[e.name].writes):
-            starts.append(h.model.with_parameters({"contact_drive.strain_share": 0.0}))
-        found = [fitted(start, likelihood, self.reference, h) for start in starts]
+        """Refitted in full from several starts, for a base that had to do without the effect may lie in a wrong valley.
+
+        Contacts that were found to feel some strain are tried with the force alone; and where much is left, so is the
+        base as it was started from the data.
+        """
+        h, effect = e.hypothesis, e.hypothesis.model[e.name]
+        on_force = {"strain", "force_N"} & set(effect.writes)
+        found = [fitted(h.model, likelihood, self.reference, h)]
+        if on_force and getattr(h.model.effects.get("contact_drive"), "strain_share", 0.0) > 0.02:
+            alone = h.model.with_parameters({"contact_drive.strain_share": 0.0})
+            found.append(fitted(alone, likelihood, self.reference, h))
+        if on_force and excess(found[0], likelihood) > MUCH:
+            anew = with_shapes(self.start, self.measurement, self.catalogue).plus(effect, e.name)
+            found.append(fitted(anew, likelihood, self.reference, iterations=16))
         best = max(found, key=lambda one: one.log_z)
         return self.entry(e.mechanism, best, likelihood, e.law, e.name)
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from testbench.discrepancy.motion import reading_noise, without_reading_noise
+from testbench.discrepancy.noise import noise_floor
 from testbench.knit.effect import FloatArray
 from testbench.knit.filters import log_conductance
 from testbench.knit.model import KnitModel, SimulationCache, inputs
@@ -20,6 +21,7 @@ UNIT_OF = {FORCE_CHANNEL: "N", CONDUCTANCE_CHANNEL: "ln S"}
 
 MAX_GRID_HZ = 25.0
 BURN_IN_S = 3.0
+MOST_GRID_POINTS = 200_000
 MIN_SAMPLES, MIN_DURATION_S, MIN_STRAIN_RANGE = 200, 20.0, 2e-3
 MIN_PART = 170  # samples that count in each part; the evidence is weighed in 40 blocks of every fourth sample
 
@@ -106,8 +108,8 @@ def prepare(
         If the recording is too short or too still, or a channel is constant: nothing can be learnt from it.
     """
     _check_usable(recording)
-    rate_hz = rate_hz or min(MAX_GRID_HZ, recording.mean_rate_hz)
     time_s = recording.time_s - recording.time_s[0]
+    rate_hz = rate_hz or min(MAX_GRID_HZ, _usual_rate_hz(time_s))
     binned = _Bins(time_s, rate_hz)
     grid_s, count = binned.grid_s, len(binned.grid_s)
     measured = {}
@@ -118,9 +120,19 @@ def prepare(
     temperature = binned(recording[TEMPERATURE]) if recording.has(TEMPERATURE) else None
     start_s, end_s = span or (0.0, np.inf)
     counts = (grid_s >= max(start_s, BURN_IN_S)) & (grid_s < end_s)
-    noise = reading_noise(time_s, recording.strain) / np.sqrt(max(len(time_s) / count, 1.0))
+    # Times far apart, as in a hold of hours, tell little of the noise between them: the lower estimate is meant.
+    noise = min(reading_noise(time_s, recording.strain), noise_floor(recording.strain)) / np.sqrt(
+        max(len(time_s) / count, 1.0)
+    )
     signals = inputs(grid_s, without_reading_noise(binned(recording.strain), noise), temperature)
     return Measurement(signals, 1.0 / rate_hz, measured, counts, recording, float(grid_s[0]), noise)
+
+
+def _usual_rate_hz(time_s: FloatArray) -> float:
+    """The mean rate, or that of the quicker part where the sampling was slowed down on purpose (in long holds)."""
+    mean_s, quick_s = float(time_s[-1]) / (len(time_s) - 1), float(np.quantile(np.diff(time_s), 0.25))
+    finest_s = max(quick_s, float(time_s[-1]) / MOST_GRID_POINTS)
+    return 1 / finest_s if mean_s > 2 * quick_s else 1 / mean_s
 
 
 class _Bins:
