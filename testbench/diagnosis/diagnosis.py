@@ -13,6 +13,7 @@ from testbench.diagnosis import constants
 from testbench.diagnosis.discrepancy_map import Map
 from testbench.diagnosis.held_out import Interval, gain_over
 from testbench.diagnosis.laplace import Hypothesis
+from testbench.diagnosis.proposals import Proposal
 from testbench.diagnosis.search import NOTHING, UNKNOWN, Entry, Progress, Round, Search
 from testbench.discrepancy.baseline import SHAPES, without_shapes
 from testbench.discrepancy.errors import noise_floors, rms_errors
@@ -201,7 +202,8 @@ def diagnose(
 def _concluded(search: Search, rounds: list[Round], calibration: Measurement, held: Measurement) -> Diagnosis:
     accepted = [step for step in rounds if step.accepted]
     first, last = rounds[0], rounds[-1]
-    final = accepted[-1].accepted.hypothesis if accepted else first.before.hypothesis
+    entered = [step.accepted for step in rounds if step.accepted is not None]
+    final = entered[-1].hypothesis if entered else first.before.hypothesis
     floors = noise_floors(held)
     before = on_the_ladder(_as_fit(search.baseline), None, "baseline", calibration, held)
     after = _ladder(search, accepted, before, calibration, held)
@@ -281,27 +283,25 @@ def _verdict(first: Round, accepted: list[Round], left: float, after: ModelFile,
 def _ranking(first: Round, chances: Mapping[str, float], held: Measurement) -> tuple[Ranked, ...]:
     """Every mechanism by its best law, the most probable first."""
     refitted: dict[str, Entry] = {}
-    for entry in first.entries:
-        refitted.setdefault(entry.mechanism, entry)
-    base = first.before.hypothesis
-    ranked = []
+    for one in first.entries:
+        refitted.setdefault(one.mechanism, one)
+    ranked: dict[str, Ranked] = {}
     for proposal in first.proposals:
-        if proposal.mechanism in {one.effect for one in ranked}:
-            continue
-        entry = refitted.get(proposal.mechanism)
-        chance = chances[proposal.mechanism]
-        if entry is None:
-            gain = 2 * max(proposal.gain, 0.0) / sum(first.likelihood.counts.values())
-            one = Ranked(proposal.mechanism, proposal.law, chance, proposal.gain, gain, None, proposal.effect)
-        else:
-            law = entry.hypothesis.model[entry.name]
-            gain = float(
-                np.mean([2 * np.log(base.evidence.sigma[c] / s) for c, s in entry.hypothesis.evidence.sigma.items()])
-            )
-            over = gain_over(base.model, entry.hypothesis.model, held)
-            one = Ranked(entry.mechanism, entry.law, chance, entry.best - first.before.best, gain, over, law)
-        ranked.append(one)
-    return tuple(sorted(ranked, key=lambda one: (-one.probability, -one.log_evidence)))
+        name = proposal.mechanism
+        if name not in ranked:
+            ranked[name] = _ranked(first, proposal, refitted.get(name), chances[name], held)
+    return tuple(sorted(ranked.values(), key=lambda one: (-one.probability, -one.log_evidence)))
+
+
+def _ranked(first: Round, proposal: Proposal, entry: Entry | None, chance: float, held: Measurement) -> Ranked:
+    if entry is None:
+        gain = 2 * max(proposal.gain, 0.0) / sum(first.likelihood.counts.values())
+        return Ranked(proposal.mechanism, proposal.law, chance, proposal.gain, gain, None, proposal.effect)
+    base, fitted = first.before.hypothesis, entry.hypothesis
+    gain = float(np.mean([2 * np.log(base.evidence.sigma[c] / s) for c, s in fitted.evidence.sigma.items()]))
+    log_evidence = entry.best - first.before.best
+    over = gain_over(base.model, fitted.model, held)
+    return Ranked(entry.mechanism, entry.law, chance, log_evidence, gain, over, fitted.model[entry.name])
 
 
 def _tied(chances: Mapping[str, float], verdict: Verdict) -> tuple[str, ...]:

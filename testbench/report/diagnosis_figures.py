@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from testbench.discrepancy.words import percent
 from testbench.report import style
 from testbench.report.comparison_figures import RESIDUAL_TITLES
 from testbench.report.downsample import POINTS, window
@@ -15,17 +16,17 @@ from testbench.report.recording_figures import line
 
 FloatArray = NDArray[np.float64]
 SHOWN = 8
-VISIBLE_PERCENT = 1.0
+VISIBLE = 0.01  # share of the residual's squares; less is not worth a bar
 SCATTER_BINS = 24
 
 
 def removed_percent(gain: float) -> float:
-    """Share of the held-out RMS error that a gain (ln of the ratio of squared errors) takes away, in per cent."""
+    """Share of the RMS error that a gain (ln of the ratio of squared errors) takes away, in per cent."""
     return float(100 * (1 - np.exp(-0.5 * gain)))
 
 
 def candidates(diagnosis: Mapping[str, Any]) -> style.Figure:
-    """What each effect would take off the held-out error, best first: weighed (bars), and measured (dots).
+    """What each effect takes off the error, the most probable first: of the fit (bars), of held-out samples (dots).
 
     A dot is the held-out error after a refit with the effect in, its whiskers the 95 % interval over blocks of 60 s.
 
@@ -35,7 +36,6 @@ def candidates(diagnosis: Mapping[str, Any]) -> style.Figure:
         The JSON of ``testbench diagnose``.
     """
     ranking = diagnosis["ranking"][:SHOWN]
-    shapes, notes = _ceiling(diagnosis)
     places = np.arange(len(ranking))
     removed = np.array([removed_percent(entry["gain"]) for entry in ranking])
     bar = {
@@ -45,11 +45,11 @@ def candidates(diagnosis: Mapping[str, Any]) -> style.Figure:
         "y": places,
         "width": 0.62,
         "marker": {"color": [_colour(diagnosis, number) for number in range(len(ranking))]},
-        "hovertemplate": "weighed: %{x:.1f} % of the held-out error<extra></extra>",
+        "hovertemplate": "calibration: %{x:.1f} % of the error<extra></extra>",
     }
-    names = [entry["effect"].replace("_", " ") for entry in ranking]
+    names = [f"{entry['effect'].replace('_', ' ')} ({percent(entry['probability'])})" for entry in ranking]
     axes: dict[str, Any] = {
-        "xaxis": style.axis("Held-out error that it takes away / %", rangemode="tozero"),
+        "xaxis": style.axis("Error that it takes away / %", rangemode="tozero"),
         "yaxis": style.axis(
             "", tickvals=list(range(len(names))), ticktext=names, range=[len(names) - 0.5, -0.5], showgrid=False
         ),
@@ -57,9 +57,7 @@ def candidates(diagnosis: Mapping[str, Any]) -> style.Figure:
     return style.figure(
         [bar, _measured(ranking)],
         height=70 + 34 * max(len(ranking), 2),
-        margin={"l": 190, "r": 20, "t": 26, "b": 44},
-        shapes=shapes,
-        annotations=notes,
+        margin={"l": 230, "r": 20, "t": 16, "b": 44},
         **axes,
     )
 
@@ -80,40 +78,20 @@ def _measured(ranking: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
             "symmetric": False,
             "color": style.INK,
         },
-        "hovertemplate": "refitted: %{x:.1f} % of the held-out error<extra></extra>",
+        "hovertemplate": "held out: %{x:.1f} % of the error<extra></extra>",
     }
 
 
 def _colour(diagnosis: Mapping[str, Any], number: int) -> str:
-    """The one that is named, and those tied with it, stand out."""
-    if diagnosis["verdict"] == "missing" and (number == 0 or diagnosis["ranking"][number].get("tied_for_first")):
-        return style.VERMILION
-    return style.SKY
-
-
-def _ceiling(diagnosis: Mapping[str, Any]) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
-    """A dashed line, and its name, at what a free-form map of the residual takes away, where it takes any."""
-    place = removed_percent(diagnosis.get("ceiling_gain", 0.0))
-    if place < VISIBLE_PERCENT:
-        return [], []
-    look = {"color": style.INK, "width": 1.4, "dash": "dash"}
-    shape = {"type": "line", "xref": "x", "yref": "paper", "x0": place, "x1": place, "y0": 0, "y1": 1, "line": look}
-    note = {
-        "text": "a free-form map",
-        "x": place,
-        "y": 1.0,
-        "xref": "x",
-        "yref": "paper",
-        "yanchor": "bottom",
-        "showarrow": False,
-        "font": {"size": 11, "color": style.INK},
-    }
-    return [shape], [note]
+    """What was found, and what is tied with the first of it, stands out."""
+    entry = diagnosis["ranking"][number]
+    found = {one["effect"] for one in diagnosis["found"]} if diagnosis["verdict"] == "missing" else set()
+    return style.VERMILION if entry["effect"] in found or entry.get("tied_for_first") else style.SKY
 
 
 def dependence(diagnosis: Mapping[str, Any]) -> style.Figure | None:
-    """What the residual depends on, force and conductance apart; None when it depends on nothing."""
-    found = diagnosis.get("depends_on", [])[:SHOWN]
+    """What the final model's residual depends on, force and conductance apart; None when it depends on nothing."""
+    found = [entry for entry in diagnosis.get("depends_on", []) if entry["gain"] >= VISIBLE][:SHOWN]
     if not found:
         return None
     names = [f"{entry['channel']} on {str(entry['coordinate']).replace('_', ' ')}" for entry in found]
@@ -121,14 +99,14 @@ def dependence(diagnosis: Mapping[str, Any]) -> style.Figure | None:
     bar = {
         "type": "bar",
         "orientation": "h",
-        "x": np.array([removed_percent(entry["gain"]) for entry in found]),
+        "x": np.array([100 * entry["gain"] for entry in found]),
         "y": np.arange(len(found)),
         "width": 0.62,
         "marker": {"color": colours},
         "hovertemplate": "%{x:.1f} %<extra></extra>",
     }
     axes: dict[str, Any] = {
-        "xaxis": style.axis("Held-out error that knowing it would take away / %", rangemode="tozero"),
+        "xaxis": style.axis("Share of its squares that a free-form map explains / %", rangemode="tozero"),
         "yaxis": style.axis(
             "", tickvals=list(range(len(names))), ticktext=names, range=[len(names) - 0.5, -0.5], showgrid=False
         ),

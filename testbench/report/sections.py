@@ -211,13 +211,13 @@ def diagnosis_section(diagnosis: Mapping[str, Any]) -> Section:
     items += [base] if base else []
     if diagnosis["ranking"]:
         caption = (
-            "What each effect would take off the held-out error, its best form speaking for it: weighed beforehand "
-            "(bars) and measured after a refit (dots, 95 % over blocks of 60 s). The dashed line is what a free-form "
-            "map of the residual finds."
+            "Each effect with the probability that it is what is missing most, its best law speaking for it. Bars: "
+            "what it takes off the error of the calibration. Dots: what it takes off the error of held-out samples "
+            "(95 % over blocks of 60 s); only the most probable effects are refitted."
         )
         items.append(Picture("candidates", diagnosis_figures.candidates(diagnosis), caption))
     depends = diagnosis_figures.dependence(diagnosis)
     if depends:
-        caption = "What the residual depends on before anything is added."
+        caption = "What the residual of the final model still depends on."
         items.append(Picture("dependence", depends, caption))
     return Section("What is missing", items)

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from testbench.discrepancy.words import percent
 from testbench.report.ladder_figures import UNITS
 
 MANY = math.log(1e6)  # log odds beyond this are "more than a million to one"
@@ -13,27 +14,41 @@ MANY = math.log(1e6)  # log odds beyond this are "more than a million to one"
 
 def verdict_in_words(diagnosis: Mapping[str, Any]) -> str:
     """One sentence, or two."""
-    verdict, ranking = diagnosis["verdict"], diagnosis["ranking"]
-    if verdict == "missing" and ranking:
+    if diagnosis["verdict"] == "missing":
         return _missing(diagnosis)
-    if verdict == "unknown":
-        return "Something is missing that no single effect of the catalogue explains." + _depends(diagnosis)
-    return "Nothing is missing that these recordings could show."
+    chances = diagnosis["probabilities"]
+    if diagnosis["verdict"] == "nothing_missing":
+        return f"Nothing is missing that these recordings could show ({percent(chances['nothing'])})."
+    if diagnosis["found"]:
+        left = percent(diagnosis["left_unexplained"])
+        said = (
+            f"What was found, {_found(diagnosis)}, leaves {left} of the error above the noise: something is missing"
+        )
+        return f"{said} that no effect of the catalogue explains.{_depends(diagnosis)}"
+    sure = percent(chances["unknown"])
+    return f"Something is missing that no effect of the catalogue explains ({sure}).{_depends(diagnosis)}"
 
 
 def _depends(diagnosis: Mapping[str, Any]) -> str:
     most = [f"{entry['channel']} on {spoken(entry['coordinate'])}" for entry in diagnosis.get("depends_on", [])[:2]]
-    return f" It depends most on this: {'; '.join(most)}." if most else ""
+    return f" What is left depends most on this: {'; '.join(most)}." if most else ""
+
+
+def _found(diagnosis: Mapping[str, Any]) -> str:
+    return ", then ".join(f"{spoken(one['effect'])} ({percent(one['probability'])})" for one in diagnosis["found"])
 
 
 def _missing(diagnosis: Mapping[str, Any]) -> str:
-    first = diagnosis["ranking"][0]["effect"]
-    tied = [spoken(name) for name in diagnosis.get("tied", []) if name != first]
-    sentence = (
-        f"The model is missing {spoken(first)}: {error_fall(diagnosis['error_before'], diagnosis['error_after'])}."
-    )
+    first = diagnosis["found"][0]["effect"]
+    tied = [
+        f"{spoken(name)} ({percent(diagnosis['probabilities'][name])})"
+        for name in diagnosis.get("tied", [])
+        if name != first
+    ]
+    fall = error_fall(diagnosis["error_before"], diagnosis["error_after"])
+    sentence = f"The model is missing {_found(diagnosis)}: {fall}."
     if tied:
-        sentence += f" These recordings cannot tell it from {' or '.join(tied)}."
+        sentence += f" These recordings hardly tell {spoken(first)} from {' or '.join(tied)}."
     return sentence
 
 

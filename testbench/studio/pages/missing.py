@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from nicegui import ui
 
+from testbench.discrepancy.words import percent
 from testbench.report import diagnosis_figures as figures
 from testbench.report.build import read_diagnosis
 from testbench.report.words import base_in_words, spoken, verdict_in_words
@@ -79,12 +80,13 @@ async def _answer(studio: Studio, c: str, diagnosis: Mapping[str, Any], pick: st
         _experiment(c, diagnosis)
     plot(
         figures.candidates(diagnosis),
-        "What each effect would take off the error on samples that no fit has seen: weighed beforehand (bars), "
-        "measured after a refit (dots, 95 % over blocks of 60 s); dashed: what a free-form map of the residual would "
-        "take off.",
+        "Each effect with the probability that it is what is missing most. Bars: what it takes off the error of the "
+        "calibration; dots: off the error on samples that no fit has seen, after a refit (95 % over blocks of 60 s).",
     )
     chosen = next((entry for entry in ranking if entry["form"] == pick), ranking[0])
-    _Candidates(studio, c, diagnosis).build(ranking, chosen)
+    candidates = _Candidates(studio, c, diagnosis)
+    candidates.adopting()
+    candidates.build(ranking, chosen)
 
 
 def _experiment(c: str, diagnosis: Mapping[str, Any]) -> None:
@@ -102,6 +104,17 @@ class _Candidates:
         self.studio, self.c, self.diagnosis = studio, c, diagnosis
         self.cards: dict[str, ui.element] = {}
 
+    def adopting(self) -> None:
+        """Where several effects were found: all of them at once, refitted together as the diagnosis has them."""
+        found = [spoken(one["form"]) for one in self.diagnosis["found"]]
+        if len(found) > 1 and self._is_fresh():
+            button = ui.button(f"Add all that was found: {', '.join(found)}", icon="playlist_add")
+            button.on_click(lambda: attempt(self._adopt)).props("unelevated color=accent")
+
+    def _adopt(self) -> None:
+        models.adopt_diagnosed(self.studio, self.c)
+        ui.navigate.to(address("/ladder", c=self.c))
+
     def build(self, ranking: list[Mapping[str, Any]], chosen: Mapping[str, Any]) -> None:
         """Lay out the list and the detail."""
         with ui.element("div").classes("split"):
@@ -113,7 +126,6 @@ class _Candidates:
         later(partial(self._look, chosen))
 
     def _card(self, number: int, entry: Mapping[str, Any]) -> None:
-        removed = figures.removed_percent(entry["gain"])
         card = ui.element("button").classes("candidate").on("click", lambda: self._look(entry))
         self.cards[entry["form"]] = card
         with card:
@@ -122,11 +134,9 @@ class _Candidates:
                 with ui.row().classes("items-center gap-2 no-wrap"):
                     if entry["tied_for_first"]:
                         ui.label("tied").classes("tag bad")
-                    ui.label(f"{removed:.0f} %" if removed >= 0.5 else "no gain").classes("quiet").style(
-                        "white-space:nowrap"
-                    )
+                    ui.label(percent(entry["probability"])).classes("quiet").style("white-space:nowrap")
             with ui.element("div").classes("meter"):
-                ui.element("div").style(f"width:{max(removed, 0):.1f}%")
+                ui.element("div").style(f"width:{100 * entry['probability']:.1f}%")
 
     async def _look(self, entry: Mapping[str, Any]) -> None:
         for form, card in self.cards.items():
@@ -164,12 +174,11 @@ class _Candidates:
 
     def _add(self, entry: Mapping[str, Any]) -> None:
         done = partial(ui.navigate.to, address("/ladder", c=self.c))
-        named = self.diagnosis["verdict"] == "missing"
-        first = named and entry["form"] == self.diagnosis["ranking"][0]["form"]
-        # What the diagnosis has refitted already need not be fitted again: the first candidate, or the shapes alone.
-        if self._is_fresh() and (first or (not named and self._base_misfits())):
+        found = [one["form"] for one in self.diagnosis["found"]]
+        # What the diagnosis has refitted already need not be fitted again: all that it found, or the shapes alone.
+        if self._is_fresh() and (found == [entry["form"]] or (not found and self._base_misfits())):
             models.adopt_diagnosed(self.studio, self.c)
-            if first:
+            if found:
                 done()
                 return
         have = models.model_path(self.studio, self.c).read_text(encoding="utf-8")
@@ -211,6 +220,6 @@ def predicted(
 
 
 def _before(diagnosis: Mapping[str, Any]) -> Mapping[str, Any]:
-    """The model that the candidates were weighed against: the last one before an effect was put in."""
+    """The model that the candidates were weighed against: the last one before anything that was found was put in."""
     history = diagnosis["history"]
-    return history[-2 if diagnosis["verdict"] == "missing" and len(history) > 1 else -1]["model"]
+    return history[max(len(history) - len(diagnosis["found"]), 1) - 1]["model"]

@@ -176,13 +176,16 @@ def test_the_named_effect_and_those_tied_with_it_stand_out() -> None:
     assert len(set(unknown)) == 1
 
 
-def test_a_free_form_map_that_finds_nothing_is_not_drawn() -> None:
-    assert diagnosis_figures.candidates(samples.diagnosis())["layout"]["shapes"]
-    assert not diagnosis_figures.candidates(samples.diagnosis() | {"ceiling_gain": 0.0})["layout"]["shapes"]
-
-
 def test_nothing_left_to_depend_on_is_no_figure() -> None:
     assert diagnosis_figures.dependence({"depends_on": []}) is None
+    little = {"channel": "force", "coordinate": "strain", "gain": 1e-4}
+    assert diagnosis_figures.dependence({"depends_on": [little]}) is None
+
+
+def test_probabilities_stand_beside_the_names_and_only_refits_have_dots() -> None:
+    figure = diagnosis_figures.candidates(samples.diagnosis())
+    assert figure["layout"]["yaxis"]["ticktext"][:2] == ["stress relaxation (61 %)", "load cell creep (36 %)"]
+    assert list(figure["data"][1]["y"]) == [0, 1]
 
 
 @pytest.mark.parametrize(
@@ -190,15 +193,16 @@ def test_nothing_left_to_depend_on_is_no_figure() -> None:
     [
         (
             "missing",
-            "The model is missing stress relaxation: the held-out error of the force goes from 0.12 to 0.011 N, that "
-            "of the conductance from 0.031 to 0.0024 ln S. These recordings cannot tell it from load cell creep.",
+            "The model is missing stress relaxation (61 %): the held-out error of the force goes from 0.12 to "
+            "0.011 N, that of the conductance from 0.031 to 0.0024 ln S. These recordings hardly tell stress "
+            "relaxation from load cell creep (36 %).",
         ),
         (
             "unknown",
-            "Something is missing that no single effect of the catalogue explains. It depends most on "
+            "Something is missing that no effect of the catalogue explains (88 %). What is left depends most on "
             "this: force on elapsed time.",
         ),
-        ("nothing_missing", "Nothing is missing that these recordings could show."),
+        ("nothing_missing", "Nothing is missing that these recordings could show (92 %)."),
     ],
 )
 def test_a_verdict_is_a_sentence(verdict: str, sentence: str) -> None:
