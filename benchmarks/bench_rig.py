@@ -16,7 +16,7 @@ import numpy as np
 from gcode.output import make
 from gcode.presets import preset as trajectory_preset
 from testbench.campaign import simulate_campaign
-from testbench.importing import Source, Wish, import_csv
+from testbench.importing import Wish, import_csv
 from testbench.knit.presets import preset
 from testbench.manifest import problems
 from testbench.plan import Plan
@@ -74,7 +74,7 @@ def large_import(folder: Path, rows: int) -> None:
         stream.write("t,x,F,R\n")
         for part in np.array_split(block, max(1, rows // 100_000)):
             stream.write("%.3f,%.5f,%.5f,%.3f\n" * len(part) % tuple(part.ravel()))
-    wish = Wish(25.0, Source("t"), None, Source("x"), None, Source("F"), Source("R"))
+    wish = Wish(25.0, units={"time": "s", "displacement": "mm", "force": "N", "resistance": "ohm"})
     start_s = time.perf_counter()
     imported = import_csv(path, wish)
     import_s = time.perf_counter() - start_s

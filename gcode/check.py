@@ -10,13 +10,14 @@ import numpy as np
 
 from gcode.bounds import Limits, excesses
 from gcode.motion import Motion
-from gcode.planner import Machine, execute
+from gcode.planner import MAX_PLAYED_S, Machine, execute
 from gcode.program import Problem, Program
 from gcode.statistics import MotionStatistics, motion_statistics
 from gcode.support.errors import UserError
 
 LONGEST_DWELL_S = 120.0  # in files that others made; a longer P is most likely milliseconds
-LONGEST_RUN_S = 14 * 86400.0  # nothing longer is played
+LONGEST_RUN_S = MAX_PLAYED_S  # what takes longer is not executed, and refused
+MOST_SAMPLES = 50_000_000
 TOLERANCE_MM = 1e-6
 ACCELERATION_FACTOR = 5.0  # a controller faster than the limit shows whether the program itself asks for too much
 
@@ -65,23 +66,26 @@ def check_program(
     rate_hz : float
         Rate of the finite differences.
     machine : Machine or None
-        The controller. None: the acceleration of the program's header, else five times the limit.
+        The controller. None: five times the limit; what the file says of the controller counts for nothing.
     rapid_mm_per_s : float or None
         Speed of G0 moves. None: unknown, so G0 moves are refused.
     longest_dwell_s : float or None
-        None: 120 s for files that others made, no bound for our own.
+        None: 120 s. A program of ours that was made again from its recipe may dwell as long as it likes; see
+        `gcode.provenance`.
 
     Raises
     ------
     UserError
-        If `rate_hz` is not above zero.
+        If `rate_hz` or `longest_dwell_s` is not above zero.
     """
     if not (np.isfinite(rate_hz) and 0 < rate_hz <= 10_000):
         raise UserError(f"rate_hz must be above 0 and at most 10000, got {rate_hz:g}")
-    if longest_dwell_s is None:
-        longest_dwell_s = np.inf if program.header_number("rate_hz") else LONGEST_DWELL_S
+    longest_dwell_s = LONGEST_DWELL_S if longest_dwell_s is None else longest_dwell_s
+    if not longest_dwell_s > 0:
+        raise UserError(f"the longest dwell must be a number of seconds above 0, got {longest_dwell_s:g}")
     problems = [
         *program.problems,
+        *_modes(program),
         *_positions(program, limits),
         *_feeds(program, limits, rapid_mm_per_s),
         *_dwells(program, longest_dwell_s),
@@ -89,29 +93,71 @@ def check_program(
     statistics = None
     if not (program.length_mm != 0).any():
         problems.append(Problem(1, "the program moves nothing"))
-    elif _playable(program):
-        motion = execute(program, machine or _machine(program, limits, rapid_mm_per_s))
+    elif unplayed := _unplayed(program, rate_hz):
+        problems.append(Problem(1, unplayed))
+    else:
+        motion = execute(program, machine or _machine(limits, rapid_mm_per_s))
         samples = max(int(np.ceil(motion.end_s * rate_hz - 1e-6)) + 1, 2)
         position = motion.position_at(np.arange(samples) / rate_hz)
         statistics = motion_statistics(position, rate_hz)
-        problems += _executed(program, motion, position, rate_hz, limits)
+        hint = "" if machine else _other_controller(program, limits)
+        problems += [
+            Problem(one.line, one.reason + hint) for one in _executed(program, motion, position, rate_hz, limits)
+        ]
     return CheckResult(sorted(problems, key=lambda problem: problem.line), statistics)
 
 
-def _machine(program: Program, limits: Limits, rapid_mm_per_s: float | None) -> Machine:
-    stated = program.header_number("machine_acceleration_mm_per_s2")
-    acceleration = stated or ACCELERATION_FACTOR * limits.a_max_mm_per_s2
+def _modes(program: Program) -> list[Problem]:
+    """What the file leaves to the controller's last job."""
+    if not len(program.line):
+        return []
+    line = int(program.line[0])
+    return [
+        Problem(line, f"moves before {mode} is said: it would mean whatever the machine did last")
+        for mode in program.unsaid
+    ]
+
+
+def _other_controller(program: Program, limits: Limits) -> str:
+    """A hint where the file was written for a controller of another acceleration than it is judged with."""
+    stated, used = (
+        program.header_number("machine_acceleration_mm_per_s2"),
+        ACCELERATION_FACTOR * limits.a_max_mm_per_s2,
+    )
+    if not stated or abs(stated - used) < 1e-9 * used:
+        return ""
+    return (
+        f" (judged with a controller of {used:g} mm/s2; the file was written for {stated:g}: if yours is set so, say "
+        f"--machine-acceleration {stated:g})"
+    )
+
+
+def _machine(limits: Limits, rapid_mm_per_s: float | None) -> Machine:
+    acceleration = ACCELERATION_FACTOR * limits.a_max_mm_per_s2
     # The planner must not hide a feed that is too high behind its own rapid speed.
     rapid = rapid_mm_per_s or max(50.0, 10.0 * limits.v_max_mm_per_s)
     return Machine(acceleration_mm_per_s2=acceleration, rapid_mm_per_s=rapid)
 
 
-def _playable(program: Program) -> bool:
+def _unplayed(program: Program, rate_hz: float) -> str:
+    """Why the program cannot be executed here; empty if it can."""
     moving = program.length_mm != 0
     feed = np.minimum(program.feed_mm_per_s[moving], 1e3)
     if not (feed > 0).all():
-        return False
-    return float(np.abs(program.length_mm[moving] / feed).sum() + program.dwell_s.sum()) < LONGEST_RUN_S
+        return "not executed, since it has moves of no feed: nothing is known of its motion"
+    seconds = float(np.abs(program.length_mm[moving] / feed).sum() + program.dwell_s.sum())
+    if seconds > LONGEST_RUN_S:
+        return f"not executed, since it would take {_long(seconds)}: more than {_long(LONGEST_RUN_S)} is refused"
+    if seconds * rate_hz > MOST_SAMPLES:
+        return f"not executed, since {_long(seconds)} at {rate_hz:g} Hz are too many samples; lower --rate-hz"
+    return ""
+
+
+def _long(seconds: float) -> str:
+    for unit, length in (("years", 365.25 * 86400.0), ("days", 86400.0)):
+        if seconds >= 2 * length:
+            return f"{seconds / length:.3g} {unit}"
+    return f"{seconds:.4g} s"
 
 
 def _first(mask: np.ndarray, program: Program, reason: Callable[[int], str]) -> list[Problem]:

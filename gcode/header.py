@@ -10,6 +10,7 @@ import json
 from typing import Any
 
 from gcode.support.errors import UserError
+from gcode.support.strict import json_of
 
 MAX_COMMENT = 96  # interpreters refuse over-long comments; long lists are split over several
 
@@ -49,14 +50,16 @@ def unflatten(flat: dict[str, str], prefix: str) -> Any:
         branch = tree
         for parent in parents:
             branch = branch.setdefault(parent, {})
+            if not isinstance(branch, dict):
+                raise UserError(f"header: {key} stands below a value; only our own files can be made again")
         branch[leaf] = _value(text)
     return _listed(tree)
 
 
 def _value(text: str) -> Any:
     try:
-        return json.loads(text)
-    except json.JSONDecodeError:
+        return json_of(text, "header value")
+    except UserError:
         return text
 
 
@@ -64,6 +67,6 @@ def _listed(tree: Any) -> Any:
     if not isinstance(tree, dict):
         return tree
     values = {key: _listed(value) for key, value in tree.items()}
-    if values and all(key.isdigit() for key in values):
+    if values and all(key.isascii() and key.isdigit() for key in values):
         return [values[key] for key in sorted(values, key=int)]
     return values

@@ -14,6 +14,7 @@ import numpy as np
 from gcode.compensate import compensated_speeds, rounded_feeds
 from gcode.header import header_lines
 from gcode.reader import parse_program, read_program
+from gcode.seal import sealed
 from gcode.support.errors import UserError
 from gcode.trajectory import Trajectory, position_decimals
 
@@ -90,7 +91,7 @@ def write_program(
     lines = [*header_lines({**about, **(header or {})}), SAFE_START, "G21", feed_mode, "G64"]
     if moves.start_ticks:
         lines.append(f"G0 X{moves.start_ticks / 10**moves.decimals:.{moves.decimals}f}")
-    return "\n".join([*lines, *_body(moves, speed, v_max_mm_per_s, feed_mode), "M30", ""])
+    return sealed("\n".join([*lines, *_body(moves, speed, v_max_mm_per_s, feed_mode), "M30", ""]))
 
 
 def _moves(trajectory: Trajectory) -> _Moves:

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from gcode.check import check_program
 from gcode.generate import plan
 from gcode.header import unflatten
@@ -18,6 +20,7 @@ from gcode.statistics import MotionStatistics
 from gcode.support import files
 from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError
+from gcode.support.strict import validated
 from gcode.target import NAMES
 from gcode.trajectory import Trajectory, TrajectorySpec
 
@@ -113,7 +116,7 @@ def _attempt(
         v_max_mm_per_s=spec.limits.v_max_mm_per_s,
     )
     machine = Machine(acceleration_mm_per_s2=acceleration)
-    result = check_program(read_program(text), spec.limits, spec.rate_hz, machine)
+    result = check_program(read_program(text), spec.limits, spec.rate_hz, machine, longest_dwell_s=np.inf)
     statistics = result.statistics or planned
     return Made(spec, seed, gauge_length_mm, feed_mode, trajectory, text, statistics), result.problems
 
@@ -133,7 +136,9 @@ def make_again(program: Program) -> Made:
             "program: its header holds no spec, seed and gauge length; only our own files can be made again"
         )
     mode: FeedMode = "G93" if program.header.get("feed_mode") == "g93" else "G94"
-    return make(TrajectorySpec.model_validate(spec), int(program.header["seed"]), gauge, mode)
+    if not (seed == int(seed) and 0 <= seed < 1 << 53):
+        raise UserError(f"program: its header's seed must be a whole number, 0 or more, got {seed:g}")
+    return make(validated(spec, TrajectorySpec, "program", "recipe in its header"), int(seed), gauge, mode)
 
 
 def _rounded(statistics: MotionStatistics) -> dict[str, float]:

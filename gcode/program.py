@@ -10,6 +10,8 @@ from gcode.motion import Blocks
 from gcode.support.errors import UserError
 from gcode.trajectory import Trajectory, sampled
 
+MOST_HZ, MOST_STEPS = 10_000.0, 100_000_000  # of a plan; a week at 100 Hz has 60 million
+
 
 @dataclass(frozen=True)
 class Problem:
@@ -46,6 +48,8 @@ class Program:
         ``KEY: value`` of the header comments of our own files, keys in lower case.
     problems : list of Problem
         What the reader refused.
+    unsaid : tuple of str
+        Modes that the file leaves to whatever the controller was set to before, as ``G20 or G21``.
     """
 
     line: np.ndarray
@@ -57,6 +61,7 @@ class Program:
     start_mm: float = 0.0
     header: dict[str, str] = field(default_factory=dict)
     problems: list[Problem] = field(default_factory=list)
+    unsaid: tuple[str, ...] = ()
 
     @property
     def length_mm(self) -> np.ndarray:
@@ -81,17 +86,22 @@ class Program:
         if rate_hz is None:
             raise UserError("program: its header states no RATE_HZ, so its planned time is unknown; use gcode play")
         before = np.concatenate(([self.start_mm], self.position_mm[:-1]))
+        if not 0 < rate_hz <= MOST_HZ or self.steps.sum() > MOST_STEPS:
+            raise UserError(
+                f"program: {self.steps.sum()} steps at {rate_hz:g} Hz are no plan of ours; use gcode play"
+            )
         count = self.steps + 1
         # A block of k steps waits for k - 1 samples, then moves (a dwell waits for all of them).
         position = np.repeat(np.column_stack((before, self.position_mm)).ravel(), _waits(count))
         return sampled(np.concatenate(([self.start_mm], position)), rate_hz)
 
     def header_number(self, key: str) -> float | None:
-        """A number of the header, None where it is missing or no number."""
+        """A number of the header, None where it is missing or no finite number."""
         try:
-            return float(self.header[key])
+            value = float(self.header[key])
         except (KeyError, ValueError):
             return None
+        return value if np.isfinite(value) else None
 
 
 def _waits(count: np.ndarray) -> np.ndarray:

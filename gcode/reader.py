@@ -16,18 +16,24 @@ from pathlib import Path
 import numpy as np
 
 from gcode.program import Problem, Program
+from gcode.support import strict
 from gcode.support.errors import UserError
 
 MAX_LINE = 255
 MAX_COMMENT = 200
-_OWN_MOVE = re.compile(r"G1 X(-?\d+\.\d+) F(\d+\.\d+)(?: \(STEPS (\d+)\))?")
+MAX_RATE_HZ = 10_000.0
+MODES = ("G20 or G21", "G90 or G91", "G93 or G94")
+MOST_BYTES = 1 << 30
+_OWN_MOVE = re.compile(r"G1 X(-?\d{1,6}\.\d{1,9}) F(\d{1,9}\.\d{1,9})(?: \(STEPS (\d{1,7})\))?")
 _COMMENT = re.compile(r"\(([^()]*)\)")
 _WORD = re.compile(r"\s*([A-Z])\s*([+-]?(?:\d+\.?\d*|\.\d+))(?![\d.])")
 _KEY = re.compile(r"([A-Z0-9_.]+): (.*)")
 _INCH = 25.4
 _MODAL_GROUPS = ({0.0, 1.0, 4.0}, {20.0, 21.0}, {90.0, 91.0}, {93.0, 94.0}, {61.0, 64.0})
 _WHOLE_DWELL = re.compile(r"G0*4(?![\d.]).*P\s*(\d{3,})(?![\d.])")
-_IGNORED_G = {17.0, 40.0, 49.0, 54.0, 55.0, 56.0, 57.0, 58.0, 59.0, 80.0}
+_OFFSETS = {54.0, 55.0, 56.0, 57.0, 58.0, 59.0}
+_IGNORED_G = {17.0, 40.0, 49.0, 80.0}
+LARGEST = 1e9  # of any number in a program
 _IGNORED_M = {0.0, 1.0, 3.0, 4.0, 5.0, 7.0, 8.0, 9.0, 48.0, 49.0}
 _END_M = {2.0, 30.0}
 
@@ -63,6 +69,9 @@ class _State:
     exact_stop: bool = False
     unit: float = 1.0
     x: float = 0.0
+    offset: float | None = None
+    said: set[str] = field(default_factory=set)
+    unsaid: tuple[str, ...] = ()
     ended: bool = False
     rows: _Rows = field(default_factory=_Rows)
     problems: list[Problem] = field(default_factory=list)
@@ -71,12 +80,7 @@ class _State:
 
 def read_text(path: str | Path) -> str:
     """The text of a program file; a `UserError` names a file that cannot be read or is no text."""
-    try:
-        return Path(path).read_text(encoding="utf-8")
-    except UnicodeDecodeError as error:
-        raise UserError(f"{path}: not a program: byte {error.start} is not text") from error
-    except OSError as error:
-        raise UserError(f"{path}: cannot read this program: {error.strerror or error}") from error
+    return strict.read_text(path, "program", MOST_BYTES)
 
 
 def read_program(text: str) -> Program:
@@ -98,9 +102,12 @@ def parse_program(text: str) -> Program:
     """Read any program; what cannot be understood is listed in ``problems`` and skipped."""
     state = _State()
     for number, line in enumerate(io.StringIO(text), start=1):
-        if state.ended:
-            break
         line = line.rstrip("\r\n")
+        if state.ended:
+            if _COMMENT.sub("", line).strip() not in ("", "%"):
+                state.problems.append(Problem(number, "follows the program's end (M30 or M2) and would never run"))
+                break
+            continue
         match = _OWN_MOVE.fullmatch(line)
         if match and not state.incremental and state.unit == 1.0 and float(match[2]) > 0:
             state.motion, state.feed = 1.0, float(match[2])
@@ -123,6 +130,7 @@ def _program(state: _State) -> Program:
         exact_stop=np.array(rows.stop, dtype=bool),
         header=state.header,
         problems=state.problems,
+        unsaid=state.unsaid,
     )
 
 
@@ -202,6 +210,8 @@ def _clash(words: list[tuple[str, float]]) -> str | None:
 
 def _word(state: _State, values: dict[str, float], letter: str, value: float) -> str | None:
     """Apply one word; returns why it is refused, if it is."""
+    if abs(value) > LARGEST:
+        return f"{letter}{value:g} is beyond any machine"
     if letter == "G":
         return _g(state, value)
     if letter == "M":
@@ -218,10 +228,15 @@ def _g(state: _State, code: float) -> str | None:
     if code in (0.0, 1.0):
         state.motion = code
     elif code in (20.0, 21.0):
+        state.said.add("G20 or G21")
         state.unit = _INCH if code == 20.0 else 1.0
     elif code in (90.0, 91.0):
+        state.said.add("G90 or G91")
         state.incremental = code == 91.0
+    elif code in _OFFSETS:
+        return _offset(state, code)
     elif code in (93.0, 94.0):
+        state.said.add("G93 or G94")
         if state.inverse_time != (code == 93.0):
             state.inverse_time, state.feed = code == 93.0, None
     elif code in (61.0, 64.0):
@@ -230,6 +245,14 @@ def _g(state: _State, code: float) -> str | None:
             return "G61 stops the axis at every block, which at least doubles the time; use G64"
     elif code not in _IGNORED_G and code != 4.0:
         return f"G{code:g} is not understood on a single axis (G0, G1, G4 and modes are)"
+    return None
+
+
+def _offset(state: _State, code: float) -> str | None:
+    """A work offset moves the origin by an amount that only the controller knows."""
+    if state.rows and code != state.offset:
+        return f"G{code:g} moves the origin in mid-program, by an amount that the file does not say"
+    state.offset = code
     return None
 
 
@@ -255,9 +278,10 @@ def _dwell(state: _State, number: int, values: dict[str, float]) -> None:
 
 def _rate(state: _State) -> float:
     try:
-        return float(state.header.get("rate_hz", "0"))
+        rate_hz = float(state.header.get("rate_hz", "0"))
     except ValueError:
         return 0.0
+    return rate_hz if 0 < rate_hz <= MAX_RATE_HZ else 0.0
 
 
 def _move(state: _State, number: int, x: float, own_feed: bool, steps: int) -> None:
@@ -277,5 +301,7 @@ def _move(state: _State, number: int, x: float, own_feed: bool, steps: int) -> N
         feed = (state.feed or 0.0) * state.unit / 60.0
     if length == 0 and state.rows:
         refuse(f"the move to X{x:g} has no length; some controllers stop at it")
+    if not state.rows:
+        state.unsaid = tuple(mode for mode in MODES if mode not in state.said)
     state.x = x
     state.rows.add(number, x, feed, 0.0, steps, state.exact_stop)

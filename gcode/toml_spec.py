@@ -3,26 +3,21 @@
 from __future__ import annotations
 
 import json
-import tomllib
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
 from gcode.support.errors import UserError, first_problem
+from gcode.support.strict import read_toml
 from gcode.trajectory import TrajectorySpec
 
 
 def read_spec(path: str | Path) -> TrajectorySpec:
     """Read a spec; every fault names the file and the field."""
+    data = read_toml(path)
     try:
-        text = Path(path).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise UserError(f"{path}: cannot read this spec: {getattr(error, 'strerror', None) or error}") from error
-    try:
-        return TrajectorySpec.model_validate(tomllib.loads(text))
-    except tomllib.TOMLDecodeError as error:
-        raise UserError(f"{path}: not valid TOML: {error}") from error
+        return TrajectorySpec.model_validate(data)
     except ValidationError as error:
         raise UserError(f"{path}: {first_problem(error)}") from error
 

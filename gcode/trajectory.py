@@ -15,6 +15,7 @@ from gcode.protocol import AnyPiece, Protocol
 from gcode.statistics import MotionStatistics, motion_statistics
 from gcode.support import files
 from gcode.support.errors import UserError
+from gcode.support.strict import check_plain
 
 
 def position_decimals(rate_hz: float) -> int:
@@ -104,9 +105,10 @@ class Trajectory:
 
 def read_csv(path: str | FilePath) -> Trajectory:
     """Read a ``time_s,position_mm`` file; what cannot be read is a `UserError` that names it."""
+    check_plain(path, "trajectory")
     try:
         with FilePath(path).open(encoding="utf-8") as stream:
-            header = stream.readline().strip().split(",")
+            header = stream.readline(4096).strip().split(",")
             if header[:2] != ["time_s", "position_mm"]:
                 raise UserError(f"{path}: the header must begin with time_s,position_mm, got {','.join(header)[:60]}")
             columns = np.loadtxt(stream, delimiter=",", usecols=(0, 1), ndmin=2)

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import json
 import shutil
-import tempfile
 from collections.abc import Callable, Iterable
+from dataclasses import replace
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
 from gcode.support.errors import UserError
-from gcode.support.files import make_folder
+from gcode.support.files import copy_file, drafted_folder, make_folder
 from testbench import manifest
-from testbench.manifest import Campaign, read_manifest, write_manifest
+from testbench.manifest import Campaign, origin_of, read_manifest, write_manifest
 from testbench.plan import EFFECTS, PROGRAM, Plan, past_names
 from testbench.recording import Recording
 from testbench.recording_files import write_recording_csv
-from testbench.rig.recorder import Part, Recorder, Status, counts, in_memory
+from testbench.rig.recorder import DISK_STATES, Part, Recorder, Status, counts, in_memory
 from testbench.rig.simulated import Motion
 from testbench.rig.sink import CSV, EVENTS, Sink
 from testbench.rig.stream import Intake
@@ -48,12 +49,13 @@ def simulate_campaign(
     report : callable
         Called with the progress.
     """
-    make_folder(folder.parent)
-    with tempfile.TemporaryDirectory(dir=folder.parent, prefix=f".{folder.name}.") as scratch:
-        draft = make_folder(Path(scratch) / "campaign")
+    with drafted_folder(folder) as draft:
         plan.copy_sources(draft)
         status = _fill(draft, plan, motion, report, in_memory)
-        draft.replace(folder)
+        if status.state in DISK_STATES:
+            raise UserError(
+                f"{folder}: nothing was kept, {status.message}; make room, or choose another place with -o"
+            )
     return status
 
 
@@ -89,29 +91,53 @@ def _fill(
     pace: Callable[[Iterable[bytes]], Iterable[Part]],
     stopped: Callable[[], bool] = lambda: False,
 ) -> Status:
-    intake, sink = Intake(), Sink(folder)
+    # A rig that delivers at once has no host time to hold its clock against.
+    intake, sink = Intake(host_clock=pace is not in_memory), Sink(folder)
     try:
         recorder = Recorder(intake, sink, plan.gauge_length_mm, duration_s=motion.duration_s, report=report)
         status = recorder.run(pace(plan.rig(motion).lines()), stopped)
     finally:
-        sink.close()
-    finish(folder, plan.gauge_length_mm, "simulated", status.state, plan.recipe(), intake)
-    return status
+        whole = sink.close()
+    status.sync_failures = sink.sync_failures
+    return finish(folder, plan.gauge_length_mm, "simulated", status, whole, plan.recipe(), intake)
 
 
 def finish(
-    folder: Path, gauge_length_mm: float, origin: str, state: str, recipe: dict[str, Any], intake: Intake
-) -> None:
-    """Write the manifest over the files in `folder`."""
-    campaign = Campaign(gauge_length_mm, origin, state, recipe, counts(intake), software_versions())
-    write_manifest(folder, campaign, campaign_files(folder))
+    folder: Path,
+    gauge_length_mm: float,
+    origin: str,
+    status: Status,
+    whole: bool,
+    recipe: dict[str, Any],
+    intake: Intake,
+    again: Iterable[None] = (),
+) -> Status:
+    """Write the manifest over the files in `folder`, and say how it ended.
+
+    A disk that does not even take the manifest leaves the campaign unfinished, as a killed recorder does: its files
+    are as readable as those, and `testbench record --resume` takes it up. Each element of `again` is another trial.
+    """
+    counted = counts(intake) | {"samples": intake.accepted - status.unwritten}
+    counted |= {"unwritten": status.unwritten} if status.unwritten else {}
+    counted |= {"sync_failures": status.sync_failures} if status.sync_failures else {}
+    campaign = Campaign(gauge_length_mm, origin, status.state, recipe, counted, software_versions())
+    problem = "a file could not be closed with a whole line"
+    for _ in chain([None], again) if whole else ():
+        try:
+            write_manifest(folder, campaign, campaign_files(folder))
+            return status
+        except (OSError, UserError) as error:
+            problem = str(error)
+    state = status.state if status.state in ("alarm", *DISK_STATES) else "disk error"
+    unfinished = f"the manifest could not be written, so the campaign stays unfinished ({problem})"
+    return replace(status, state=state, message="; ".join(filter(None, (status.message, unfinished))))
 
 
 def write_derived(folder: Path, recording: Recording, how: str, details: dict[str, Any], program: Path) -> None:
     """Write a recording that was made from another one; its recipe is the other's plus `details` under `how`."""
     make_folder(folder)
     write_recording_csv(folder / CSV, recording)
-    shutil.copyfile(program, folder / PROGRAM)
+    copy_file(program, folder / PROGRAM)
     recipe = {**recording.metadata.get("recipe", {}), how: {**details, "source": Path(recording.source).name}}
     made = Campaign(
         recording.gauge_length_mm, how, "complete", recipe, {"samples": len(recording)}, software_versions()
@@ -138,8 +164,7 @@ def vacant(folder: Path, overwrite: bool = False) -> None:
         return
     if not folder.is_dir() or not (folder / manifest.NAME).is_file():
         raise UserError(f"{folder}: exists and is not a campaign; choose another place with -o")
-    campaign, _ = read_manifest(folder)
-    if campaign.origin == "recorded":
+    if origin_of(folder) == "recorded":
         raise UserError(f"{folder}: holds a recorded campaign, which is never overwritten; choose another with -o")
     if not overwrite:
         raise UserError(f"{folder}: holds another campaign; choose another place with -o, or add --overwrite")

@@ -19,11 +19,11 @@ from typing import Any
 import numpy as np
 
 from gcode.support.errors import UserError, first_problem
-from gcode.support.files import make_folder, read_json, sha256_of, write_text
+from gcode.support.files import make_folder, sha256_of, write_text
 from testbench import manifest
 from testbench.campaign import matches, simulate_campaign, vacant
 from testbench.dataset_index import write_entries
-from testbench.dataset_spec import DatasetSpec, TrajectoryWish
+from testbench.dataset_spec import MOST_CAMPAIGNS, DatasetSpec, TrajectoryWish
 from testbench.knit.catalogue import Catalogue, load_catalogue, model_from_dict
 from testbench.knit.model import KnitModel
 from testbench.knit.presets import preset
@@ -32,6 +32,8 @@ from testbench.rig.instruments import Instruments
 from testbench.rig.motion import played
 from testbench.rig.past import DEFAULT_REST_S
 from testbench.rig.simulated import Motion
+from testbench.stored import read_model
+from testbench.trust import named_effects
 
 PROGRAMS = "programs"
 
@@ -58,19 +60,30 @@ class Task:
         return Plan(self.program, model, gauge, self.seed, self.sensor, tools, self.past, self.rest_s, self.effects)
 
 
-def tasks_of(spec: DatasetSpec, base: Path, out: Path) -> list[Task]:
+def tasks_of(spec: DatasetSpec, base: Path, out: Path, effects: Path | None = None) -> list[Task]:
     """All campaigns of a data set; programs that have to be planned are written to ``out/programs`` first.
+
+    Parameters
+    ----------
+    spec : DatasetSpec
+    base, out : Path
+        Folders of the spec and of the data set.
+    effects : Path, optional
+        The file with effects of somebody's own, if the spec wants one: named by a person, since it is a program.
 
     Raises
     ------
     UserError
         If a sensor, a program or a varied parameter is not there: before anything runs, not after an hour.
     """
-    effects = (base / spec.effects).absolute() if spec.effects else None
-    models = {sensor: _model(sensor, base, effects) for sensor in spec.sensors}
+    own = named_effects(out, base / spec.effects, effects).absolute() if spec.effects else None
+    models = {sensor: _model(sensor, base, own) for sensor in spec.sensors}
     programs = _planned(spec, base, out) if spec.trajectory else _found(spec.programs, base)
     for program in programs:
         _motion(program, spec.gauge_length_mm)
+    count = len(models) * len(programs) * len(spec.seeds)
+    if count > MOST_CAMPAIGNS:
+        raise UserError(f"a data set has at most {MOST_CAMPAIGNS} campaigns, this one would have {count}; split it")
     made = []
     for (sensor, model), (order, program), seed in product(models.items(), enumerate(programs), spec.seeds):
         past = tuple(programs[:order]) if spec.same_sensor else ()
@@ -78,7 +91,7 @@ def tasks_of(spec: DatasetSpec, base: Path, out: Path) -> list[Task]:
         drawn = varied(model, spec.vary, seed).to_dict()
         folder = out.absolute() / name
         gauge = spec.gauge_length_mm
-        made.append(Task(folder, program, sensor, drawn, gauge, seed, spec.instruments, past, spec.rest_s, effects))
+        made.append(Task(folder, program, sensor, drawn, gauge, seed, spec.instruments, past, spec.rest_s, own))
     if len({task.folder for task in made}) < len(made):
         raise UserError("two campaigns would have the same folder; give sensors and programs different file names")
     return made
@@ -168,7 +181,12 @@ class OneAtATime:
 
     def __init__(self, out: Path) -> None:
         self._out = out
-        self._handle = os.open(out / ".lock", os.O_RDWR | os.O_CREAT, 0o644)
+        try:
+            self._handle = os.open(out / ".lock", os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK, 0o644)
+        except OSError as error:
+            raise UserError(
+                f"{out / '.lock'}: cannot hold this folder: {error.strerror}; see what is there"
+            ) from None
 
     def __enter__(self) -> OneAtATime:
         try:
@@ -205,7 +223,7 @@ def _motion(program: Path, gauge_length_mm: float) -> Motion:
 def _model(sensor: str, base: Path, effects: Path | None) -> KnitModel:
     if not sensor.endswith(".json"):
         return preset(sensor)
-    return model_from_dict(read_json(base / sensor, "model"), _catalogue(effects), sensor)
+    return model_from_dict(read_model(base / sensor), _catalogue(effects), sensor)
 
 
 def _found(patterns: Sequence[str], base: Path) -> list[Path]:
@@ -219,6 +237,10 @@ def _found(patterns: Sequence[str], base: Path) -> list[Path]:
 
 
 def _planned(spec: DatasetSpec, base: Path, out: Path) -> list[Path]:
+    if (out / PROGRAMS).is_symlink():
+        raise UserError(
+            f"{out / PROGRAMS}: is a link, and nothing is written through it; choose another place with -o"
+        )
     folder = make_folder(out / PROGRAMS).absolute()
     assert spec.trajectory is not None
     return list(_programs(spec.trajectory, spec.gauge_length_mm, base, folder))

@@ -7,7 +7,9 @@ from typing import Any
 
 from gcode.support.errors import UserError
 from gcode.support.files import read_json, sha256_of, write_json
+from gcode.support.strict import validated
 from testbench import manifest
+from testbench.stored import StoredIndex
 
 INDEX = "dataset.json"
 FORMAT, FORMAT_VERSION = "knitbench-dataset", 1
@@ -29,13 +31,14 @@ def index_problems(out: Path) -> tuple[list[Path], list[str]]:
     data = read_json(out / INDEX, "list of campaigns")
     if not isinstance(data, dict) or data.get("format") != FORMAT or data.get("version") != FORMAT_VERSION:
         raise UserError(f"{out / INDEX}: not a list of {FORMAT} {FORMAT_VERSION}; make the data set again")
+    index = validated(data, StoredIndex, out / INDEX, "list of campaigns")
     there, found = [], []
-    for entry in data["campaigns"]:
-        folder = out / str(entry["campaign"])
+    for entry in index.campaigns:
+        folder = out / entry.campaign
         if not (folder / manifest.NAME).is_file():
             found.append(f"{folder}: missing; run `testbench dataset` again")
             continue
         there.append(folder)
-        if sha256_of(folder / manifest.NAME) != entry["manifest_sha256"]:
+        if sha256_of(folder / manifest.NAME) != entry.manifest_sha256:
             found.append(f"{folder / manifest.NAME}: not the one that {INDEX} lists; run `testbench dataset` again")
     return there, found

@@ -3,22 +3,25 @@
 from __future__ import annotations
 
 import re
-import tomllib
 from pathlib import Path
 from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from gcode.support.errors import UserError, first_problem
+from gcode.support.strict import read_toml
 from testbench.rig.instruments import Instruments
 from testbench.rig.past import DEFAULT_REST_S
 
+MOST_CAMPAIGNS = 1_000_000
+Seed = Annotated[int, Field(ge=0, lt=1 << 63)]
+Seeds = Annotated[tuple[Seed, ...], Field(min_length=1, max_length=MOST_CAMPAIGNS)]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Rest = Annotated[float, Field(ge=0, le=1e5, allow_inf_nan=False)]
 
 
 class _Strict(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 
 class TrajectoryWish(_Strict):
@@ -26,7 +29,7 @@ class TrajectoryWish(_Strict):
 
     preset: str | None = None
     spec: str | None = None
-    seeds: tuple[int, ...]
+    seeds: Seeds
     duration_s: Positive | None = None
 
     @model_validator(mode="before")
@@ -68,7 +71,7 @@ class DatasetSpec(_Strict):
     """
 
     sensors: tuple[str, ...] = Field(min_length=1)
-    seeds: tuple[int, ...] = Field(min_length=1)
+    seeds: Seeds
     programs: tuple[str, ...] = ()
     trajectory: TrajectoryWish | None = None
     gauge_length_mm: Positive = 25.0
@@ -93,10 +96,13 @@ class DatasetSpec(_Strict):
 def _with_ranges(data: Any) -> Any:
     if not isinstance(data, dict) or not isinstance(data.get("seeds"), str):
         return data
-    match = re.fullmatch(r"(\d+)-(\d+)", data["seeds"].strip())
+    match = re.fullmatch(r"(\d{1,18})-(\d{1,18})", data["seeds"].strip())
     if match is None or int(match[1]) > int(match[2]):
-        raise ValueError(f'seeds must be a list or a range like "1-500", got {data["seeds"]!r}')
-    return {**data, "seeds": tuple(range(int(match[1]), int(match[2]) + 1))}
+        raise ValueError(f'seeds must be a list or a range like "1-500", got {data["seeds"][:60]!r}')
+    first, last = int(match[1]), int(match[2])
+    if last - first >= MOST_CAMPAIGNS:
+        raise ValueError(f"seeds must be at most {MOST_CAMPAIGNS}, got {last - first + 1}")
+    return {**data, "seeds": tuple(range(first, last + 1))}
 
 
 def read_spec(path: Path) -> DatasetSpec:
@@ -107,12 +113,7 @@ def read_spec(path: Path) -> DatasetSpec:
     UserError
         If it is not TOML, or an entry is wrong; the message names it.
     """
-    try:
-        data = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise UserError(f"{path}: not valid TOML: {error}") from None
-    except OSError as error:
-        raise UserError(f"{path}: cannot read this spec: {error.strerror or error}") from None
+    data = read_toml(path)
     try:
         return DatasetSpec.model_validate(data)
     except ValidationError as error:

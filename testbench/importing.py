@@ -1,4 +1,8 @@
-"""A foreign CSV becomes a recording: columns and units by name, rows that cannot be used named or left out."""
+"""A foreign file becomes a recording: columns and units as the file or a person says, never as we would like them.
+
+The pieces are in `testbench.recordings`: how the file is written (`sheet`, `layout`), which column is what
+(`choice`), its numbers in our units (`columns`), zero and sign (`signs`).
+"""
 
 from __future__ import annotations
 
@@ -11,132 +15,302 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from gcode.support.files import make_folder, sha256_of
-from testbench.foreign import layout_of, read_foreign
 from testbench.manifest import Campaign, write_manifest
 from testbench.recording import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE, TIME, Recording
 from testbench.recording_checks import such
 from testbench.recording_files import write_recording_csv
+from testbench.recordings.choice import NOT_THERE, Choice, Said, choose, in_words
+from testbench.recordings.columns import Read, on_main_clock, read_columns
+from testbench.recordings.layout import misfit
+from testbench.recordings.notation import numbers
+from testbench.recordings.repeats import repeats_of
+from testbench.recordings.sheet import Hints, Sheet, open_sheet
+from testbench.recordings.signs import SIGNED, doubts, zero_of
+from testbench.recordings.words import STRETCH, counts_repeats
 from testbench.versions import software_versions
 
-TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0}
-LENGTH_UNITS = {"mm": 1.0, "um": 1e-3, "cm": 10.0, "m": 1e3, "in": 25.4}
-FORCE_UNITS = {"N": 1.0, "mN": 1e-3, "cN": 1e-2, "kN": 1e3, "gf": 9.80665e-3, "kgf": 9.80665, "lbf": 4.4482216152605}
-RESISTANCE_UNITS = {"ohm": 1.0, "mohm": 1e-3, "kohm": 1e3, "Mohm": 1e6}
-CONDUCTANCE_UNITS = {"S": 1.0, "mS": 1e-3, "uS": 1e-6, "nS": 1e-9}
-STRAIN_UNITS = {"1": 1.0, "%": 0.01}
-
-
-@dataclass(frozen=True)
-class Source:
-    """One column of the file: its name there, and the factor that brings it to our unit."""
-
-    column: str
-    factor: float = 1.0
+SLOWEST_HZ = 0.1
 
 
 @dataclass(frozen=True)
 class Wish:
-    """What a foreign file means.
+    """What a person says about a foreign file; all else is read from it.
 
     Attributes
     ----------
-    time : Source or None
-        None with `rate_hz` where the file has no time column.
-    time_is_date : bool
-        The time column holds dates and times.
-    displacement or strain : Source
-        One of the two.
-    resistance, conductance, relative, relative_change : Source
-        At most one: R, G, R/R0 or (R - R0)/R0; the last two need `r0_ohm`.
-    force, temperature : Source
-    gauge_length_mm : float
+    gauge_length_mm : float or None
+        Needed where the file has a displacement or strain.
+    columns : mapping of str to str
+        By role (`testbench.recordings.words.ROLES`): the column's name, or its number from 1; ``none``: not there.
+    units : mapping of str to str
+        By role, in place of what the file says; ``date`` for a time of dates.
+    rate_hz : float, optional
+        Sampling rate of a file without a time column.
+    time_of : mapping of str to str
+        By role: the column of its own times, where the file has several clocks.
+    r0_ohm : float, optional
+        R0 of ``relative`` (R/R0) and ``relative_change`` ((R - R0)/R0).
+    negate : frozenset of str
+        Roles whose sign is turned.
+    zero : mapping of str to (str or None)
+        Roles that are counted from their first sample (None), or from a value in the file's unit (or with its own).
+    repeat : int, optional
+        Of several repeats in the file, this one.
     sort : bool
         Put rows in the order of time and drop repeated times.
     drop_bad : bool
         Leave out rows with a value that cannot be used.
+    hints : Hints
+        How the file is written.
     """
 
-    gauge_length_mm: float
-    time: Source | None = None
+    gauge_length_mm: float | None = None
+    columns: Mapping[str, str] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
     rate_hz: float | None = None
-    displacement: Source | None = None
-    strain: Source | None = None
-    force: Source | None = None
-    resistance: Source | None = None
-    conductance: Source | None = None
-    relative: Source | None = None
-    relative_change: Source | None = None
-    temperature: Source | None = None
-    time_is_date: bool = False
-    r0_ohm: float = 1.0
+    time_of: Mapping[str, str] = field(default_factory=dict)
+    r0_ohm: float | None = None
+    negate: frozenset[str] = frozenset()
+    zero: Mapping[str, str | None] = field(default_factory=dict)
+    repeat: int | None = None
     sort: bool = False
     drop_bad: bool = False
-    separator: str | None = None
-    decimal: str | None = None
+    hints: Hints = field(default_factory=Hints)
 
-    def sources(self) -> dict[str, Source]:
-        """The columns that are wanted, by what they mean."""
-        roles = ("time", "displacement", "strain", "force", "resistance", "conductance", "relative")
-        every = {role: getattr(self, role) for role in (*roles, "relative_change", "temperature")}
-        return {role: source for role, source in every.items() if source is not None}
+    def said(self) -> Said:
+        """What it says about columns."""
+        return Said(self.columns, self.units, self.time_of, self.rate_hz is not None, self.r0_ohm is not None)
+
+    def names(self) -> list[str]:
+        """Columns that were given by name."""
+        every = [*self.columns.values(), *self.time_of.values()]
+        return [name for name in dict.fromkeys(every) if name != NOT_THERE and not name.strip().isdigit()]
 
 
 @dataclass
 class Imported:
-    """The recording, and what was done to get it.
+    """A recording, and what was done to get it.
 
     Attributes
     ----------
     recording : Recording
+    label : str
+        Number of the repeat, where the file has several; else empty.
     dropped : int
         Rows left out because of a value that cannot be used.
     moved, repeated : int
         Rows that were out of order; rows whose time came twice.
     time_offset_s : float
         Subtracted from the file's times, so that the first sample is at 0.
+    taken : dict of str to str
+        What was taken for what, with the conversion shown.
+    doubts : list of str
+        What looks wrong, with the remedy.
+    notes : list of str
+        What else was done or left out.
     details : dict
         For the manifest.
     """
 
     recording: Recording
+    label: str = ""
     dropped: int = 0
     moved: int = 0
     repeated: int = 0
     time_offset_s: float = 0.0
+    taken: dict[str, str] = field(default_factory=dict)
+    doubts: list[str] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
     details: dict[str, Any] = field(default_factory=dict)
 
 
-def import_csv(path: Path, wish: Wish) -> Imported:
-    """Read a foreign CSV.
+def look(path: Path, wish: Wish) -> tuple[Sheet, Choice]:
+    """What the file looks like, and what each column would be taken for, troubles included.
 
     Raises
     ------
     UserError
-        If a column is missing, or a row cannot be used and `wish` does not say to drop it. The message names file,
-        row and remedy.
+        If the file cannot be read, or a column or unit that `wish` names is not there.
     """
-    sources = wish.sources()
-    names = list(dict.fromkeys(source.column for source in sources.values()))
-    layout = layout_of(path, names, wish.separator, wish.decimal)
-    dates = [wish.time.column] if wish.time and wish.time_is_date else []
-    rows, columns, notes = read_foreign(path, layout, names, dates)
-    rows, columns, notes = _without_units_row(rows, columns, notes)
-    if notes and not wish.drop_bad:
-        raise UserError(f"{path}: {notes[0]}; --drop-bad leaves such rows out")
-    scaled = {role: columns[source.column] * source.factor for role, source in sources.items()}
-    time_s = scaled["time"] if "time" in scaled else (rows - rows[0]) / float(wish.rate_hz or 1.0)
+    sheet = open_sheet(path, wish.names(), wish.hints)
+    if shifted := misfit(sheet.head, sheet.layout):
+        raise UserError(
+            f"{path}: {shifted}: which name belongs to which column cannot be told; mend the file, or say "
+            "--header-row 0 --units-row 0 and give columns by number"
+        )
+    try:
+        return sheet, choose(sheet.layout, sheet.head, wish.said())
+    except UserError as error:
+        raise UserError(f"{path}: {error}") from None
+
+
+def import_file(path: Path, wish: Wish) -> list[Imported]:
+    """Read a foreign file: one recording, or one a repeat.
+
+    Raises
+    ------
+    UserError
+        If a column or its unit is not clear, or a row cannot be used and `wish` does not say to drop it. The message
+        names file, row and remedy.
+    """
+    sheet, choice = look(path, wish)
+    if choice.troubles:
+        first = sheet.head[sheet.layout.first_row - 1]
+        raise UserError(f"{path}: {in_words(choice.troubles, sheet.layout, first)}")
+    if wish.gauge_length_mm is None and STRETCH & set(choice.taken):
+        raise UserError(
+            f"{path}: the gauge length is not known: say --gauge-length-mm, the length between the clamps at rest"
+        )
+    read = read_columns(sheet, choice, wish.hints.thousands)
+    if read.wrong and not wish.drop_bad:
+        raise UserError(f"{path}: {read.wrong[0]}; --drop-bad leaves such rows out")
+    time_s = read.values.get("time", (read.rows - read.rows[0]) / float(wish.rate_hz or 1.0))
+    parts = _parts(sheet, choice, wish, read, time_s)
+    labels = {role: choice.taken[role].column.label for role in choice.taken}
+    inside = on_main_clock(sheet, read, time_s, labels, wish.sort)
+    return [_recorded(sheet, choice, wish, read, time_s, rows[inside[rows]], label) for label, rows in parts]
+
+
+def import_csv(path: Path, wish: Wish) -> Imported:
+    """Read a foreign file that holds one recording.
+
+    Raises
+    ------
+    UserError
+        As `import_file`; or if the file holds several repeats.
+    """
+    done = import_file(path, wish)
+    if len(done) > 1:
+        raise UserError(f"{path}: holds {len(done)} repeats; say which one with --repeat N")
+    return done[0]
+
+
+def _parts(sheet: Sheet, choice: Choice, wish: Wish, read: Read, time_s: np.ndarray) -> list[tuple[str, np.ndarray]]:
+    """The repeats that a column numbers, where the time starts again with each; else the whole."""
+    whole = [("", np.arange(len(time_s)))]
+    restarts = bool((np.diff(time_s) < 0).any())
+    counters = [column for column in choice.unused if counts_repeats(column.heading.base)]
+    if not counters or (wish.repeat is None and (wish.sort or not restarts)):
+        if wish.repeat is not None:
+            raise UserError(f"{sheet.path}: no column numbers repeats; leave --repeat out")
+        return whole
+    for column in counters:
+        frame = sheet.body([column.number])
+        counter, _ = numbers(frame[column.number], sheet.decimal)
+        parts = repeats_of(counter[read.rows - sheet.layout.first_row], time_s)
+        if parts and wish.repeat is None:
+            return parts
+        chosen = [part for part in parts if part[0] == str(wish.repeat)]
+        if chosen:
+            return chosen
+    if wish.repeat is not None:
+        raise UserError(f"{sheet.path}: no repeat {wish.repeat} with a time of its own")
+    return whole
+
+
+def _recorded(
+    sheet: Sheet, choice: Choice, wish: Wish, read: Read, time_s: np.ndarray, rows: np.ndarray, label: str
+) -> Imported:
+    """One recording from some of the rows."""
+    path = sheet.path
+    numbers_of = read.rows[rows]
+    scaled = {role: values[rows] for role, values in read.values.items()}
     channels = _channels(scaled, wish)
-    kept = _usable(path, rows, time_s, channels, wish.drop_bad)
-    order, moved, repeated = _in_order(path, rows[kept], time_s[kept], wish.sort)
+    kept = _usable(path, numbers_of, time_s[rows], channels, wish.drop_bad)
+    order, moved, repeated = _in_order(path, numbers_of[kept], time_s[rows][kept], wish.sort)
     index = np.flatnonzero(kept)[order]
     if len(index) < 2:
         raise UserError(f"{path}: {len(index)} of {len(rows)} rows can be used, a recording needs at least 2")
-    offset_s = float(time_s[index[0]])
+    when_s = time_s[rows][index]
     picked = {name: values[index] for name, values in channels.items()}
-    recording = Recording(time_s[index] - offset_s, picked, wish.gauge_length_mm, str(path))
-    details = {"file": path.name, "sha256": sha256_of(path), "columns": _described(sources), "r0_ohm": wish.r0_ohm}
-    details |= {"separator": layout.separator, "decimal": layout.decimal, "header_row": layout.header_row}
-    return Imported(recording, int((~kept).sum()), moved, repeated, offset_s, details)
+    told = _zeroed(picked, choice, wish)
+    for role in wish.negate:
+        _signed(role, choice)
+        name = DISPLACEMENT if role in STRETCH else FORCE
+        picked[name] = 0.0 - picked[name]
+        told.append(f"the sign of {role} was turned")
+    recording = Recording(when_s - when_s[0], picked, _gauge_mm(wish, picked), str(path))
+    done = Imported(recording, label, int((~kept).sum()), moved, repeated, float(when_s[0]), dict(read.words))
+    done.doubts = _doubts(choice, recording, wish)
+    done.notes = [*choice.notes, *told, *_remarks(choice, recording)]
+    done.details = _details(sheet, choice, wish, done)
+    return done
+
+
+def _gauge_mm(wish: Wish, channels: Mapping[str, np.ndarray]) -> float:
+    return float(wish.gauge_length_mm) if wish.gauge_length_mm and DISPLACEMENT in channels else np.nan
+
+
+def _signed(role: str, choice: Choice) -> None:
+    if role not in SIGNED or role not in choice.taken:
+        have = ", ".join(one for one in SIGNED if one in choice.taken) or "nothing that has a sign"
+        raise UserError(f"--negate and --zero can be said of {have}, got {role}")
+
+
+def _zeroed(picked: dict[str, np.ndarray], choice: Choice, wish: Wish) -> list[str]:
+    """Count displacement and force from where `wish` says, in place; what was done, in words."""
+    told = []
+    for role, text in wish.zero.items():
+        _signed(role, choice)
+        name = DISPLACEMENT if role in STRETCH else FORCE
+        unit = choice.taken[role].unit
+        assert unit is not None
+        if text is None:
+            zero = float(picked[name][0])
+            told.append(f"{role} is counted from its first sample, {zero:.6g} {name.rpartition('_')[2]}")
+        else:
+            zero, words = zero_of(role, text, unit)
+            zero *= float(wish.gauge_length_mm or 1.0) if role == "strain" else 1.0
+            told.append(words)
+        picked[name] = picked[name] - zero
+    return told
+
+
+def _doubts(choice: Choice, recording: Recording, wish: Wish) -> list[str]:
+    """What looks wrong, or cannot be seen in such a recording."""
+    said = doubts(recording.channels, wish.negate)
+    if recording.mean_rate_hz < SLOWEST_HZ:
+        said.append(
+            f"one sample in {1 / recording.mean_rate_hz:.0f} s: models are tried down to one in "
+            f"{1 / SLOWEST_HZ:.0f} s, and what is faster than the samples cannot be seen"
+        )
+    if wish.r0_ohm is None and {"relative", "relative_change"} & set(choice.taken):
+        said.append("R0 was not given and is taken as 1 Ω: the resistance is in units of R0; say --r0-ohm")
+    return said
+
+
+def _remarks(choice: Choice, recording: Recording) -> list[str]:
+    """What was not there, and what was not used."""
+    said = []
+    missing = [name for name in (DISPLACEMENT, FORCE, RESISTANCE) if not recording.has(name)]
+    if missing:
+        said.append(f"without {' and '.join(missing)}: no column was found for it")
+    if choice.unused:
+        said.append(f"not used: {', '.join(column.label for column in choice.unused[:12])}")
+    return said
+
+
+def _details(sheet: Sheet, choice: Choice, wish: Wish, done: Imported) -> dict[str, Any]:
+    columns = {
+        role: {
+            "column": one.column.heading.text or one.column.number,
+            "number": one.column.number,
+            "unit": one.unit.symbol if one.unit else "date",
+            "factor": one.unit.factor if one.unit else 1.0,
+            "offset": one.unit.offset if one.unit else 0.0,
+        }
+        | ({"clock": one.clock.heading.text or one.clock.number} if one.clock else {})
+        for role, one in choice.taken.items()
+    }
+    details: dict[str, Any] = {"file": sheet.path.name, "sha256": sha256_of(sheet.path), "columns": columns}
+    details |= {"r0_ohm": wish.r0_ohm, **sheet.details, "header_row": sheet.layout.header_row}
+    details |= {"units_row": sheet.layout.units_row, "negate": sorted(wish.negate), "zero": dict(wish.zero)}
+    return details | ({"repeat": done.label} if done.label else {}) | {"doubts": done.doubts, "notes": done.notes}
+
+
+def place_of(out: Path, label: str) -> Path:
+    """Where a repeat goes: ``knit-3`` for ``knit``, ``knit-3.csv`` for ``knit.csv``."""
+    return out.with_name(f"{out.stem}-{label}{out.suffix}") if label else out
 
 
 def write_import(imported: Imported, out: Path) -> None:
@@ -154,39 +328,33 @@ def write_import(imported: Imported, out: Path) -> None:
     write_manifest(out, campaign, ["recording.csv"])
 
 
-def _described(sources: Mapping[str, Source]) -> dict[str, dict[str, Any]]:
-    return {role: {"column": source.column, "factor": source.factor} for role, source in sources.items()}
-
-
-def _without_units_row(rows: np.ndarray, columns: dict[str, np.ndarray], notes: list[str]):
-    """Many machines write the units below the names: a first row without a single number is no data."""
-    first = f"row {rows[0]}:" if len(rows) else ""
-    if len(rows) and len(notes) == len(columns) and all(note.startswith(first) for note in notes):
-        rest = {name: values[1:] for name, values in columns.items()}
-        return rows[1:], rest, []
-    return rows, columns, notes
-
-
 def _channels(scaled: Mapping[str, np.ndarray], wish: Wish) -> dict[str, np.ndarray]:
     channels = {}
     if "displacement" in scaled:
         channels[DISPLACEMENT] = scaled["displacement"]
-    else:
-        channels[DISPLACEMENT] = scaled["strain"] * wish.gauge_length_mm
+    elif "strain" in scaled:
+        channels[DISPLACEMENT] = scaled["strain"] * float(wish.gauge_length_mm or 1.0)
     if "force" in scaled:
         channels[FORCE] = scaled["force"]
-    with np.errstate(divide="ignore"):
-        if "resistance" in scaled:
-            channels[RESISTANCE] = scaled["resistance"]
-        elif "conductance" in scaled:
-            channels[RESISTANCE] = 1.0 / scaled["conductance"]
-        elif "relative" in scaled:
-            channels[RESISTANCE] = scaled["relative"] * wish.r0_ohm
-        elif "relative_change" in scaled:
-            channels[RESISTANCE] = (1.0 + scaled["relative_change"]) * wish.r0_ohm
+    resistance = _resistance(scaled, wish.r0_ohm or 1.0)
+    if resistance is not None:
+        channels[RESISTANCE] = resistance
     if "temperature" in scaled:
         channels[TEMPERATURE] = scaled["temperature"]
     return channels
+
+
+def _resistance(scaled: Mapping[str, np.ndarray], r0_ohm: float) -> np.ndarray | None:
+    if "resistance" in scaled:
+        return scaled["resistance"]
+    if "conductance" in scaled:
+        with np.errstate(divide="ignore"):
+            return 1.0 / scaled["conductance"]
+    if "relative" in scaled:
+        return scaled["relative"] * r0_ohm
+    if "relative_change" in scaled:
+        return (1.0 + scaled["relative_change"]) * r0_ohm
+    return None
 
 
 def _usable(
@@ -216,9 +384,16 @@ def _in_order(path: Path, rows: np.ndarray, time_s: np.ndarray, sort: bool) -> t
         at = int(np.flatnonzero(steps <= 0)[0]) + 1
         raise UserError(
             f"{path}: row {rows[at]}: time must increase, got {time_s[at]:g} s after {time_s[at - 1]:g} s; "
-            "--sort puts rows in order and drops repeated times"
+            + _about_time(time_s, at)
         )
     order = np.argsort(time_s, kind="stable")
     moved = int((order != np.arange(len(order))).sum())
     first = np.concatenate([[True], np.diff(time_s[order]) > 0])
     return order[first], moved, int((~first).sum())
+
+
+def _about_time(time_s: np.ndarray, at: int) -> str:
+    """Rows out of order, or a second recording below the first?"""
+    if at > 10 and time_s[at] - time_s[0] < 0.01 * (time_s[at - 1] - time_s[0]):
+        return "the time starts again there, so the file holds several recordings: part it into one file each"
+    return "--sort puts rows in order and drops repeated times"

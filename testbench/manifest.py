@@ -7,20 +7,25 @@ from __future__ import annotations
 
 import hashlib
 import json
-import re
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from gcode.support import strict
 from gcode.support.errors import UserError
-from gcode.support.files import read_json, sha256_of, write_text
+from gcode.support.files import sha256_of, write_text
 from testbench.recording import UNITS
+from testbench.stored import Resource, StoredManifest
 
 NAME = "datapackage.json"
 FORMAT, FORMAT_VERSION = "knitbench-campaign", 1
 PROFILE = "https://datapackage.org/profiles/2.0/datapackage.json"
 NO_HASH = "0" * 64
+MOST_BYTES = 64 << 20
+CSV = "recording.csv"
+CHANGED = "changed since it was written (its own checksum is wrong)"
 IN_PROGRESS = "recording"
 
 _TITLES = {
@@ -41,6 +46,7 @@ class Campaign:
     Attributes
     ----------
     gauge_length_mm : float
+        NaN where no displacement was recorded; null in the file.
     origin : str
         ``simulated``, ``recorded`` or ``imported``.
     status : str
@@ -67,7 +73,13 @@ class Campaign:
 
 
 def write_manifest(folder: Path, campaign: Campaign, files: Iterable[str]) -> None:
-    """Describe `files` of `folder` and write the manifest, atomically and last."""
+    """Describe `files` of `folder` and write the manifest, atomically and last.
+
+    Raises
+    ------
+    UserError
+        If `campaign` holds what `read_manifest` would refuse.
+    """
     hashed = not campaign.in_progress
     resources = [_resource(folder / name, hashed) for name in files]
     head = {"format": FORMAT, "version": FORMAT_VERSION}
@@ -75,76 +87,107 @@ def write_manifest(folder: Path, campaign: Campaign, files: Iterable[str]) -> No
         "$schema": PROFILE,
         "name": "knitbench-campaign",
         "resources": resources,
-        "knitbench": {**head, **vars(campaign), "manifest_sha256": NO_HASH},
+        "knitbench": {**head, **vars(campaign), **_gauge(campaign)},
     }
-    text = _dump(data)
-    digest = hashlib.sha256(text.encode()).hexdigest()
-    write_text(folder / NAME, text.replace(NO_HASH, digest))
+    text = sealed(data)
+    # What is written can be read again: a name or a number beyond the loader's bounds is refused here.
+    strict.validated(strict.json_of(text), StoredManifest, folder / NAME, "campaign manifest")
+    write_text(folder / NAME, text)
 
 
-def read_manifest(folder: Path) -> tuple[Campaign, dict[str, Any]]:
-    """The campaign in `folder` and the manifest's plain data.
+def _gauge(campaign: Campaign) -> dict[str, float | None]:
+    """The gauge length as JSON has it: there is no NaN in it."""
+    gauge_mm = campaign.gauge_length_mm
+    return {"gauge_length_mm": None if math.isnan(gauge_mm) else gauge_mm}
+
+
+def read_manifest(folder: Path) -> tuple[Campaign, list[Resource]]:
+    """The campaign in `folder`, checked against the manifest's own hash, and the files that it names.
 
     Raises
     ------
     UserError
-        If there is no manifest, or it is not one of knitbench's.
+        If there is no manifest, it is not one of knitbench's, or it was changed since it was written.
     """
+    campaign, resources, intact = _read(folder)
+    if not intact:
+        raise UserError(f"{folder / NAME}: {CHANGED}; restore it from a copy, or make the campaign again")
+    return campaign, resources
+
+
+def origin_of(folder: Path) -> str:
+    """What a manifest says its campaign came from, changed or not: enough to know what must not be removed."""
+    return _read(folder)[0].origin
+
+
+def _read(folder: Path) -> tuple[Campaign, list[Resource], bool]:
     path = folder / NAME
     if not path.is_file():
         raise UserError(f"{folder}: no {NAME} in this folder, so it is not a campaign")
-    data = read_json(path, "campaign manifest")
-    recipe = data.get("knitbench") if isinstance(data, dict) else None
-    if not isinstance(recipe, dict) or recipe.get("format") != FORMAT:
+    text = strict.read_text(path, "campaign manifest", MOST_BYTES)
+    data = strict.json_of(text, "campaign manifest", path)
+    _check_kind(data, path)
+    stored = strict.validated(data, StoredManifest, path, "campaign manifest")
+    about = stored.knitbench
+    counts = about.counts.model_dump(exclude_unset=True)
+    gauge_mm = math.nan if about.gauge_length_mm is None else about.gauge_length_mm
+    campaign = Campaign(gauge_mm, about.origin, about.status, about.recipe.to_dict(), counts, about.versions)
+    return campaign, stored.resources, _self_hash_holds(text, about.manifest_sha256)
+
+
+def _check_kind(data: Any, path: Path) -> None:
+    about = data.get("knitbench") if isinstance(data, dict) else None
+    if not isinstance(about, dict) or about.get("format") != FORMAT:
         raise UserError(f"{path}: not a knitbench campaign (its key knitbench must have the format {FORMAT!r})")
-    if recipe.get("version") != FORMAT_VERSION:
+    if about.get("version") != FORMAT_VERSION:
         raise UserError(
-            f"{path}: campaign version {recipe.get('version')!r}; this knitbench reads {FORMAT_VERSION}; "
+            f"{path}: campaign version {about.get('version')!r}; this knitbench reads {FORMAT_VERSION}; "
             "update knitbench"
         )
-    try:
-        campaign = Campaign(**{name: recipe[name] for name in Campaign.__dataclass_fields__})
-    except KeyError as missing:
-        raise UserError(f"{path}: the manifest has no {missing} under knitbench; run the campaign again") from None
-    return campaign, data
 
 
 def problems(folder: Path) -> list[str]:
     """Everything in `folder` that does not agree with its manifest, in sentences that name the file."""
-    campaign, data = read_manifest(folder)
+    campaign, resources, intact = _read(folder)
+    found = [] if intact else [f"{folder / NAME}: {CHANGED}"]
     if campaign.in_progress:
         again = "run it again with --overwrite"
         if campaign.origin == "recorded":
             again = f"continue it with `testbench record --resume -o {folder}`"
-        return [f"{folder}: unfinished; {again}"]
-    found = [] if _self_hash_holds(folder / NAME) else [f"{folder / NAME}: changed since it was written"]
-    for resource in data.get("resources", []):
+        return [*found, f"{folder}: unfinished; {again}"]
+    if CSV not in {resource.path for resource in resources}:
+        found.append(f"{folder / NAME}: does not list {CSV}")
+    for resource in resources:
         found += resource_problems(folder, resource)
     return found
 
 
-def resource_problems(folder: Path, resource: dict[str, Any]) -> list[str]:
+def resource_problems(folder: Path, resource: Resource) -> list[str]:
     """What is wrong with one file of a campaign; empty if nothing is."""
-    path = folder / str(resource.get("path"))
+    path = folder / resource.path
     if not path.is_file():
         return [f"{path}: missing"]
-    if "hash" not in resource:
+    if resource.hash is None:
         return [f"{folder / NAME}: no hash for {path.name}"]
     size = path.stat().st_size
-    if size != resource.get("bytes"):
-        return [f"{path}: {size} bytes, the manifest says {resource.get('bytes')}"]
-    if f"sha256:{sha256_of(path)}" != resource["hash"]:
+    if size != resource.bytes:
+        return [f"{path}: {size} bytes, the manifest says {resource.bytes}"]
+    if f"sha256:{sha256_of(path)}" != resource.hash:
         return [f"{path}: checksum differs from the manifest"]
     return []
 
 
-def _self_hash_holds(path: Path) -> bool:
-    text = path.read_bytes()
-    match = re.search(rb'"manifest_sha256": "([0-9a-f]{64})"', text)
-    if match is None:
-        return False
-    bare = text[: match.start(1)] + NO_HASH.encode() + text[match.end(1) :]
-    return hashlib.sha256(bare).hexdigest().encode() == match.group(1)
+def sealed(data: dict[str, Any]) -> str:
+    """The text of a manifest with the hash of itself in it."""
+    bare = {**data, "knitbench": {**data["knitbench"], "manifest_sha256": NO_HASH}}
+    text = _dump(bare)
+    return text.replace(NO_HASH, hashlib.sha256(text.encode()).hexdigest())
+
+
+def _self_hash_holds(text: str, digest: str) -> bool:
+    mark = f'"manifest_sha256": "{digest}"'
+    bare = text.replace(mark, mark.replace(digest, NO_HASH))
+    return text.count(mark) == 1 and hashlib.sha256(bare.encode()).hexdigest() == digest
 
 
 def _resource(path: Path, hashed: bool) -> dict[str, Any]:

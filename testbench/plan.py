@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -10,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from gcode.support.errors import UserError
-from gcode.support.files import sha256_of
+from gcode.support.files import copy_file, sha256_of
 from testbench import manifest
 from testbench.knit.model import KnitModel
 from testbench.manifest import read_manifest
@@ -18,6 +17,7 @@ from testbench.rig.instruments import Instruments
 from testbench.rig.motion import played
 from testbench.rig.past import DEFAULT_REST_S, past_displacement
 from testbench.rig.simulated import GRID_HZ, Motion, SimulatedRig
+from testbench.trust import named_effects
 
 PROGRAM, EFFECTS = "program.tap", "effects.py"
 
@@ -81,7 +81,7 @@ class Plan:
         """Put all files that the campaign is to be made from into its folder."""
         sources = [self.program, *self.past, *([self.effects] if self.effects else [])]
         for name, path in zip(self.source_names(), sources, strict=True):
-            shutil.copyfile(path, folder / name)
+            copy_file(path, folder / name)
 
     def source_names(self) -> list[str]:
         """What they are called there."""
@@ -144,16 +144,7 @@ def plan_of(folder: Path, effects: Path | None = None) -> Plan:
 
 def _own_effects(folder: Path, digest: str | None, effects: Path | None) -> Path | None:
     """The file of own effects that the campaign was made with; None if it has none."""
-    if digest is None:
-        return None
-    if effects is None:
-        raise UserError(
-            f"{folder}: made with effects of somebody's own; read {folder / EFFECTS}, and if you trust it, add "
-            f"--effects {folder / EFFECTS}"
-        )
-    if not effects.is_file() or sha256_of(effects) != digest:
-        raise UserError(f"{effects}: not the effects that {folder} was made with; those are in {folder / EFFECTS}")
-    return effects
+    return None if digest is None else named_effects(folder, folder / EFFECTS, effects, digest)
 
 
 def programs_before(

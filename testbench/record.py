@@ -2,24 +2,24 @@
 
 from __future__ import annotations
 
-import shutil
-import tempfile
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 from gcode.support.errors import UserError
-from gcode.support.files import make_folder, sha256_of
+from gcode.support.files import copy_file, drafted_folder, sha256_of
 from testbench.campaign import campaign_files, finish
-from testbench.manifest import Campaign, read_manifest, write_manifest
+from testbench.manifest import NAME, Campaign, read_manifest, write_manifest
 from testbench.plan import PROGRAM
 from testbench.rig.ending import EndOfMotion
 from testbench.rig.motion import played
-from testbench.rig.recorder import Limits, Part, Recorder, Status
+from testbench.rig.ports import remembered_port, stated_port
+from testbench.rig.recorder import PROGRESS_S, Limits, Part, Recorder, Status
 from testbench.rig.resume import continued, mend, watched
-from testbench.rig.sink import CSV, EVENTS, Sink, Syncer
+from testbench.rig.serial_port import host_clock_s
+from testbench.rig.sink import CSV, EVENTS, ROOM_BYTES, Sink, Syncer
 from testbench.rig.stream import Event, Intake
 from testbench.versions import software_versions
 
@@ -58,12 +58,9 @@ class Job:
 
 def begin(job: Job, folder: Path) -> None:
     """Make the campaign folder of a recording that is about to start: all of it or nothing."""
-    make_folder(folder.parent)
-    with tempfile.TemporaryDirectory(dir=folder.parent, prefix=f".{folder.name}.") as scratch:
-        draft = make_folder(Path(scratch) / "campaign")
-        shutil.copyfile(job.program, draft / PROGRAM)
+    with drafted_folder(folder) as draft:
+        copy_file(job.program, draft / PROGRAM)
         _mark_in_progress(draft, job.gauge_length_mm, job.recipe())
-        draft.replace(folder)
 
 
 def job_of(folder: Path, port: str | None = None, give_up_s: float = 60.0) -> Job:
@@ -80,14 +77,13 @@ def job_of(folder: Path, port: str | None = None, give_up_s: float = 60.0) -> Jo
     if campaign.status == "complete":
         raise UserError(f"{folder}: this recording is complete; choose another folder with -o for a new one")
     recipe = campaign.recipe
+    port = remembered_port(recipe["port"], folder / NAME) if port is None else stated_port(port)
     force_N, strain = recipe["max_force_N"], recipe["max_strain"]
     limits = Limits(*(float("inf") if limit is None else limit for limit in (force_N, strain)))
     program = folder / PROGRAM
     if not program.is_file() or sha256_of(program) != recipe["program_sha256"]:
         raise UserError(f"{program}: missing or not the program that this recording was started with")
-    return Job(
-        port or recipe["port"], recipe["baud"], program, campaign.gauge_length_mm, limits, recipe["sensor"], give_up_s
-    )
+    return Job(port, recipe["baud"], program, campaign.gauge_length_mm, limits, recipe["sensor"], give_up_s)
 
 
 def record(
@@ -97,7 +93,8 @@ def record(
     report: Callable[[Status], None] = lambda status: None,
     stopped: Callable[[], bool] = lambda: False,
     resume: bool = False,
-    clock: Callable[[], float] = time.monotonic,
+    clock: Callable[[], float] = host_clock_s,
+    pause: Callable[[float], None] = time.sleep,
 ) -> Status:
     """Record what `link` delivers into `folder`, which `begin` has made, and write its manifest.
 
@@ -108,22 +105,33 @@ def record(
     """
     motion, _ = played(job.program, job.gauge_length_mm)
     ending, intake = EndOfMotion.of(motion), Intake()
-    sink = Sink(folder)
+    first: list[Event] = []
+    if resume:
+        Sink(folder).close()  # refuses what another recorder is writing, before anything is cut
+        now_s = clock()  # reading a day's rows takes a while
+        left = mend(folder, time.time())
+        intake, ending = continued(left, now_s), watched(ending, left)
+        _mark_in_progress(folder, job.gauge_length_mm, job.recipe())
+        first.append(Event("resume", intake.time_us, {"idle_s": round(left.idle_s, 3)}))
+    sink = Sink(folder, ROOM_BYTES)
     try:
-        if resume:
-            left = mend(folder, time.time())
-            intake, ending = continued(left, clock()), watched(ending, left)
-            _mark_in_progress(folder, job.gauge_length_mm, job.recipe())
-            sink.write([Event("resume", intake.time_us, {"idle_s": round(left.idle_s, 3)})])
+        sink.write(first)
         recorder = Recorder(
-            intake, sink, job.gauge_length_mm, job.limits, motion.duration_s, ending, report, job.give_up_s
+            intake, sink, job.gauge_length_mm, job.limits, motion.duration_s, ending, report, job.give_up_s, pause
         )
         status = _synced(sink, lambda: recorder.run(link, stopped))
     finally:
-        sink.close()
-    intake.accepted -= sink.unwritten_rows
-    finish(folder, job.gauge_length_mm, "recorded", status.state, job.recipe(), intake)
-    return status
+        whole = sink.close()
+    status.sync_failures = sink.sync_failures
+    again = _paused(pause, job.give_up_s)
+    return finish(folder, job.gauge_length_mm, "recorded", status, whole, job.recipe(), intake, again)
+
+
+def _paused(pause: Callable[[float], None], patience_s: float) -> Iterator[None]:
+    """Moments to try again, as long as the patience lasts."""
+    for _ in range(int(patience_s / PROGRESS_S)):
+        pause(PROGRESS_S)
+        yield None
 
 
 def _synced(sink: Sink, work: Callable[[], Status]) -> Status:

@@ -18,11 +18,11 @@ def check_recording(recording: Recording) -> None:
     """Raise `UserError` unless time increases, every value is finite and lengths agree."""
     source = recording.source
     gauge_mm = recording.gauge_length_mm
-    if not (np.isfinite(gauge_mm) and gauge_mm > 0):
+    if "displacement_mm" in recording.channels and not (np.isfinite(gauge_mm) and gauge_mm > 0):
         raise UserError(f"{source}: the gauge length must be a positive number of mm, got {gauge_mm}")
     if len(recording.time_s) < 2:
         raise UserError(f"{source}: a recording needs at least 2 samples, got {len(recording.time_s)}")
-    if "displacement_mm" not in recording.channels:
+    if "displacement_mm" not in recording.channels and not _goes_without_displacement(recording):
         have = ", ".join(recording.channels) or "none"
         raise UserError(f"{source}: no column displacement_mm (found: {have}); name yours with `testbench import`")
     _check_time(source, recording.time_s)
@@ -32,6 +32,22 @@ def check_recording(recording: Recording) -> None:
         _check_finite(source, name, values)
     if "resistance_ohm" in recording.channels:
         _check_positive(source, "resistance_ohm", recording.channels["resistance_ohm"])
+
+
+def _goes_without_displacement(recording: Recording) -> bool:
+    """Whether force and resistance are there, and no column that may be a displacement under another name or unit."""
+    overlooked = any(name.lower().startswith(("displ", "strain", "extension")) for name in recording.channels)
+    return not overlooked and {"force_N", "resistance_ohm"} <= set(recording.channels)
+
+
+def check_displacement(recording: Recording) -> None:
+    """Raise `UserError` where a displacement is needed and was not recorded."""
+    if not recording.has("displacement_mm"):
+        have = ", ".join(recording.channels)
+        raise UserError(
+            f"{recording.source}: no displacement was recorded, and a model of the sensor needs it; it has {have}, "
+            "which is enough for `compensation train --target force`"
+        )
 
 
 def _check_time(source: str, time_s: np.ndarray) -> None:

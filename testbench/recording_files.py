@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import csv
 import io
+import logging
 import re
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,15 +14,22 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gcode.support.errors import UserError
-from gcode.support.files import atomic_path
+from gcode.support.files import atomic_writer
+from gcode.support.strict import check_plain
 from testbench.recording import DISPLACEMENT, FORCE, RESISTANCE, TIME, UNITS, Recording
 
 if TYPE_CHECKING:
     import pandas as pd
 
+    from testbench.stored import Resource
+
 ORDER = (TIME, DISPLACEMENT, FORCE, RESISTANCE)
 DECIMALS = {TIME: 6, DISPLACEMENT: 6, FORCE: 6, RESISTANCE: 3}
 ROWS_AT_ONCE = 100_000
+MOST_BYTES = 4 << 30  # 24 h at 1 kHz
+MOST_COLUMNS = 1000
+MOST_LINE = 64 << 10
+_SAID: set[str] = set()
 
 
 def load(path: Path, gauge_length_mm: float | None) -> Recording:
@@ -29,36 +38,55 @@ def load(path: Path, gauge_length_mm: float | None) -> Recording:
         return _load_campaign(path, gauge_length_mm)
     if not path.exists():
         raise UserError(f"{path}: no such recording; give a CSV or a campaign folder")
-    if gauge_length_mm is None:
+    columns = read_columns(path)
+    if gauge_length_mm is None and DISPLACEMENT in columns:
         raise UserError(f"{path}: a bare CSV does not know its gauge length; add --gauge-length-mm")
-    return _recording(path, read_columns(path), gauge_length_mm)
+    return _recording(path, columns, gauge_length_mm)
 
 
 def _load_campaign(folder: Path, gauge_length_mm: float | None) -> Recording:
-    from testbench.manifest import read_manifest, resource_problems
+    from testbench.manifest import read_manifest
 
-    campaign, data = read_manifest(folder)
+    campaign, resources = read_manifest(folder)
     path = folder / "recording.csv"
     if not campaign.in_progress:
-        for resource in data["resources"]:
-            if resource.get("path") == path.name and (found := resource_problems(folder, resource)):
-                raise UserError(
-                    f"{found[0]}; restore the file, or import it as a foreign CSV with `testbench import`"
-                )
+        _verify(folder, path, resources)
     elif not path.is_file():
         raise UserError(f"{folder}: no sample has been recorded yet")
+    else:
+        _say_once(f"{folder}: this recording is unfinished, so it has no checksum yet and is read unverified")
     columns = read_columns(path, growing=campaign.in_progress)
     return _recording(path, columns, gauge_length_mm or campaign.gauge_length_mm, asdict(campaign))
 
 
+def _verify(folder: Path, path: Path, resources: Sequence[Resource]) -> None:
+    """Refuse a recording that is not the one that the manifest describes."""
+    from testbench.manifest import NAME, resource_problems
+
+    ours = [resource for resource in resources if resource.path == path.name]
+    found = [] if ours else [f"{folder / NAME}: does not list {path.name}"]
+    for resource in ours:
+        found += resource_problems(folder, resource)
+    if found:
+        raise UserError(f"{found[0]}; restore the file, or import it as a foreign CSV with `testbench import`")
+
+
+def _say_once(text: str) -> None:
+    """Say it where warnings go (stderr, unless a program listens), once in the life of this process."""
+    if text not in _SAID:
+        _SAID.add(text)
+        logging.getLogger("knitbench").warning(text)
+
+
 def _recording(
-    path: Path, columns: dict[str, np.ndarray], gauge_length_mm: float, metadata: dict[str, Any] | None = None
+    path: Path, columns: dict[str, np.ndarray], gauge_length_mm: float | None, metadata: dict[str, Any] | None = None
 ) -> Recording:
     if TIME not in columns:
         raise UserError(f"{path}: no column {TIME} (found: {', '.join(columns)}); name yours with `testbench import`")
     _check_names(path, list(columns))
     time_s = columns.pop(TIME)
-    return Recording(time_s, columns, float(gauge_length_mm), str(path), metadata or {})
+    gauge_mm = np.nan if gauge_length_mm is None else float(gauge_length_mm)
+    return Recording(time_s, columns, gauge_mm, str(path), metadata or {})
 
 
 def _check_names(path: Path, names: list[str]) -> None:
@@ -100,9 +128,11 @@ def read_columns(path: Path, growing: bool = False) -> dict[str, np.ndarray]:
     """
     import pandas as pd
 
+    check_plain(path, "recording", MOST_BYTES)
     try:
         _check_head(path)
-        frame = pd.read_csv(_whole_lines(path) if growing else path, skipinitialspace=True, low_memory=False)
+        source: Path | io.BytesIO = _whole_lines(path) if growing else path
+        frame = pd.read_csv(source, skipinitialspace=True, low_memory=False, compression=None)
     except pd.errors.EmptyDataError:
         raise UserError(f"{path}: the file is empty") from None
     except (pd.errors.ParserError, UnicodeError) as error:
@@ -116,11 +146,16 @@ def read_columns(path: Path, growing: bool = False) -> dict[str, np.ndarray]:
 def _check_head(path: Path) -> None:
     """Refuse what pandas would read as something else: other separators, repeated names, rows with more cells."""
     with path.open(encoding="utf-8-sig", newline="") as stream:
-        header, first = stream.readline().rstrip("\r\n"), stream.readline().rstrip("\r\n")
+        header, first = stream.readline(MOST_LINE), stream.readline(MOST_LINE)
+    if max(len(header), len(first)) >= MOST_LINE:
+        raise UserError(f"{path}: a line of more than {MOST_LINE} characters; a recording's rows are shorter")
+    header, first = header.rstrip("\r\n"), first.rstrip("\r\n")
     for separator, what in ((";", "semicolons"), ("\t", "tabs")):
         if separator in header and "," not in header:
             raise UserError(f"{path}: {what} between the columns; turn it into a recording with `testbench import`")
     names = [name.strip() for name in header.split(",")]
+    if len(names) > MOST_COLUMNS:
+        raise UserError(f"{path}: {len(names)} columns; a recording has at most {MOST_COLUMNS}")
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
         raise UserError(f"{path}: row 1 names the column {twice!r} twice; name each column once")
@@ -176,8 +211,8 @@ def write_recording_csv(path: str | Path, recording: Recording) -> None:
     columns = {TIME: recording.time_s, **recording.channels}
     names = [name for name in ORDER if name in columns] + sorted(set(columns) - set(ORDER))
     line = ",".join(f"%.{DECIMALS.get(name, 6)}f" for name in names) + "\n"
-    with atomic_path(path) as temporary, temporary.open("w", encoding="utf-8", newline="\n") as stream:
-        stream.write(",".join(names) + "\n")
+    with atomic_writer(path) as write:
+        write((",".join(names) + "\n").encode())
         for start in range(0, len(recording), ROWS_AT_ONCE):
             block = np.column_stack([columns[name][start : start + ROWS_AT_ONCE] for name in names])
-            stream.write(line * len(block) % tuple(block.ravel().tolist()))
+            write((line * len(block) % tuple(block.ravel().tolist())).encode())

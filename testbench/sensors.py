@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gcode.support.errors import UserError
-from gcode.support.files import read_json
+from testbench.trust import EFFECTS_HELP
 
 if TYPE_CHECKING:
     from testbench.knit.model import KnitModel
@@ -18,7 +18,7 @@ def add_sensor_arguments(parser: argparse.ArgumentParser) -> None:
     which = parser.add_mutually_exclusive_group(required=True)
     which.add_argument("--sensor", metavar="NAME", help="preset of a knit: pes or lycra")
     which.add_argument("--model", metavar="FILE", help="model.json to simulate in place of a preset")
-    parser.add_argument("--effects", metavar="FILE", help="Python file with effects of your own that the model uses")
+    parser.add_argument("--effects", metavar="FILE", help=EFFECTS_HELP)
 
 
 def add_past_arguments(parser: argparse.ArgumentParser) -> None:
@@ -43,11 +43,11 @@ def sensor_model(args: argparse.Namespace) -> tuple[KnitModel, str]:
     """
     from testbench.knit.catalogue import load_catalogue, model_from_dict
     from testbench.knit.presets import preset
+    from testbench.stored import read_model
 
     if args.sensor:
         return preset(args.sensor), args.sensor
-    data = read_json(args.model, "model")
-    return model_from_dict(data, load_catalogue(args.effects), args.model), Path(args.model).name
+    return model_from_dict(read_model(args.model), load_catalogue(args.effects), args.model), Path(args.model).name
 
 
 def positive(text: str) -> float:

@@ -22,11 +22,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--machine-acceleration",
         type=float,
         metavar="MM/S2",
-        help="default: the header's, else 5 a-max",
+        help="the controller's own, default: 5 a-max (what the file says of it counts for nothing)",
     )
     parser.add_argument("--j-max", type=float, metavar="MM/S3", help="jerk limit (default: none)")
     parser.add_argument("--rapid", type=float, metavar="MM/S", help="speed of G0 moves; without it they are refused")
     parser.add_argument("--max-dwell-s", type=float, help="longest dwell; default 120 in files that others made")
+    parser.add_argument(
+        "--as-foreign", action="store_true", help="do not hold a program of ours against the recipe in its header"
+    )
     parser.add_argument("--json", action="store_true", help="print the result as JSON")
 
 
@@ -34,9 +37,9 @@ def run(args: argparse.Namespace) -> int:
     """Print problems and statistics; 1 if there are problems."""
     import json
 
-    from gcode.check import check_program
     from gcode.planner import Machine
-    from gcode.reader import parse_program, read_text
+    from gcode.provenance import check_file
+    from gcode.reader import read_text
     from gcode.trajectory import Limits
 
     limits = Limits(
@@ -49,16 +52,17 @@ def run(args: argparse.Namespace) -> int:
     machine = None
     if args.machine_acceleration is not None:
         machine = Machine(acceleration_mm_per_s2=args.machine_acceleration)
-    result = check_program(
-        parse_program(read_text(args.program)),
+    result, origin = check_file(
+        read_text(args.program),
         limits,
         args.rate_hz,
         machine,
         rapid_mm_per_s=args.rapid,
         longest_dwell_s=args.max_dwell_s,
+        as_foreign=args.as_foreign,
     )
     if args.json:
-        print(json.dumps(result.as_json(), indent=2))
+        print(json.dumps(result.as_json() | {"origin": origin.words, "genuine": origin.genuine}, indent=2))
         return 0 if result.ok else 1
     for problem in result.problems[:SHOWN]:
         print(f"{args.program}: {problem}")
@@ -66,5 +70,7 @@ def run(args: argparse.Namespace) -> int:
         print(f"... and {len(result.problems) - SHOWN} more (all of them with --json)")
     if result.statistics:
         print("\n".join(result.statistics.lines()))
-    print("ok: this program may run" if result.ok else f"refused: {len(result.problems)} problem(s)")
+    print(
+        f"ok: this program may run ({origin.words})" if result.ok else f"refused: {len(result.problems)} problem(s)"
+    )
     return 0 if result.ok else 1

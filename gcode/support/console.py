@@ -81,8 +81,13 @@ def main(prog: str, description: str, package: str, commands: Sequence[str], arg
 
 
 def _fail(command: str, message: str) -> int:
-    print(f"{command}: error: {message}", file=sys.stderr)
+    print(f"{command}: error: {printable(message)}", file=sys.stderr)
     return EXIT_BAD_INPUT
+
+
+def printable(text: str) -> str:
+    """`text` with what would steer a terminal escaped: messages quote files, and files come from strangers."""
+    return "".join(char if char.isprintable() or char == "\n" else ascii(char)[1:-1] for char in text)
 
 
 class Progress:

@@ -5,12 +5,13 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import json
-import os
-import tempfile
-from collections.abc import Iterator
+import secrets
+import shutil
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+from gcode.support import disk
 from gcode.support.errors import UserError
 
 
@@ -24,26 +25,88 @@ def atomic_path(path: str | Path) -> Iterator[Path]:
         If the folder does not exist or cannot be written.
     """
     path = Path(path)
+    temporary = _sibling(path)
     try:
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=path.suffix)
+        disk.DISK.close(disk.DISK.create(temporary))
     except OSError as error:
         raise UserError(f"cannot write {path}: {error.strerror or error}; choose another place with -o") from error
-    os.close(handle)
-    temporary = Path(name)
     try:
         yield temporary
         with temporary.open("rb") as written:
-            os.fsync(written.fileno())
-        temporary.chmod(0o644)
-        temporary.replace(path)
+            disk.DISK.sync(written.fileno())
+        disk.DISK.rename(temporary, path)
+        disk.sync_quietly(path.parent)
     finally:
         temporary.unlink(missing_ok=True)
 
 
+def write_bytes(path: str | Path, data: bytes) -> None:
+    """Write a whole file or none of it, to last: after a power cut the old content or the new one is there.
+
+    Raises
+    ------
+    UserError
+        If the disk does not take it; what was there before is untouched.
+    """
+    with atomic_writer(path) as write:
+        write(data)
+
+
+@contextlib.contextmanager
+def atomic_writer(path: str | Path) -> Iterator[Callable[[bytes], None]]:
+    """Yield a function that writes the next bytes of a file; `path` becomes that file when the block ends well."""
+    path = Path(path)
+    temporary = _sibling(path)
+    try:
+        handle = disk.DISK.create(temporary)
+        try:
+            yield lambda data: disk.write_all(handle, data)
+            disk.DISK.sync(handle)
+        finally:
+            disk.DISK.close(handle)
+        disk.DISK.rename(temporary, path)
+        disk.sync_quietly(path.parent)
+    except OSError as error:
+        raise UserError(f"cannot write {path}: {error.strerror or error}; choose another place with -o") from error
+    finally:
+        with contextlib.suppress(OSError):
+            temporary.unlink(missing_ok=True)
+
+
 def write_text(path: str | Path, text: str) -> None:
-    """Write `text` (UTF-8, line feeds) atomically."""
-    with atomic_path(path) as temporary:
-        temporary.write_text(text, encoding="utf-8", newline="\n")
+    """Write `text` (UTF-8, line feeds) whole, as `write_bytes` does."""
+    write_bytes(path, text.encode())
+
+
+def copy_file(source: str | Path, target: str | Path) -> None:
+    """Copy a plain file of at most 256 MB, as `write_bytes` does."""
+    from gcode.support.strict import read_bytes
+
+    write_bytes(target, read_bytes(source))
+
+
+@contextlib.contextmanager
+def drafted_folder(folder: Path) -> Iterator[Path]:
+    """Yield a new folder beside `folder`; put it in its place when the block ends well: all of it or nothing.
+
+    `folder` must not exist yet, or be empty.
+    """
+    make_folder(folder.parent)
+    scratch = folder.parent / f".{folder.name}.{secrets.token_hex(4)}"
+    draft = scratch / "campaign"
+    try:
+        disk.DISK.make_folder(scratch)
+        disk.DISK.make_folder(draft)
+        yield draft
+        disk.sync_quietly(draft)
+        disk.DISK.rename(draft, folder)
+        disk.sync_quietly(folder.parent)
+    finally:
+        shutil.rmtree(scratch, ignore_errors=True)
+
+
+def _sibling(path: Path) -> Path:
+    return path.parent / f".{path.name}.{secrets.token_hex(4)}{path.suffix}"
 
 
 def write_json(path: str | Path, data: Any) -> None:
@@ -52,13 +115,10 @@ def write_json(path: str | Path, data: Any) -> None:
 
 
 def read_json(path: str | Path, what: str = "file") -> Any:
-    """Read JSON; a missing or malformed file is a `UserError` that names it and the line."""
-    try:
-        return json.loads(Path(path).read_text(encoding="utf-8"))
-    except json.JSONDecodeError as error:
-        raise UserError(f"{path}: not a {what}: line {error.lineno} is not valid JSON ({error.msg})") from error
-    except (OSError, UnicodeDecodeError) as error:
-        raise UserError(f"{path}: cannot read this {what}: {getattr(error, 'strerror', None) or error}") from error
+    """Read JSON; see `gcode.support.strict.read_json`."""
+    from gcode.support import strict
+
+    return strict.read_json(path, what)
 
 
 def make_folder(path: str | Path) -> Path:

@@ -28,12 +28,14 @@ def run(args: argparse.Namespace) -> int:
     from testbench.campaign import vacant, write_derived
     from testbench.plan import PROGRAM
     from testbench.recording import read_recording
+    from testbench.recording_checks import check_displacement
     from testbench.rig.motion import played
     from testbench.sensors import existing_file
 
     path = Path(args.recording)
     program = existing_file(args.program or path / PROGRAM, "program; name it with --program")
     recording = read_recording(path, args.gauge_length_mm)
+    check_displacement(recording)
     motion, _ = played(program, recording.gauge_length_mm)
     found = align(recording, motion)
     if args.json:

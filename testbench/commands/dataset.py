@@ -10,12 +10,15 @@ EXAMPLE = "testbench dataset knits.toml -o knits"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
+    from testbench.trust import EFFECTS_HELP
+
     parser.add_argument("spec", metavar="SPEC.toml", help="sensors, programs and seeds; see docs/recording.md")
     parser.add_argument("-o", dest="out", required=True, metavar="DIR", help="folder for the campaigns")
     parser.add_argument(
         "--backend", choices=["loky", "dask"], default="loky", help="processes here, or a Dask cluster"
     )
     parser.add_argument("--workers", type=int, default=-1, metavar="N", help="processes (default: one a core)")
+    parser.add_argument("--effects", metavar="FILE", help=f"the effects that the spec names. {EFFECTS_HELP}")
     parser.add_argument("--scheduler", metavar="ADDRESS", help="of the Dask cluster, e.g. tcp://10.0.0.5:8786")
 
 
@@ -36,7 +39,7 @@ def run(args: argparse.Namespace) -> int:
     out = make_folder(args.out)
     start_s = time.monotonic()
     with OneAtATime(out):
-        tasks = tasks_of(spec, spec_path.parent, out)
+        tasks = tasks_of(spec, spec_path.parent, out, Path(args.effects) if args.effects else None)
         progress = Progress("campaigns", len(tasks))
         with cluster(args.scheduler):
             made, there = run(tasks, args.backend, args.workers, progress.step)

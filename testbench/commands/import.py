@@ -1,67 +1,142 @@
-"""``testbench import``: a foreign CSV becomes a recording."""
+"""``testbench import``: a foreign file becomes a recording."""
 
 from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-SUMMARY = "turn a foreign CSV into a recording (a campaign folder, or a .csv)"
-EXAMPLE = (
-    "testbench import lab.csv --time t --displacement x --force F --resistance R --resistance-unit kohm "
-    "--gauge-length-mm 40 -o lab"
+if TYPE_CHECKING:
+    from testbench.importing import Imported, Wish
+
+SUMMARY = "turn a file of a tester or logger (CSV, Excel, TDMS) into a recording (a campaign folder, or a .csv)"
+EXAMPLE = """testbench import lab.csv --gauge-length-mm 40 -o lab
+  testbench import raw.csv --time 3 --force 6 --force-unit N --time-unit s --displacement 4 --displacement-unit mm \\
+      --gauge-length-mm 40 -o raw"""
+# Keys of testbench.recordings.words.ROLES; that module is too heavy for --help.
+COLUMNS = (
+    ("time", "of the time"),
+    ("displacement", ""),
+    ("strain", "instead of a displacement"),
+    ("force", ""),
+    ("resistance", ""),
+    ("conductance", "instead of a resistance"),
+    ("relative-resistance", "R/R0 instead of a resistance"),
+    ("relative-change", "(R-R0)/R0 instead of a resistance"),
+    ("temperature", ""),
+)
+UNITS = (
+    ("time", "s, ms, us, min, h, or date for dates and times"),
+    ("displacement", "mm, um, cm, m, in"),
+    ("strain", "1, %%"),
+    ("force", "N, mN, cN, kN, gf, kgf, lbf"),
+    ("resistance", "ohm, mohm, kohm, Mohm"),
+    ("conductance", "S, mS, uS, nS"),
+    ("temperature", "C, K, F"),
+    ("relative", "1, %%; default 1"),
 )
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     from testbench.sensors import positive
 
-    parser.add_argument("file", metavar="FILE", help="CSV; separator, decimal comma and header line are found")
-    when = parser.add_mutually_exclusive_group(required=True)
-    when.add_argument("--time", metavar="COL", help="column of the time")
-    when.add_argument("--rate-hz", type=positive, metavar="F", help="sampling rate of a file without a time column")
-    where = parser.add_mutually_exclusive_group(required=True)
-    where.add_argument("--displacement", metavar="COL")
-    where.add_argument("--strain", metavar="COL", help="instead of a displacement")
-    parser.add_argument("--force", metavar="COL")
-    electrical = parser.add_mutually_exclusive_group()
-    electrical.add_argument("--resistance", metavar="COL")
-    electrical.add_argument("--conductance", metavar="COL", help="instead of a resistance")
-    electrical.add_argument("--relative-resistance", metavar="COL", help="R/R0 instead of a resistance")
-    electrical.add_argument("--relative-change", metavar="COL", help="(R-R0)/R0 instead of a resistance")
+    parser.add_argument("file", metavar="FILE", help="text (CSV and the like), .xlsx or .tdms")
     parser.add_argument(
-        "--r0-ohm", type=positive, default=1.0, metavar="R0", help="for the relative ones (default 1)"
+        "--gauge-length-mm", type=positive, metavar="L", help="length between the clamps at rest; needed for strain"
     )
-    parser.add_argument("--temperature", metavar="COL", help="in degrees Celsius")
-    parser.add_argument("--gauge-length-mm", type=positive, required=True, metavar="L")
-    _add_units(parser)
-    parser.add_argument("--separator", metavar="CHAR", help="default: found in the file")
-    parser.add_argument("--decimal", choices=[".", ","], help="default: found in the file")
-    parser.add_argument("--sort", action="store_true", help="put rows in the order of time, drop repeated times")
-    parser.add_argument("--drop-bad", action="store_true", help="leave out rows with values that cannot be used")
-    parser.add_argument("--overwrite", action="store_true", help="replace an earlier import in that folder")
     parser.add_argument("-o", dest="out", required=True, metavar="OUT", help="campaign folder, or a file NAME.csv")
+    parser.add_argument("--overwrite", action="store_true", help="replace an earlier import in that folder")
+    parser.add_argument("--json", action="store_true", help="say what was taken for what as JSON")
+    _add_columns(parser)
+    _add_units(parser)
+    _add_layout(parser)
+    _add_repairs(parser)
+
+
+def _add_columns(parser: argparse.ArgumentParser) -> None:
+    from testbench.sensors import positive
+
+    group = parser.add_argument_group(
+        "columns",
+        "Found by name and unit. COL is a name, a number from 1, or none where there is no such column.",
+    )
+    shared = {name: group.add_mutually_exclusive_group() for name in ("time", "displacement", "resistance", "force")}
+    shared["strain"] = shared["displacement"]
+    shared |= dict.fromkeys(("conductance", "relative-resistance", "relative-change"), shared["resistance"])
+    for name, words in COLUMNS:
+        shared.get(name, group).add_argument(f"--{name}", metavar="COL", help=words or None)
+    shared["time"].add_argument(
+        "--rate-hz", type=positive, metavar="F", help="sampling rate of a file without a time column"
+    )
+    group.add_argument(
+        "--time-of",
+        action="append",
+        default=[],
+        metavar="ROLE=COL",
+        help="a channel's own time, where the file has several clocks: force=t_F; may be repeated",
+    )
+    group.add_argument("--r0-ohm", type=positive, metavar="R0", help="for the relative ones")
+    group.add_argument("--repeat", type=int, metavar="N", help="of several repeats in the file, this one")
 
 
 def _add_units(parser: argparse.ArgumentParser) -> None:
-    # The keys of the tables in testbench.importing; that module is too heavy for --help.
-    parser.add_argument("--time-unit", choices=["s", "ms", "us", "min", "h", "date"], default="s")
-    parser.add_argument("--displacement-unit", choices=["mm", "um", "cm", "m", "in"], default="mm")
-    parser.add_argument("--strain-unit", choices=["1", "%"], default="1")
-    parser.add_argument("--force-unit", choices=["N", "mN", "cN", "kN", "gf", "kgf", "lbf"], default="N")
-    parser.add_argument("--resistance-unit", choices=["ohm", "mohm", "kohm", "Mohm"], default="ohm")
-    parser.add_argument("--conductance-unit", choices=["S", "mS", "uS", "nS"], default="S")
+    group = parser.add_argument_group("units", "Read from the header or a row of units; needed where they say none.")
+    for name, words in UNITS:
+        group.add_argument(f"--{name}-unit", metavar="UNIT", help=words)
+
+
+def _add_layout(parser: argparse.ArgumentParser) -> None:
+    group = parser.add_argument_group("how the file is written", "All of this is found where the file shows it.")
+    group.add_argument("--header-row", type=int, metavar="N", help="row of the names, from 1; 0: there is none")
+    group.add_argument("--units-row", type=int, metavar="N", help="row of the units, from 1; 0: there is none")
+    group.add_argument("--separator", metavar="CHAR", help="between columns; a blank stands for any number of them")
+    group.add_argument("--decimal", choices=[".", ","])
+    group.add_argument("--thousands", metavar="CHAR", help="between groups of three digits")
+    group.add_argument("--encoding", metavar="NAME", help="such as utf-8, latin-1, gbk")
+    group.add_argument("--sheet", metavar="NAME", help="sheet of a workbook, group of a TDMS file")
+
+
+def _add_repairs(parser: argparse.ArgumentParser) -> None:
+    group = parser.add_argument_group("repairs")
+    group.add_argument("--negate", nargs="+", default=[], metavar="ROLE", help="turn the sign of displacement, force")
+    group.add_argument(
+        "--zero",
+        nargs="+",
+        default=[],
+        metavar="ROLE[=VALUE]",
+        help="count displacement or force from its first sample, or from a value in the file's unit",
+    )
+    group.add_argument("--sort", action="store_true", help="put rows in the order of time, drop repeated times")
+    group.add_argument("--drop-bad", action="store_true", help="leave out rows with values that cannot be used")
 
 
 def run(args: argparse.Namespace) -> int:
+    import json
+
     from testbench.campaign import vacant
-    from testbench.importing import import_csv, write_import
+    from testbench.importing import import_file, place_of, write_import
     from testbench.sensors import existing_file
 
-    path, out = existing_file(args.file, "CSV"), Path(args.out)
-    imported = import_csv(path, wish_of(args))
+    path, out = existing_file(args.file, "file"), Path(args.out)
+    every = import_file(path, wish_of(args))
+    places = [place_of(out, imported.label if len(every) > 1 else "") for imported in every]
     if out.suffix.lower() != ".csv":
-        vacant(out, args.overwrite)
-    write_import(imported, out)
+        for place in places:
+            vacant(place, args.overwrite)
+    for imported, place in zip(every, places, strict=True):
+        write_import(imported, place)
+    if args.json:
+        data = [_data(imported, place) for imported, place in zip(every, places, strict=True)]
+        print(json.dumps({"recordings": data}))
+        return 0
+    for role, words in every[0].taken.items():
+        print(f"{role}: {words}")
+    for imported, place in zip(every, places, strict=True):
+        print("\n".join(_report(imported, place)))
+    return 0
+
+
+def _report(imported: Imported, place: Path) -> list[str]:
     recording = imported.recording
     done = [
         f"{number} row{'s' if number > 1 else ''} {what}"
@@ -72,38 +147,71 @@ def run(args: argparse.Namespace) -> int:
         )
         if number
     ]
-    names = ", ".join(recording.channels)
-    print(
-        f"{out}: {len(recording)} samples in {recording.duration_s:.1f} s, {recording.mean_rate_hz:.1f} Hz: {names}"
-    )
-    if done:
-        print(f"{out}: {', '.join(done)}")
-    return 0
+    ranges = [f"{name} {values.min():.6g} to {values.max():.6g}" for name, values in recording.channels.items()]
+    size = f"{len(recording)} samples in {recording.duration_s:.1f} s, {recording.mean_rate_hz:.3g} Hz"
+    lines = [f"{place}: {size}: {', '.join(ranges)}"]
+    lines += [f"{place}: {', '.join(done)}"] * bool(done)
+    lines += [f"{place}: {note}" for note in imported.notes]
+    return [*lines, *(f"{place}: LOOK: {doubt}" for doubt in imported.doubts)]
 
 
-def wish_of(args: argparse.Namespace):
+def _data(imported: Imported, place: Path) -> dict:
+    recording = imported.recording
+    return {
+        "out": str(place),
+        "repeat": imported.label,
+        "samples": len(recording),
+        "duration_s": recording.duration_s,
+        "mean_rate_hz": recording.mean_rate_hz,
+        "channels": {name: [float(values.min()), float(values.max())] for name, values in recording.channels.items()},
+        "taken": imported.taken,
+        "doubts": imported.doubts,
+        "notes": imported.notes,
+        "dropped": imported.dropped,
+        "moved": imported.moved,
+        "repeated": imported.repeated,
+        "details": imported.details,
+    }
+
+
+def wish_of(args: argparse.Namespace) -> Wish:
     """What the command line says about the file."""
-    from testbench import importing as units
+    from testbench.importing import Hints, Wish
 
-    def source(column: str | None, factor: float = 1.0):
-        return None if column is None else units.Source(column, factor)
-
-    return units.Wish(
+    columns = {name.replace("-", "_"): getattr(args, name.replace("-", "_")) for name, _ in COLUMNS}
+    columns["relative"] = columns.pop("relative_resistance")
+    units = {name: getattr(args, f"{name}_unit") for name, _ in UNITS}
+    units["relative_change"] = units["relative"]
+    zero = dict(part.partition("=")[::2] for part in args.zero)
+    return Wish(
         gauge_length_mm=args.gauge_length_mm,
-        time=source(args.time, units.TIME_UNITS.get(args.time_unit, 1.0)),
-        time_is_date=args.time_unit == "date",
+        columns={role: column for role, column in columns.items() if column is not None},
+        units={role: unit for role, unit in units.items() if unit is not None},
         rate_hz=args.rate_hz,
-        displacement=source(args.displacement, units.LENGTH_UNITS[args.displacement_unit]),
-        strain=source(args.strain, units.STRAIN_UNITS[args.strain_unit]),
-        force=source(args.force, units.FORCE_UNITS[args.force_unit]),
-        resistance=source(args.resistance, units.RESISTANCE_UNITS[args.resistance_unit]),
-        conductance=source(args.conductance, units.CONDUCTANCE_UNITS[args.conductance_unit]),
-        relative=source(args.relative_resistance),
-        relative_change=source(args.relative_change),
-        temperature=source(args.temperature),
+        time_of=_time_of(args.time_of),
         r0_ohm=args.r0_ohm,
+        negate=frozenset(args.negate),
+        zero={role: value or None for role, value in zero.items()},
+        repeat=args.repeat,
         sort=args.sort,
         drop_bad=args.drop_bad,
-        separator=args.separator.replace("\\t", "\t") if args.separator else None,
-        decimal=args.decimal,
+        hints=Hints(
+            separator=args.separator.replace("\\t", "\t") if args.separator else None,
+            decimal=args.decimal,
+            thousands=args.thousands,
+            encoding=args.encoding,
+            sheet=args.sheet,
+            header_row=args.header_row,
+            units_row=args.units_row,
+        ),
     )
+
+
+def _time_of(given: list[str]) -> dict[str, str]:
+    from gcode.support.errors import UserError
+
+    for part in given:
+        role, sign, column = part.partition("=")
+        if not sign or not column or role not in [name for name, _ in COLUMNS]:
+            raise UserError(f"--time-of must be ROLE=COL such as force=t_F, got {part!r}")
+    return dict(part.partition("=")[::2] for part in given)

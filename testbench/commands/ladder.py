@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 
+from testbench.commands._arguments import add_effects
+
 SUMMARY = "show the errors of a model step by step, down to the noise floor"
 EXAMPLE = "testbench ladder model2.json"
 
@@ -11,7 +13,7 @@ EXAMPLE = "testbench ladder model2.json"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("model", help="a model.json")
-    parser.add_argument("--effects", metavar="FILE.py", help="your own effects, if the model uses them")
+    add_effects(parser)
     parser.add_argument("--json", action="store_true", help="print the history as JSON")
 
 

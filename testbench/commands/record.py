@@ -12,7 +12,9 @@ EXAMPLE = "testbench record --port /dev/ttyUSB0 --program program.tap -o knit-7"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     from testbench.sensors import positive
 
-    parser.add_argument("--port", metavar="URL", help="device (/dev/ttyUSB0) or pyserial URL (socket://host:port)")
+    parser.add_argument(
+        "--port", metavar="URL", help="device (/dev/ttyUSB0), socket://HOST:PORT or rfc2217://HOST:PORT"
+    )
     parser.add_argument("--program", metavar="FILE", help="Mach4 program that the machine will run")
     parser.add_argument("-o", dest="campaign", required=True, metavar="CAMPAIGN", help="folder to write")
     parser.add_argument("--resume", action="store_true", help="continue the unfinished recording in CAMPAIGN")
@@ -69,16 +71,18 @@ def _new(args: argparse.Namespace, folder: Path):
     from testbench.campaign import vacant
     from testbench.record import Job
     from testbench.rig.motion import played
+    from testbench.rig.ports import stated_port
     from testbench.rig.recorder import Limits
     from testbench.sensors import existing_file
 
     if not args.port or not args.program:
         raise UserError("a new recording needs --port and --program; --resume continues an old one")
+    port = stated_port(args.port)
     vacant(folder)
     program = existing_file(args.program, "program; make one with `gcode generate`")
     _, gauge_length_mm = played(program, args.gauge_length_mm)
     limits = Limits(args.max_force_n, args.max_strain)
-    return Job(args.port, args.baud, program, gauge_length_mm, limits, args.specimen, args.give_up_s)
+    return Job(port, args.baud, program, gauge_length_mm, limits, args.specimen, args.give_up_s)
 
 
 def _continued(args: argparse.Namespace, folder: Path):

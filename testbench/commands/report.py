@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 
+from testbench.commands._arguments import add_effects
+
 SUMMARY = "put recordings, model, diagnosis and compensator into one self-contained HTML page"
 EXAMPLE = "testbench report --recording campaign-1 --held-out campaign-2 --model model.json -o report.html"
 
@@ -15,7 +17,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--held-out", metavar="B", help="the recording that errors are judged on")
     parser.add_argument("--model", metavar="M", help="a model.json with its ladder")
-    parser.add_argument("--effects", metavar="FILE.py", help="your own effects, where the model has some")
+    add_effects(parser)
     parser.add_argument("--diagnosis", metavar="D", help="the JSON of `testbench diagnose`")
     parser.add_argument("--compensator", metavar="SCORE", help="the JSON of `compensation score`")
     parser.add_argument("--gauge-length-mm", type=float, metavar="L", help="for bare CSVs")

@@ -69,7 +69,10 @@ def run(args: argparse.Namespace) -> int:
         status = simulate_campaign(plan, folder, motion, report)
     done = f"{status.samples} samples in {status.time_s:.0f} s of motion, {sensor}, seed {args.seed}"
     print(f"{folder}: {done}", file=say)
-    return 0
+    if status.state in ("complete", "interrupted"):
+        return 0
+    print(f"testbench run: {status.state}: {status.message}", file=sys.stderr)
+    return 1
 
 
 def instruments_of(args: argparse.Namespace):

@@ -10,18 +10,19 @@ EXAMPLE = "testbench verify pes-1"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
+    from testbench.trust import EFFECTS_HELP
+
     parser.add_argument("campaigns", nargs="+", metavar="CAMPAIGN", help="campaign folder, or data set")
     parser.add_argument(
         "--again", action="store_true", help="also make a simulated campaign again and compare every byte"
     )
-    parser.add_argument("--effects", metavar="FILE", help="with --again: the campaign's own effects, a program")
+    parser.add_argument("--effects", metavar="FILE", help=f"with --again. {EFFECTS_HELP}")
 
 
 def run(args: argparse.Namespace) -> int:
     import sys
 
     from testbench.dataset_index import INDEX, index_problems
-    from testbench.manifest import problems
     from testbench.remake import made_again
 
     failed, effects = False, Path(args.effects) if args.effects else None
@@ -30,7 +31,7 @@ def run(args: argparse.Namespace) -> int:
         if (folder / INDEX).is_file():
             members, found = index_problems(folder)
         for member in members:
-            wrong, note = problems(member), ""
+            wrong, note = _problems(member, alone=member == folder), ""
             if args.again and not wrong:
                 remade = made_again(member, effects)
                 wrong, note = remade.explained(member), ", made again byte for byte"
@@ -42,3 +43,16 @@ def run(args: argparse.Namespace) -> int:
             print(problem, file=sys.stderr)
         failed = failed or bool(found)
     return int(failed)
+
+
+def _problems(member: Path, alone: bool) -> list[str]:
+    """What is wrong with a campaign; in a data set, one that cannot be read at all does not hide the others."""
+    from gcode.support.errors import UserError
+    from testbench.manifest import problems
+
+    try:
+        return problems(member)
+    except UserError as error:
+        if alone:
+            raise
+        return [str(error)]

@@ -11,3 +11,4 @@ PRIOR_UNKNOWN = 0.1  # before seeing data, that what is missing is in no catalog
 PRIOR_NOTHING = 0.5
 SLOW_NOISE = 1.0  # slow noise of an instrument, in standard deviations of its quick noise
 MOST_LEFT = 0.5  # share of the error above the noise that what was found may leave, to be a name
+LAW_ERROR = 0.2  # of an effect: how far the laws of the catalogue are from those of a sensor

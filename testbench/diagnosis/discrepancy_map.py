@@ -10,8 +10,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from testbench.diagnosis.evidence import maximised
-from testbench.diagnosis.laplace import Hypothesis
+from testbench.diagnosis.evidence import maximised, opened
+from testbench.diagnosis.laplace import Hypothesis, tail
 from testbench.diagnosis.likelihood import Likelihood
 from testbench.diagnosis.proposals import Proposal, Screen
 from testbench.discrepancy.freeform import features
@@ -51,17 +51,20 @@ class Map:
         precision += [1e-6] * len(beside)
         group += [-1] * len(beside)
         normal = screen.extended(rows, [0.0] * len(precision), precision, group)
-        scale = np.r_[hypothesis.evidence.scale, np.full(len(names) * len(channels), 10.0)]
+        scale = np.r_[opened(hypothesis.evidence.scale), np.full(len(names) * len(channels), 10.0)]
         found = maximised(normal, scale=scale, iterations=12, start=hypothesis.evidence)
-        self.log_z = found.value + hypothesis.tails
-        self.left, self.gains = {}, {}
+        self.left, self.gains, tails = {}, {}, 0.0
         for place, c in enumerate(channels):
             amounts = found.coefficients[size:]
             residual = screen.base[c][0] - found.coefficients[:size] @ screen.base[c][1:]
             self.left[c] = residual - amounts @ rows[c]
+            tails += tail(
+                self.left[c] / hypothesis.robust[c] / found.sigma[c], hypothesis.robust[c], likelihood.share[c]
+            )
             for g, name in enumerate(names):
                 inside = np.flatnonzero(np.asarray(groups) == g) + place * count
                 self.gains[c, name] = float(np.mean((amounts[inside] @ rows[c][inside]) ** 2) / np.mean(residual**2))
+        self.log_z = found.value + tails
 
 
 @lru_cache(maxsize=2)

@@ -15,6 +15,7 @@ from scipy.linalg import lapack
 from testbench.knit.effect import FloatArray
 
 SMALLEST, LARGEST = 1e-2, 1e8  # of a group's precision, in that of its declared prior
+OPEN = 1e2  # from here MacKay's updates find the way to either side; from `LARGEST` there is none back
 
 
 @dataclass(frozen=True)
@@ -119,6 +120,11 @@ def maximised(
             break
     inverse = np.tril(inverse) + np.tril(inverse, -1).T
     return LogEvidence(float(value), x, sigma, factor, inverse)
+
+
+def opened(scale: FloatArray) -> FloatArray:
+    """Scales to start from in another model: what was switched off in this one may be needed there."""
+    return np.minimum(scale, OPEN)
 
 
 def _value(

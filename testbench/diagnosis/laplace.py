@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from testbench.diagnosis import constants
-from testbench.diagnosis.evidence import LogEvidence, NormalEquations, maximised
+from testbench.diagnosis.evidence import LogEvidence, NormalEquations, maximised, opened
 from testbench.diagnosis.likelihood import Likelihood
 from testbench.diagnosis.priors import Priors, priors_of
 from testbench.discrepancy.measurement import CONDUCTANCE_CHANNEL
@@ -76,6 +76,7 @@ def fitted(
     like: Hypothesis | None = None,
     iterations: int = constants.ITERATIONS,
     quick: bool = False,
+    believed: Mapping[str, tuple[float, float]] | None = None,
 ) -> Hypothesis:
     """Levenberg-Marquardt on the posterior; the scales of shapes and noise follow by maximum evidence.
 
@@ -87,28 +88,37 @@ def fitted(
         Around which its base laws are believed.
     like : Hypothesis, optional
         A neighbour: scales, and sensitivities of what both have, are taken from it at first.
+    believed : mapping of address to (mean, standard deviation), optional
+        Priors of some parameters, other than those declared.
     quick : bool
         Keep the sensitivities of the shapes' weights as they are there: nearly right, and ten times cheaper.
     """
-    return _Search(model, likelihood, reference, like, quick).run(iterations)
+    return _Search(model, likelihood, reference, like, quick, believed or {}).run(iterations)
 
 
 class _Search:
     def __init__(
-        self, model: KnitModel, likelihood: Likelihood, reference: KnitModel, like: Hypothesis | None, quick: bool
+        self,
+        model: KnitModel,
+        likelihood: Likelihood,
+        reference: KnitModel,
+        like: Hypothesis | None,
+        quick: bool,
+        believed: Mapping[str, tuple[float, float]],
     ) -> None:
         self.likelihood, self.cache = likelihood, SimulationCache()
-        self.priors = priors_of(model, likelihood.measurement, reference)
+        known = {**(like.priors.believed if like else {}), **believed}
+        self.priors = priors_of(model, likelihood.measurement, reference, known)
         self.model, self.x = model, values_of(model, self.priors.parameters)
         scales = like.scales if like else {}
-        self.scale = np.array([scales.get(name, 1.0) for name in self.priors.groups])
+        self.scale = opened(np.array([scales.get(name, 1.0) for name in self.priors.groups]))
         self.columns = {c: np.zeros((len(self.x) + 1, len(likelihood.rows))) for c in likelihood.measurement.channels}
-        known = {p.address: i + 1 for i, p in enumerate(like.priors.parameters)} if like else {}
+        place = {p.address: i + 1 for i, p in enumerate(like.priors.parameters)} if like else {}
         new = []
         for index, p in enumerate(self.priors.parameters):
-            if self.priors.group[index] >= 0 and p.address in known:
+            if self.priors.group[index] >= 0 and p.address in place:
                 for c, rows in self.columns.items():
-                    rows[index + 1] = like.columns[c][known[p.address]]
+                    rows[index + 1] = like.columns[c][place[p.address]]
             else:
                 new.append(index)
         self.curved = np.array(new) if quick else np.flatnonzero(self.priors.group < 0)
@@ -223,13 +233,15 @@ class _Search:
             total += float(np.sum(huber(np.abs(values) / self.sigma[c]))) * self.likelihood.share[c]
         return total if np.isfinite(total) else np.inf
 
-    def tails(self, robust, sigma) -> float:
-        """What a Huber density says more of outliers than the weighted squares in ln Z."""
-        total = 0.0
-        for c, rows in self.columns.items():
-            z = np.abs(rows[0]) / sigma[c]
-            total -= float(np.sum(huber(z) - 0.5 * (robust[c] * z) ** 2)) * self.likelihood.share[c]
-        return total
+    def tails(self, robust: Mapping[str, FloatArray], sigma: Mapping[str, float]) -> float:
+        share = self.likelihood.share
+        return sum(tail(rows[0] / sigma[c], robust[c], share[c]) for c, rows in self.columns.items())
+
+
+def tail(z: FloatArray, robust: FloatArray, share: float) -> float:
+    """What a Huber density says more of outliers than the weighted squares in ln Z."""
+    z = np.abs(z)
+    return -float(np.sum(huber(z) - 0.5 * (robust * z) ** 2)) * share
 
 
 def huber(z: FloatArray) -> FloatArray:
@@ -257,8 +269,5 @@ def under(h: Hypothesis, likelihood: Likelihood) -> Hypothesis:
     """The same point judged with samples that count otherwise; the linear model finds the new maximum."""
     normal = replace(h.normal, counts=likelihood.counts, share=likelihood.share)
     evidence = maximised(normal, scale=h.evidence.scale, iterations=15)
-    tails = 0.0
-    for c, rows in h.columns.items():
-        z = np.abs(rows[0]) / evidence.sigma[c]
-        tails -= float(np.sum(huber(z) - 0.5 * (h.robust[c] * z) ** 2)) * likelihood.share[c]
+    tails = sum(tail(rows[0] / evidence.sigma[c], h.robust[c], likelihood.share[c]) for c, rows in h.columns.items())
     return replace(h, normal=normal, evidence=evidence, tails=tails)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,57 +36,69 @@ class Priors:
     group: np.ndarray
     groups: tuple[str, ...]
 
+    @property
+    def believed(self) -> dict[str, tuple[float, float]]:
+        """Mean and standard deviation by address."""
+        return {p.address: (m, w**-0.5) for p, m, w in zip(self.parameters, self.mean, self.precision, strict=True)}
+
     def scaled(self, factor: FloatArray) -> FloatArray:
         """Precisions with the scales of the groups, shape (p,)."""
         return self.precision * np.where(self.group >= 0, factor[self.group], 1.0) if len(factor) else self.precision
 
 
-def priors_of(model: KnitModel, measurement: Measurement, reference: KnitModel) -> Priors:
-    """Priors of all free parameters of `model`; base laws are believed near those of `reference`, within wide limits."""
-    parameters = free_parameters(model, shape_scales(measurement))
+def priors_of(
+    model: KnitModel, measurement: Measurement, reference: KnitModel, known: Mapping[str, tuple[float, float]]
+) -> Priors:
+    """Priors of all free parameters of `model`.
+
+    Parameters
+    ----------
+    reference : KnitModel
+        Base laws are believed near its own, within wide limits.
+    known : mapping of address to (mean, standard deviation)
+        What is believed of some parameters already, in the fit's coordinates.
+    """
+    scales = shape_scales(measurement)
+    parameters = free_parameters(model, scales)
     groups: list[str] = []
-    mean, width, group = [], [], []
+    believed, group = [], []
     for p in parameters:
-        vector, _, index = p.address.partition("[")
-        if index:
-            if vector not in groups:
-                groups.append(vector)
-            group.append(groups.index(vector))
-            mean.append(0.0)
-            width.append(p.width)
-            continue
-        group.append(-1)
         name, _, key = p.address.partition(".")
-        if name in reference and type(reference[name]) is type(model[name]):
-            mean.append(p.to_fit(_lookup(reference, p.address)))
-            width.append(p.width)
+        vector, _, index = p.address.partition("[")
+        if index and vector not in groups:
+            groups.append(vector)
+        group.append(groups.index(vector) if index else -1)
+        if p.address in known:
+            believed.append(known[p.address])
+        elif index:
+            believed.append((0.0, p.width))
+        elif name in reference and type(reference[name]) is type(model[name]):
+            believed.append((p.to_fit(_lookup(reference, p.address)), p.width))
         else:
-            centre, sd = declared(type(model[name]), key)
-            mean.append(centre)
-            width.append(sd)
+            believed.append(declared(type(model[name]), key, scales))
+    mean, width = np.array(believed).reshape(-1, 2).T
     low, high = (np.array([p.to_fit(getattr(p, side)) for p in parameters]) for side in ("low", "high"))
-    return Priors(
-        tuple(parameters), np.array(mean), np.array(width) ** -2.0, low, high, np.array(group, int), tuple(groups)
-    )
+    return Priors(tuple(parameters), mean, width**-2.0, low, high, np.array(group, int), tuple(groups))
 
 
-def declared(effect: type[Effect], key: str) -> tuple[float, float]:
+def declared(effect: type[Effect], key: str, scales: Mapping[str, float]) -> tuple[float, float]:
     """Centre and standard deviation of an effect's parameter, in the fit's coordinate."""
     field = effect.model_fields[key]
     extra = bounds_of(field)
-    default = float(field.default)
-    if not effect.strength:
-        return default, (extra["high"] - extra["low"]) / 4 if extra["scale"] != "log" else 2.0
+    default, low, high = float(field.default), float(extra["low"]), float(extra["high"])
     if extra["scale"] == "log":
-        return float(np.log(default)), max(float(np.log(extra["high"] / extra["low"])) / 4, 0.5)
+        return float(np.log(default)), max(float(np.log(high / low)) / 4, 0.5)
     if key == effect.strength:
-        return 0.0, typical(effect)
-    return default, (extra["high"] - extra["low"]) / 4
+        return 0.0, typical(effect, scales)
+    return default, (high - low) / 4
 
 
-def typical(effect: type[Effect]) -> float:
-    """Typical size of an effect's strength."""
+def typical(effect: type[Effect], scales: Mapping[str, float]) -> float:
+    """Typical size of an effect's strength: as declared, on the scale of this sensor's force where it is a force."""
     extra = bounds_of(effect.model_fields[effect.strength])
-    said = extra.get("typical")
+    if extra["unit"] == "N":
+        return scales["N"]
+    if extra["unit"] == "1/N":
+        return 0.1 / scales["N"]
     default = effect.model_fields[effect.strength].default
-    return float(said or abs(default) or 0.1 * max(abs(extra["high"]), abs(extra["low"])))
+    return float(extra.get("typical") or abs(default) or 0.1 * max(abs(extra["high"]), abs(extra["low"])))

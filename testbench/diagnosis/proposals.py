@@ -12,6 +12,7 @@ from testbench.diagnosis.evidence import LogEvidence, NormalEquations, maximised
 from testbench.diagnosis.laplace import Hypothesis
 from testbench.diagnosis.likelihood import Likelihood
 from testbench.diagnosis.priors import typical
+from testbench.discrepancy.fit import shape_scales
 from testbench.discrepancy.candidates import Candidate, candidate_ideas, expand, is_vector, two_signed
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import Effect, FloatArray
@@ -39,13 +40,17 @@ class Law:
 
 @dataclass(frozen=True, eq=False)
 class Proposal:
-    """A law at its best point, and its gain in ln Z to first order."""
+    """A law at its best point, and its gain in ln Z to first order.
+
+    `believed` is mean and standard deviation of a strength that only the data have a scale for: a threshold, a level.
+    """
 
     mechanism: str
     law: str
     effect: Effect
     gain: float
     trace: Rows
+    believed: tuple[float, float] | None = None
 
 
 def laws_of(hypothesis: Hypothesis, likelihood: Likelihood, catalogue: Catalogue, pool: Executor) -> list[Law]:
@@ -81,6 +86,7 @@ class Screen:
 
     def __init__(self, hypothesis: Hypothesis, likelihood: Likelihood) -> None:
         self.hypothesis, self.likelihood = hypothesis, likelihood
+        self.scales = shape_scales(likelihood.measurement)
         self.base = {c: rows * hypothesis.robust[c] for c, rows in hypothesis.columns.items()}
 
     def proposals(self, laws: Sequence[Law]) -> list[Proposal]:
@@ -106,7 +112,7 @@ class Screen:
         goal = with_base[:, 0] - inner @ evidence.coefficients
         left = size - np.einsum("ij,ij->i", inner @ evidence.covariance, inner)
         left = np.maximum(left, 1e-9 * size)
-        mean, precision = np.array([amplitude_prior(one) for one in tried]).T
+        mean, precision = np.array([amplitude_prior(one, self.scales) for one in tried]).T
         coefficient = (goal + precision * mean) / (left + precision)
         gain = 0.5 * (left + precision) * coefficient**2 - 0.5 * precision * mean**2
         gain -= 0.5 * np.log((left + precision) / precision)
@@ -118,12 +124,17 @@ class Screen:
         candidate, trace = law.candidates[index], {c: values[index : index + 1] for c, values in law.traces.items()}
         amount = 1.0
         if gain > 0.5:
-            mean, precision = amplitude_prior(candidate)
+            mean, precision = amplitude_prior(candidate, self.scales)
             found = self.evidence({c: values[index : index + 1] for c, values in rows.items()}, mean, precision, -1)
             amount, gain = float(found.coefficients[-1]), found.value - self.hypothesis.evidence.value
             if amount <= 0 and not two_signed(type(candidate.effect)):
                 gain = -1.0
-        return Proposal(law.mechanism, candidate.form, candidate.at(amount), float(gain), trace)
+        # The best of so many points is no better than one for having been chosen.
+        gain = float(gain) - np.log(len(law.candidates))
+        effect = candidate.at(amount)
+        size = abs(getattr(effect, effect.strength))
+        believed = (size, 0.3 * size) if candidate.from_data or effect.nonlinear else None
+        return Proposal(law.mechanism, candidate.form, effect, gain, trace, believed)
 
     def _vector(self, law: Law, rows: Rows) -> Proposal:
         """A law with a vector of weights: all its columns at once, their scale found by evidence."""
@@ -158,10 +169,11 @@ class Screen:
         )
 
 
-def amplitude_prior(candidate: Candidate) -> tuple[float, float]:
+def amplitude_prior(candidate: Candidate, scales: Mapping[str, float]) -> tuple[float, float]:
     """Prior mean and precision of a trace's coefficient."""
-    if is_vector(type(candidate.effect), candidate.effect.strength):
+    form = type(candidate.effect)
+    if is_vector(form, form.strength):
         return 0.0, 1e-4
-    if candidate.from_data or candidate.effect.nonlinear:
+    if candidate.from_data or form.nonlinear:
         return 1.0, 1 / 0.3**2
-    return 0.0, (candidate.strength / typical(type(candidate.effect))) ** 2
+    return 0.0, (candidate.strength / typical(form, scales)) ** 2

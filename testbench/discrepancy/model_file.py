@@ -5,15 +5,75 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import ConfigDict, Field, model_validator
 
 from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError
-from gcode.support.files import read_json, write_json
+from gcode.support.files import write_json
+from gcode.support.strict import StrictModel, read_json, validated
 from testbench.discrepancy.fit import Fit
+from testbench.discrepancy.measurement import UNIT_OF
 from testbench.knit.catalogue import Catalogue, load_catalogue, model_from_dict
 from testbench.knit.model import KnitModel
 from testbench.recording import Recording
+from testbench.stored import Label, StoredModel, checked_model
+
+
+class _Open(StrictModel):
+    """What a later version adds beside the entries that are checked is passed on as it is."""
+
+    model_config = ConfigDict(frozen=True, extra="allow", allow_inf_nan=False)
+
+
+class _Parameter(_Open):
+    value: float
+    unit: Label
+    standard_error: Annotated[float, Field(ge=0)]
+
+
+class _Summary(_Open):
+    """What `fit_summary` writes."""
+
+    parameters: dict[Label, _Parameter] = Field(default_factory=dict)
+    at_bound: list[Label] = Field(default_factory=list)
+    unidentified: list[Label] = Field(default_factory=list)
+    correlated: list[tuple[Label, Label, float]] = Field(default_factory=list)
+    residual_scale: dict[Label, float] = Field(default_factory=dict)
+
+
+class _Errors(_Open):
+    calibration: dict[Label, Annotated[float, Field(ge=0)]]
+    held_out: dict[Label, Annotated[float, Field(ge=0)]]
+
+
+class _Step(_Open):
+    """What `testbench.discrepancy.ladder.ladder_step` makes."""
+
+    step: Label
+    model: StoredModel
+    errors: _Errors
+    noise_floor: dict[Label, Annotated[float, Field(ge=0)]]
+
+    @model_validator(mode="after")
+    def _same_channels(self) -> _Step:
+        known = set(self.errors.held_out)
+        if known - set(UNIT_OF) or known != set(self.errors.calibration) or known != set(self.noise_floor):
+            raise ValueError(f"errors and noise_floor must be of the same channels, of {', '.join(UNIT_OF)}")
+        return self
+
+
+class _Rest(StrictModel):
+    """What a model file says beside the model."""
+
+    model_config = ConfigDict(frozen=True, extra="ignore", allow_inf_nan=False)
+
+    gauge_length_mm: Annotated[float, Field(ge=0, le=1e6)] = 0.0
+    fitted_on: Annotated[str, Field(max_length=4096)] = ""
+    held_out: Annotated[str, Field(max_length=4096)] = ""
+    fit: _Summary = _Summary()
+    history: Annotated[list[_Step], Field(max_length=1000)] = Field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -63,19 +123,15 @@ def load_model_file(path: str | Path, catalogue: Catalogue | None = None) -> Mod
     UserError
         For anything that is not a model of this version; the message names the file and the remedy.
     """
-    data = read_json(path, "model")
+    data = checked_model(read_json(path, "model"), path)
     model = model_from_dict(data, catalogue or load_catalogue(), str(path))
     try:
-        return ModelFile(
-            model,
-            float(data.get("gauge_length_mm", 0.0)),
-            str(data.get("fitted_on", "")),
-            str(data.get("held_out", "")),
-            dict(data.get("fit", {})),
-            tuple(data.get("history", ())),
-        )
-    except (TypeError, ValueError) as error:
-        raise UserError(f"{path}: damaged model file ({error}); fit it again with `testbench fit`") from error
+        rest = validated(data, _Rest, path, "model")
+    except UserError as error:
+        raise UserError(f"{error}; fit it again with `testbench fit`") from None
+    fit = rest.fit.model_dump(mode="json", exclude_unset=True)
+    history = tuple(step.model_dump(mode="json", exclude_unset=True) for step in rest.history)
+    return ModelFile(model, rest.gauge_length_mm, rest.fitted_on, rest.held_out, fit, history)
 
 
 def check_same_set_up(file: ModelFile, recording: Recording, path: str | Path) -> None:

@@ -7,15 +7,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from testbench.recording import DISPLACEMENT, RESISTANCE, TEMPERATURE, Recording
 from testbench.recording import FORCE as FORCE_CHANNEL
-from testbench.recording import RESISTANCE, TEMPERATURE, Recording
 from testbench.report import style
 from testbench.report.downsample import POINTS, rows_to_draw, thinned, window
 
 FloatArray = NDArray[np.float64]
 Channel = tuple[str, FloatArray, str]  # axis title, values, colour
 
-LOOPS, LOOP_S, LOOP_POINTS = 6, 30.0, 300
+LOOPS, LOOP_S, LOOP_SAMPLES, LOOP_POINTS = 6, 30.0, 30, 300
 BINS = 60
 SPEED_RATE_HZ = 20.0
 
@@ -31,7 +31,9 @@ def conductance_scale(conductance_S: FloatArray) -> tuple[float, str]:
 
 def channels_of(recording: Recording) -> list[Channel]:
     """Strain, force, conductance and temperature, as far as they were recorded."""
-    found: list[Channel] = [("Strain / %", 100 * recording.strain, style.STRAIN)]
+    found: list[Channel] = []
+    if recording.has(DISPLACEMENT):
+        found.append(("Strain / %", 100 * recording.strain, style.STRAIN))
     if recording.has(FORCE_CHANNEL):
         found.append(("Force / N", recording[FORCE_CHANNEL], style.FORCE))
     if recording.has(RESISTANCE):
@@ -118,8 +120,12 @@ def hysteresis_loops(recording: Recording) -> style.Figure | None:
 
 
 def stretches(time_s: FloatArray, count: int = LOOPS, length_s: float = LOOP_S) -> list[slice]:
-    """Rows of a few stretches of motion, evenly spread from the first sample to the last."""
+    """Rows of a few stretches of motion, evenly spread from the first sample to the last.
+
+    Where samples are rare, a stretch is as long as thirty of them take.
+    """
     duration_s = time_s[-1] - time_s[0]
+    length_s = max(length_s, LOOP_SAMPLES * duration_s / len(time_s))
     if duration_s <= count * length_s:
         return [slice(0, len(time_s))]
     begins = np.linspace(time_s[0], time_s[-1] - length_s, count)
@@ -135,13 +141,14 @@ def shades(count: int) -> list[str]:
 
 
 def _loop_panels(recording: Recording) -> list[tuple[str, str, FloatArray, FloatArray]]:
-    strain = 100 * recording.strain
+    strain = 100 * recording.strain if recording.has(DISPLACEMENT) else None
     panels = []
-    if recording.has(FORCE_CHANNEL):
+    if recording.has(FORCE_CHANNEL) and strain is not None:
         panels.append(("Strain / %", "Force / N", strain, recording[FORCE_CHANNEL]))
     if recording.has(RESISTANCE):
         log_conductance = np.log(recording.conductance_S)
-        panels.append(("Strain / %", "ln (G / S)", strain, log_conductance))
+        if strain is not None:
+            panels.append(("Strain / %", "ln (G / S)", strain, log_conductance))
         if recording.has(FORCE_CHANNEL):
             panels.append(("Force / N", "ln (G / S)", recording[FORCE_CHANNEL], log_conductance))
     return panels
@@ -149,10 +156,11 @@ def _loop_panels(recording: Recording) -> list[tuple[str, str, FloatArray, Float
 
 def distributions(recording: Recording) -> style.Figure:
     """How often each strain, speed, force and conductance occurred (share of the time in per cent)."""
-    even = recording.resampled(SPEED_RATE_HZ)
-    speed = np.gradient(even["displacement_mm"], 1 / SPEED_RATE_HZ)
-    panels: list[Channel] = [("Strain / %", 100 * even.strain, style.STRAIN), ("Speed / mm/s", speed, style.MUTED)]
-    panels += channels_of(even)[1:3]
+    rate_hz = speed_rate_hz(recording)
+    even = recording.resampled(rate_hz)
+    panels = channels_of(even)[:3]
+    if recording.has(DISPLACEMENT):
+        panels.insert(1, ("Speed / mm/s", np.gradient(even[DISPLACEMENT], 1 / rate_hz), style.MUTED))
     traces = []
     for column, (_, values, colour) in enumerate(panels):
         counts, edges = np.histogram(values, bins=BINS)
@@ -172,22 +180,31 @@ def distributions(recording: Recording) -> style.Figure:
     return style.figure(traces, height=240, bargap=0, **style.side_by_side_axes(titles, gap=0.06))
 
 
-THUMBNAIL_S = 60.0
+def speed_rate_hz(recording: Recording) -> float:
+    """The rate at which the speed is taken: 20 Hz, or the recording's own where its samples are rarer."""
+    return min(SPEED_RATE_HZ, recording.mean_rate_hz)
+
+
+THUMBNAIL_S, THUMBNAIL_SAMPLES = 60.0, 120
 
 
 def thumbnail(recording: Recording, width: int = 280, height: int = 66) -> str:
     """A small SVG for lists: a minute of strain (faint) and force on the left, the loops on the right."""
     channels = channels_of(recording)
     middle_s = 0.5 * (recording.time_s[0] + recording.time_s[-1])
-    rows = window(recording.time_s, middle_s - THUMBNAIL_S / 2, middle_s + THUMBNAIL_S / 2)
+    shown_s = max(THUMBNAIL_S, THUMBNAIL_SAMPLES / recording.mean_rate_hz)
+    rows = window(recording.time_s, middle_s - shown_s / 2, middle_s + shown_s / 2)
+    if rows.stop - rows.start < 2:  # taken so unevenly that the middle is empty
+        rows = slice(0, len(recording))
     time_s, split = recording.time_s[rows], width - 84
-    paths = _path(time_s, recording.strain[rows], style.FAINT, 0, split, height)
+    _, first, _ = channels[0]
+    paths = _path(time_s, first[rows], style.FAINT, 0, split, height)
     if len(channels) > 1:
         _, values, colour = channels[1]
         paths += _path(time_s, values[rows], colour, 0, split, height)
         _, values, colour = channels[-1] if recording.has(RESISTANCE) else channels[1]
         few = thinned(len(recording), 500)
-        paths += _dots(recording.strain[few], values[few], colour, split + 14, width, height)
+        paths += _dots(first[few], values[few], colour, split + 14, width, height)
     return (
         f'<svg viewBox="0 0 {width} {height}" width="{width}" height="{height}" '
         f'xmlns="http://www.w3.org/2000/svg" aria-hidden="true">{paths}</svg>'
@@ -205,8 +222,8 @@ def _path(time_s: FloatArray, values: FloatArray, colour: str, left: float, righ
     return f'<polyline points="{points}" fill="none" stroke="{colour}" stroke-width="1.3"/>'
 
 
-def _dots(strain: FloatArray, values: FloatArray, colour: str, left: float, right: float, height: int) -> str:
-    x, y = _scaled(strain, left, right - 2), _scaled(values, height - 3, 3)
+def _dots(across: FloatArray, values: FloatArray, colour: str, left: float, right: float, height: int) -> str:
+    x, y = _scaled(across, left, right - 2), _scaled(values, height - 3, 3)
     points = "".join(f"M{a:.1f} {b:.1f}h.1" for a, b in zip(x, y, strict=True))
     return f'<path d="{points}" stroke="{colour}" stroke-width="1.6" stroke-linecap="round" opacity=".6"/>'
 
@@ -216,9 +233,10 @@ def summary(recording: Recording) -> list[tuple[str, str]]:
     facts = [
         ("Duration", f"{recording.duration_s / 60:.1f} min"),
         ("Samples", f"{len(recording):,}".replace(",", " ") + f" at {recording.mean_rate_hz:.1f} Hz"),
-        ("Gauge length", f"{recording.gauge_length_mm:g} mm"),
-        ("Strain", f"{100 * recording.strain.min():.1f} to {100 * recording.strain.max():.1f} %"),
     ]
+    if recording.has(DISPLACEMENT):
+        low, high = 100 * recording.strain.min(), 100 * recording.strain.max()
+        facts += [("Gauge length", f"{recording.gauge_length_mm:g} mm"), ("Strain", f"{low:.1f} to {high:.1f} %")]
     if recording.has(FORCE_CHANNEL):
         force = recording[FORCE_CHANNEL]
         facts.append(("Force", f"{force.min():.3g} to {force.max():.3g} N"))

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.random import Generator
 from pydantic import BaseModel, ConfigDict, Field
 
-from testbench.knit.effect import FloatArray
+from testbench.recording import FloatArray
 
 
 class Truth(NamedTuple):
@@ -55,7 +55,7 @@ class LoadCell(_Settings):
     capacity_N: float = Field(98.0665, gt=0, description="10 kg")
     sensitivity_V_per_V: float = Field(2e-3, gt=0)
     excitation_V: float = Field(5.0, gt=0)
-    rate_hz: float = Field(80.0, gt=0)
+    rate_hz: float = Field(80.0, gt=0, le=1e5)
     noise_V: float = Field(35e-9 * 8**0.5, ge=0)
 
     def read(self, truth: Truth, times_s: FloatArray, rng: Generator) -> FloatArray:
@@ -81,7 +81,7 @@ class Divider(_Settings):
     reference_ohm: float = Field(606e3, gt=0)
     supply_V: float = Field(3.3, gt=0, le=4.096)
     full_scale_V: float = Field(4.096, gt=0)
-    rate_hz: float = Field(128.0, gt=0)
+    rate_hz: float = Field(128.0, gt=0, le=1e5)
     average_s: float = Field(0.025, gt=0)
     noise_V: float = Field(60e-6, ge=0, description="about half an LSB rms")
 

@@ -19,6 +19,10 @@ def as_text(status: Status) -> str:
     whole = f"/{status.duration_s:.0f}" if math.isfinite(status.duration_s) else ""
     parts = [f"{status.time_s:.1f}{whole} s", f"{status.samples} samples", f"{status.rate_hz:.1f} Hz"]
     parts.append(f"{status.lost} lost, {status.rejected} rejected")
+    if status.unwritten:
+        parts.append(f"{status.unwritten} NOT WRITTEN")
+    if status.sync_failures:
+        parts.append(f"the disk failed {status.sync_failures} times to keep what it took")
     if status.force_N is not None:
         parts.append(f"{status.force_N:.3f} N")
     if status.resistance_ohm is not None:

@@ -7,15 +7,17 @@ Tests feed lists; `testbench record` feeds a serial port; `testbench run` feeds 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice
 from typing import NamedTuple
 
 from testbench.rig.sink import Sink
 from testbench.rig.stream import Event, Intake, Item, Row
+from testbench.rig.watchdog import Watchdog
 
 PROGRESS_S = 0.5
 RATE_WINDOW_US = 5_000_000
+DISK_STATES = ("disk full", "disk error")
 
 
 class Chunk(NamedTuple):
@@ -71,14 +73,17 @@ class Status:
     ----------
     time_s, duration_s : float
         Recording time so far; planned (infinite if open).
-    samples, lost, rejected : int
+    samples, lost, rejected, unwritten : int
+        `unwritten` rows were accepted, and the disk did not take them.
+    sync_failures : int
+        How often the disk said that it could not keep what it had taken.
     rate_hz : float
         Mean over the last seconds.
     force_N, resistance_ohm : float or None
     displacement_mm, strain : float
         The last accepted sample.
     state : str
-        ``recording``, then ``complete``, ``interrupted``, ``alarm``, ``disk full`` or ``port lost``.
+        ``recording``, then ``complete``, ``interrupted``, ``alarm``, ``disk full``, ``disk error`` or ``port lost``.
     message : str
         What a person should know now; empty if nothing.
     """
@@ -88,6 +93,8 @@ class Status:
     samples: int = 0
     lost: int = 0
     rejected: int = 0
+    unwritten: int = 0
+    sync_failures: int = 0
     rate_hz: float = 0.0
     force_N: float | None = None
     resistance_ohm: float | None = None
@@ -115,6 +122,8 @@ class Recorder:
         Called with the `Status` about twice a second of host time, and at the end.
     disk_patience_s : float
         How long a disk may stay full.
+    pause : callable, optional
+        Waits for so many seconds: at the end of a recording a full disk is waited for, too. None does not wait.
     """
 
     def __init__(
@@ -127,6 +136,7 @@ class Recorder:
         is_over: Callable[[Row], bool] = lambda row: False,
         report: Callable[[Status], None] = lambda status: None,
         disk_patience_s: float = 60.0,
+        pause: Callable[[float], None] | None = None,
     ) -> None:
         self.intake, self.sink, self.gauge_length_mm = intake, sink, gauge_length_mm
         self.limits = limits or Limits()
@@ -136,11 +146,13 @@ class Recorder:
         self._window: tuple[int, int] | None = None
         self._reported_s = float("-inf")
         self._full_since_s: float | None = None
+        self._pause, self._watchdog, self._port_lost = pause, Watchdog(), False
 
     def run(self, link: Iterable[Part], stopped: Callable[[], bool] = lambda: False) -> Status:
         """Record until a limit, the end of the link, a full disk that stays full, or `stopped`."""
         for part in link:
             self._disk(self.sink.write(self._items(part)), part.host_s)
+            self._look(part)
             if self.status.state == "recording" and stopped():
                 self.status.state = "interrupted"
             if self.status.state != "recording":
@@ -149,8 +161,23 @@ class Recorder:
                 self._progress(part.host_s)
         return self._ended()
 
+    def _look(self, part: Part) -> None:
+        """Let the watchdog look; it speaks where nothing graver is to be said."""
+        if isinstance(part, End):
+            return
+        if isinstance(part, Lost):
+            self._port_lost = True
+        if self._port_lost:
+            self._watchdog.away(part.host_s)
+            return
+        if found := self._watchdog.look(part.host_s, isinstance(part, Chunk), self.intake):
+            self.sink.write(found)
+        if self.status.state == "recording" and self._full_since_s is None:
+            self.status.message = self._watchdog.message
+
     def _items(self, part: Part) -> Iterator[Item]:
         if isinstance(part, Chunk):
+            self._port_lost = False
             for item in self.intake.feed(part.data, part.host_s):
                 if isinstance(item, Row) and (ending := self._ending(item)):
                     yield from ending
@@ -164,7 +191,7 @@ class Recorder:
 
     def _ending(self, row: Row) -> list[Item]:
         """What to write last if this row ends the recording; empty if it goes on."""
-        self._last, self.status.message = row, ""
+        self._last = row
         if alarm := self._alarm(row):
             self.status.state, self.status.message = "alarm", alarm
             return [row, Event("alarm", row.time_us, {"message": alarm})]
@@ -186,13 +213,23 @@ class Recorder:
         return ""
 
     def _disk(self, whole: bool, host_s: float) -> None:
+        if self.sink.sync_failures > self.status.sync_failures:
+            self.status.sync_failures = self.sink.sync_failures
+            self.sink.write([Event("sync failed", self.intake.time_us, {"times": self.status.sync_failures})])
         if whole:
             self._full_since_s = None
             return
         self._full_since_s = host_s if self._full_since_s is None else self._full_since_s
-        self.status.message = f"the disk is full: {self.sink.pending_bytes} bytes wait in memory; make room"
-        if host_s - self._full_since_s > self._disk_patience_s:
-            self.status.state = "disk full"
+        self.status.message = self._waiting()
+        if host_s - self._full_since_s > self._disk_patience_s and self.status.state == "recording":
+            self._disk_failed()
+
+    def _waiting(self) -> str:
+        what = "the disk is full" if self.sink.full else f"the disk takes no more ({self.sink.refusal})"
+        return f"{what}: {self.sink.pending_bytes} bytes wait in memory; make room"
+
+    def _disk_failed(self) -> None:
+        self.status.state = "disk full" if self.sink.full else "disk error"
 
     def _progress(self, host_s: float) -> None:
         self._reported_s = host_s
@@ -221,12 +258,46 @@ class Recorder:
 
     def _ended(self) -> Status:
         status = self._updated()
+        last = []
+        if not self._settled():
+            last = [self._gave_up()]
         details: dict[str, object] = {"state": status.state}
         if status.message:
             details["message"] = status.message
-        self.sink.write([Event("end", self.intake.time_us, details)])
+        self.sink.release_room()
+        self.sink.write([*last, Event("end", self.intake.time_us, details)])
         self._report(status)
         return status
+
+    def _settled(self) -> bool:
+        """Wait until the disk has taken everything, as long as its patience lasts; whether it has."""
+        waited_s = 0.0
+        while not self.sink.write([]):
+            if self._pause is None or waited_s >= self._disk_patience_s or self.status.state in DISK_STATES:
+                return False
+            self._report(replace(self._updated(), message=self._said(self._waiting())))
+            self._pause(PROGRESS_S)
+            waited_s += PROGRESS_S
+        return True
+
+    def _gave_up(self) -> Event:
+        """Count what the disk did not take, say so, and make room for the last events."""
+        status, why = self.status, self.sink.refusal
+        if status.state not in ("alarm", *DISK_STATES):
+            self._disk_failed()
+        status.unwritten = self.sink.unwritten_rows
+        lines = self.sink.unwritten_bad
+        status.message = self._said(
+            f"{'the disk is full' if self.sink.full else 'the disk failed'} ({why}): the last {status.unwritten} "
+            f"rows and {lines} rejected lines are not in the files"
+        )
+        self.sink.give_up()
+        return Event("unwritten", self.intake.time_us, {"rows": status.unwritten, "rejected": lines, "reason": why})
+
+    def _said(self, text: str) -> str:
+        """`text` after what is there to be said already, if that is an alarm or the end of a port."""
+        keep = self.status.state in ("alarm", "port lost") and self.status.message
+        return f"{self.status.message}; {text}" if keep else text
 
 
 def counts(intake: Intake) -> dict[str, object]:

@@ -2,22 +2,29 @@
 
 from __future__ import annotations
 
-import json
-import os
 import re
+from array import array
 from collections import Counter
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
+from gcode.support import disk
 from gcode.support.errors import UserError
-from testbench.recording import DISPLACEMENT
+from gcode.support.files import write_bytes
+from gcode.support.strict import check_plain, json_of, validated
+from testbench.recording import DISPLACEMENT, TIME, UNITS
 from testbench.rig.ending import EndOfMotion
-from testbench.rig.sink import BAD, CSV, EVENTS
-from testbench.rig.stream import Anchor, Intake
-from testbench.rig.wire import MICROS_WRAP
+from testbench.rig.sink import BAD, CSV, EVENTS, bad_line
+from testbench.rig.stream import Anchor, Bad, Intake
+from testbench.rig.wire import MICROS_WRAP, SEQUENCE_WRAP
+from testbench.stored import StoredEvent
 
-_ROW = re.compile(rb"\d+\.\d{6}(,-?\d+\.\d+)+")
+MOST_LINE = 8192
+MOST_BYTES = 4 << 30
+DAMAGED = "damaged on disk"
+UNKNOWN_BOOT = -1
+_CELL = re.compile(rb"-?\d{1,15}\.\d{1,6}")
 
 
 @dataclass
@@ -29,122 +36,225 @@ class Left:
     channels : tuple of str or None
         From the header; None if not even that was written.
     rows : int
-    last_time_us : int or None
-        Of the last whole row.
     idle_s : float
         Wall-clock time since the recording was last written.
-    events : list of dict
+    events : list of StoredEvent
     bad : Counter
         Rejected lines by reason.
-    displacements_nm : list of (time_us, displacement_nm)
+    times_us, displacements_nm : array of int
         Of every row: to find the first movement again, and how many rows came since an event.
     """
 
-    channels: tuple[str, ...] | None
-    rows: int
-    last_time_us: int | None
-    idle_s: float
-    events: list[dict[str, Any]]
-    bad: Counter[str]
-    displacements_nm: list[tuple[int, int]]
+    channels: tuple[str, ...] | None = None
+    idle_s: float = 0.0
+    events: list[StoredEvent] = field(default_factory=list)
+    bad: Counter[str] = field(default_factory=Counter)
+    times_us: array[int] = field(default_factory=lambda: array("q"))
+    displacements_nm: array[int] = field(default_factory=lambda: array("q"))
+
+    @property
+    def rows(self) -> int:
+        """How many whole rows there are."""
+        return len(self.times_us)
+
+    @property
+    def last_time_us(self) -> int | None:
+        """Of the last whole row."""
+        return self.times_us[-1] if self.times_us else None
 
 
 def mend(folder: Path, wall_s: float) -> Left:
-    """Cut unfinished tails off the files in `folder` and read where they end.
+    """Cut unfinished tails off the files in `folder`, take out what a power cut damaged, and read where they end.
 
     Parameters
     ----------
     folder : Path
     wall_s : float
         Now, in the clock of file times.
+
+    Raises
+    ------
+    UserError
+        If a file is a link or a pipe, or is none that a recorder writes.
     """
-    idle_s = max(0.0, wall_s - (folder / CSV).stat().st_mtime) if (folder / CSV).exists() else 0.0
-    lines = _whole_lines(folder / CSV)
-    rows = lines[1:]
-    while rows and not _ROW.fullmatch(rows[-1]):
-        rows.pop()  # a power cut may leave blocks of zeros
-    _cut(folder / CSV, lines[:1] + rows)
-    bad = _cut(folder / BAD, _whole_lines(folder / BAD))
-    names = tuple(lines[0].decode().split(",")[1:]) if lines else None
-    column = names.index(DISPLACEMENT) + 1 if names else 0
-    cells = [row.split(b",") for row in rows]
-    last_time_us = _fixed(cells[-1][0]) if cells else None
-    return Left(
-        names,
-        len(rows),
-        last_time_us,
-        idle_s,
-        _mended_events(folder / EVENTS, -1 if last_time_us is None else last_time_us),
-        Counter(line.partition(b"\t")[0].decode("latin-1") for line in bad),
-        [(_fixed(row[0]), _fixed(row[column])) for row in cells],
-    )
+    left = Left()
+    for name in (CSV, EVENTS, BAD):
+        if (folder / name).exists() or (folder / name).is_symlink():
+            # Opened as the recorder will: a link or a second name is refused before anything is cut.
+            disk.DISK.close(disk.open_growing(folder / name))
+            check_plain(folder / name, "recording", MOST_BYTES)
+    events = [(_event(folder / EVENTS, line), line) for line, _ in _lines(folder / EVENTS)]
+    if (folder / CSV).exists():
+        left.idle_s = max(0.0, wall_s - (folder / CSV).stat().st_mtime)
+        start = next((event.channels for event, _ in events if event and event.channels), None)
+        damaged = _read_rows(folder / CSV, left, start)
+        if damaged:
+            _set_aside(folder, left, damaged)
+    left.bad = _reasons(folder / BAD)
+    left.events = _kept_events(folder / EVENTS, events, -1 if left.last_time_us is None else left.last_time_us)
+    return left
 
 
 def continued(left: Left, now_s: float) -> Intake:
     """An intake that goes on where the files end."""
     intake = Intake(channels=left.channels, accepted=left.rows, bad=left.bad)
     late = left.bad["out of order"]
-    intake.lost = max(0, sum(int(event.get("lost") or 0) for event in left.events) - late)
-    stamps = [event for event in left.events if "micros" in event]
+    intake.lost = max(0, sum(event.lost or 0 for event in left.events) - late)
+    stamps = [event for event in left.events if event.micros is not None]
     if left.last_time_us is not None and stamps:
         stamp = stamps[-1]
-        stamp_us = _time_us(stamp)
-        micros = (stamp["micros"] + left.last_time_us - stamp_us) % MICROS_WRAP
+        if stamp.boot is None or stamp.sequence is None:
+            raise UserError(f"{EVENTS}: its last stamp of the device's clock is not whole; start a new recording")
+        stamp_us = round(stamp.time_s * 1e6)
+        micros = ((stamp.micros or 0) + left.last_time_us - stamp_us) % MICROS_WRAP
         # Every loss leaves an event, so the rows since the last one have no number missing.
-        since = sum(time_us > stamp_us for time_us, _ in left.displacements_nm)
-        anchor = Anchor(int(stamp["boot"], 16), micros, left.last_time_us, now_s - left.idle_s)
-        intake.continue_from(anchor, stamp["sequence"] + since)
+        since = sum(time_us > stamp_us for time_us in left.times_us)
+        anchor = Anchor(int(stamp.boot, 16), micros, left.last_time_us, now_s - left.idle_s)
+        intake.continue_from(anchor, (stamp.sequence + since) % SEQUENCE_WRAP)
     elif left.last_time_us is not None:
-        raise UserError(f"{EVENTS} does not say which device clock {CSV} was recorded by; start a new recording")
+        # A power cut took the event with the device's clock: what comes is as after a reboot, timed by the host.
+        intake.continue_from(Anchor(UNKNOWN_BOOT, 0, left.last_time_us, now_s - left.idle_s), 0)
     return intake
 
 
 def watched(ending: EndOfMotion, left: Left) -> EndOfMotion:
     """The end of the motion, having seen what was recorded."""
-    for time_us, displacement_nm in left.displacements_nm:
+    for time_us, displacement_nm in zip(left.times_us, left.displacements_nm, strict=True):
         ending.watch(time_us, displacement_nm)
         if not ending.waiting:
             break
     return ending
 
 
-def _whole_lines(path: Path) -> list[bytes]:
+def _lines(path: Path) -> Iterator[tuple[bytes, int]]:
+    """The whole lines of a file without their line feeds, and where each ends; a damaged one may be cut in pieces."""
+    if not path.exists():
+        return
+    end = 0
+    with path.open("rb") as stream:
+        while line := stream.readline(MOST_LINE):
+            if not line.endswith(b"\n") and len(line) < MOST_LINE:
+                return  # the tail that nobody finished
+            end += len(line)
+            yield line.rstrip(b"\n"), end
+
+
+def _read_rows(path: Path, left: Left, start: list[str] | None) -> list[bytes]:
+    """Read the rows into `left` and cut what follows the last good one; returns damaged lines among the good ones.
+
+    A header that a power cut took is taken from `start`, the channels that the first event names.
+    """
+    damaged: list[bytes] = []
+    pending: list[bytes] = []
+    end = 0
+    for number, (line, after) in enumerate(_lines(path)):
+        if number == 0:
+            left.channels = _channels(path, line, start)
+            damaged, end = ([line], 0) if b"\0" in line else ([], after)
+            continue
+        cells = _cells(line, left.channels)
+        if cells is None or (left.times_us and cells[0] <= left.times_us[-1]):
+            pending.append(line)  # a power cut may leave blocks of zeros: at the end, or before what came later
+            continue
+        left.times_us.append(cells[0])
+        left.displacements_nm.append(cells[1])
+        if pending:
+            damaged, pending = damaged + pending, []
+        end = after
+    if left.channels is None:
+        damaged += pending
+    _cut(path, end)
+    return damaged
+
+
+def _channels(path: Path, header: bytes, start: list[str] | None) -> tuple[str, ...] | None:
+    names = [TIME, *(start or [])] if b"\0" in header else header.decode("latin-1").split(",")
+    if names == [TIME]:
+        return None  # torn, and no event says what it was
+    known = names[:1] == [TIME] and DISPLACEMENT in names and len(set(names)) == len(names)
+    if not known or set(names) - set(UNITS):
+        raise UserError(f"{path}: its header is none that a recorder writes; start a new recording in another folder")
+    return tuple(names[1:])
+
+
+def _cells(line: bytes, channels: tuple[str, ...] | None) -> tuple[int, int] | None:
+    """Time and displacement of a row in whole millionths; None if it is not a whole row."""
+    cells = line.split(b",")
+    if channels is None or len(cells) != len(channels) + 1 or not all(_CELL.fullmatch(cell) for cell in cells):
+        return None
+    return _fixed(cells[0]), _fixed(cells[channels.index(DISPLACEMENT) + 1])
+
+
+def _set_aside(folder: Path, left: Left, damaged: list[bytes]) -> None:
+    """Move lines that are no rows out of the recording, into the file of rejected lines."""
+    gone = Counter(damaged)
+    good = [",".join((TIME, *left.channels)).encode() + b"\n"] if left.channels else []
+    for number, (line, _) in enumerate(_lines(folder / CSV)):
+        if gone[line]:
+            gone[line] -= 1
+        elif number and left.channels:
+            good.append(line + b"\n")
+    _append(folder / BAD, (bad_line(Bad(DAMAGED, line)).encode() for line in damaged if line.strip(b"\0")))
+    write_bytes(folder / CSV, b"".join(good))
+
+
+def _append(path: Path, lines: Iterable[bytes]) -> None:
+    handle = disk.open_growing(path)
+    try:
+        disk.write_all(handle, b"".join(lines))
+        disk.DISK.sync(handle)
+    finally:
+        disk.DISK.close(handle)
+
+
+def _cut(path: Path, size: int) -> None:
+    if path.stat().st_size == size:
+        return
+    handle = disk.open_growing(path)
+    try:
+        disk.DISK.truncate(handle, size)
+        disk.DISK.sync(handle)
+    finally:
+        disk.DISK.close(handle)
+
+
+def _reasons(path: Path) -> Counter[str]:
+    """How many lines were rejected for each reason; an unfinished tail is cut."""
+    reasons: Counter[str] = Counter()
+    end = 0
+    for line, after in _lines(path):
+        reason = line.partition(b"\t")[0].decode("latin-1")
+        reasons[reason if reason.isprintable() and len(reason) <= 40 else DAMAGED] += 1
+        end = after
+    if path.exists():
+        _cut(path, end)
+    return reasons
+
+
+def _kept_events(path: Path, found: list[tuple[StoredEvent | None, bytes]], last_time_us: int) -> list[StoredEvent]:
+    """Events up to the last row; those of a row that was not written yet will come again with that row."""
     if not path.exists():
         return []
-    return path.read_bytes().split(b"\n")[:-1]
+    kept = [(event, line) for event, line in found if event and round(event.time_s * 1e6) <= last_time_us]
+    text = b"".join(line + b"\n" for _, line in kept)
+    if text != path.read_bytes():
+        write_bytes(path, text)
+    return [event for event, _ in kept]
 
 
-def _cut(path: Path, lines: list[bytes]) -> list[bytes]:
-    if path.exists():
-        size = sum(len(line) + 1 for line in lines)
-        if path.stat().st_size != size:
-            os.truncate(path, size)
-    return lines
-
-
-def _mended_events(path: Path, last_time_us: int) -> list[dict[str, Any]]:
-    """Events up to the last row; those of a row that was not written yet will come again with that row."""
-    lines = _whole_lines(path)
-    events = [_event(path, line) for line in lines]
-    while events and _time_us(events[-1]) > last_time_us:
-        events.pop()
-    _cut(path, lines[: len(events)])
-    return events
-
-
-def _time_us(event: dict[str, Any]) -> int:
-    return round(event["time_s"] * 1e6)
-
-
-def _event(path: Path, line: bytes) -> dict[str, Any]:
+def _event(path: Path, line: bytes) -> StoredEvent | None:
+    """One event; None for what a power cut left in its place."""
+    if b"\0" in line:
+        return None
+    text = line.decode("utf-8", "replace")
     try:
-        return json.loads(line)
-    except ValueError:
-        raise UserError(f"{path}: holds a line that is no event: {line[:60]!r}; start a new recording") from None
+        return validated(json_of(text, "event", path), StoredEvent, path, "event")
+    except UserError:
+        raise UserError(f"{path}: holds a line that is no event: {text[:60]!r}; start a new recording") from None
 
 
 def _fixed(text: bytes) -> int:
     """Six decimals as a whole number of millionths, exactly."""
     sign = -1 if text.startswith(b"-") else 1
     whole, _, fraction = text.lstrip(b"-").partition(b".")
-    return sign * (int(whole) * 1_000_000 + int(fraction.ljust(6, b"0")[:6]))
+    return sign * (int(whole) * 1_000_000 + int(fraction.ljust(6, b"0")))

@@ -18,6 +18,13 @@ READ_TIMEOUT_S = 0.1
 FIRST_WAIT_S, LONGEST_WAIT_S = 0.05, 1.0
 
 
+def host_clock_s() -> float:
+    """Seconds that never jump and go on while the computer sleeps, as the device's do."""
+    if hasattr(time, "CLOCK_BOOTTIME"):
+        return time.clock_gettime(time.CLOCK_BOOTTIME)
+    return time.monotonic()
+
+
 def open_port(url: str, baud: int):
     """Open a port for this process alone, without resetting the board.
 
@@ -62,7 +69,7 @@ class SerialLink:
         url: str,
         baud: int = 115200,
         give_up_s: float = 60.0,
-        clock: Callable[[], float] = time.monotonic,
+        clock: Callable[[], float] = host_clock_s,
     ) -> None:
         self._url, self._baud, self._give_up_s, self._clock = url, baud, give_up_s, clock
         self._parts: queue.SimpleQueue[Part] = queue.SimpleQueue()

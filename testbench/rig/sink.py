@@ -3,6 +3,7 @@
 ``recording.csv`` grows by whole lines; ``recording.bad`` keeps every rejected line with its reason;
 ``events.jsonl`` says what happened: start, gap, reboot, disconnect, resume, alarm. Each batch goes to the operating
 system at once, so a killed recorder loses at most the batch in its hands; `Syncer` takes it to the disk every second.
+A disk that takes no more is waited for; room for the last events and the manifest is held from the start (``.room``).
 """
 
 from __future__ import annotations
@@ -12,15 +13,20 @@ import errno
 import fcntl
 import json
 import os
+import secrets
 import threading
 from collections.abc import Iterable
 from pathlib import Path
 
+from gcode.support import disk
 from gcode.support.errors import UserError
 from testbench.recording import TIME
 from testbench.rig.stream import Bad, Event, Item, Row, channels_of
 
 CSV, BAD, EVENTS = "recording.csv", "recording.bad", "events.jsonl"
+STAMPS = ("start", "reboot", "clock jump", "renumbered", "resume")
+ROOM = ".room"
+ROOM_BYTES = 256 << 10
 TAIL_BYTES = 4096
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
@@ -63,62 +69,106 @@ def bad_line(bad: Bad) -> str:
 
 
 class Appender:
-    """Appends text to one file; on a full disk it keeps the text and tries again with the next write.
+    """Appends text to one file; what the disk refuses it keeps, and tries again with the next write.
 
     Attributes
     ----------
     pending : bytes
         What the disk has not taken yet.
+    refusal : OSError or None
+        Why it did not.
+    sync_failures : int
+        How often the disk said that it could not keep what it had taken.
     """
 
     def __init__(self, path: Path) -> None:
         self.path = path
         self.pending = b""
-        self._handle = os.open(path, os.O_RDWR | os.O_APPEND | os.O_CREAT, 0o644)
+        self.refusal: OSError | None = None
+        self.sync_failures = 0
+        self._handle: int | None = None
+
+    def open(self) -> int:
+        """The open file, made if it is not there."""
+        if self._handle is None:
+            self._handle = disk.open_growing(self.path)
+            disk.sync_quietly(self.path.parent)
+        return self._handle
 
     def write(self, text: str) -> bool:
         """Append; whether everything is written."""
         self.pending += text.encode()
-        while self.pending:
-            try:
-                written = self.take(self.pending)
-            except OSError as error:
-                if error.errno in FULL:
-                    return False
-                raise
-            self.pending = self.pending[written:]
+        try:
+            while self.pending:
+                self.open()
+                self.pending = self.pending[self.take(self.pending) :]
+        except OSError as error:
+            self.refusal = error
+            return False
+        self.refusal = None
         return True
+
+    def hold(self, text: str) -> None:
+        """Keep for the next write."""
+        self.pending += text.encode()
 
     def lock(self) -> None:
         """Refuse a second recorder on this file; the lock ends with this process, however it ends."""
         try:
-            fcntl.flock(self._handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            fcntl.flock(self.open(), fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
-            os.close(self._handle)
+            self._shut()
             raise UserError(f"{self.path}: another recorder is writing this file; choose another with -o") from None
 
     def sync(self) -> None:
         """Have the disk keep what was written."""
-        with contextlib.suppress(OSError):
-            os.fsync(self._handle)
+        if self._handle is None:
+            return
+        try:
+            disk.DISK.sync(self._handle)
+        except OSError:
+            self.sync_failures += 1
 
     def take(self, data: bytes) -> int:
         """Give `data` to the operating system; how many bytes it took."""
-        return os.write(self._handle, data)
+        return disk.DISK.write(self.open(), data)
 
     @property
     def empty(self) -> bool:
         """Whether the file holds nothing."""
-        return os.fstat(self._handle).st_size == 0
+        return os.fstat(self.open()).st_size == 0
 
-    def close(self) -> None:
-        """Write what is pending, sync and close. What the disk does not take is gone, but leaves no half line."""
-        if not self.write(""):
+    def drop(self) -> bool:
+        """Forget what is pending and cut the line that it left half written; whether that could be done."""
+        self.pending, self.refusal = b"", None
+        if self._handle is None:
+            return True
+        try:
             size = os.fstat(self._handle).st_size
             tail = os.pread(self._handle, TAIL_BYTES, max(0, size - TAIL_BYTES))
-            os.ftruncate(self._handle, size - (len(tail) - tail.rfind(b"\n") - 1))
+            disk.DISK.truncate(self._handle, size - (len(tail) - tail.rfind(b"\n") - 1))
+        except OSError as error:
+            self.refusal = error
+        return self.refusal is None
+
+    def close(self) -> bool:
+        """Write what is pending, sync and close. What the disk does not take is gone, but leaves no half line.
+
+        Returns
+        -------
+        bool
+            Whether the file ends with a whole line.
+        """
+        whole = self.write("") or self.drop()
         self.sync()
-        os.close(self._handle)
+        self._shut()
+        return whole
+
+    def _shut(self) -> None:
+        if self._handle is not None:
+            with contextlib.suppress(OSError):
+                disk.DISK.close(self._handle)
+            self._handle = None
 
 
 class Syncer(threading.Thread):
@@ -145,21 +195,31 @@ class Sink:
     ----------
     folder : Path
         Exists. Files that are there are continued.
+    room_bytes : int
+        Room to hold on the disk for the last events and the manifest; 0 holds none.
+
+    Raises
+    ------
+    UserError
+        If another recorder writes here, a file is a link, or there is not even room for what is held.
     """
 
-    def __init__(self, folder: Path) -> None:
-        self._csv = Appender(folder / CSV)
+    def __init__(self, folder: Path, room_bytes: int = 0) -> None:
+        self._folder = folder
+        self._csv, self._bad, self._events = (Appender(folder / name) for name in (CSV, BAD, EVENTS))
+        self._room = folder / ROOM
         self._csv.lock()
-        self._bad: Appender | None = None
-        self._events = Appender(folder / EVENTS)
-        self._bad_path = folder / BAD
-        self._headed: bool | None = None
+        try:
+            self._events.open()
+            self._hold_room(room_bytes)
+            self._headed = not self._csv.empty
+        except BaseException:
+            self.close()
+            raise
 
     def write(self, items: Iterable[Item]) -> bool:
-        """Append a batch; False when the disk is full (nothing is forgotten: call again)."""
-        rows, bad, events = [], [], []
-        if self._headed is None:
-            self._headed = not self._csv.empty
+        """Append a batch; False when the disk does not take it all (nothing is forgotten: call again)."""
+        rows, bad, events, stamped = [], [], [], False
         for item in items:
             if isinstance(item, Row):
                 if not self._headed:
@@ -170,14 +230,27 @@ class Sink:
                 bad.append(bad_line(item))
             else:
                 events.append(event_line(item))
+                stamped = stamped or item.kind in STAMPS
+        whole = self._bad.write("".join(bad))
         # Events first: a row without its gap record would be worse than a gap record without its row.
-        whole = self._events.write("".join(events)) if events or self._events.pending else True
-        whole &= self._csv.write("".join(rows))
-        if bad and self._bad is None:
-            self._bad = Appender(self._bad_path)
-        if self._bad is not None:
-            whole &= self._bad.write("".join(bad))
-        return whole
+        if self._events.write("".join(events)):
+            if stamped:
+                # The device's clock stands in these alone: rows that no event explains cannot be continued.
+                self._events.sync()
+            return self._csv.write("".join(rows)) and whole
+        self._csv.hold("".join(rows))
+        return False
+
+    @property
+    def refusal(self) -> str:
+        """Why the disk does not take what is written, in the system's words; empty if it does."""
+        errors = [part.refusal for part in self._parts() if part.refusal]
+        return errors[0].strerror or str(errors[0]) if errors else ""
+
+    @property
+    def full(self) -> bool:
+        """Whether that is for want of room."""
+        return any(part.refusal is not None and part.refusal.errno in FULL for part in self._parts())
 
     @property
     def pending_bytes(self) -> int:
@@ -186,18 +259,58 @@ class Sink:
 
     @property
     def unwritten_rows(self) -> int:
-        """Rows that the disk has not taken."""
-        return self._csv.pending.count(b"\n")
+        """Rows that the disk has not taken; one that it took in part is one of them."""
+        return self._csv.pending.count(b"\n") - self._csv.pending.startswith(TIME.encode())
+
+    @property
+    def unwritten_bad(self) -> int:
+        """Rejected lines that the disk has not taken."""
+        return self._bad.pending.count(b"\n")
+
+    @property
+    def sync_failures(self) -> int:
+        """How often the disk said that it could not keep what it had taken."""
+        return sum(part.sync_failures for part in self._parts())
+
+    def give_up(self) -> None:
+        """Forget the rows and rejected lines that the disk does not take, so that the last events have room."""
+        self._csv.drop()
+        self._bad.drop()
+        self.release_room()
+
+    def release_room(self) -> None:
+        """Give back the room that was held."""
+        with contextlib.suppress(OSError):
+            disk.DISK.remove(self._room)
 
     def sync(self) -> None:
         """Have the disk keep everything written so far."""
         for part in self._parts():
             part.sync()
 
-    def close(self) -> None:
-        """Write what is pending (as far as the disk takes it), sync and close."""
-        for part in self._parts():
-            part.close()
+    def close(self) -> bool:
+        """Write what is pending (as far as the disk takes it), sync and close; whether every file is whole."""
+        self.release_room()
+        whole = [part.close() for part in self._parts()]
+        return all(whole)
 
-    def _parts(self) -> list[Appender]:
-        return [part for part in (self._csv, self._bad, self._events) if part is not None]
+    def _hold_room(self, size: int) -> None:
+        if not size:
+            return
+        with contextlib.suppress(FileNotFoundError):
+            disk.DISK.remove(self._room)
+        try:
+            handle = disk.DISK.create(self._room)
+            try:
+                # Random: a file system that packs its files would hold no room for zeros.
+                disk.write_all(handle, secrets.token_bytes(size))
+                disk.DISK.sync(handle)
+            finally:
+                disk.DISK.close(handle)
+        except OSError as error:
+            if error.errno == errno.EFBIG:
+                return  # a limit on single files, not on the disk: what was taken is held
+            raise UserError(f"{self._folder}: cannot record here: {error.strerror}; make room, or use -o") from None
+
+    def _parts(self) -> tuple[Appender, Appender, Appender]:
+        return self._events, self._bad, self._csv

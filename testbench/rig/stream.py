@@ -8,12 +8,16 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from testbench.recording import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE
-from testbench.rig.wire import MICROS_WRAP, BadLine, LineBuffer, Sample, decode, rescue
+from testbench.rig.wire import MICROS_WRAP, SEQUENCE_WRAP, BadLine, LineBuffer, Sample, decode, rescue
 
 GAP_US = 1_000_000
 REMEMBERED_LOSSES = 10_000
-# Within a minute on the host no device lives through half a wrap (36 min), unless its clock ran backwards.
-BACKWARDS_US, BACKWARDS_HOST_S = MICROS_WRAP // 2, 60.0
+HALF_WRAP_US = MICROS_WRAP // 2
+# By how much the device's clock may be ahead of the host's since the last sample: a sample does not come before it is
+# taken. After a resume the host's clock is that of file times, which another machine may have set.
+AHEAD_US, AHEAD_SHARE, AHEAD_RESUMED_US = 5_000_000, 0.1, 600_000_000
+RENUMBERED_LINES = 8
+MOST_LINES_PER_US = 1
 
 
 class Row(NamedTuple):
@@ -31,7 +35,9 @@ class Bad(NamedTuple):
 
 
 class Event(NamedTuple):
-    """To be remembered: ``start``, ``loss``, ``gap``, ``reboot``, ``disconnect``, ``resume``, ``alarm``, ``end``.
+    """To be remembered: ``start``, ``loss``, ``gap``, ``reboot``, ``clock jump``, ``renumbered``, ``disconnect``,
+    ``resume``, ``silent``, ``mostly rejected``, ``clock disagrees``, ``sync failed``, ``unwritten``,
+    ``alarm``, ``end``.
 
     A ``gap`` is a silence of more than 1 s, or of any length after a disconnect; a ``loss`` is a shorter one.
     """
@@ -63,6 +69,7 @@ class Anchor:
     micros: int
     time_us: int
     host_s: float
+    epoch: int = 0  # counts the times that the device's clock was lost
 
 
 @dataclass
@@ -79,6 +86,8 @@ class Intake:
         Lines accepted; lines that the sequence numbers prove were sent and never came.
     bad : Counter
         Rejected lines by reason.
+    host_clock : bool
+        Whether host times mean anything; not where a simulated rig delivers at once.
     """
 
     channels: tuple[str, ...] | None = None
@@ -86,16 +95,20 @@ class Intake:
     accepted: int = 0
     lost: int = 0
     bad: Counter[str] = field(default_factory=Counter)
+    host_clock: bool = True
     _sequence: int | None = None
     _missing: dict[int, None] = field(default_factory=dict)
     _old_boots: set[int] = field(default_factory=set)
     _buffer: LineBuffer = field(default_factory=LineBuffer)
     _fresh: bool = True
     _away: bool = False
+    _resumed: bool = False
+    _suspect: tuple[Sample, float] | None = None
+    _run: tuple[int, int] = (0, 0)  # the last number of a run of lines with old numbers, and its length
 
     def continue_from(self, anchor: Anchor, sequence: int) -> None:
         """Go on after a sample that an earlier recorder accepted; what came between is a gap."""
-        self.anchor, self._sequence, self._away = anchor, sequence, True
+        self.anchor, self._sequence, self._away, self._resumed = anchor, sequence, True, True
 
     def feed(self, data: bytes, host_s: float) -> Iterator[Item]:
         """Rows, rejected lines and events in `data`, which came at `host_s` (monotonic seconds)."""
@@ -140,22 +153,46 @@ class Intake:
         if self.anchor is None:
             self.channels = channels
             time_us = 0
-            yield Event("start", 0, _device(sample))
+            yield Event("start", 0, {**_device(sample), "channels": list(channels)})
         elif sample.boot != self.anchor.boot:
             yield self._reboot(sample, host_s, self.anchor)
             time_us = self.time_us
         else:
-            self._check_sequence(sample.sequence)
-            time_us = self.anchor.time_us + self._elapsed_us(sample, host_s, self.anchor)
-            lost = self._count_losses(sample.sequence)
-            silent, self._away = self._away or time_us - self.anchor.time_us > GAP_US, False
-            if silent or lost:
-                details = {"from_us": self.anchor.time_us, "lost": lost, **_device(sample)}
-                yield Event("gap" if silent else "loss", time_us, details)
+            time_us, events = self._next(sample, host_s, self.anchor)
+            yield from events
         self._sequence = sample.sequence
-        self.anchor = Anchor(sample.boot, sample.micros, time_us, host_s)
+        epoch = self.anchor.epoch if self.anchor else 0
+        self.anchor = Anchor(sample.boot, sample.micros, time_us, host_s, epoch)
+        self._suspect, self._run, self._resumed = None, (0, 0), False
         self.accepted += 1
         yield Row(time_us, sample)
+
+    def _next(self, sample: Sample, host_s: float, anchor: Anchor) -> tuple[int, list[Event]]:
+        """The time of a sample of the boot that is known, and what is to be remembered with it.
+
+        Raises
+        ------
+        BadLine
+            If it is late, doubled, or its clock or its number lies.
+        """
+        elapsed_us = self._elapsed_us(sample, host_s, anchor)
+        renumbered = self._check_sequence(sample.sequence, elapsed_us)
+        jumped = elapsed_us is not None and self._is_ahead(elapsed_us, host_s, anchor)
+        if elapsed_us is None or jumped:
+            time_us = self._after_a_jump(sample, host_s, anchor)
+            details = {"from_us": anchor.time_us, "host_s": round(host_s - anchor.host_s, 3), **_device(sample)}
+            anchor.epoch += 1
+            return time_us, [Event("clock jump", time_us, {**details, "lost": self._count_losses(sample.sequence)})]
+        time_us = anchor.time_us + elapsed_us
+        if renumbered:
+            self._missing.clear()
+            return time_us, [Event("renumbered", time_us, {"from_us": anchor.time_us, **_device(sample)})]
+        lost = self._count_losses(sample.sequence)
+        silent, self._away = self._away or elapsed_us > GAP_US, False
+        if not (silent or lost):
+            return time_us, []
+        details = {"from_us": anchor.time_us, "lost": lost, **_device(sample)}
+        return time_us, [Event("gap" if silent else "loss", time_us, details)]
 
     def _reboot(self, sample: Sample, host_s: float, anchor: Anchor) -> Event:
         if sample.boot in self._old_boots:
@@ -164,36 +201,75 @@ class Intake:
         self._missing.clear()
         # The device lost its clock: only the host knows how long it was away.
         time_us = anchor.time_us + max(1, round((host_s - anchor.host_s) * 1e6))
-        self.anchor = Anchor(sample.boot, sample.micros, time_us, host_s)
+        self.anchor = Anchor(sample.boot, sample.micros, time_us, host_s, anchor.epoch + 1)
         return Event("reboot", time_us, {"from_us": anchor.time_us, **_device(sample)})
 
-    def _check_sequence(self, sequence: int) -> None:
-        if self._sequence is None or sequence > self._sequence:
-            return
+    def _check_sequence(self, sequence: int, elapsed_us: int | None) -> bool:
+        """Whether the device has begun to count anew; a late or doubled line is refused.
+
+        A late line carries an old time, too. Old numbers whose time runs forward, line after line, are those of a
+        device that lost its count: they must not be rejected for ever.
+        """
+        if self._sequence is None:
+            return False
+        step = (sequence - self._sequence) % SEQUENCE_WRAP
+        most = GAP_US if elapsed_us is None else max(GAP_US, elapsed_us * MOST_LINES_PER_US)
+        if 0 < step <= min(most, SEQUENCE_WRAP // 2):
+            return False
         if sequence in self._missing:
             del self._missing[sequence]
             self.lost -= 1
             raise BadLine("out of order")
-        raise BadLine("repeated")
+        before, length = self._run
+        follows = elapsed_us is not None and sequence == (before + 1) % SEQUENCE_WRAP
+        self._run = (sequence, length + 1 if follows else 0)
+        if self._run[1] < RENUMBERED_LINES:
+            raise BadLine("repeated" if step == 0 or step > SEQUENCE_WRAP // 2 else "number jumps")
+        return True
 
-    def _elapsed_us(self, sample: Sample, host_s: float, anchor: Anchor) -> int:
+    def _elapsed_us(self, sample: Sample, host_s: float, anchor: Anchor) -> int | None:
+        """Device time since the last sample; None if the clock stands still or ran backwards."""
         elapsed = (sample.micros - anchor.micros) % MICROS_WRAP
-        host_us = (host_s - anchor.host_s) * 1e6
-        if elapsed == 0 and host_us < BACKWARDS_US:
-            raise BadLine("time stands still")
-        if elapsed > BACKWARDS_US and host_us < BACKWARDS_HOST_S * 1e6:
-            raise BadLine("time runs backwards")
+        host_us = max(0.0, (host_s - anchor.host_s) * 1e6)
+        if (elapsed == 0 or elapsed > HALF_WRAP_US) and host_us < HALF_WRAP_US / 2:
+            return None
         # After a long silence the host's clock says how often the device's wrapped meanwhile.
         wraps = max(0, round((host_us - elapsed) / MICROS_WRAP))
-        return elapsed + wraps * MICROS_WRAP
+        return elapsed + wraps * MICROS_WRAP or None
+
+    def _is_ahead(self, elapsed_us: int, host_s: float, anchor: Anchor) -> bool:
+        """Whether more time has passed on the device than can have passed."""
+        host_us = max(0.0, (host_s - anchor.host_s) * 1e6)
+        allowed_us = AHEAD_US + AHEAD_SHARE * host_us + (AHEAD_RESUMED_US if self._resumed else 0)
+        return self.host_clock and elapsed_us > host_us + allowed_us
+
+    def _after_a_jump(self, sample: Sample, host_s: float, anchor: Anchor) -> int:
+        """The time of a sample whose clock jumped, by the host's; only if the sample before it says the same.
+
+        Raises
+        ------
+        BadLine
+            If it is the first one: a single wrong stamp is no jump.
+        """
+        elapsed = (sample.micros - anchor.micros) % MICROS_WRAP
+        suspect, self._suspect = self._suspect, (sample, host_s)
+        if suspect is not None and elapsed and self.host_clock:
+            before, before_s = suspect
+            step_us = (sample.micros - before.micros) % MICROS_WRAP
+            allowed_us = (1 + AHEAD_SHARE) * max(0.0, (host_s - before_s) * 1e6) + AHEAD_US
+            if 0 < step_us <= allowed_us and 0 < (sample.sequence - before.sequence) % SEQUENCE_WRAP < GAP_US:
+                return anchor.time_us + max(1, round((host_s - anchor.host_s) * 1e6))
+        if not elapsed:
+            raise BadLine("time stands still")
+        raise BadLine("time runs backwards" if elapsed > HALF_WRAP_US else "clock jump")
 
     def _count_losses(self, sequence: int) -> int:
         if self._sequence is None:
             return 0
-        lost = sequence - self._sequence - 1
+        lost = (sequence - self._sequence) % SEQUENCE_WRAP - 1
         self.lost += lost
-        for number in range(max(self._sequence + 1, sequence - REMEMBERED_LOSSES), sequence):
-            self._missing[number] = None
+        for behind in range(min(lost, REMEMBERED_LOSSES), 0, -1):
+            self._missing[(sequence - behind) % SEQUENCE_WRAP] = None
         while len(self._missing) > REMEMBERED_LOSSES:
             del self._missing[next(iter(self._missing))]
         return lost

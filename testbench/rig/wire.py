@@ -15,6 +15,7 @@ from typing import NamedTuple
 
 MAX_LINE_BYTES = 256
 MICROS_WRAP = 1 << 32
+SEQUENCE_WRAP = 1 << 32
 
 _LINE = re.compile(
     rb"\$(K1,([0-9a-f]{8}),(\d{1,10}),(\d{1,10}),(-?\d{1,10})?,(\d{1,15})?,(-?\d{1,10})(?:,(-?\d{1,7}))?)\*([0-9a-f]{8})"
@@ -29,7 +30,7 @@ class Sample(NamedTuple):
     boot : int
         Random number drawn at every boot (32 bit): tells a reboot from a wrap of `micros`.
     sequence : int
-        Counts lines from 0 since boot.
+        Counts lines from 0 since boot, modulo 2^32.
     micros : int
         Device microseconds, modulo 2^32 (wraps after 71.6 min).
     force_uN, resistance_mohm, displacement_nm, temperature_mC : int or None
@@ -76,9 +77,12 @@ def decode(line: bytes) -> Sample:
     micros_number = int(micros)
     if micros_number >= MICROS_WRAP:
         raise BadLine("micros out of range")
+    number = int(sequence)
+    if number >= SEQUENCE_WRAP:
+        raise BadLine("sequence out of range")
     return Sample(
         int(boot, 16),
-        int(sequence),
+        number,
         micros_number,
         None if force is None else int(force),
         None if resistance is None else int(resistance),

@@ -80,7 +80,9 @@ class Workspace:
         try:
             made = read_json(folder / MANIFEST, "campaign manifest")["knitbench"]
             words = (str(made.get("status", "")), str(made["recipe"].get("sensor") or ""))
-            return Campaign(name, folder, str(made.get("origin", "")), float(made["gauge_length_mm"]), *words)
+            gauge = made["gauge_length_mm"]
+            gauge_mm = None if gauge is None else float(gauge)
+            return Campaign(name, folder, str(made.get("origin", "")), gauge_mm, *words)
         except (UserError, AttributeError, KeyError, TypeError, ValueError):
             return Campaign(name, folder, "", None)
 

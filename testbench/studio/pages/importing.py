@@ -1,127 +1,384 @@
-"""Import: a measured CSV becomes a campaign by saying which column is what."""
+"""Import: a measured file becomes a campaign; the page shows what it takes for what, and asks what it cannot tell."""
 
 from __future__ import annotations
 
 import re
 import tempfile
+from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from nicegui import events, ui
 
 from gcode.support.errors import UserError
-from testbench.studio.columns import UNITS, column_names, guess, guess_unit
+from testbench.studio.import_form import NOT_THERE, Choices
+from testbench.studio.import_words import TITLES, page_words
 from testbench.studio.jobs import Job, State
+from testbench.studio.raw_lines import raw_table
 from testbench.studio.studio import Studio
-from testbench.studio.widgets import address, aside, attempt, guarded, heading, job_card, name_in_page, subheading
+from testbench.studio.widgets import (
+    address,
+    aside,
+    attempt,
+    guarded,
+    heading,
+    job_card,
+    name_in_page,
+    subheading,
+    trouble,
+)
 
-NONE = "(not recorded)"
+if TYPE_CHECKING:
+    from testbench.recordings.choice import Choice
+    from testbench.recordings.sheet import Sheet
+
 LARGEST_BYTES = 2_000_000_000
+KINDS = ".csv,.txt,.tsv,.dat,.asc,.raw,.xlsx,.xlsm,.tdms"
+FIRST = ("time", "displacement", "strain", "force", "resistance")
+SEPARATORS = {"": "found", ",": "comma", ";": "semicolon", "\t": "tab", "|": "bar", " ": "blanks"}
+DECIMALS = {"": "found", ".": "point", ",": "comma"}
+THOUSANDS = {"": "found", ",": "comma", ".": "point", "'": "apostrophe"}
+ENCODINGS = {"": "found", "utf-8": "UTF-8", "cp1252": "Windows, Latin-1", "gb18030": "GBK", "shift_jis": "Shift-JIS"}
 
 
 @guarded
 def page(studio: Studio) -> None:
-    """Upload or name a file, choose its columns, import."""
+    """Upload or name a file, look at what was found, import."""
     under = (
-        "A recording needs time and displacement (or strain); force and resistance where you have them. Separator, "
-        "decimal comma and header line are found by themselves."
+        "CSV and other text, Excel or TDMS, as your tester or logger wrote it. A recording needs a time and a "
+        "displacement (or strain), or force and resistance."
     )
-    heading("Import a CSV", under)
+    heading("Import a measurement", under)
     with ui.column().classes("card gap-3"):
         with ui.row().classes("w-full items-center"):
             path = ui.input("File on this machine", placeholder="/data/lab/run-7.csv").props("outlined dense")
             path.classes("grow")
-            ui.button("Read its columns", on_click=lambda: attempt(lambda: form.read(Path(path.value or ""))))
+            ui.button("Read the file", on_click=lambda: attempt(lambda: form.read(Path(path.value or ""))))
         upload = ui.upload(label="or drop it here", auto_upload=True, max_files=1, max_file_size=LARGEST_BYTES)
-        upload.props("flat bordered accept=.csv,.txt,.tsv,.dat").classes("w-full")
-    ui.timer(0.5, lambda: name_in_page(".q-uploader .q-btn, .q-uploader__input", "Choose a CSV"), once=True)
+        upload.props(f"flat bordered accept={KINDS}").classes("w-full")
+    ui.timer(0.5, lambda: name_in_page(".q-uploader .q-btn, .q-uploader__input", "Choose a file"), once=True)
     form = _Form(studio)
+    ui.context.client.on_delete(form.forget_upload)
+    ui.context.client.sub_pages_router.on_path_changed(lambda _: form.left())
 
     async def received(event: events.UploadEventArguments) -> None:
-        folder = Path(tempfile.mkdtemp(prefix="knitbench-upload-"))
-        target = folder / Path(event.file.name).name
+        form.forget_upload()
+        form.upload = tempfile.TemporaryDirectory(prefix="knitbench-upload-")
+        target = Path(form.upload.name) / Path(event.file.name).name
         await event.file.save(target)
+        upload.reset()
         await attempt(lambda: form.read(target))
 
     upload.on_upload(received)
 
 
 class _Form:
-    """Which column is what; built anew for each file."""
+    """One file: its first lines, what is what, and the import; all of it built anew for each file."""
 
     def __init__(self, studio: Studio) -> None:
         self.studio = studio
+        self.upload: tempfile.TemporaryDirectory | None = None
         self.holder = ui.column().classes("w-full gap-4")
+        self.job: Job | None = None
+        self.seen: tuple[Sheet, Choice, dict[str, str]] | None = None
+
+    def forget_upload(self) -> None:
+        """Remove what was uploaded; at the latest, that happens when the studio ends."""
+        if self.upload is not None:
+            self.upload.cleanup()
+            self.upload = None
+
+    def left(self) -> None:
+        """The page was left: what was uploaded goes, unless it is being imported."""
+        if self.job is None or not self.job.running:
+            self.forget_upload()
 
     async def read(self, path: Path) -> None:
-        """Show the columns of `path`."""
+        """Show a file."""
         if not path.is_file():
-            raise UserError(f"{path or 'file'}: no such file; name a CSV on this machine or drop one")
-        names = await aside(column_names, path)
-        if len(names) < 2:
-            raise UserError(
-                f"{path.name}: only one column ({', '.join(names)}); a recording needs time and displacement"
-            )
+            raise UserError(f"{path or 'file'}: no such file; name one on this machine, or drop one")
+        if self.upload is not None and path.parent != Path(self.upload.name):
+            self.forget_upload()
+        self.choices = Choices(path)
         self.holder.clear()
         with self.holder:
-            self._build(path, names)
+            with ui.column().classes("card gap-3"):
+                subheading(path.name)
+                self.found = ui.label().classes("quiet")
+                self._hints()
+                self.lines = ui.html("", sanitize=False).classes("rawbox")
+            with ui.column().classes("card gap-3"):
+                subheading("What is what", "Found by name and unit; choose where it is empty or wrong.")
+                self.roles = ui.column().classes("w-full gap-2")
+            with ui.column().classes("card gap-3"):
+                self._last(path)
+        await self.look()
 
-    def _build(self, path: Path, names: list[str]) -> None:
-        with ui.column().classes("card gap-3"):
-            subheading(f"Columns of {path.name}", ", ".join(names))
-            columns = {what: self._choice(what, names) for what in UNITS}
-            if columns["displacement"][0].value != NONE:
-                columns["strain"][0].set_value(NONE)
-            with ui.row().classes("items-center"):
-                gauge = ui.number("Gauge length / mm", value=25, min=0.001, format="%.6g").props("outlined dense")
-                free = re.sub(r"[^A-Za-z0-9._-]+", "-", path.stem).strip("-.") or "imported"
-                name = ui.input("Campaign name", value=free).props("outlined dense")
-            with ui.row():
-                sort = ui.checkbox("Put rows in the order of time")
-                drop = ui.checkbox("Leave out rows that cannot be used")
+    def _hints(self) -> None:
+        """How the file is written, each to be changed."""
+        with ui.row().classes("items-center"):
+            for name, label in (("header_row", "Header row"), ("units_row", "Units row")):
+                row = ui.number(label, min=0, format="%.0f").props("outlined dense debounce=500 clearable")
+                row.style("width:120px").tooltip("counting from 1; 0: there is none; empty: found")
+                row.on_value_change(partial(self._hinted, name))
+            for name, label, options in (
+                ("separator", "Separator", SEPARATORS),
+                ("decimal", "Decimal sign", DECIMALS),
+                ("thousands", "Thousands", THOUSANDS),
+                ("encoding", "Encoding", ENCODINGS),
+            ):
+                choice = ui.select(options, value="", label=label).props("outlined dense").style("width:150px")
+                choice.on_value_change(partial(self._hinted, name))
+            if self.choices.path.suffix.lower() in (".xlsx", ".xlsm", ".tdms"):
+                sheet = ui.input("Sheet").props("outlined dense debounce=600").style("width:150px")
+                sheet.on_value_change(partial(self._hinted, "sheet"))
 
-            async def start() -> None:
-                argv = self._command(path, columns, gauge.value, name.value, sort.value, drop.value)
-                job = self.studio.jobs.start(f"import:{name.value}", f"Importing {path.name}", argv)
-                with self.holder:
-                    job_card(self.studio, job, self._ended)
+    async def _hinted(self, name: str, event: events.ValueChangeEventArguments) -> None:
+        value = int(event.value) if name.endswith("_row") and event.value is not None else event.value
+        self.choices.hints[name] = None if value == "" else value
+        self.choices.columns.clear()
+        await self.look()
 
-            ui.button("Import", icon="check", on_click=lambda: attempt(start))
+    def _last(self, path: Path) -> None:
+        """Gauge length, name, and the button; what comes of it appears right below."""
+        free = re.sub(r"[^A-Za-z0-9._-]+", "-", path.stem).strip("-.") or "imported"
+        with ui.row().classes("items-center"):
+            gauge = ui.number("Gauge length / mm", min=0.001, format="%.6g").props("outlined dense")
+            gauge.tooltip("length of the sensor between the clamps at rest").bind_value(
+                self.choices, "gauge_length_mm"
+            )
+            name = ui.input("Campaign name", value=free).props("outlined dense")
+            ui.checkbox("Put rows in the order of time").bind_value(self.choices, "sort")
+            ui.checkbox("Leave out rows that cannot be used").bind_value(self.choices, "drop_bad")
+        ui.button("Import", icon="check", on_click=lambda: self._import(name.value))
+        self.result = ui.column().classes("w-full gap-3").props("aria-live=polite")
 
-    def _choice(self, what: str, names: list[str]) -> tuple[ui.select, ui.select]:
-        found = guess(names, what)
-        with ui.row().classes("items-center no-wrap w-full"):
-            ui.label(what.capitalize()).style("width:110px;font-weight:550")
-            column = ui.select([NONE, *names], value=found or NONE, label="Column").props("outlined dense")
-            column.classes("grow").props(f"aria-label='Column of {what}'")
-            unit = ui.select(list(UNITS[what]), value=guess_unit(found, what), label="Unit").props("outlined dense")
-            unit.style("width:110px")
-        return column, unit
+    async def look(self) -> None:
+        """Look at the file once more with what has been chosen, and show it."""
+        try:
+            self.seen = await aside(_look, self.choices)
+        except UserError as error:
+            self.seen = None
+            self.found.set_text("")
+            self.roles.clear()
+            with self.roles:
+                trouble(page_words(str(error)))
+            return
+        sheet, choice, words = self.seen
+        self.found.set_text(_described(sheet))
+        self.lines.set_content(raw_table(sheet, _roles_by_number(choice)))
+        self.roles.clear()
+        with self.roles:
+            self._roles(sheet, choice, words)
 
-    def _command(
-        self, path: Path, columns: dict, gauge: float | None, name: str, sort: bool, drop: bool
-    ) -> list[str]:
-        """The command line that does it.
+    def _roles(self, sheet: Sheet, choice: Choice, words: dict[str, str]) -> None:
+        asked = {one.role for one in choice.troubles} | set(choice.taken)
+        if not {"displacement", "strain"} & set(choice.taken):
+            asked |= {"displacement"}
+        shown = [role for role in TITLES if role in asked or role in ("time", "force", "resistance")]
+        for role in shown:
+            self._role(role, sheet, choice, words)
+        if "time" not in choice.taken:
+            rate = ui.number("Sampling rate / Hz", value=self.choices.rate_hz, min=0, format="%.6g")
+            rate.props("outlined dense debounce=500").on_value_change(partial(self._set, "rate_hz"))
+        if {"relative", "relative_change"} & set(choice.taken):
+            ohm = ui.number("R0 / Ω", value=self.choices.r0_ohm, min=0, format="%.6g")
+            ohm.props("outlined dense debounce=500").on_value_change(partial(self._set, "r0_ohm"))
+        with ui.expansion("Other quantities, and several clocks").classes("w-full").props("dense"):
+            for role in TITLES:
+                if role not in shown:
+                    self._role(role, sheet, choice, words)
+            self._clocks(sheet, choice)
+        for note in choice.notes:
+            ui.label(page_words(note)).classes("quiet")
 
-        Raises
-        ------
-        UserError
-            If a column or the gauge length is missing.
-        """
-        chosen = {what: (c.value, u.value) for what, (c, u) in columns.items() if c.value != NONE}
-        if "time" not in chosen:
-            raise UserError("choose the column of the time")
-        if ("displacement" in chosen) == ("strain" in chosen):
-            raise UserError("choose the column of the displacement, or that of the strain, and not both")
-        if not gauge:
-            raise UserError("say the gauge length in mm: the sensor's length between the clamps at rest")
-        folder = self.studio.workspace.free_name(name)
-        argv = ["testbench", "import", str(path), "--gauge-length-mm", f"{gauge:g}"]
-        for what, (column, unit) in chosen.items():
-            argv += [f"--{what}", column, f"--{what}-unit", unit]
-        argv += ["--sort"] * sort + ["--drop-bad"] * drop
-        return [*argv, "-o", str(folder)]
+    async def _set(self, name: str, event: events.ValueChangeEventArguments) -> None:
+        setattr(self.choices, name, event.value or None)
+        await self.look()
+
+    def _role(self, role: str, sheet: Sheet, choice: Choice, words: dict[str, str]) -> None:
+        """One quantity: its column, its unit, and a value as it is read."""
+        taken, title = choice.taken.get(role), TITLES[role]
+        with ui.element("div").classes("role"):
+            ui.label(title).style("font-weight:550")
+            value = str(taken.column.number) if taken else NOT_THERE
+            column = ui.select(_options(sheet), value=value).props("outlined dense")
+            column.props(f"aria-label='Column of {title.lower()}'")
+            column.on_value_change(partial(self._column_chosen, role))
+            unit = ui.select(_units(role), value=_unit_key(choice, role), label=f"Unit of {title.lower()}")
+            unit.props("outlined dense").set_enabled(taken is not None)
+            unit.on_value_change(partial(self._unit_chosen, role))
+            with ui.row().classes("items-center gap-2"):
+                wrong = _trouble_words(choice, role)
+                ui.label(wrong or words.get(role, "")).classes("wrong" if wrong else "")
+                if role in ("displacement", "strain", "force") and taken:
+                    self._repairs(role)
+
+    def _repairs(self, role: str) -> None:
+        for label, marked in (
+            ("Turn the sign", self.choices.negate),
+            ("Count from the first sample", self.choices.zero),
+        ):
+
+            def mark(event: events.ValueChangeEventArguments, marked: set[str] = marked) -> None:
+                (marked.add if event.value else marked.discard)(role)
+
+            box = ui.checkbox(label, value=role in marked, on_change=mark).props("dense")
+            box.classes("text-sm").props(f"aria-label='{label} of the {role}'")
+
+    async def _column_chosen(self, role: str, event: events.ValueChangeEventArguments) -> None:
+        self.choices.set_column(role, None if event.value == NOT_THERE else event.value)
+        await self.look()
+
+    async def _unit_chosen(self, role: str, event: events.ValueChangeEventArguments) -> None:
+        self.choices.units[role] = event.value
+        await self.look()
+
+    def _clocks(self, sheet: Sheet, choice: Choice) -> None:
+        """Where channels have clocks of their own."""
+        for role in ("displacement", "strain", "force", "resistance"):
+            taken = choice.taken.get(role)
+            if taken is None:
+                continue
+            value = str(taken.clock.number) if taken.clock else NOT_THERE
+            options = _options(sheet) | {NOT_THERE: "(those of time)"}
+            clock = ui.select(options, value=value, label=f"Own times of {role}").props("outlined dense")
+            clock.style("width:320px").on_value_change(partial(self._clock_chosen, role))
+
+    async def _clock_chosen(self, role: str, event: events.ValueChangeEventArguments) -> None:
+        self.choices.clocks.pop(role, None)
+        if event.value != NOT_THERE:
+            self.choices.clocks[role] = event.value
+        await self.look()
+
+    async def _import(self, name: str) -> None:
+        """Start the import, or say right here what is missing."""
+        self.result.clear()
+        with self.result:
+            try:
+                argv = self._command(name)
+            except UserError as error:
+                trouble(str(error))
+                self._show_result()
+                return
+            self.job = self.studio.jobs.start(f"import:{name}", f"Importing {self.choices.path.name}", argv)
+            job_card(self.studio, self.job, self._ended)
+        self._show_result()
+
+    def _command(self, name: str) -> list[str]:
+        if self.seen is None:
+            raise UserError("the file cannot be read yet: see above")
+        choice = self.seen[1]
+        if choice.troubles:
+            first = choice.troubles[0].role
+            raise UserError(f"{TITLES[first]}: {_trouble_words(choice, first)}")
+        return self.choices.command(self.studio.workspace.free_name(name), set(choice.taken))
 
     def _ended(self, job: Job) -> None:
-        if job.state is State.DONE:
-            name = Path(job.argv[-1]).relative_to(self.studio.workspace.root).as_posix()
-            ui.navigate.to(address("/recording", c=name))
+        """Go to the recording; stay where there is something to be read first."""
+        if job.state is State.FAILED:
+            self.result.clear()
+            with self.result:
+                trouble(page_words(job.problem.replace(f"{self.choices.path}: ", "")))
+            self._show_result()
+        if job.state is not State.DONE:
+            return
+        self.forget_upload()
+        made = job.latest["recordings"]
+        doubts = [f"{Path(one['out']).name}: {doubt}" for one in made for doubt in one["doubts"]]
+        if not doubts and len(made) == 1:
+            ui.navigate.to(self._address(made[0]))
+            return
+        self.result.clear()
+        with self.result:
+            for doubt in doubts:
+                trouble(page_words(doubt))
+            if doubts:
+                ui.label("Import it again under another name with this changed, or leave it as it is.").classes(
+                    "quiet"
+                )
+            with ui.row():
+                for one in made:
+                    label = f"Open {Path(one['out']).name}"
+                    ui.button(label, on_click=partial(ui.navigate.to, self._address(one))).props("outline")
+
+        self._show_result()
+
+    def _show_result(self) -> None:
+        """Bring what came of the import to where the eye is."""
+        with self.result:
+            ui.run_javascript(f"getHtmlElement({self.result.id}).scrollIntoView({{block: 'end'}})")
+
+    def _address(self, made: dict[str, Any]) -> str:
+        return address("/recording", c=Path(made["out"]).relative_to(self.studio.workspace.root).as_posix())
+
+
+def _look(choices: Choices) -> tuple[Sheet, Choice, dict[str, str]]:
+    from testbench.importing import look
+    from testbench.recordings.columns import previewed
+
+    sheet, choice = look(choices.path, choices.wish())
+    return sheet, choice, previewed(sheet, choice)
+
+
+def _described(sheet: Sheet) -> str:
+    layout = sheet.layout
+    header = f"names in row {layout.header_row}" if layout.header_row else "no row of names"
+    units = f"units in row {layout.units_row}, " if layout.units_row else ""
+    names = {**SEPARATORS, "": ""}
+    how = ", ".join(
+        f"{what} {names.get(str(value), value) if what == 'separator' else value}"
+        for what, value in sheet.details.items()
+        if value and not (what == "decimal" and value == ".")
+    )
+    return f"Found: {header}, {units}numbers from row {layout.first_row}; {how}"
+
+
+def _roles_by_number(choice: Choice) -> dict[int, str]:
+    found = {one.column.number: TITLES[role].lower() for role, one in choice.taken.items()}
+    clocks = {one.clock.number: f"times of {role}" for role, one in choice.taken.items() if one.clock}
+    return clocks | found
+
+
+def _options(sheet: Sheet) -> dict[str, str]:
+    names = {str(one.number): f"{one.number} · {one.heading.text}".rstrip(" ·") for one in sheet.layout.columns}
+    return {NOT_THERE: "(not recorded)"} | names
+
+
+def _units(role: str) -> dict[str, str]:
+    from testbench.recordings.units import symbols
+    from testbench.recordings.words import ROLES
+
+    units = {symbol: "as a ratio" if symbol == "1" else symbol for symbol in symbols(ROLES[role])}
+    return units | ({"date": "dates"} if role == "time" else {})
+
+
+def _unit_key(choice: Choice, role: str) -> str | None:
+    taken = choice.taken.get(role)
+    if taken is None or any(one.kind == "unit" and one.role == role for one in choice.troubles):
+        return None
+    return taken.unit.symbol if taken.unit else "date"
+
+
+def _trouble_words(choice: Choice, role: str) -> str:
+    """What a person must say about a role, in the page's words; empty when nothing."""
+    for one in choice.troubles:
+        if one.role != role:
+            continue
+        if one.kind == "unit":
+            text = one.columns[0].unit_text
+            return (
+                f"its unit {text!r} cannot be read: choose it"
+                if text
+                else "the file does not say the unit: choose it"
+            )
+        if one.kind == "several":
+            return f"{' and '.join(column.label for column in one.columns)} both fit: choose one"
+        if one.kind == "r0":
+            return "choose “R0 / Ω”, the resistance it is relative to"
+        return (
+            "choose its column, or fill in “Sampling rate / Hz”"
+            if role == "time"
+            else "choose its column, or those of force and resistance"
+        )
+    return ""

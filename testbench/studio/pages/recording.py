@@ -9,7 +9,7 @@ from pathlib import Path
 from nicegui import ui
 
 from gcode.support.errors import UserError
-from testbench.recording import Recording
+from testbench.recording import DISPLACEMENT, Recording
 from testbench.report import recording_figures as figures
 from testbench.studio.models import model_path
 from testbench.studio.pages.compare import view_of
@@ -40,7 +40,8 @@ def _below(c: str, recording: Recording, path: Path) -> None:
     loops = figures.hysteresis_loops(recording)
     if loops:
         plot(loops, "Six half minutes, the first dark, the last light: a shift along the colours is drift.")
-    plot(figures.distributions(recording), "How often each value occurred; the speed is taken at 20 Hz.")
+    rate = f"; the speed is taken at {figures.speed_rate_hz(recording):.3g} Hz" if recording.has(DISPLACEMENT) else ""
+    plot(figures.distributions(recording), f"How often each value occurred{rate}.")
     with ui.row():
         ui.button(
             "Download CSV", icon="download", on_click=lambda: ui.download(path, f"{path.parent.name}.csv")

@@ -116,7 +116,11 @@ def test_a_model_file_comes_back_as_it_was(ladder, tmp_path):
     [
         ("{}", "not a knitbench model"),
         ('{"format": "knitbench-model", "version": 99, "effects": []}', "version 99"),
-        ('{"format": "knitbench-model", "version": 1, "effects": [{"effect": "no_such"}]}', "no_such"),
+        (
+            '{"format": "knitbench-model", "version": 1, '
+            '"effects": [{"name": "x", "effect": "no_such", "parameters": {}}]}',
+            "no_such",
+        ),
     ],
 )
 def test_a_file_that_is_no_model_is_refused(tmp_path, text, match):

@@ -93,7 +93,8 @@ def test_the_same_model_twice_is_refused():
 def test_command_writes_the_winner(tmp_path, capsys):
     paths = []
     for rival in rivals("permanent_set"):
-        step = {"step": "x", "model": rival.model.to_dict(), "noise_floor": FLOORS, "errors": {}}
+        step = {"step": "x", "model": rival.model.to_dict(), "noise_floor": FLOORS}
+        step["errors"] = {"held_out": FLOORS, "calibration": FLOORS}
         paths.append(str(tmp_path / f"{rival.name}.json"))
         ModelFile(rival.model, 25.0, "r", "h", {}, (step,)).save(paths[-1])
     out, ranking, picture = tmp_path / "next", tmp_path / "ranking.json", tmp_path / "next.png"

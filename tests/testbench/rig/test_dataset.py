@@ -118,7 +118,9 @@ def test_a_data_set_may_use_effects_of_ones_own(tmp_path):
     path = written(tmp_path, last=1, more='effects = "mine.py"\n')
     model = baseline() + load_catalogue(tmp_path / "mine.py")["mine"]()
     (tmp_path / "knit.json").write_text(json.dumps(model.to_dict()))
-    (task,) = tasks_of(read_spec(path), tmp_path, tmp_path / "out")
+    with pytest.raises(UserError, match="needs effects of somebody's own"):
+        tasks_of(read_spec(path), tmp_path, tmp_path / "out")
+    (task,) = tasks_of(read_spec(path), tmp_path, tmp_path / "out", tmp_path / "mine.py")
     (tmp_path / "out").mkdir()
     assert make(task)
     assert not make(task)

@@ -247,3 +247,40 @@ def test_the_same_lines_make_the_same_rows_through_any_link(tmp_path):
         Recorder(Intake(), sink, 25.0).run(in_memory(lines, size))
         sink.close()
     assert (tmp_path / "a" / "recording.csv").read_bytes() == (tmp_path / "b" / "recording.csv").read_bytes()
+
+
+def test_a_disk_that_fills_up_at_the_very_end_is_waited_for(stingy, job, tmp_path):
+    stingy.room = 5_000
+    waits = []
+
+    def pause(seconds):
+        waits.append(seconds)
+        if len(waits) == 3:
+            stingy.room = 10**9
+
+    lines = bench_lines(job)
+    status = recorded(job, tmp_path / "c", in_memory(lines), pause=pause)
+    assert (status.state, status.unwritten) == ("complete", 0)
+    assert len(waits) == 3
+    assert len(read_recording(tmp_path / "c")) == status.samples
+
+
+def test_rows_that_a_full_disk_never_took_are_counted_everywhere(stingy, job, tmp_path, monkeypatch):
+    stingy.room = 5_000
+    release = Sink.release_room
+
+    def released(sink):
+        release(sink)
+        stingy.room = 4096
+
+    monkeypatch.setattr(Sink, "release_room", released)
+    seen = []
+    hasty = replace(job, give_up_s=1.0)
+    status = recorded(hasty, tmp_path / "c", in_memory(bench_lines(job)), pause=seen.append)
+    recording = read_recording(tmp_path / "c")
+    assert status.state == recording.metadata["status"] == "disk full"
+    assert status.unwritten == status.samples - len(recording) > 0
+    assert recording.metadata["counts"]["unwritten"] == status.unwritten
+    assert f"the last {status.unwritten} rows" in status.message
+    assert [event["rows"] for event in events(tmp_path / "c") if event["event"] == "unwritten"] == [status.unwritten]
+    assert not (tmp_path / "c" / ".room").exists()

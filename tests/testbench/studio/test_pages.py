@@ -15,7 +15,6 @@ import tests.testbench.report.samples as samples
 from gcode.cli import main as gcode
 from testbench.cli import main as run_testbench
 from testbench.studio import models
-from testbench.studio.columns import guess, guess_unit
 from testbench.studio.picture import Picture, zoomed_span
 from testbench.studio.studio import Studio
 from testbench.studio.widgets import address
@@ -239,13 +238,3 @@ async def test_zooms_along_time_are_understood_and_others_left() -> None:
     assert zoomed_span({"xaxis.range": [1, 2]}) == (1.0, 2.0)
     assert zoomed_span({"xaxis.autorange": True, "yaxis.autorange": True}) == (None, None)
     assert zoomed_span({"yaxis.range[0]": 1, "yaxis.range[1]": 2}) is None
-
-
-async def test_columns_are_guessed_from_their_names() -> None:
-    names = ["Zeit [s]", "Weg_mm", "Kraft (cN)", "R_kohm", "note"]
-    assert guess(names, "time") == "Zeit [s]"
-    assert guess(names, "displacement") == "Weg_mm"
-    assert (guess(names, "force"), guess_unit("Kraft (cN)", "force")) == ("Kraft (cN)", "cN")
-    assert (guess(names, "resistance"), guess_unit("R_kohm", "resistance")) == ("R_kohm", "kohm")
-    assert guess(names, "strain") is None
-    assert guess_unit(None, "force") == "N"

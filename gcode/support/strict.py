@@ -1,0 +1,206 @@
+"""One strict loader for every file that we read: plain files of a bounded size, of a bounded depth, finite, typed.
+
+A file may be damaged, hostile, or a pipe that never ends. What leaves this module is either bytes of a bounded size,
+plain data whose depth and numbers are bounded, or an instance of a pydantic model; anything else is a `UserError`
+that names the file. No other module parses JSON or TOML.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import stat
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
+
+from gcode.support.errors import UserError, first_problem
+
+MOST_BYTES = 256 << 20
+MOST_TOML_BYTES = 1 << 20
+DEEPEST = 64
+LARGEST_WHOLE = 1 << 64
+_BLOCK = 1 << 20
+
+Loaded = TypeVar("Loaded", bound=BaseModel)
+
+
+class StrictModel(BaseModel):
+    """What a file may say: nothing unknown, nothing infinite, and nothing changed once it is loaded."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+def read_bytes(path: str | Path, what: str = "file", at_most: int = MOST_BYTES) -> bytes:
+    """The bytes of a plain file.
+
+    Parameters
+    ----------
+    path : path
+    what : str
+        For messages: "model", "campaign manifest".
+    at_most : int
+        Larger files are refused.
+
+    Raises
+    ------
+    UserError
+        If it is missing, cannot be read, is larger, or is a folder, a pipe or a device: those may never end.
+    """
+    handle = open_plain(path, what)
+    parts, size = [], 0
+    with os.fdopen(handle, "rb", buffering=0) as stream:
+        try:
+            while part := stream.read(_BLOCK):
+                parts.append(part)
+                size += len(part)
+                if size > at_most:
+                    raise UserError(f"{path}: not a {what}: it is larger than {_in_words(at_most)}")
+        except OSError as error:
+            raise UserError(f"{path}: cannot read this {what}: {error.strerror or error}") from error
+    return b"".join(parts)
+
+
+def open_plain(path: str | Path, what: str = "file") -> int:
+    """A handle on a plain file, open for reading; see `read_bytes`. Opening a pipe would wait for ever."""
+    try:
+        handle = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+    except (OSError, ValueError) as error:
+        # ValueError: a name with a zero byte in it.
+        raise UserError(f"{path}: cannot read this {what}: {getattr(error, 'strerror', None) or error}") from error
+    if not stat.S_ISREG(os.fstat(handle).st_mode):
+        os.close(handle)
+        raise UserError(f"{path}: not a {what}: it is a folder, a pipe or a device; give a plain file")
+    return handle
+
+
+def check_plain(path: str | Path, what: str = "file", at_most: int = MOST_BYTES) -> int:
+    """The size of a plain file that others will read; see `read_bytes` for what is refused."""
+    handle = open_plain(path, what)
+    try:
+        size = os.fstat(handle).st_size
+    finally:
+        os.close(handle)
+    if size > at_most:
+        raise UserError(f"{path}: not a {what}: it is larger than {_in_words(at_most)}")
+    return size
+
+
+def read_text(path: str | Path, what: str = "file", at_most: int = MOST_BYTES) -> str:
+    """The text of a plain file in UTF-8; see `read_bytes`."""
+    try:
+        return read_bytes(path, what, at_most).decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise UserError(f"{path}: not a {what}: byte {error.start} is not text (UTF-8)") from error
+
+
+def read_json(path: str | Path, what: str = "file", at_most: int = MOST_BYTES) -> Any:
+    """Plain data from JSON: finite numbers, no name twice, at most 64 levels deep.
+
+    Raises
+    ------
+    UserError
+        That names the file, and the line where there is one.
+    """
+    return json_of(read_text(path, what, at_most), what, path)
+
+
+def json_of(text: str, what: str = "text", source: str | Path = "") -> Any:
+    """Plain data from JSON text; see `read_json`."""
+    return _parsed(lambda: json.loads(text, object_pairs_hook=_once, parse_constant=_no_constant), what, source)
+
+
+def read_toml(path: str | Path, what: str = "spec") -> dict[str, Any]:
+    """Plain data from TOML; see `read_json`."""
+    return toml_of(read_text(path, what, MOST_TOML_BYTES), what, path)
+
+
+def toml_of(text: str, what: str = "spec", source: str | Path = "") -> dict[str, Any]:
+    """Plain data from TOML text; see `read_json`."""
+    # TOML has infinity and NaN; the models of our specs refuse them by the name of the entry.
+    return _parsed(lambda: tomllib.loads(text), what, source, finite=False)
+
+
+def load(path: str | Path, kind: type[Loaded], what: str = "file", at_most: int = MOST_BYTES) -> Loaded:
+    """A file as an instance of the model `kind`; ``.toml`` is read as TOML, anything else as JSON.
+
+    Raises
+    ------
+    UserError
+        That names the file and the entry, what is allowed and what came.
+    """
+    data = read_toml(path, what) if Path(path).suffix == ".toml" else read_json(path, what, at_most)
+    return validated(data, kind, path, what)
+
+
+def validated(data: Any, kind: type[Loaded], source: str | Path, what: str = "file") -> Loaded:
+    """Plain data as an instance of the model `kind`; see `load`."""
+    try:
+        return TypeAdapter(kind).validate_python(data)
+    except UserError:
+        raise
+    except (ValidationError, RecursionError, OverflowError) as error:
+        raise UserError(f"{source}: not a usable {what}: {first_problem(error)}") from None
+
+
+def check_bounds(data: Any, finite: bool = True) -> None:
+    """Refuse what is too deep, and numbers that are infinite, no number, or beyond 64 bits.
+
+    Raises
+    ------
+    ValueError
+    """
+    level, depth = [data], 0
+    while level:
+        if depth > DEEPEST:
+            raise ValueError(f"it is nested more than {DEEPEST} levels deep")
+        below: list[Any] = []
+        for value in level:
+            if isinstance(value, dict):
+                below.extend(value.values())
+            elif isinstance(value, list):
+                below.extend(value)
+            elif finite and isinstance(value, float) and not math.isfinite(value):
+                raise ValueError("it holds a number that is not finite")
+            elif isinstance(value, int) and abs(value) >= LARGEST_WHOLE:
+                raise ValueError("it holds a whole number of more than 64 bits")
+        level, depth = below, depth + 1
+
+
+def _parsed(parse: Callable[[], Any], what: str, source: str | Path, finite: bool = True) -> Any:
+    place = f"{source}: " if source else ""
+    try:
+        data = parse()
+        check_bounds(data, finite)
+    except json.JSONDecodeError as error:
+        raise UserError(f"{place}not a {what}: line {error.lineno} is not valid JSON ({error.msg})") from error
+    except tomllib.TOMLDecodeError as error:
+        raise UserError(f"{place}not valid TOML: {error}") from error
+    except RecursionError:
+        raise UserError(f"{place}not a {what}: it is nested more than {DEEPEST} levels deep") from None
+    except ValueError as error:
+        # Python refuses whole numbers of more than 4300 digits by a ValueError of its own.
+        reason = "it holds a number of thousands of digits" if "integer string" in str(error) else str(error)
+        raise UserError(f"{place}not a {what}: {reason}") from None
+    return data
+
+
+def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    data = dict(pairs)
+    if len(data) < len(pairs):
+        seen: set[str] = set()
+        twice = next(name for name, _ in pairs if name in seen or seen.add(name))  # type: ignore[func-returns-value]
+        raise ValueError(f"it says {twice[:60]!r} twice")
+    return data
+
+
+def _no_constant(text: str) -> float:
+    raise ValueError(f"it holds {text}, which is no number in JSON")
+
+
+def _in_words(size: int) -> str:
+    return f"{size >> 20} MB" if size >= 1 << 20 else f"{size} bytes"

@@ -1,0 +1,1 @@
+"""Other people's recordings: from a file as a laboratory wrote it to columns with known meaning and known units."""

@@ -1,0 +1,66 @@
+"""In which encoding a text was written."""
+
+from __future__ import annotations
+
+import codecs
+
+from gcode.support.errors import UserError
+
+_UTF16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
+
+
+def encoding_of(raw: bytes) -> str | None:
+    """The encoding of a file's first bytes; None where they are no text.
+
+    UTF-8 and UTF-16 show themselves. Of the rest, GBK writes every Chinese character as two bytes above 0xA0, while
+    the letters and signs of Latin-1 (``ü``, ``µ``, ``°``) stand alone among plain letters.
+    """
+    if raw.startswith(_UTF16):
+        return "utf-16"
+    if b"\0" in raw:
+        even, odd = raw[0::2].count(0), raw[1::2].count(0)
+        if max(even, odd) < 0.3 * len(raw) or min(even, odd) > 0.05 * len(raw):
+            return None
+        return "utf-16-le" if odd > even else "utf-16-be"
+    if any(byte < 9 for byte in raw):
+        return None
+    if _decodes(raw, "utf-8-sig"):
+        return "utf-8-sig"
+    if _in_pairs(raw) and _decodes(raw, "gb18030"):
+        return "gb18030"
+    return "cp1252" if _decodes(raw, "cp1252") else "latin-1"
+
+
+def _decodes(raw: bytes, encoding: str) -> bool:
+    try:
+        raw.decode(encoding)
+    except UnicodeDecodeError:
+        return False
+    return True
+
+
+def _in_pairs(raw: bytes) -> bool:
+    """Whether the bytes above ASCII come in even runs of Chinese characters."""
+    run = 0
+    for byte in (*raw, 0):
+        if byte >= 0xA1:
+            run += 1
+        elif byte > 0x80 or run % 2:
+            return False
+        else:
+            run = 0
+    return True
+
+
+def known_encoding(name: str) -> str:
+    """`name` if Python knows it.
+
+    Raises
+    ------
+    UserError
+        If it does not.
+    """
+    try:
+        return codecs.lookup(name).name
+    except LookupError:
+        raise UserError(f"--encoding must be one such as utf-8, latin-1, gbk or shift-jis, got {name!r}") from None

@@ -1,0 +1,143 @@
+"""Numbers as laboratories write them: decimal comma, thousands apart, dates and times of day."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_EXPONENT = r"([eE][+-]?\d+)?"
+_POINT = re.compile(rf"^[+-]?(\d+\.?\d*|\.\d+){_EXPONENT}$")
+_COMMA = re.compile(rf"^[+-]?(\d+,?\d*|,\d+){_EXPONENT}$")
+# 1,234 may be a bit more than one, or a thousand and more.
+_EITHER = re.compile(r"^[+-]?[1-9]\d{0,2}[.,]\d{3}$")
+_THOUSANDS = {
+    ".": re.compile(rf"^[+-]?\d{{1,3}}((,\d{{3}})+|(['’   ]\d{{3}})+)(\.\d*)?{_EXPONENT}$"),
+    ",": re.compile(rf"^[+-]?\d{{1,3}}((\.\d{{3}})+|(['’   ]\d{{3}})+)(,\d*)?{_EXPONENT}$"),
+}
+_SEPARATORS = {".": r"[,'’   ]", ",": r"[.'’   ]"}
+_DATE = re.compile(r"^\d{1,4}[-./年]\d{1,2}[-./月]\d{1,4}日?([T ,]+\d{1,2}:\d{2}(:\d{2}([.,]\d+)?)?)?( ?[AP]M|Z)?$")
+_CLOCK = re.compile(r"^(\d{1,3}):(\d{2}):(\d{2}(?:[.,]\d+)?)$")
+MISSING = {"", "nan", "na", "n/a", "-", "--", "---", "null", "none", "inf", "-inf", "#n/a"}
+
+
+def is_number(text: str) -> bool:
+    """Whether a cell may be a number, in any of the notations."""
+    text = text.strip()
+    return bool(_POINT.match(text) or _COMMA.match(text)) or any(form.match(text) for form in _THOUSANDS.values())
+
+
+def is_when(text: str) -> bool:
+    """Whether a cell is a date, a date and time, or a time of day with seconds."""
+    text = text.strip()
+    return bool(_DATE.match(text) or _CLOCK.match(text))
+
+
+def decimal_sign(cells: Iterable[str]) -> str | None:
+    """The decimal sign that the cells prove: ``,`` or ``.``; None where some say neither or both.
+
+    ``0,5`` and ``1.234,5`` prove the comma; ``1,234`` proves nothing, for it may be a thousand and more.
+    """
+    proofs, open_to_doubt = set(), False
+    for cell in (cell.strip() for cell in cells):
+        if ("," in cell) == ("." in cell) and not ("," in cell and "." in cell):
+            continue
+        if _EITHER.match(cell):
+            open_to_doubt = open_to_doubt or "," in cell
+        elif _COMMA.match(cell) or (_THOUSANDS[","].match(cell) and cell.rfind(",") > cell.rfind(".")):
+            proofs.add(",")
+        elif _POINT.match(cell) or (_THOUSANDS["."].match(cell) and cell.rfind(".") > cell.rfind(",")):
+            proofs.add(".")
+    if len(proofs) == 1:
+        return proofs.pop()
+    return None if proofs or open_to_doubt else "."
+
+
+def numbers(cells: pd.Series, decimal: str, thousands: str | None = None) -> tuple[np.ndarray, int | None]:
+    """Cells as numbers, and the place of the first that is none.
+
+    A thousands separator is taken away only where a number of the column proves it (``1.234,5``), or where it was
+    named; otherwise ``1.234`` beside a decimal comma is no number: it may be a thousand and more, or a bit over one.
+
+    Parameters
+    ----------
+    cells : Series
+    decimal : {".", ","}
+    thousands : str, optional
+
+    Returns
+    -------
+    values : ndarray, shape (n,)
+        NaN where a cell is empty or no number.
+    wrong : int or None
+    """
+    import pandas as pd
+
+    if cells.dtype.kind in "fiu":
+        return cells.to_numpy(dtype=np.float64), None
+    text = cells.astype("string").str.strip()
+    text = text.mask(text == "")
+    grouped = text.str.match(_THOUSANDS[decimal].pattern, na=False)
+    sign = re.escape(thousands) if thousands else _SEPARATORS[decimal]
+    proven = thousands or (grouped & text.str.contains(re.escape(decimal), na=False)).any()
+    blank = re.compile(r"[\s'’]")
+    apart = grouped & text.str.contains(blank.pattern, na=False)  # 12 345 can be nothing else
+    plain = text.mask(grouped, text.str.replace(sign, "", regex=True)) if proven else text
+    plain = plain.mask(apart, text.str.replace(_SEPARATORS[decimal], "", regex=True))
+    if decimal == ",":
+        pointed = plain.str.contains(".", regex=False, na=False)
+        plain = plain.mask(pointed, "?").str.replace(",", ".", regex=False)
+    values = pd.to_numeric(plain, errors="coerce")
+    wrong = np.flatnonzero((values.isna() & text.notna()).to_numpy())
+    return values.to_numpy(dtype=np.float64, na_value=np.nan), int(wrong[0]) if wrong.size else None
+
+
+def seconds(cells: pd.Series) -> tuple[np.ndarray, int | None]:
+    """Dates and times as seconds since the first one, and the place of the first cell that is none.
+
+    ``01.03.2026`` is the first of March (points part day, month and year); of ``01/03/2026`` nobody can tell: where
+    such dates differ within a file they are refused, as if they were no dates.
+    """
+    import pandas as pd
+
+    if cells.dtype.kind == "M":
+        when = pd.to_datetime(cells, utc=True)
+    elif cells.dtype.kind == "m":
+        return cells.dt.total_seconds().to_numpy(dtype=np.float64), None
+    else:
+        text = cells.astype("string").str.strip()
+        text = text.mask(text == "")
+        clock = text.str.extract(_CLOCK.pattern)
+        if clock.notna().any(axis=None) and clock[0].notna().sum() >= 0.5 * text.notna().sum():
+            return _times_of_day(text, clock)
+        when = _dates(text)
+    wrong = np.flatnonzero((when.isna() & cells.notna()).to_numpy())
+    since = (when - when.min()).dt.total_seconds()
+    return since.to_numpy(dtype=np.float64, na_value=np.nan), int(wrong[0]) if wrong.size else None
+
+
+def _times_of_day(text: pd.Series, clock: pd.DataFrame) -> tuple[np.ndarray, int | None]:
+    hours, minutes, rest = (
+        clock[part].str.replace(",", ".", regex=False).astype("Float64").to_numpy(dtype=np.float64, na_value=np.nan)
+        for part in range(3)
+    )
+    since = 3600 * hours + 60 * minutes + rest
+    wrong = np.flatnonzero(np.isnan(since) & text.notna().to_numpy())
+    return since, int(wrong[0]) if wrong.size else None
+
+
+def _dates(text: pd.Series) -> pd.Series:
+    import pandas as pd
+
+    slashed = text.str.extract(r"^(\d{1,2}/\d{1,2}/\d{2,4})")[0]
+    if slashed.nunique() > 1:
+        text = text.mask(slashed.notna(), "?")
+    pointed = text.str.match(r"^\d{1,2}\.\d{1,2}\.\d{2,4}", na=False)
+    first = bool(pointed.any())
+    text = text.str.replace(r"(:\d{2}),(\d+)", r"\1.\2", regex=True)
+    return pd.to_datetime(text, errors="coerce", format="mixed", utc=True, dayfirst=first)

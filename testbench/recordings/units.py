@@ -1,0 +1,184 @@
+"""Units as laboratories write them, and the factor that brings each to ours (s, mm, N, ohm, S, 1, degC)."""
+
+from __future__ import annotations
+
+import unicodedata
+from dataclasses import dataclass
+
+import numpy as np
+
+from gcode.support.errors import UserError
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A unit of measurement.
+
+    Attributes
+    ----------
+    quantity : str
+        ``time``, ``length``, ``force``, ``resistance``, ``conductance``, ``ratio`` or ``temperature``.
+    symbol : str
+        As people write it: ``kΩ``.
+    factor, offset : float
+        Our value = `factor` x value + `offset`.
+    """
+
+    quantity: str
+    symbol: str
+    factor: float
+    offset: float = 0.0
+
+    def converted(self, values: np.ndarray) -> np.ndarray:
+        """`values` in our unit of the quantity."""
+        return values * self.factor + self.offset
+
+
+OURS = {
+    "time": "s",
+    "length": "mm",
+    "force": "N",
+    "resistance": "Ω",
+    "conductance": "S",
+    "ratio": "1",
+    "temperature": "°C",
+}
+STANDARD_GRAVITY = 9.80665
+
+# quantity -> (symbol, factor, offset, spellings to the letter, spellings in any case). Where a capital changes the
+# meaning (mN and MN, mΩ and MΩ, S and s), the spelling counts to the letter; what is in neither list is not read.
+_TABLE: dict[str, tuple[tuple[str, float, float, str, str], ...]] = {
+    "time": (
+        ("s", 1.0, 0.0, "", "s sec secs second seconds sek sekunde sekunden 秒"),
+        ("ms", 1e-3, 0.0, "ms MS msec", "millisecond milliseconds millisekunde millisekunden 毫秒"),
+        ("µs", 1e-6, 0.0, "µs us usec", "microsecond microseconds mikrosekunde mikrosekunden 微秒"),
+        ("min", 60.0, 0.0, "", "min mins minute minutes minuten 分 分钟"),
+        ("h", 3600.0, 0.0, "h hr hrs", "hour hours stunde stunden 小时"),
+    ),
+    "length": (
+        ("mm", 1.0, 0.0, "mm MM", "millimeter millimeters millimetre millimetres 毫米"),
+        ("µm", 1e-3, 0.0, "µm um", "micron microns micrometer micrometre mikrometer 微米"),
+        ("cm", 10.0, 0.0, "cm CM", "centimeter centimetre zentimeter 厘米"),
+        ("m", 1e3, 0.0, "m", "meter meters metre metres 米"),
+        ("in", 25.4, 0.0, "in", "inch inches zoll"),
+    ),
+    "force": (
+        ("N", 1.0, 0.0, "N", "newton newtons 牛 牛顿"),
+        ("mN", 1e-3, 0.0, "mN", "millinewton millinewtons 毫牛"),
+        ("cN", 1e-2, 0.0, "cN CN", "centinewton"),
+        ("kN", 1e3, 0.0, "kN KN", "kilonewton kilonewtons 千牛"),
+        ("gf", STANDARD_GRAVITY * 1e-3, 0.0, "g gf", "gram grams gramm gram-force pond 克"),
+        ("kgf", STANDARD_GRAVITY, 0.0, "kg kgf kp KG KGF", "kilogram kilograms kilogramm kilopond 千克 公斤"),
+        ("lbf", 4.4482216152605, 0.0, "lbf lb lbs LBF", "pound-force pounds"),
+    ),
+    "resistance": (
+        ("Ω", 1.0, 0.0, "Ω", "ohm ohms 欧 欧姆"),
+        ("mΩ", 1e-3, 0.0, "mΩ mohm mOhm", "milliohm milliohms 毫欧"),
+        ("kΩ", 1e3, 0.0, "kΩ KΩ", "kohm kohms kiloohm kiloohms kilohm kilohms 千欧"),
+        ("MΩ", 1e6, 0.0, "MΩ Mohm MOhm", "megaohm megaohms megohm megohms 兆欧"),
+    ),
+    "conductance": (
+        ("S", 1.0, 0.0, "S", "siemens"),
+        ("mS", 1e-3, 0.0, "mS", "millisiemens"),
+        ("µS", 1e-6, 0.0, "µS uS", "microsiemens mikrosiemens"),
+        ("nS", 1e-9, 0.0, "nS", "nanosiemens"),
+    ),
+    "ratio": (
+        ("1", 1.0, 0.0, "1 -", "mm/mm m/m ohm/ohm ω/ω n/n"),
+        ("%", 1e-2, 0.0, "%", "percent prozent pct"),
+        ("‰", 1e-3, 0.0, "‰", "promille permille"),
+        ("µε", 1e-6, 0.0, "µε uε µm/m um/m", "microstrain ustrain"),
+    ),
+    "temperature": (
+        ("°C", 1.0, 0.0, "C °C", "degc deg.c celsius grad 摄氏度"),
+        ("K", 1.0, -273.15, "K", "kelvin"),
+        ("°F", 5 / 9, -160 / 9, "F °F", "degf deg.f fahrenheit"),
+    ),
+}
+
+
+def _plain(text: str) -> str:
+    """One spelling for signs that have several: full-width brackets, the two omegas, the two mus, ℃.
+
+    Signs that mean something by their height (the ² of mm²) stay as they are.
+    """
+    kept = "".join(sign if sign in "²³" else unicodedata.normalize("NFKC", sign) for sign in text)
+    return kept.replace("μ", "µ").strip()
+
+
+def _spelt() -> tuple[dict[str, list[Unit]], dict[str, list[Unit]]]:
+    exact: dict[str, list[Unit]] = {}
+    loose: dict[str, list[Unit]] = {}
+    for quantity, rows in _TABLE.items():
+        for symbol, factor, offset, letters, any_case in rows:
+            unit = Unit(quantity, symbol, factor, offset)
+            for word in dict.fromkeys([_plain(symbol), *(_plain(word) for word in letters.split())]):
+                exact.setdefault(word, []).append(unit)
+            for word in any_case.split():
+                loose.setdefault(_plain(word).casefold(), []).append(unit)
+    return exact, loose
+
+
+_EXACT, _LOOSE = _spelt()
+
+
+def units_spelt(text: str) -> list[Unit]:
+    """Every unit that `text` may be, at most one a quantity; empty when it is none."""
+    word = _plain(text).strip("[](){}<>").strip()
+    found = {unit.quantity: unit for unit in _LOOSE.get(word.casefold(), [])}
+    found |= {unit.quantity: unit for unit in _EXACT.get(word, [])}
+    return list(found.values())
+
+
+def unit_of(text: str, quantities: tuple[str, ...]) -> Unit | None:
+    """The unit that `text` is, if it is one of these quantities (of exactly one of them), else None."""
+    fitting = [unit for unit in units_spelt(text) if unit.quantity in quantities]
+    return fitting[0] if len(fitting) == 1 else None
+
+
+def symbols(quantities: tuple[str, ...]) -> list[str]:
+    """The units of these quantities, ours first."""
+    return [row[0] for quantity in quantities for row in _TABLE[quantity]]
+
+
+def given_unit(option: str, text: str, quantities: tuple[str, ...]) -> Unit:
+    """The unit that a person named.
+
+    Raises
+    ------
+    UserError
+        If it is none of these quantities.
+    """
+    unit = unit_of(text, quantities)
+    if unit is None:
+        raise UserError(f"{option} must be one of {', '.join(symbols(quantities))}, got {text!r}")
+    return unit
+
+
+def plain_text(text: str) -> str:
+    """`text` with one spelling for signs that have several, for comparing names and units."""
+    return _plain(text)
+
+
+def number_in_words(value: float) -> str:
+    """A number as people write it: thousands apart, no more digits than it has (``439 377``, ``0.0125``)."""
+    if not np.isfinite(value):
+        return str(value)
+    if value and not 1e-4 <= abs(value) < 1e12:
+        return f"{value:.6g}"
+    digits = max(0, 9 - max(0, len(str(int(abs(value))))))
+    whole, _, part = f"{value:.{digits}f}".partition(".")
+    part = part.rstrip("0")
+    sign, whole = ("-", whole[1:]) if whole.startswith("-") else ("", whole)
+    grouped = f"{int(whole):,}".replace(",", " ")
+    text = f"{grouped}.{part}" if part else grouped
+    return text if text == "0" else sign + text
+
+
+def conversion(value: float, unit: Unit) -> str:
+    """``439.377 kΩ read as 439 377 Ω``; only the value where the unit is ours already."""
+    ours = OURS[unit.quantity]
+    if unit.symbol == ours:
+        return f"{number_in_words(value)} {ours}".removesuffix(" 1")
+    read = float(unit.converted(np.asarray(value)))
+    return f"{number_in_words(value)} {unit.symbol} read as {number_in_words(read)} {ours}".removesuffix(" 1")

@@ -1,0 +1,129 @@
+"""What a person should be told while a recording runs: a silent port, lines that are all rejected, a clock that lies.
+
+It looks at host times and at the intake's counts after each part of a link. It changes nothing that is recorded.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, field
+
+from testbench.rig.stream import Anchor, Event, Intake
+
+QUIET_S = 3.0
+QUIET_INTERVALS = 5.0  # a device of one line in ten seconds is not silent after three
+WINDOW_S, WINDOW_LINES, MOSTLY = 3.0, 10, 0.9
+CLOCK_S, CLOCK_SHARE, CLOCK_LEAST_S = 60.0, 0.02, 2.0
+HINTS = {
+    "time stands still": "does the device's clock run?",
+    "time runs backwards": "does the device's clock run?",
+    "clock jump": "does the device's clock run?",
+    "repeated": "does the device count its lines?",
+    "other channels": "did the device change what it measures?",
+    "other version": "another version of the protocol?",
+}
+
+
+@dataclass
+class Watchdog:
+    """Looks at a recording as it goes.
+
+    Attributes
+    ----------
+    message : str
+        What a person should know now; empty if all is well.
+    """
+
+    message: str = ""
+    _began_s: float | None = None
+    _bytes_s: float = 0.0
+    _line_s: float = 0.0
+    _lines: int = 0
+    _silent: bool = False
+    _window: tuple[float, int, Counter[str]] = field(default_factory=lambda: (0.0, 0, Counter()))
+    _rejected: str = ""
+    _clock_from: Anchor | None = None
+    _clock: str = ""
+
+    def look(self, host_s: float, came: bool, intake: Intake) -> list[Event]:
+        """Look at the intake after a part.
+
+        Parameters
+        ----------
+        host_s : float
+            Host time of the part.
+        came : bool
+            Whether it brought bytes.
+        intake : Intake
+
+        Returns
+        -------
+        list of Event
+            What is new to be remembered: ``silent``, ``mostly rejected``, ``clock disagrees``.
+        """
+        if self._began_s is None:
+            self._began_s = self._bytes_s = self._line_s = host_s
+            self._window = (host_s, intake.accepted, intake.bad.copy())
+        if came:
+            self._bytes_s = host_s
+        lines = intake.accepted + intake.bad.total()
+        if lines != self._lines:
+            self._lines, self._line_s = lines, host_s
+        found = [*self._silence(host_s, intake), *self._rejections(host_s, intake), *self._clocks(intake)]
+        if self._silent:
+            self.message = self._quiet_words(host_s)
+        else:
+            self.message = self._rejected or self._clock
+        return found
+
+    def away(self, host_s: float) -> None:
+        """The port is lost, which is said elsewhere: silence counts from its return on."""
+        self._bytes_s = self._line_s = host_s
+        self._silent, self._clock_from = False, None
+
+    def _silence(self, host_s: float, intake: Intake) -> list[Event]:
+        assert self._began_s is not None
+        usual_s = (self._line_s - self._began_s) / intake.accepted if intake.accepted > 1 else 0.0
+        was, self._silent = self._silent, host_s - self._line_s > max(QUIET_S, QUIET_INTERVALS * usual_s)
+        if was or not self._silent:
+            return []
+        details: dict[str, object] = {"for_s": round(host_s - self._line_s, 1)}
+        return [Event("silent", intake.time_us, details | {"bytes": self._bytes_s > self._line_s})]
+
+    def _quiet_words(self, host_s: float) -> str:
+        if self._bytes_s > self._line_s:
+            return f"bytes come, but no whole line for {host_s - self._line_s:.0f} s: wrong --baud?"
+        return f"no bytes for {host_s - self._bytes_s:.0f} s: is the device on, and is this its port?"
+
+    def _rejections(self, host_s: float, intake: Intake) -> list[Event]:
+        since_s, accepted, bad = self._window
+        good, rejected = intake.accepted - accepted, intake.bad - bad
+        lines = good + rejected.total()
+        if host_s - since_s < WINDOW_S or lines < WINDOW_LINES:
+            return []
+        self._window = (host_s, intake.accepted, intake.bad.copy())
+        share, was = rejected.total() / lines, self._rejected
+        if share < MOSTLY:
+            self._rejected = ""
+            return []
+        reason = rejected.most_common(1)[0][0]
+        hint = HINTS.get(reason, "wrong --baud?")
+        self._rejected = f"{100 * share:.0f} % of the lines are rejected ({reason}): {hint}"
+        return [] if was else [Event("mostly rejected", intake.time_us, {"share": round(share, 3), "reason": reason})]
+
+    def _clocks(self, intake: Intake) -> list[Event]:
+        now, start = intake.anchor, self._clock_from
+        if now is None or start is None or now.epoch != start.epoch:
+            self._clock_from, self._clock = now, "" if now is None or start is None else self._clock
+            return []
+        host_s, device_s = now.host_s - start.host_s, (now.time_us - start.time_us) / 1e6
+        if host_s < CLOCK_S:
+            return []
+        self._clock_from, was = now, self._clock
+        off_s = device_s - host_s
+        if abs(off_s) < max(CLOCK_LEAST_S, CLOCK_SHARE * host_s):
+            self._clock = ""
+            return []
+        self._clock = f"the device's clock ran {device_s:.1f} s while the host's ran {host_s:.1f} s"
+        details: dict[str, object] = {"device_s": round(device_s, 3), "host_s": round(host_s, 3)}
+        return [] if was else [Event("clock disagrees", intake.time_us, details)]

@@ -1,0 +1,258 @@
+"""The fuzz targets: every loader of a file, and the wire. Each takes a case and may answer with a `UserError`."""
+
+from __future__ import annotations
+
+import json
+import signal
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from hypothesis import strategies as st
+
+from compensation.compensator_files import load as load_compensator
+from gcode.bounds import Limits
+from gcode.output import make
+from gcode.planner import play
+from gcode.protocol import Hold, Ramp, ReturnToZero
+from gcode.provenance import check_file
+from gcode.reader import parse_program, read_program, read_text
+from gcode.support.errors import UserError
+from gcode.toml_spec import read_spec as read_trajectory_spec
+from gcode.toml_spec import spec_to_toml
+from gcode.trajectory import TrajectorySpec
+from gcode.trajectory import read_csv as read_trajectory
+from testbench.campaign import simulate_campaign
+from testbench.dataset import tasks_of
+from testbench.dataset_index import index_problems
+from testbench.dataset_spec import read_spec as read_dataset_spec
+from testbench.discrepancy.model_file import ModelFile, load_model_file
+from testbench.importing import Source, Wish, import_csv
+from testbench.knit.catalogue import baseline, load_catalogue
+from testbench.manifest import NAME, problems, sealed
+from testbench.record import Job, begin, job_of, record
+from testbench.recording import read_recording
+from testbench.report.build import read_diagnosis, read_score
+from testbench.rig.recorder import Chunk, End
+from testbench.rig.recorder import Limits as Alarms
+from testbench.rig.resume import continued, mend
+from testbench.rig.stream import Intake
+from tests.fuzz import grammars
+from tests.testbench.rig.rigs import plan, program, rig, triangle
+
+HANGS_AFTER_S = 30
+LIMITS = Limits(v_max_mm_per_s=5, a_max_mm_per_s2=20, x_min_mm=-1, x_max_mm=10)
+SPEC = TrajectorySpec.of(
+    Ramp(to_percent=4, speed_mm_per_s=1.0) + Hold(duration_s=2) + ReturnToZero(rest_s=1), name="small"
+)
+DATASET = 'sensors = ["knit.json"]\nseeds = "1-3"\nprograms = ["two_*.tap"]\ngauge_length_mm = 25\n'
+TABLE = b"time_s,displacement_mm,force_N,resistance_ohm\n0.0,0.1,1,400000\n0.1,0.2,1.5,400100\n0.2,0.3,2,400200\n"
+
+
+class HungError(Exception):
+    """A case did not end."""
+
+
+@contextmanager
+def no_hang() -> Iterator[None]:
+    """End a case that does not end by itself."""
+
+    def hung(number: int, frame: object) -> None:
+        raise HungError
+
+    before = signal.signal(signal.SIGALRM, hung)
+    signal.alarm(HANGS_AFTER_S)
+    try:
+        yield
+    finally:
+        signal.alarm(0)
+        signal.signal(signal.SIGALRM, before)
+
+
+@cache
+def samples() -> dict[str, Any]:
+    """Good files of every kind, made once."""
+    folder = Path(tempfile.mkdtemp(prefix="fuzz-"))
+    simulate_campaign(plan(folder), folder / "c", triangle(2.0))
+    job = Job("/dev/ttyUSB0", 115200, program(folder), 25.0, Alarms())
+    begin(job, folder / "r")
+    lines = list(rig(duration_s=2.0).lines())
+    record(job, folder / "r", [Chunk(0.0, b"".join(lines)), Chunk(0.0, b"garbage\n"), End(1.0, "interrupted")])
+    fitted = ModelFile(baseline(), 25.0, "a", "b", FIT, (STEP | {"model": baseline().to_dict()},))
+    fitted.save(folder / "model.json")
+    return {
+        "manifests": tuple(json.loads((folder / name / NAME).read_text()) for name in ("c", "r")),
+        "files": {path.name: path.read_bytes() for path in (folder / "r").iterdir()},
+        "model": json.loads((folder / "model.json").read_text()),
+        "program": make(SPEC, 1, 25.0).program,
+    }
+
+
+FIT = {
+    "parameters": {"elasticity.stiffness_N": {"value": 5.0, "unit": "N", "standard_error": 0.1}},
+    "at_bound": [],
+    "unidentified": ["drift.gain"],
+    "correlated": [["a", "b", 0.99]],
+    "residual_scale": {"force_N": 0.1},
+    "iterations": 3,
+}
+STEP = {
+    "step": "baseline",
+    "errors": {"calibration": {"force_N": 0.1}, "held_out": {"force_N": 0.1}},
+    "noise_floor": {"force_N": 0.01},
+}
+INDEX = {
+    "format": "knitbench-dataset",
+    "version": 1,
+    "campaigns": [
+        {"campaign": "a", "sensor": "s", "program": "p.tap", "seed": 1, "samples": 9, "manifest_sha256": "0" * 64}
+    ],
+}
+DIAGNOSIS = {"verdict": "missing", "ranking": [], "error_before": {}, "error_after": {}, "noise_floor": {}}
+SCORE = {"format": "knitbench-score", "compensator": {"target": "force"}, "recordings": [], "summary": {}}
+COMPENSATOR = {"format": "knitbench-compensator", "version": 1, "target": "force", "rate_hz": 20.0, "networks": []}
+
+
+def _file(load: Callable[[Path], object], name: str) -> Callable[[Path, bytes | str], None]:
+    """A target that writes the case to a file of that name and loads it."""
+
+    def run(folder: Path, case: bytes | str) -> None:
+        path = folder / name
+        path.write_bytes(case if isinstance(case, bytes) else case.encode("utf-8", "surrogatepass"))
+        load(path)
+
+    return run
+
+
+def _campaign(folder: Path, case: bytes | str) -> None:
+    """A manifest is read for every purpose that there is."""
+    for name, data in samples()["files"].items():
+        (folder / name).write_bytes(data)
+    (folder / NAME).write_bytes(case if isinstance(case, bytes) else case.encode("utf-8", "surrogatepass"))
+    for use in (problems, job_of, read_recording):
+        try:
+            use(folder)
+        except UserError:
+            continue
+
+
+def _unfinished(folder: Path, case: tuple[str, bytes]) -> None:
+    """One file of an unfinished recording is damaged; it is taken up again."""
+    for name, data in samples()["files"].items():
+        (folder / name).write_bytes(data)
+    (folder / case[0]).write_bytes(case[1])
+    continued(mend(folder, 0.0), 0.0)
+    continued(mend(folder, 0.0), 0.0)
+
+
+def _program(path: Path) -> None:
+    text = read_text(path)
+    check_file(text, LIMITS)
+    program = parse_program(text)
+    for use in (lambda: program.planned(), lambda: play(read_program(text))):
+        try:
+            use()
+        except UserError:
+            continue
+
+
+def _dataset(path: Path) -> None:
+    folder = path.parent
+    (folder / "knit.json").write_text(json.dumps(baseline().to_dict()))
+    program(folder)
+    spec = read_dataset_spec(path)
+    if len(spec.seeds) < 100 and spec.trajectory is None:
+        tasks_of(spec, folder, folder / "out")
+
+
+def _wire(folder: Path, case: list[bytes]) -> None:
+    intake = Intake()
+    for number, data in enumerate(case):
+        list(intake.feed(data, number * 0.5))
+    list(intake.disconnected("end"))
+    assert intake.lost >= 0
+
+
+def _foreign(path: Path) -> None:
+    wish = Wish(25.0, time=Source("time_s"), displacement=Source("displacement_mm"), force=Source("force_N"))
+    import_csv(path, wish)
+
+
+_catalogue = cache(load_catalogue)
+Target = tuple[Callable[[Path, Any], None], Callable[[], st.SearchStrategy]]
+TARGETS: dict[str, Target] = {
+    "manifest": (
+        _campaign,
+        lambda: st.one_of(
+            grammars.damaged_documents(samples()["manifests"], sealed),
+            grammars.damaged_documents(samples()["manifests"]),
+            grammars.damaged_bytes(tuple(json.dumps(one).encode() for one in samples()["manifests"])),
+        ),
+    ),
+    "unfinished": (
+        _unfinished,
+        lambda: st.sampled_from(["recording.csv", "events.jsonl", "recording.bad"]).flatmap(
+            lambda name: st.tuples(st.just(name), grammars.damaged_bytes((samples()["files"][name],)))
+        ),
+    ),
+    "events": (
+        _unfinished,
+        lambda: grammars.damaged_documents(
+            tuple(json.loads(line) for line in samples()["files"]["events.jsonl"].splitlines())
+        ).map(
+            lambda text: (
+                "events.jsonl",
+                samples()["files"]["events.jsonl"] + text.encode("utf-8", "replace") + b"\n",
+            )
+        ),
+    ),
+    "model": (
+        _file(lambda path: load_model_file(path, _catalogue()), "model.json"),
+        lambda: grammars.damaged_documents((samples()["model"],)),
+    ),
+    "index": (
+        _file(lambda path: index_problems(path.parent), "dataset.json"),
+        lambda: grammars.damaged_documents((INDEX,)),
+    ),
+    "diagnosis": (_file(read_diagnosis, "d.json"), lambda: grammars.damaged_documents((DIAGNOSIS,))),
+    "score": (_file(read_score, "s.json"), lambda: grammars.damaged_documents((SCORE,))),
+    "compensator": (_file(load_compensator, "c.json"), lambda: grammars.damaged_documents((COMPENSATOR,))),
+    "dataset spec": (
+        _file(_dataset, "set.toml"),
+        lambda: grammars.damaged_bytes((DATASET.encode(), VARIED.encode())),
+    ),
+    "trajectory spec": (
+        _file(read_trajectory_spec, "spec.toml"),
+        lambda: grammars.damaged_bytes((spec_to_toml(SPEC).encode(),)),
+    ),
+    "program": (
+        _file(_program, "p.tap"),
+        lambda: st.one_of(grammars.programs, grammars.damaged_bytes((samples()["program"].encode(),))),
+    ),
+    "recording": (
+        _file(lambda path: read_recording(path, 25.0), "r.csv"),
+        lambda: st.one_of(grammars.tables(), grammars.damaged_bytes((TABLE,))),
+    ),
+    "foreign": (
+        _file(_foreign, "f.csv"),
+        lambda: st.one_of(grammars.tables(), grammars.damaged_bytes((TABLE, TABLE.decode().encode("utf-16")))),
+    ),
+    "trajectory": (
+        _file(read_trajectory, "t.csv"),
+        lambda: st.one_of(grammars.tables(), grammars.damaged_bytes((b"time_s,position_mm\n0,0\n1,2\n2,3\n",))),
+    ),
+    "wire": (_wire, lambda: grammars.wires),
+}
+VARIED = DATASET + 'same_sensor = true\nrest_s = 20\n[vary]\n"elasticity.stiffness_N" = [5.0, 9.0]\n'
+
+
+def attack(name: str, folder: Path, case: Any) -> None:
+    """Run one case; anything but an answer or a `UserError` escapes."""
+    with no_hang():
+        try:
+            TARGETS[name][0](folder, case)
+        except UserError:
+            return

@@ -1,0 +1,199 @@
+"""Devices that lie about their clock, lose their count or say nothing: bounded, recorded, and said to the person."""
+
+from __future__ import annotations
+
+import json
+from itertools import pairwise
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from testbench.rig.recorder import Chunk, End, Recorder, Tick
+from testbench.rig.sink import Sink
+from testbench.rig.stream import Intake, Row
+from testbench.rig.watchdog import Watchdog
+from testbench.rig.wire import MICROS_WRAP, SEQUENCE_WRAP, encode
+from tests.testbench.rig import test_stream
+from tests.testbench.rig.test_stream import STEP_US, events, fed, reasons, rows
+
+MINUTE_US = 60_000_000
+
+
+def sample(number: int, **changes):
+    """A sample whose readings fit the wire whatever its number is."""
+    return test_stream.sample(number, **changes)._replace(force_uN=number % 1000, displacement_nm=number % 1000)
+
+
+def line_of_time(intake: Intake, count: int, start: int = 0, offset_us: int = 0, number_offset: int = 0) -> list:
+    """`count` samples at their host times, with a clock and a count that are off."""
+    items = []
+    for n in range(start, start + count):
+        one = sample((n + number_offset) % SEQUENCE_WRAP, micros=(n * STEP_US + offset_us) % MICROS_WRAP)
+        items += fed(intake, one, host_s=n * STEP_US / 1e6)
+    return items
+
+
+def times_us(items) -> list[int]:
+    return [item.time_us for item in items if isinstance(item, Row)]
+
+
+def test_the_wrap_of_the_sequence_number_is_no_fault():
+    intake = Intake()
+    items = line_of_time(intake, 50, number_offset=SEQUENCE_WRAP - 20)
+    assert len(rows(items)) == 50
+    assert (intake.lost, dict(intake.bad)) == (0, {})
+    assert events(items) == ["start"]
+
+
+def test_losses_across_the_wrap_are_counted_once():
+    intake = Intake()
+    fed(intake, sample(SEQUENCE_WRAP - 3, micros=0))
+    fed(intake, sample(2, micros=3 * STEP_US), host_s=0.1)
+    assert intake.lost == 4
+    assert reasons(fed(intake, sample(SEQUENCE_WRAP - 1, micros=STEP_US), host_s=0.1)) == ["out of order"]
+    assert intake.lost == 3
+
+
+def test_a_number_beyond_32_bits_is_no_sample():
+    items = fed(Intake(), sample(0), sample(SEQUENCE_WRAP, micros=STEP_US))
+    assert reasons(items) == ["sequence out of range"]
+
+
+@pytest.mark.parametrize("jump_us", [20 * MINUTE_US, 60 * MINUTE_US, -20 * MINUTE_US, -60 * MINUTE_US, 10_000_000])
+def test_a_clock_that_jumps_is_bridged_by_the_hosts(jump_us):
+    intake = Intake()
+    items = line_of_time(intake, 40) + line_of_time(intake, 40, start=40, offset_us=jump_us)
+    assert len(rows(items)) == 79  # the first one after the jump is held for a glitch
+    assert sum(intake.bad.values()) == 1
+    assert events(items) == ["start", "clock jump"]
+    assert all(later - earlier <= 3 * STEP_US for earlier, later in pairwise(times_us(items)))
+
+
+@pytest.mark.parametrize("off_us", [20 * MINUTE_US, -MINUTE_US])
+def test_one_wrong_stamp_is_a_rejected_line_and_no_jump(off_us):
+    intake = Intake()
+    items = line_of_time(intake, 10)
+    items += fed(intake, sample(10, micros=(10 * STEP_US + off_us) % MICROS_WRAP), host_s=0.24)
+    items += line_of_time(intake, 10, start=11)
+    assert rows(items) == [*range(10), *range(11, 21)]
+    assert times_us(items) == [n * STEP_US for n in (*range(10), *range(11, 21))]
+    assert events(items) == ["start", "loss"]
+
+
+def test_a_device_that_counts_anew_is_not_rejected_for_ever():
+    intake = Intake()
+    items = line_of_time(intake, 500) + line_of_time(intake, 100, start=500, number_offset=-480)
+    assert len(rows(items)) >= 590
+    assert "renumbered" in events(items)
+    assert intake.lost < 20
+
+
+def test_a_buffer_that_comes_twice_is_no_new_count():
+    """The same lines again carry old times, however many they are."""
+    intake = Intake()
+    items = line_of_time(intake, 60)
+    for n in range(20, 60):
+        items += fed(intake, sample(n), host_s=2.0)
+    assert intake.bad == {"repeated": 40}
+    assert events(items) == ["start"]
+
+
+def test_a_number_that_jumps_by_billions_is_no_loss_of_billions():
+    intake = Intake()
+    line_of_time(intake, 30)
+    fed(intake, sample(2_000_000_000, micros=30 * STEP_US), host_s=0.72)
+    items = line_of_time(intake, 30, start=31)
+    assert len(rows(items)) == 30
+    assert intake.lost == 1
+    assert intake.bad == {"number jumps": 1}
+
+
+@settings(max_examples=200)
+@given(st.lists(st.tuples(st.integers(0, SEQUENCE_WRAP - 1), st.integers(0, MICROS_WRAP - 1), st.floats(0, 1e6))))
+def test_whatever_a_device_says_time_runs_forward_and_no_faster_than_it_can(lines):
+    intake = Intake()
+    items, host_s = [], 0.0
+    for number, micros, step_s in lines:
+        host_s += step_s
+        items += fed(intake, sample(number, micros=micros), host_s=host_s)
+    times = times_us(items)
+    assert all(later > earlier for earlier, later in pairwise(times))
+    assert not times or times[-1] <= 1.1 * host_s * 1e6 + len(times) * 5_000_001 + MICROS_WRAP / 2
+    assert intake.lost >= 0
+
+
+# What a person is told.
+
+
+def watched(parts, tmp_path):
+    """All events and messages of a recording."""
+    said: list[str] = []
+    sink = Sink(tmp_path)
+    Recorder(Intake(), sink, 25.0, report=lambda status: said.append(status.message)).run([*parts, End(1e5)])
+    sink.close()
+    found = [json.loads(line) for line in (tmp_path / "events.jsonl").read_text().splitlines()]
+    return {event["event"]: event for event in found}, said
+
+
+def good_lines(count: int, step_s: float = 0.024, start: int = 0, rate: float = 1.0):
+    for n in range(start, start + count):
+        line = encode(sample(n, micros=round(n * step_s * rate * 1e6) % MICROS_WRAP))
+        yield Chunk(n * step_s, line)
+
+
+def test_a_port_that_stays_silent_is_said(tmp_path):
+    found, said = watched([Tick(n * 0.1) for n in range(60)], tmp_path)
+    assert found["silent"]["bytes"] is False
+    assert any("no bytes for 4 s: is the device on" in message for message in said)
+
+
+def test_a_device_that_falls_silent_is_said_and_forgotten_when_it_speaks(tmp_path):
+    parts = [*good_lines(200), *(Tick(4.8 + n * 0.1) for n in range(60)), *good_lines(300, start=460)]
+    found, said = watched(parts, tmp_path)
+    assert "silent" in found
+    assert any("no bytes" in message for message in said)
+    assert "no bytes" not in said[-2]
+
+
+def test_bytes_without_lines_hint_at_the_baud_rate(tmp_path):
+    found, said = watched([Chunk(n * 0.5, b"\x00\xf8") for n in range(12)], tmp_path)
+    assert found["silent"]["bytes"] is True
+    assert any("no whole line for 4 s: wrong --baud?" in message for message in said)
+
+
+def test_a_slow_device_is_not_silent(tmp_path):
+    parts = []
+    for n in range(20):
+        parts += [Chunk(n * 10.0, encode(sample(n, micros=n * 10_000_000)))]
+        parts += [Tick(n * 10.0 + 0.5 * k) for k in range(1, 20)] if n > 2 else []
+    found, _ = watched(parts, tmp_path)
+    assert "silent" not in found
+
+
+def test_lines_that_are_nearly_all_rejected_are_said_with_their_reason(tmp_path):
+    garbage = [Chunk(n * 0.02, b"\xf8\x00\xfe\x80K1,\xff\n") for n in range(400)]
+    found, said = watched(garbage, tmp_path)
+    assert found["mostly rejected"]["share"] == 1.0
+    assert any("100 % of the lines are rejected (no start): wrong --baud?" in message for message in said)
+
+
+def test_a_clock_that_stands_still_is_said(tmp_path):
+    frozen = [Chunk(n * 0.02, encode(sample(n, micros=7))) for n in range(400)]
+    _, said = watched(frozen, tmp_path)
+    assert any("(time stands still): does the device's clock run?" in message for message in said)
+
+
+@pytest.mark.parametrize(("rate", "told"), [(1.0, False), (1.001, False), (0.9, True), (1.05, True)])
+def test_a_clock_that_runs_at_another_pace_is_said(tmp_path, rate, told):
+    found, said = watched(good_lines(4000, 0.05, rate=rate), tmp_path)
+    assert ("clock disagrees" in found) is told
+    assert any("while the host's ran" in message for message in said) is told
+
+
+def test_the_watchdog_says_nothing_of_a_healthy_device():
+    intake, dog = Intake(), Watchdog()
+    for part in good_lines(5000):
+        list(intake.feed(part.data, part.host_s))
+        assert dog.look(part.host_s, True, intake) == []
+        assert dog.message == ""

@@ -1,0 +1,116 @@
+"""Importing in a real browser: what a tester, a script and a spreadsheet wrote, without reading a word of help."""
+
+from __future__ import annotations
+
+import re
+import tempfile
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import expect
+
+from testbench.recording import read_recording
+from tests.testbench.recordings import exports
+from tests.testbench.studio.browsing import IN_CHROMIUM, browser, page, running, shot
+
+pytestmark = IN_CHROMIUM
+__all__ = ["browser", "page", "running"]  # pytest finds its fixtures by name
+
+
+def opened(running, page, path: Path) -> None:
+    page.goto(f"{running.address}/import")
+    page.get_by_label("File on this machine").fill(str(path))
+    page.get_by_role("button", name="Read the file").click()
+    page.get_by_text("Found: ").wait_for()
+
+
+def choose(page, label: str, option: str) -> None:
+    page.get_by_role("combobox", name=label, exact=True).click()
+    page.get_by_role("option", name=option, exact=True).click()
+
+
+@pytest.mark.parametrize("export", [exports.testxpert, exports.bluehill, exports.workbook])
+def test_a_file_needs_nothing_but_its_gauge_length(running, page, tmp_path, export) -> None:
+    opened(running, page, export(tmp_path))
+    read = {"workbook": "0.439377 MΩ read as 439 377 Ω"}.get(export.__name__, "439.377 kΩ read as 439 377 Ω")
+    page.get_by_text(read).wait_for()
+    assert page.get_by_label("Gauge length / mm").input_value() == ""
+    page.get_by_role("button", name="Import", exact=True).click()
+    page.get_by_text("“Gauge length / mm” is empty").wait_for()
+    page.get_by_label("Gauge length / mm").fill("40")
+    page.get_by_label("Campaign name").fill("knit")
+    shot(page, f"import-{export.__name__}")
+    page.get_by_role("button", name="Import", exact=True).click()
+    page.wait_for_url("**/recording?c=knit")
+    recording = read_recording(running.root / "knit")
+    assert recording["resistance_ohm"] == pytest.approx(exports.RESISTANCE_OHM, rel=1e-6)
+    assert recording["force_N"] == pytest.approx(exports.FORCE_N, abs=1e-5)
+
+
+def test_a_file_without_header_is_asked_about_and_its_doubt_is_shown(running, page, tmp_path) -> None:
+    opened(running, page, exports.headerless(tmp_path))
+    page.get_by_text("no row of names").wait_for()
+    page.get_by_text("choose its column, or fill in “Sampling rate / Hz”").wait_for()
+    for role, column, unit in (
+        ("time", "2", "s"), ("displacement", "3", "mm"), ("force", "5", "N"), ("resistance", "1", "Ω"),
+    ):  # fmt: skip
+        choose(page, f"Column of {role}", column)
+        page.get_by_text("the file does not say the unit: choose it").wait_for()
+        choose(page, f"Unit of {role}", unit)
+        page.get_by_text("the file does not say the unit: choose it").wait_for(state="detached")
+    page.get_by_label("Gauge length / mm").fill("40")
+    page.get_by_label("Campaign name").fill("raw")
+    shot(page, "import-headerless")
+    page.get_by_role("button", name="Import", exact=True).click()
+    doubt = page.get_by_text("one of them runs the wrong way; choose “Turn the sign” at displacement")
+    doubt.wait_for()
+    expect(doubt).to_be_in_viewport()
+    page.get_by_role("checkbox", name="Turn the sign of the displacement").click()
+    page.get_by_label("Campaign name").fill("turned")
+    page.get_by_role("button", name="Import", exact=True).click()
+    page.wait_for_url("**/recording?c=turned")
+    assert read_recording(running.root / "turned")["displacement_mm"].max() == pytest.approx(6.0, abs=0.01)
+
+
+def test_header_and_encoding_can_be_changed(running, page, tmp_path) -> None:
+    path = tmp_path / "two.csv"
+    rows = "".join(f"{0.1 * n:.1f},{n % 7}.5,{n % 5}.25\n" for n in range(50))
+    path.write_text("Time [s],Extension [mm],Load [N]\nTime [ms],Extension [cm],Load [mN]\n" + rows)
+    opened(running, page, path)
+    page.get_by_text("names in row 2").wait_for()
+    page.get_by_label("Header row").fill("1")
+    page.get_by_label("Units row").fill("0")
+    page.get_by_text("names in row 1").wait_for()
+    expect(page.locator("table.raw tr.names th").first).to_have_text("1 names")
+
+
+def test_an_upload_leaves_nothing_behind(running, page, tmp_path) -> None:
+    def left() -> set[Path]:
+        return set(Path(tempfile.gettempdir()).glob("knitbench-upload-*"))
+
+    before = left()
+    page.goto(f"{running.address}/import")
+    page.locator("input[type=file]").set_input_files(exports.testxpert(tmp_path))
+    page.get_by_text("Found: ").wait_for()
+    assert len(left() - before) == 1
+    page.get_by_label("Gauge length / mm").fill("40")
+    page.get_by_role("button", name="Import", exact=True).click()
+    page.wait_for_url(re.compile("recording"))
+    assert left() == before
+
+
+def test_a_row_that_cannot_be_used_is_said_with_the_pages_own_control(running, page, tmp_path) -> None:
+    path = exports.testxpert(tmp_path)
+    text = path.read_text("latin-1").splitlines()
+    text[50] = text[50].replace(";", ";?", 1)
+    path.write_text("\n".join(text), "latin-1")
+    opened(running, page, path)
+    page.get_by_label("Gauge length / mm").fill("40")
+    page.get_by_role("button", name="Import", exact=True).click()
+    said = page.locator(".trouble").filter(has_text="“Leave out rows that cannot be used” leaves such rows out")
+    said.wait_for()
+    expect(said).to_be_in_viewport()
+    assert "--" not in said.inner_text()
+    page.get_by_role("checkbox", name="Leave out rows that cannot be used").click()
+    page.get_by_role("button", name="Import", exact=True).click()
+    page.wait_for_url(re.compile("recording"))
