@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 from joblib import Parallel, delayed
 
-from compensation import search
+from compensation import candidates
 from compensation.engines import DEFAULT_L2, ENGINES
 from compensation.paper_campaigns import TAB, campaigns
 from compensation.preprocessing import Series
@@ -58,8 +58,8 @@ def main() -> None:
     args = parser.parse_args()
     args.campaigns.mkdir(parents=True, exist_ok=True)
     series = prepared(campaigns(args.campaigns, args.sensor, runs=TAB), args.target)
-    everything = search.candidates()
-    sample = search.spread(everything, args.sample)
+    everything = candidates.candidates()
+    sample = candidates.spread(everything, args.sample)
     begin = time.perf_counter()
     engines = ORDER[:2] if args.without_sklearn else ORDER
     calls = (delayed(compared)(series, args.target, candidate, engines) for candidate in sample)
@@ -70,12 +70,12 @@ def main() -> None:
 
 
 def compared(
-    series: dict[str, Series], target: str, candidate: search.Candidate, engines: Sequence[str] = ORDER
+    series: dict[str, Series], target: str, candidate: candidates.Candidate, engines: Sequence[str] = ORDER
 ) -> Result:
     """Train one candidate by every engine."""
     for name in ("fast", "exact"):  # compile, or load what was compiled
         ENGINES[name](np.ones((10, 2)), np.ones(10), (2,), 0, DEFAULT_L2)
-    blank = untrained([series["T"]], target, Options(factor=candidate.factor, count=candidate.count))
+    blank = untrained([series["T"]], target, Options(alphas=candidate.bank.alphas))
     features, truth = training_arrays(blank, [series["T"]])
     parts = [series[name] for name in "AB"]
     tests = [(blank.features(p.time_s, p.conductance_S), blank.scaling_out.apply(p.truth)) for p in parts]

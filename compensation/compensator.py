@@ -16,6 +16,7 @@ from compensation.preprocessing import TARGETS, Series
 from gcode.support.errors import UserError
 
 if TYPE_CHECKING:
+    from compensation.runtime import Beginning, Seen
     from compensation.streaming import CompensatorStream
 
 FloatArray = NDArray[np.float64]
@@ -60,7 +61,8 @@ class Compensator:
     irregular : bool
         True: samples are used at the times they were taken. False: resample to `rate_hz` first (the paper).
     start : {"paper", "causal"}
-        See `compensation.ema.smooth`.
+        ``paper``: a recording is known from its beginning (`compensation.ema.smooth`). ``causal``: what a stream
+        does that is switched on with the first sample.
     per_recording : bool
         True: each recording is standardised by its own mean and spread, as if it were known as a whole.
     sign : float
@@ -69,6 +71,12 @@ class Compensator:
         Memories beside the bank; the paper has none.
     recipe : mapping
         How it was trained.
+    seen : Seen, optional
+        Ranges over the training recordings; see `compensation.runtime`.
+    beginning : Beginning, optional
+        Where a stream's memories begin.
+    margins : tuple of float, optional
+        Added to a prediction, the ends of the interval that held 90 % of the errors in cross-validation (N or mm).
     """
 
     target: str
@@ -83,6 +91,9 @@ class Compensator:
     sign: float = 1.0
     history: History = NO_HISTORY
     recipe: Mapping[str, Any] = field(default_factory=dict)
+    seen: Seen | None = None
+    beginning: Beginning | None = None
+    margins: tuple[float, float] | None = None
 
     @property
     def unit(self) -> str:
@@ -113,13 +124,19 @@ class Compensator:
         """Smoothed, standardised conductance, then the history's features: shape (n, input_count)."""
         scaling = Scaling.of(conductance_S) if self.per_recording else self.scaling_in
         values = scaling.apply(np.asarray(conductance_S, dtype=np.float64))
+        if self.seen is not None:
+            values = self.seen.held(values)
+        filters = len(self.alphas)
+        begin = self.beginning if self.start == "causal" else None
+        affine = None if begin is None else (begin.gain[:filters], begin.offset[:filters])
         if self.irregular:
-            smoothed = smooth_irregular(values, time_s, self.alphas, self.rate_hz, self.start)
+            smoothed = smooth_irregular(values, time_s, self.alphas, self.rate_hz, self.start, affine)
             steps_s = np.diff(np.asarray(time_s, dtype=np.float64))
         else:
-            smoothed = smooth(values, self.alphas, self.rate_hz, self.start)
+            smoothed = smooth(values, self.alphas, self.rate_hz, self.start, affine)
             steps_s = np.full(len(values) - 1, 1.0 / self.rate_hz)
-        return np.hstack([smoothed, self.history.features(values, steps_s)])
+        held = None if begin is None else begin.gain[filters:] * values[0] + begin.offset[filters:]
+        return np.hstack([smoothed, self.history.features(values, steps_s, held)])
 
     def predict(self, time_s: FloatArray, conductance_S: FloatArray) -> FloatArray:
         """Force (N) or displacement (mm) at each sample.

@@ -13,11 +13,14 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, PositiveFloat
 from compensation.compensator import Compensator, Scaling
 from compensation.history import History
 from compensation.network import Network
+from compensation.runtime import Beginning, Seen
 from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError, first_problem
 from gcode.support.files import read_json, write_json
 
-FORMAT, FORMAT_VERSION = "knitbench-compensator", 2
+FORMAT, FORMAT_VERSION = "knitbench-compensator", 3
+# Version 2 has no `seen` and no `beginning`.
+READABLE = (2, 3)
 
 
 class _Strict(BaseModel):
@@ -39,6 +42,18 @@ class _History(_Strict):
     play_radii: list[Annotated[FiniteFloat, Field(gt=0)]]
 
 
+class _Seen(_Strict):
+    low: FiniteFloat
+    high: FiniteFloat
+    inputs_low: list[FiniteFloat]
+    inputs_high: list[FiniteFloat]
+
+
+class _Beginning(_Strict):
+    gain: list[FiniteFloat]
+    offset: list[FiniteFloat]
+
+
 class _File(_Strict):
     format: str
     version: int
@@ -54,6 +69,9 @@ class _File(_Strict):
     scaling_in: _Scaling
     scaling_out: _Scaling
     networks: list[_Network] = Field(min_length=1)
+    seen: _Seen | None = None
+    beginning: _Beginning | None = None
+    margins: list[FiniteFloat] | None = Field(default=None, min_length=2, max_length=2)
     recipe: dict[str, Any]
     sha256: str
 
@@ -75,6 +93,9 @@ def save(path: str | Path, compensator: Compensator) -> None:
         "scaling_in": vars(compensator.scaling_in),
         "scaling_out": vars(compensator.scaling_out),
         "networks": [network.to_dict() for network in compensator.networks],
+        "seen": _plain(compensator.seen),
+        "beginning": _plain(compensator.beginning),
+        "margins": None if compensator.margins is None else list(compensator.margins),
         "recipe": dict(compensator.recipe),
     }
     write_json(path, data | {"sha256": _digest(data)})
@@ -93,8 +114,9 @@ def load(path: str | Path) -> Compensator:
         raise UserError(
             f"{path}: not a compensator (its format must be {FORMAT!r}); make one with `compensation train`"
         )
-    if data.get("version") != FORMAT_VERSION:
-        raise UserError(f"{path}: compensator version {data.get('version')!r}; this knitbench reads {FORMAT_VERSION}")
+    if data.get("version") not in READABLE:
+        known = " and ".join(map(str, READABLE))
+        raise UserError(f"{path}: compensator version {data.get('version')!r}; this knitbench reads {known}")
     try:
         checked = _File.model_validate(data)
         networks = tuple(Network.from_lists(net.weights, net.biases) for net in checked.networks)
@@ -105,9 +127,32 @@ def load(path: str | Path) -> Compensator:
         raise UserError(f"{path}: not a usable compensator: its network does not take {inputs} inputs")
     if not all(0 < alpha <= 1 for alpha in checked.alphas):
         raise UserError(f"{path}: not a usable compensator: each smoothing factor must be in (0, 1]")
+    _check_runtime(path, checked, inputs)
     if _digest({key: value for key, value in data.items() if key != "sha256"}) != checked.sha256:
         raise UserError(f"{path}: the file was changed after it was saved (its checksum is wrong); train it again")
     return _build(checked, networks)
+
+
+def _check_runtime(path: str | Path, checked: _File, inputs: int) -> None:
+    vectors: list[list[float]] = []
+    if checked.seen:
+        vectors += [checked.seen.inputs_low, checked.seen.inputs_high]
+        if checked.seen.low > checked.seen.high:
+            raise UserError(f"{path}: not a usable compensator: the range seen in training is upside down")
+    if checked.beginning:
+        vectors += [checked.beginning.gain, checked.beginning.offset]
+    if any(len(vector) != inputs for vector in vectors):
+        raise UserError(f"{path}: not a usable compensator: `seen` and `beginning` must hold {inputs} numbers each")
+
+
+def _plain(part: Seen | Beginning | None) -> dict[str, Any] | None:
+    if part is None:
+        return None
+    return {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in vars(part).items()}
+
+
+def _arrays(part: BaseModel) -> dict[str, Any]:
+    return {name: np.asarray(value) if isinstance(value, list) else value for name, value in vars(part).items()}
 
 
 def _build(checked: _File, networks: tuple[Network, ...]) -> Compensator:
@@ -124,6 +169,9 @@ def _build(checked: _File, networks: tuple[Network, ...]) -> Compensator:
         sign=checked.sign,
         history=History(tuple(checked.history.motion_taus_s), tuple(checked.history.play_radii)),
         recipe=checked.recipe,
+        seen=Seen(**_arrays(checked.seen)) if checked.seen else None,
+        beginning=Beginning(**_arrays(checked.beginning)) if checked.beginning else None,
+        margins=(checked.margins[0], checked.margins[1]) if checked.margins else None,
     )
 
 

@@ -45,6 +45,20 @@ def smoothing_factors(factor: float = PAPER_FACTOR, count: int = PAPER_COUNT) ->
     return np.asarray([float(factor) ** -i for i in range(1, int(count) + 1)])
 
 
+def given_factors(alphas: Sequence[float]) -> FloatArray:
+    """Smoothing factors set by hand.
+
+    Raises
+    ------
+    UserError
+        Unless there is at least one and each is from 1e-6 to 1.
+    """
+    found = np.asarray(alphas, dtype=np.float64)
+    if not len(found) or not ((found >= SMALLEST_ALPHA) & (found <= 1)).all():
+        raise UserError(f"smoothing factors must be numbers from {SMALLEST_ALPHA:g} to 1, got {list(alphas)}")
+    return found
+
+
 def start_samples(alphas: Sequence[float] | FloatArray, rate_hz: float) -> NDArray[np.int64]:
     """Samples averaged for each filter's initial value: ``M_i = ceil(1 / (f alpha_i))``."""
     exact = 1.0 / (rate_hz * np.asarray(alphas, dtype=np.float64))
@@ -52,7 +66,12 @@ def start_samples(alphas: Sequence[float] | FloatArray, rate_hz: float) -> NDArr
     return np.ceil(exact * (1 - 1e-12)).astype(np.int64)
 
 
-def smooth(x: FloatArray, alphas: FloatArray, rate_hz: float, start: str = "paper") -> FloatArray:
+Affine = tuple[FloatArray, FloatArray]
+
+
+def smooth(
+    x: FloatArray, alphas: FloatArray, rate_hz: float, start: str = "paper", affine: Affine | None = None
+) -> FloatArray:
     """Smooth a uniformly sampled signal with every factor.
 
     Parameters
@@ -65,6 +84,8 @@ def smooth(x: FloatArray, alphas: FloatArray, rate_hz: float, start: str = "pape
     start : {"paper", "causal"}
         ``paper``: ``y(0)`` is the mean of the first M samples, which looks M - 1 samples ahead. ``causal``: the mean
         of those seen so far, as a stream must; both agree from sample M - 1 on.
+    affine : tuple of two ndarrays, each shape (k,), optional
+        Gain and offset of each filter: ``y(0)`` is ``offset + gain * mean`` (see `compensation.runtime.Beginning`).
 
     Returns
     -------
@@ -75,7 +96,7 @@ def smooth(x: FloatArray, alphas: FloatArray, rate_hz: float, start: str = "pape
     x = np.asarray(x, dtype=np.float64)
     out = np.empty((len(x), len(alphas)))
     for column, (alpha, count) in enumerate(zip(alphas, start_samples(alphas, rate_hz), strict=True)):
-        initial = _initial_values(x, int(count), start)
+        initial = _moved(_initial_values(x, int(count), start), affine, column)
         forced = np.zeros(len(x))
         if len(x) > 1:
             forced[1:] = lfilter([alpha], [1.0, alpha - 1.0], x[1:])
@@ -84,7 +105,12 @@ def smooth(x: FloatArray, alphas: FloatArray, rate_hz: float, start: str = "pape
 
 
 def smooth_irregular(
-    x: FloatArray, time_s: FloatArray, alphas: FloatArray, rate_hz: float, start: str = "paper"
+    x: FloatArray,
+    time_s: FloatArray,
+    alphas: FloatArray,
+    rate_hz: float,
+    start: str = "paper",
+    affine: Affine | None = None,
 ) -> FloatArray:
     """Smooth a signal at the times it was sampled: no resampling.
 
@@ -102,7 +128,7 @@ def smooth_irregular(
     out = np.empty((len(x), len(alphas)))
     for column, (alpha, count) in enumerate(zip(alphas, start_samples(alphas, rate_hz), strict=True)):
         within = max(int(np.searchsorted(elapsed, count - 0.5)), 1)
-        initial = _initial_values(x, within, start)
+        initial = _moved(_initial_values(x, within, start), affine, column)
         retention = np.exp(np.log1p(-min(alpha, 1 - 1e-16)) * steps)
         weight = np.concatenate([[1.0], np.cumprod(retention)])
         out[:, column] = smooth_steps(x, retention) + weight * initial
@@ -118,3 +144,10 @@ def _initial_values(x: FloatArray, count: int, start: str) -> FloatArray | float
         raise UserError(f"the bank's start must be 'paper' or 'causal', got {start!r}")
     seen = np.cumsum(head) / np.arange(1, len(head) + 1)
     return np.concatenate([seen, np.full(len(x) - len(head), seen[-1])])
+
+
+def _moved(initial: FloatArray | float, affine: Affine | None, column: int) -> FloatArray | float:
+    if affine is None:
+        return initial
+    gain, offset = affine
+    return offset[column] + gain[column] * initial

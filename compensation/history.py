@@ -42,7 +42,7 @@ class History:
         """Number of features."""
         return len(self.motion_taus_s) + len(self.play_radii)
 
-    def features(self, x: FloatArray, dt_s: FloatArray) -> FloatArray:
+    def features(self, x: FloatArray, dt_s: FloatArray, held: FloatArray | None = None) -> FloatArray:
         """Motions, then plays, at each sample.
 
         Parameters
@@ -51,6 +51,8 @@ class History:
             Standardised conductance.
         dt_s : ndarray, shape (n - 1,)
             Time from each sample to the next.
+        held : ndarray, shape (count,), optional
+            What the memories hold at the first sample; by default no motion, and plays that follow x.
 
         Returns
         -------
@@ -58,7 +60,12 @@ class History:
         """
         from compensation.kernels import remember
 
-        return remember(x, dt_s, SETTLE_S, np.asarray(self.motion_taus_s), np.asarray(self.play_radii))
+        held = self.at_rest(float(x[0])) if held is None else held
+        return remember(x, dt_s, SETTLE_S, np.asarray(self.motion_taus_s), np.asarray(self.play_radii), held)
+
+    def at_rest(self, x: float) -> FloatArray:
+        """What the memories hold where x has been there for ever: shape (count,)."""
+        return np.concatenate([np.zeros(len(self.motion_taus_s)), np.full(len(self.play_radii), x)])
 
 
 NO_HISTORY = History()
@@ -68,14 +75,17 @@ class RunningHistory:
     """The same, sample by sample."""
 
     def __init__(self, history: History) -> None:
+        self._history = history
         self._taus_s, self._radii = np.asarray(history.motion_taus_s), np.asarray(history.play_radii)
         self._settled: float | None = None
         self._motion, self._play = np.zeros(len(self._taus_s)), np.zeros(len(self._radii))
 
-    def update(self, x: float, dt_s: float) -> FloatArray:
-        """Feed one sample; `dt_s` is ignored for the first."""
+    def update(self, x: float, dt_s: float, held: FloatArray | None = None) -> FloatArray:
+        """Feed one sample; `dt_s` is ignored for the first, `held` for all others (see `History.features`)."""
         if self._settled is None:
-            self._settled, self._play = x, np.full(len(self._radii), x)
+            self._settled = x
+            held = self._history.at_rest(x) if held is None else held
+            self._motion, self._play = held[: len(self._taus_s)].copy(), held[len(self._taus_s) :].copy()
         elif dt_s > 0:
             step = -np.expm1(-dt_s / SETTLE_S) * (x - self._settled)
             self._settled += step

@@ -18,12 +18,16 @@ def smooth_steps(x: np.ndarray, retention: np.ndarray) -> np.ndarray:
 
 
 @jit
-def remember(x: np.ndarray, dt_s: np.ndarray, settle_s: float, taus_s: np.ndarray, radii: np.ndarray) -> np.ndarray:
+def remember(
+    x: np.ndarray, dt_s: np.ndarray, settle_s: float, taus_s: np.ndarray, radii: np.ndarray, held: np.ndarray
+) -> np.ndarray:
     """Smoothed speeds, then play operators, of the lightly smoothed `x`; see `compensation.history`."""
     motions = len(taus_s)
     out = np.zeros((len(x), motions + len(radii)))
     settled = x[0]
-    out[0, motions:] = settled
+    out[0] = held
+    for i in range(len(radii)):
+        out[0, motions + i] = max(settled - radii[i], min(settled + radii[i], held[motions + i]))
     for k in range(1, len(x)):
         step, speed = 0.0, 0.0
         if dt_s[k - 1] > 0.0:

@@ -16,6 +16,7 @@ from compensation.adam import BATCH, train_adam
 from compensation.compensator import Compensator
 from compensation.network import Network
 from compensation.preprocessing import Series
+from compensation.runtime import ready_for_use
 from compensation.score import BLOCK_S
 from compensation.training import Options, training_arrays, untrained
 
@@ -24,6 +25,7 @@ FloatArray = NDArray[np.float64]
 # The history's features are standardised to this spread: a little more penalised than the bank's, which have about 1.
 HISTORY_SPREAD = 0.5
 STATE_SHIFT = 0.1
+PIECE_S = 40.0
 ROWS, SMALL_BATCH, RATE, AVERAGING, MAX_EPOCHS = 2_000, 40, 4e-3, 0.9, 1_000
 
 
@@ -74,19 +76,41 @@ class Lessons:
         return self.fit(np.ones(len(self.truth), dtype=bool), options, seed).absorbing(self.shift, self.scale)
 
 
-def lessons(series: Sequence[Series], target: str, options: Options) -> Lessons:
-    """Features and target of all training recordings, one after the other."""
+def lessons(series: Sequence[Series], target: str, options: Options, starts: bool = False) -> Lessons:
+    """Features and target of all training recordings, one after the other.
+
+    Parameters
+    ----------
+    starts : bool
+        Begin as a stream does (`compensation.runtime.Beginning`), and let the shifted versions begin anew every
+        `PIECE_S`, so that a network also learns from memories that have just been switched on.
+    """
     blank = untrained(series, target, options)
+    copies = [list(series), list(series)]
+    if starts:
+        blank = replace(ready_for_use(blank, series), start="causal")
+        copies = [pieces(series, PIECE_S, offset) for offset in (0.0, PIECE_S / 2)]
     features, truth = training_arrays(blank, series)
     shift, scale = np.zeros(blank.input_count), np.ones(blank.input_count)
     own = features[:, len(blank.alphas) :]
     shift[len(blank.alphas) :] = own.mean(axis=0)
     scale[len(blank.alphas) :] = HISTORY_SPREAD / np.maximum(own.std(axis=0), 1e-9)
-    moved = [training_arrays(_shifted(blank, by), series)[0] for by in (STATE_SHIFT, -STATE_SHIFT)]
+    shifts = zip((STATE_SHIFT, -STATE_SHIFT), copies, strict=True)
+    moved = [training_arrays(_shifted(blank, by), copy)[0] for by, copy in shifts]
     versions = tuple((values - shift) * scale for values in (features, *moved))
     duration_s = sum(part.time_s[-1] - part.time_s[0] for part in series)
     block_rows = max(int(len(truth) * BLOCK_S / duration_s), 1)
     return Lessons(blank, versions, truth, shift, scale, block_rows)
+
+
+def pieces(series: Sequence[Series], length_s: float, offset_s: float = 0.0) -> list[Series]:
+    """The recordings cut every `length_s`, the first cut after `offset_s` more; together the same samples."""
+    found = []
+    for part in series:
+        number = np.floor((part.time_s - part.time_s[0] - offset_s) / length_s)
+        for rows in np.split(np.arange(len(part)), np.flatnonzero(np.diff(number)) + 1):
+            found.append(part.rows(rows))
+    return found
 
 
 def _shifted(blank: Compensator, by: float) -> Compensator:

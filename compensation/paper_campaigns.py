@@ -40,7 +40,7 @@ def campaigns(
     runs : sequence of str
         The first ones of `RUNS`, as many as are wanted.
     number : int
-        Another number: other trajectories, other noise.
+        Another number: another specimen of the sensor, other trajectories, other noise.
     """
     from testbench.campaign import Plan, matches, simulate_campaign, vacant
     from testbench.knit.presets import preset
@@ -49,12 +49,13 @@ def campaigns(
 
     found: dict[str, Recording] = {}
     past: tuple[Path, ...] = ()
+    named = f"{sensor}@{number}" if number else sensor
     for name in runs:
         target = folder / f"{sensor}-{name}{_suffix(number)}"
         program = program_of(folder, name, number)
         motion, gauge_length_mm = played(program)
         seed = RUNS[name][2] + SEEDS_A_SET * number
-        plan = Plan(program, preset(sensor), gauge_length_mm, seed, sensor, past=past)
+        plan = Plan(program, preset(named), gauge_length_mm, seed, named, past=past)
         if not matches(target, plan):
             vacant(target, overwrite=True)
             simulate_campaign(plan, target, motion)

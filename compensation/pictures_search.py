@@ -33,7 +33,6 @@ def draw_search(ranking: Sequence[Ranked], path: str | Path) -> None:
     banks = sorted({row.key.split()[0] for row in alive}, key=_numbers)
     for bank, colour, marker in zip(banks, COLOURS, MARKERS, strict=False):
         rows = [row for row in alive if row.key.split()[0] == bank]
-        a, n = bank.split("^")
         axis.errorbar(
             [row.parameters for row in rows],
             [row.E for row in rows],
@@ -42,7 +41,7 @@ def draw_search(ranking: Sequence[Ranked], path: str | Path) -> None:
             ms=4,
             lw=0.6,
             color=colour,
-            label=f"a = {a}, N = {n}",
+            label=_named(bank),
         )
     axis.set(xscale="log", yscale="log", xlabel="weights and biases", ylabel="E (smaller is better)")
     _point_out(axis, alive[0], "best", (-40, -18))
@@ -71,8 +70,15 @@ def _ticks(low: float, high: float) -> list[float]:
 
 
 def _numbers(bank: str) -> tuple[float, int]:
+    if "^" not in bank:
+        return 0.0, 0
     a, n = bank.split("^")
     return float(a), int(n)
+
+
+def _named(bank: str) -> str:
+    """As in the paper's table."""
+    return "a = {}, N = {}".format(*bank.split("^")) if "^" in bank else f"{bank} (set by hand)"
 
 
 def _point_out(axis, row: Ranked, text: str, offset: tuple[int, int]) -> None:

@@ -36,6 +36,10 @@ class Series:
     def __len__(self) -> int:
         return len(self.time_s)
 
+    def rows(self, rows: NDArray[np.intp]) -> Series:
+        """Some of its samples."""
+        return Series(self.time_s[rows], self.conductance_S[rows], self.truth[rows], self.source)
+
 
 def series_of(recording: Recording, target: str, rate_hz: float | None) -> Series:
     """Input and target of a recording.

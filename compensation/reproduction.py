@@ -12,7 +12,7 @@ from compensation import score
 from compensation.compensator import Compensator
 from compensation.engines import engine
 from compensation.preprocessing import Series, series_of
-from compensation.training import Options, training_arrays, untrained
+from compensation.training import Options, scaling_of_target, training_arrays, untrained
 from compensation.tuning import choose, ensemble, tune
 from testbench.recording import Recording
 
@@ -64,10 +64,11 @@ def over_seeds(
     blank = untrained([training], target, options)
     features, truth = training_arrays(blank, [training])
     inputs = [blank.features(part.time_s, part.conductance_S) for part in tests]
+    scales = [scaling_of_target(blank, part) for part in tests]
     predictions, dead, fitted = [], [], []
     for seed in range(seeds):
         network = engine(options.engine)(features, truth, options.sizes, seed, options.l2).network
-        predictions.append([blank.scaling_out.invert(network(values)) for values in inputs])
+        predictions.append([scale.invert(network(values)) for scale, values in zip(scales, inputs, strict=True)])
         dead.append(network.is_dead(features))
         fitted.append(score.r2(truth, network(features)))
     scores = [

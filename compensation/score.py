@@ -22,6 +22,12 @@ def r2(truth: FloatArray, prediction: FloatArray) -> float:
     return 1.0 - error / spread
 
 
+def r2_ordinary(truth: FloatArray, prediction: FloatArray) -> float:
+    """The usual coefficient of determination, as `sklearn.metrics.r2_score`: an error in level counts in full."""
+    truth, prediction = np.asarray(truth), np.asarray(prediction)
+    return 1.0 - float(np.sum((truth - prediction) ** 2)) / float(np.sum((truth - truth.mean()) ** 2))
+
+
 def standardised(values: FloatArray) -> FloatArray:
     """Zero mean, unit variance (population), as scikit-learn's StandardScaler."""
     return (values - values.mean()) / values.std()

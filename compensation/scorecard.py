@@ -60,6 +60,7 @@ def _score_one(compensator: Compensator, part: Series) -> dict[str, Any]:
         "samples": len(part),
         "r2_before": before,
         "r2_after": after,
+        "r2_ordinary": score.r2_ordinary(part.truth, prediction),
         "r2_after_interval": list(score.block_interval(part.truth, prediction, part.time_s)),
         "rho2_before": score.rho_squared(part.truth, part.conductance_S),
         "gain": after - before,

@@ -1,44 +1,19 @@
-"""The sweep over smoothing banks and topologies: 8 x 114 = 912 candidates, each from several seeds.
-
-The enumeration: 20 topologies (non-increasing shares 1, 1/2, 1/4 of a base in one to four layers, the first layer
-being the base), sizes rounded down, every topology with a layer below 2 left out, and no tuple twice. A base of 2 or
-3 then gives 4 networks, one of 4 to 7 gives 10, a larger one 20. The paper counts 114, so with one base below 4 there
-are b of 4 to 7 and c above with b + 2 c = 11; which ones it took is not known here. `BASES` is one such list.
-Each network is trained behind 8 smoothing banks.
-"""
+"""The sweep over candidates (`compensation.candidates`), each from several seeds."""
 
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from functools import lru_cache
-from itertools import combinations_with_replacement
 from pathlib import Path
 from typing import Any
 
+from compensation.candidates import Candidate
 from gcode.support.errors import UserError
 
-SHARES, MAX_LAYERS, SMALLEST_LAYER = (1.0, 0.5, 0.25), 4, 2
-BASES = (2, 4, 8, 12, 16, 24, 32)
 DASK_ROUND = 50
 RANKED_BY = ("seed", "parameters", "dead", "E", "r2_A", "r2_B")
-BANKS = ((1.5, 7), (1.5, 14), (1.75, 7), (1.75, 10), (2.0, 7), (2.0, 9), (2.5, 5), (2.5, 7))
-
-
-@dataclass(frozen=True)
-class Candidate:
-    """One network behind one bank."""
-
-    factor: float
-    count: int
-    sizes: tuple[int, ...]
-
-    @property
-    def key(self) -> str:
-        """Short name, unique among candidates."""
-        return f"{self.factor:g}^{self.count} {'-'.join(map(str, self.sizes))}"
 
 
 @dataclass(frozen=True)
@@ -49,31 +24,7 @@ class Task:
     gauge_length_mm: float | None
     target: str
     engine: str
-
-
-def topologies() -> list[tuple[float, ...]]:
-    """Shares of the base, layer by layer."""
-    tails = (tail for length in range(MAX_LAYERS) for tail in combinations_with_replacement(SHARES, length))
-    return [(1.0, *tail) for tail in tails]
-
-
-def hidden_layers(bases: Sequence[int] = BASES) -> list[tuple[int, ...]]:
-    """Every distinct tuple of layer sizes."""
-    found = (tuple(math.floor(base * share) for share in shares) for base in bases for shares in topologies())
-    return list(dict.fromkeys(sizes for sizes in found if min(sizes) >= SMALLEST_LAYER))
-
-
-def candidates(bases: Sequence[int] = BASES) -> list[Candidate]:
-    """Every network behind every bank: 912 with the default bases."""
-    return [Candidate(factor, count, sizes) for factor, count in BANKS for sizes in hidden_layers(bases)]
-
-
-def spread(everything: Sequence[Candidate], count: int) -> list[Candidate]:
-    """So many of them, spread over banks and networks; a larger count keeps those of a smaller one."""
-    size = len(everything)
-    # Steps of the golden section, and without a common divisor: no bank and no network is met more often than others.
-    stride = next(step for step in range(max(int(size * (5**0.5 - 1) / 2), 1), 0, -1) if math.gcd(step, size) == 1)
-    return [everything[index * stride % size] for index in range(min(count, size))]
+    per_recording: bool = False
 
 
 def evaluate(task: Task, candidate: Candidate, seed: int) -> dict[str, Any]:
@@ -81,13 +32,13 @@ def evaluate(task: Task, candidate: Candidate, seed: int) -> dict[str, Any]:
     from compensation.engines import DEFAULT_L2, engine
     from compensation.score import error_of_two, r2
 
-    (features, truth), *tests = _arrays(task, candidate.factor, candidate.count)
+    (features, truth), *tests = _arrays(task, candidate.bank.alphas)
     network = engine(task.engine)(features, truth, candidate.sizes, seed, DEFAULT_L2).network
     scores = [r2(target, network(inputs)) for inputs, target in tests]
     return {
         "key": candidate.key,
         "seed": seed,
-        **asdict(candidate),
+        "alphas": list(candidate.bank.alphas),
         "sizes": list(candidate.sizes),
         "parameters": network.parameter_count,
         "dead": network.is_dead(features),
@@ -114,13 +65,13 @@ def _series(task: Task) -> list[Any]:
 
 
 @lru_cache(maxsize=8)
-def _arrays(task: Task, factor: float, count: int) -> list[Any]:
+def _arrays(task: Task, alphas: tuple[float, ...]) -> list[Any]:
     """Features and standardised target of training, A and B."""
-    from compensation.training import Options, untrained
+    from compensation.training import Options, training_arrays, untrained
 
     series = _series(task)
-    blank = untrained(series[:1], task.target, Options(factor=factor, count=count))
-    return [(blank.features(part.time_s, part.conductance_S), blank.scaling_out.apply(part.truth)) for part in series]
+    blank = untrained(series[:1], task.target, Options(alphas=alphas, per_recording=task.per_recording))
+    return [training_arrays(blank, [part]) for part in series]
 
 
 def sweep(
@@ -207,7 +158,7 @@ def _on_cluster(
 
 def _open_results(path: Path, task: Task) -> list[dict[str, Any]]:
     """Rows so far; a new file gets a first line that says what it is about."""
-    header = {"format": "knitbench-search", "version": 1, "task": json.loads(json.dumps(asdict(task)))}
+    header = {"format": "knitbench-search", "version": 2, "task": json.loads(json.dumps(asdict(task)))}
     if not path.exists():
         try:
             path.write_text(json.dumps(header) + "\n", encoding="utf-8")

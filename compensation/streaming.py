@@ -7,20 +7,30 @@ import numpy as np
 from compensation.compensator import Compensator
 from compensation.ema import start_samples
 from compensation.history import RunningHistory
+from compensation.runtime import Status, beginning_of, fault_of, limits_of, ranges_of
 
 
 class CompensatorStream:
-    """Running state of a compensator.
+    """Running state of a compensator; cannot be poisoned (see `compensation.runtime`).
 
     A filter's output is its response from a zero state plus a fading share of its initial value, so the mean of the
     first M samples can be put in when it is known, without keeping those samples. Before that, the mean of those
-    seen so far stands in (``start="causal"``): outputs equal the paper's from the longest M on (31 samples, 1.5 s).
+    seen so far stands in (``start="causal"``).
+
+    Attributes
+    ----------
+    value : float
+        The last prediction, in N or mm; before the first one the mean of the training.
+    status : Status
+        Of the last sample.
     """
 
     def __init__(self, compensator: Compensator) -> None:
         self._compensator = compensator
         self._log_keep = np.log1p(-np.minimum(compensator.alphas, 1 - 1e-16))
         self._lengths = start_samples(compensator.alphas, compensator.rate_hz)
+        self._seen_in_training, self._beginning = ranges_of(compensator), beginning_of(compensator)
+        self._limits = limits_of(compensator)
         self.reset()
 
     def reset(self) -> None:
@@ -30,6 +40,7 @@ class CompensatorStream:
         self._sums, self._seen = np.zeros(count), np.zeros(count)
         self._elapsed_steps, self._first = 0.0, True
         self._history = RunningHistory(self._compensator.history)
+        self.value, self.status = float(self._compensator.scaling_out.mean), Status.STARTING
 
     def update(self, conductance_S: float, dt_s: float | None = None) -> float:
         """Feed one sample.
@@ -38,19 +49,34 @@ class CompensatorStream:
         ----------
         conductance_S : float
         dt_s : float, optional
-            Time since the last sample; by default one step at the compensator's rate. Ignored for the first sample.
+            Time since the last sample that was not left out; by default one step at the compensator's rate. Ignored
+            for the first sample.
 
         Returns
         -------
         float
-            Force (N) or displacement (mm).
+            Force (N) or displacement (mm); `status` says whether it is good.
         """
         compensator = self._compensator
-        x = (conductance_S - compensator.scaling_in.mean) / compensator.scaling_in.scale
-        steps = 1.0 if dt_s is None else dt_s * compensator.rate_hz
+        step_s = 1.0 / compensator.rate_hz if dt_s is None or self._first else dt_s
+        fault = fault_of(conductance_S, step_s)
+        if fault:
+            self.status = fault
+            return self.value
+        reading = (conductance_S - compensator.scaling_in.mean) / compensator.scaling_in.scale
+        features, starting = self._remember(float(np.clip(reading, *self._limits)), step_s)
+        output = float(np.mean([network(features[None, :])[0] for network in compensator.networks]))
+        self.value = output * compensator.scaling_out.scale + compensator.scaling_out.mean
+        self.status = self._status(reading, features, starting)
+        return self.value
+
+    def _remember(self, x: float, step_s: float) -> tuple[np.ndarray, bool]:
+        """Take x into all memories: the networks' inputs, and whether any filter is still starting."""
+        count, begin = len(self._forced), self._beginning
         if self._first:
             self._first = False
         else:
+            steps = step_s * self._compensator.rate_hz
             self._elapsed_steps += steps
             keep = np.exp(self._log_keep * steps)
             self._forced = x + keep * (self._forced - x)
@@ -58,7 +84,15 @@ class CompensatorStream:
         starting = (self._elapsed_steps < self._lengths - 0.5) | (self._seen == 0)
         self._sums[starting] += x
         self._seen[starting] += 1
-        smoothed = self._forced + self._fading * self._sums / self._seen
-        features = np.concatenate([smoothed, self._history.update(x, steps / compensator.rate_hz)])[None, :]
-        output = float(np.mean([network(features)[0] for network in compensator.networks]))
-        return output * compensator.scaling_out.scale + compensator.scaling_out.mean
+        initial = begin.offset[:count] + begin.gain[:count] * self._sums / self._seen
+        held = begin.offset[count:] + begin.gain[count:] * x
+        remembered = self._history.update(x, step_s, held)
+        return np.concatenate([self._forced + self._fading * initial, remembered]), bool(starting.any())
+
+    def _status(self, reading: float, features: np.ndarray, starting: bool) -> Status:
+        seen, status = self._seen_in_training, Status.GOOD
+        if not seen.low <= reading <= seen.high:
+            status |= Status.UNSEEN_READING
+        if ((features < seen.inputs_low) | (features > seen.inputs_high)).any():
+            status |= Status.UNSEEN_HISTORY
+        return status | Status.STARTING if starting else status

@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compensation.compensator import Compensator, Scaling
-from compensation.ema import PAPER_COUNT, PAPER_FACTOR, PAPER_RATE_HZ, smoothing_factors
+from compensation.ema import PAPER_COUNT, PAPER_FACTOR, PAPER_RATE_HZ, given_factors, smoothing_factors
 from compensation.engines import DEFAULT_L2, Fit, engine
 from compensation.history import NO_HISTORY, History
 from compensation.preprocessing import Series, series_of
+from compensation.runtime import ready_for_use
 from compensation.score import r2
 from testbench.recording import Recording
 
@@ -33,6 +34,8 @@ class Options:
         Hidden layers.
     factor, count : float, int
         Smoothing factors ``alpha_i = factor^-i``, i = 1..count.
+    alphas : tuple of float, optional
+        Smoothing factors set by hand, in place of those.
     l2 : float
         MLPRegressor's ``alpha``.
     seed : int
@@ -61,6 +64,12 @@ class Options:
     engine: str = "exact"
     rate_hz: float = PAPER_RATE_HZ
     history: History = NO_HISTORY
+    alphas: tuple[float, ...] | None = None
+
+    @property
+    def bank(self) -> FloatArray:
+        """Smoothing factors, set or calculated."""
+        return smoothing_factors(self.factor, self.count) if self.alphas is None else given_factors(self.alphas)
 
 
 def train(
@@ -110,7 +119,7 @@ def train_on_series(
     scores = [r2(truth, fit.network(features)) for fit in fits]
     best = int(np.argmax(scores))
     recipe = describe(series, options, fits, features) | {"seed": options.seed + best, "training_r2": scores[best]}
-    return replace(blank, networks=(fits[best].network,), recipe=recipe)
+    return ready_for_use(replace(blank, networks=(fits[best].network,), recipe=recipe), series)
 
 
 def untrained(series: Sequence[Series], target: str, options: Options) -> Compensator:
@@ -120,7 +129,7 @@ def untrained(series: Sequence[Series], target: str, options: Options) -> Compen
     return Compensator(
         target=target,
         rate_hz=options.rate_hz,
-        alphas=smoothing_factors(options.factor, options.count),
+        alphas=options.bank,
         scaling_in=Scaling.of(conductance),
         scaling_out=Scaling.of(truth),
         networks=(),
@@ -134,9 +143,13 @@ def untrained(series: Sequence[Series], target: str, options: Options) -> Compen
 def training_arrays(blank: Compensator, series: Sequence[Series]) -> tuple[FloatArray, FloatArray]:
     """Features (n, k) and standardised target (n,) of all recordings, one after the other."""
     features = [blank.features(part.time_s, part.conductance_S) for part in series]
-    scalings = [Scaling.of(part.truth) if blank.per_recording else blank.scaling_out for part in series]
-    truth = [scaling.apply(part.truth) for scaling, part in zip(scalings, series, strict=True)]
+    truth = [scaling_of_target(blank, part).apply(part.truth) for part in series]
     return np.concatenate(features), np.concatenate(truth)
+
+
+def scaling_of_target(blank: Compensator, part: Series) -> Scaling:
+    """By which a recording's target is standardised: its own, or the training's."""
+    return Scaling.of(part.truth) if blank.per_recording else blank.scaling_out
 
 
 def describe(series: Sequence[Series], options: Options, fits: Sequence[Fit], features: FloatArray) -> dict[str, Any]:
@@ -148,6 +161,7 @@ def describe(series: Sequence[Series], options: Options, fits: Sequence[Fit], fe
         "sizes": list(options.sizes),
         "factor": options.factor,
         "count": options.count,
+        "alphas": options.bank.tolist(),
         "l2": options.l2,
         "restarts": len(fits),
         "dead_networks": sum(fit.network.is_dead(features) for fit in fits),

@@ -28,6 +28,7 @@ from compensation.history import NO_HISTORY, History
 from compensation.lessons import Lessons, lessons
 from compensation.network import Network
 from compensation.preprocessing import Series
+from compensation.runtime import ready_for_use
 from compensation.score import r2
 from compensation.training import Options, describe, training_arrays, untrained
 
@@ -201,7 +202,7 @@ def ensemble(
         "members": [_summary(choice) for choice in decision.members],
         "cross_validation": [_summary(choice) for choice in decision.tried],
     }
-    return replace(blank, networks=tuple(live), recipe=recipe)
+    return ready_for_use(replace(blank, networks=tuple(live), recipe=recipe), series)
 
 
 def _union(histories: Sequence[History]) -> History:

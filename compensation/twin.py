@@ -18,6 +18,7 @@ from compensation.engines import Fit
 from compensation.history import History
 from compensation.lessons import lessons
 from compensation.preprocessing import Series, series_of
+from compensation.runtime import ready_for_use
 from compensation.score import r2
 from compensation.training import Options, describe, training_arrays
 from compensation.tuning import MOTION_TAUS_S, PLAY_RADII
@@ -132,4 +133,4 @@ def learned(
         "twin_campaigns": [part.source for part in twins],
         "training_r2": r2(truth, prediction),
     }
-    return replace(learning.blank, networks=live, recipe=recipe)
+    return ready_for_use(replace(learning.blank, networks=live, recipe=recipe), series)

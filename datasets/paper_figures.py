@@ -1,12 +1,12 @@
 """The figures by which a simulated campaign is compared with the published ones.
 
 Aigner and Stöckl, "Machine Learning Based Compensation for Inconsistencies in Knitted Force Sensors" (2023,
-arXiv:2306.12129). A campaign is three recordings of one sensor: T to train on, A and B to judge on.
+arXiv:2306.12129). A campaign is five recordings of one sensor, one after another: T to train on, A and B to judge on,
+then two of the fast set. Each is standardised by itself (docs/decisions/0180-scaler-of-the-paper.md).
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cache
 from typing import NamedTuple
 
@@ -18,11 +18,21 @@ from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel, inputs
 from testbench.rig.past import DEFAULT_REST_S
 
-RECORDINGS = ("paper-1", "paper-2", "paper-3")
+SLOW, FAST = ("paper-1", "paper-2", "paper-3"), ("fast", "fast")
+RECORDINGS = SLOW + FAST
 GAUGE_LENGTH_MM, RATE_HZ = 25.0, 20.0
-ALPHAS = 2.5 ** -np.arange(1.0, 8.0)
+COUNT, FACTOR, FINER = 7, 2.5, 1.75
 EVERY = 10  # rows that the stand-in learns from; neighbours at 20 Hz tell nothing new
 TARGETS = {"force_N": "force", "strain": "displacement"}
+# What is trained on, what is judged, what is learned, smoothing factor: one row a figure after compensation.
+T, A, B, FAST_T, FAST_A = range(5)
+AFTER = (
+    (T, (T, A, B), "force_N", FACTOR),
+    (T, (T, A, B), "strain", FACTOR),
+    (FAST_T, (FAST_A,), "force_N", FACTOR),
+    (FAST_T, (FAST_A,), "force_N", FINER),
+    (T, (FAST_A,), "force_N", FACTOR),
+)
 
 
 class Recording(NamedTuple):
@@ -33,22 +43,6 @@ class Recording(NamedTuple):
     conductance_S: FloatArray
 
 
-@dataclass(frozen=True)
-class Published:
-    """Figures of one sensor: before compensation for T, A, B; after it, as the mean over A and B."""
-
-    force_before: tuple[float, float, float]
-    displacement_before: tuple[float, float, float]
-    force_after: float
-    displacement_after: float
-
-
-PUBLISHED = {
-    "pes": Published((0.423, 0.471, 0.526), (0.319, 0.319, 0.260), 0.78, 0.68),
-    "lycra": Published((0.703, 0.667, 0.734), (0.337, 0.479, 0.490), 0.83, 0.65),
-}
-
-
 @cache
 def motion(name: str, seed: int) -> tuple[FloatArray, FloatArray]:
     """Time and nominal strain of one of the paper's trajectories."""
@@ -56,13 +50,13 @@ def motion(name: str, seed: int) -> tuple[FloatArray, FloatArray]:
     return planned.time_s, planned.position_mm / GAUGE_LENGTH_MM
 
 
-def campaign(model: KnitModel, seed: int) -> list[Recording]:
-    """Recordings T, A and B of one sensor, one after another with rests between, as ``testbench run --after`` does.
+def campaign(model: KnitModel, seed: int, runs: tuple[str, ...] = RECORDINGS) -> list[Recording]:
+    """Recordings of one sensor, one after another with rests between, as ``testbench run --after`` does.
 
     T is the first stretch of a new sensor. Each has a trajectory seed of its own: with one seed, the paper's three
     trajectories are nearly the same motion.
     """
-    motions = [motion(name, len(RECORDINGS) * seed + index)[1] for index, name in enumerate(RECORDINGS)]
+    motions = [motion(name, len(RECORDINGS) * seed + index)[1] for index, name in enumerate(runs)]
     rest = np.zeros(round(DEFAULT_REST_S * RATE_HZ))
     strain = np.concatenate([part for one in motions for part in (one, rest)])
     out = model.simulate(inputs(np.arange(len(strain)) / RATE_HZ, strain), 1 / RATE_HZ)
@@ -72,6 +66,11 @@ def campaign(model: KnitModel, seed: int) -> list[Recording]:
         recordings.append(Recording(one, out["force_N"][rows], out["conductance_S"][rows]))
         start += len(one) + len(rest)
     return recordings
+
+
+def standardised(values: FloatArray) -> FloatArray:
+    """Zero mean, unit variance."""
+    return (values - values.mean()) / values.std()
 
 
 def r2_before(truth: FloatArray, conductance_S: FloatArray) -> float:
@@ -90,48 +89,39 @@ def drift(recording: Recording) -> float:
     return float(recording.conductance_S[-rows:].mean() / recording.conductance_S[:rows].mean())
 
 
-def smoothing_banks(recordings: list[Recording]) -> list[FloatArray]:
-    """The paper's seven exponential smoothings of the conductance, scaled by T's mean and spread, each (n, 7)."""
-    from compensation.ema import smooth
+def quickly_compensated(recordings: list[Recording]) -> list[float]:
+    """r2 after a quadratic ridge regression on the bank, a stand-in for the network; in the order of `AFTER`."""
+    from compensation.ema import smooth, smoothing_factors
 
-    mean, spread = recordings[0].conductance_S.mean(), recordings[0].conductance_S.std()
-    return [smooth((r.conductance_S - mean) / spread, ALPHAS, RATE_HZ) for r in recordings]
-
-
-def quickly_learned(recordings: list[Recording], banks: list[FloatArray], target: str) -> float:
-    """Held-out r2, mean over A and B, of a quadratic ridge regression on T's bank: a stand-in for the network.
-
-    Parameters
-    ----------
-    recordings : list of Recording
-        T, A, B.
-    banks : list of ndarray, each shape (n, 7)
-        Their `smoothing_banks`.
-    target : {"force_N", "strain"}
-    """
-    truth = [getattr(recording, target)[::EVERY] for recording in recordings]
-    mean, spread = truth[0].mean(), truth[0].std()
-    features = [_monomials(bank[::EVERY]) for bank in banks]
-    weights = _ridge(features[0], (truth[0] - mean) / spread)
-    held_out = zip(truth[1:], features[1:], strict=True)
-    return float(np.mean([r2((y - mean) / spread, x @ weights) for y, x in held_out]))
+    signals = [standardised(r.conductance_S) for r in recordings]
+    monomials = {
+        factor: [_monomials(smooth(x, smoothing_factors(factor, COUNT), RATE_HZ)[::EVERY]) for x in signals]
+        for factor in (FACTOR, FINER)
+    }
+    found = []
+    for training, tests, target, factor in AFTER:
+        truth = [standardised(getattr(recording, target))[::EVERY] for recording in recordings]
+        weights = _ridge(monomials[factor][training], truth[training])
+        found += [r2(truth[test], monomials[factor][test] @ weights) for test in tests]
+    return found
 
 
-def learned(recordings: list[Recording], target: str, engine: str = "exact") -> float:
-    """Held-out r2, mean over A and B, of the paper's compensator trained on every row of T.
-
-    It is the one of ``compensation train``: network (4, 2, 2), the best of five starts by training score (single
-    starts are often dead), scaled by T's mean and spread, since a sensor in use knows no other.
-    """
+def compensated(recordings: list[Recording], engine: str = "fast", starts: int = 5) -> list[float]:
+    """The same by the paper's network (4, 2, 2), mean over the live ones of `starts` seeds."""
     from compensation.preprocessing import Series
-    from compensation.training import Options, train_on_series
+    from compensation.reproduction import over_seeds
+    from compensation.training import Options
 
-    series = [
-        Series(np.arange(len(r.strain)) / RATE_HZ, r.conductance_S, getattr(r, target), "simulated")
-        for r in recordings
-    ]
-    trained = train_on_series(series[:1], TARGETS[target], Options(engine=engine))
-    return float(np.mean([r2(part.truth, trained.predict_series(part)) for part in series[1:]]))
+    found: list[float] = []
+    for training, tests, target, factor in AFTER:
+        series = [
+            Series(np.arange(len(r.strain)) / RATE_HZ, r.conductance_S, getattr(r, target), "simulated")
+            for r in recordings
+        ]
+        options = Options(engine=engine, factor=factor, count=COUNT, per_recording=True)
+        seeds = over_seeds(series[training], [series[test] for test in tests], TARGETS[target], starts, options)
+        found += list((seeds.live if len(seeds.live) else seeds.r2).mean(axis=0))
+    return found
 
 
 def _monomials(x: FloatArray) -> FloatArray:

@@ -19,25 +19,28 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from paper_figures import PUBLISHED, campaign, drift, learned, quickly_learned, r2_before, smoothing_banks
+from paper_figures import FAST_A, campaign, compensated, drift, quickly_compensated, r2_before
 from scipy.optimize import least_squares
 
+from compensation.published import COMPENSATED, RAW, TRANSFER
 from gcode.support.files import read_json, write_json
 from testbench.knit.catalogue import load_catalogue, model_from_dict
 from testbench.knit.effect import FloatArray, bounds_of
 from testbench.knit.model import KnitModel
 
 PRESETS = Path(__file__).parents[1] / "testbench" / "knit" / "presets"
-TUNING_SEEDS, CHECK_SEEDS = tuple(range(32)), tuple(range(100, 120))
-NETWORK_TUNING_SEEDS, NETWORK_CHECK_SEEDS = TUNING_SEEDS[:8], CHECK_SEEDS[:12]
+TUNING_SEEDS, CHECK_SEEDS = tuple(range(6)), tuple(range(100, 110))
+NETWORK_TUNING_SEEDS, NETWORK_CHECK_SEEDS = TUNING_SEEDS, CHECK_SEEDS
 ROUNDS, STEPS_A_ROUND = 3, 6
-MEAN_SPEED_PER_S = 0.04  # of the paper's trajectories, as strain
+# Figures that would else be traded for the others.
+BEFORE_WEIGHTS = {"pes": np.array([1.5] + [1.0] * 5 + [2.0]), "lycra": np.array([1.0] * 3 + [2.0, 1.0, 1.0, 1.0])}
+AFTER_WEIGHTS = np.array([1.0] * 6 + [1.5, 1.5, 1.0])
 SHIFT = 10.0  # least_squares takes difference steps relative to the variable, which must not be zero then
 
 # What is not tuned. The stiffness gives 3 to 5 N at 30 %; offset_N is the pretension in the clamps.
 COMMON: dict[str, dict[str, float]] = {
-    "permanent_set_recovering": {"fraction": 0.12, "tau_s": 300},
-    "permanent_set_worked": {"amount": 0.03, "scale": 30},
+    "permanent_set_recovering": {"fraction": 0.12, "tau_s": 300, "pretension": 0.3},
+    "permanent_set_worked": {"amount": 0.03, "scale": 30, "pretension": 0.3},
     "elasticity": {"stiffness_N": 6, "curvature": 3.5, "offset_N": 0.6},
     "hysteresis": {"friction_N": 0.4, "threshold": 0.02, "growth": 3},
     "stress_relaxation": {"fraction": 0.2, "tau_s": 15},
@@ -123,28 +126,37 @@ def model_in_file(name: str, folder: Path = PRESETS) -> KnitModel:
 
 
 def figures(model: KnitModel, seeds: tuple[int, ...]) -> dict[str, FloatArray]:
-    """Figures of simulated campaigns: of T, A, B shape (seeds, 3); after compensation, by the stand-in, (seeds,)."""
-    rows: dict[str, list[Any]] = {key: [] for key in ("force_before", "displacement_before", "drift", "level")}
-    rows |= {key: [] for key in ("force_after", "displacement_after", "low_N", "high_N")}
+    """Figures of simulated campaigns before compensation, and what is plausible: each with a row a seed."""
+    rows: dict[str, list[Any]] = {key: [] for key in ("before", "after", "drift", "level", "low_N", "high_N")}
     for seed in seeds:
         recordings = campaign(model, seed)
-        banks = smoothing_banks(recordings)
-        rows["force_before"].append([r2_before(r.force_N, r.conductance_S) for r in recordings])
-        rows["displacement_before"].append([r2_before(r.strain, r.conductance_S) for r in recordings])
-        rows["drift"].append([drift(recording) for recording in recordings])
-        rows["level"].append([np.log(r.conductance_S.mean()) for r in recordings])
-        rows["force_after"].append(quickly_learned(recordings, banks, "force_N"))
-        rows["displacement_after"].append(quickly_learned(recordings, banks, "strain"))
-        rows["low_N"].append(min(r.force_N.min() for r in recordings))
-        rows["high_N"].append(max(r.force_N.max() for r in recordings))
+        slow = recordings[:3]
+        before = [r2_before(r.force_N, r.conductance_S) for r in slow]
+        before += [r2_before(r.strain, r.conductance_S) for r in slow]
+        rows["before"].append([*before, r2_before(recordings[FAST_A].force_N, recordings[FAST_A].conductance_S)])
+        rows["after"].append(quickly_compensated(recordings))
+        rows["drift"].append([drift(recording) for recording in slow])
+        rows["level"].append([np.log(r.conductance_S.mean()) for r in slow])
+        rows["low_N"].append(min(r.force_N.min() for r in slow))
+        rows["high_N"].append(max(r.force_N.max() for r in slow))
     return {key: np.array(value) for key, value in rows.items()}
 
 
-def network_figures(model: KnitModel, seeds: tuple[int, ...], engine: str) -> dict[str, FloatArray]:
-    """Figures after compensation by the paper's network, each shape (seeds,)."""
-    campaigns = [campaign(model, seed) for seed in seeds]
-    targets = {"force_after": "force_N", "displacement_after": "strain"}
-    return {key: np.array([learned(one, target, engine) for one in campaigns]) for key, target in targets.items()}
+def network_figures(model: KnitModel, seeds: tuple[int, ...], engine: str) -> FloatArray:
+    """Figures after compensation by the paper's network, shape (seeds, 9)."""
+    return np.array([compensated(campaign(model, seed), engine) for seed in seeds])
+
+
+def wanted_before(name: str) -> FloatArray:
+    """Published r2 before compensation: force and displacement on T, A, B, and the fast set's (PES alone)."""
+    return np.array([*RAW[name, "force"], *RAW[name, "displacement"], TRANSFER.raw if name == "pes" else np.nan])
+
+
+def wanted_after(name: str) -> FloatArray:
+    """Published r2 after it, in the order of `paper_figures.AFTER`."""
+    gains = (TRANSFER.gain_trained_there, TRANSFER.gain_trained_there_finer, TRANSFER.gain_trained_slow)
+    fast = [TRANSFER.raw * (1 + gain) if name == "pes" else np.nan for gain in gains]
+    return np.array([*COMPENSATED[name, "force"], *COMPENSATED[name, "displacement"], *fast])
 
 
 def bent(distance: FloatArray | float) -> FloatArray:
@@ -153,21 +165,18 @@ def bent(distance: FloatArray | float) -> FloatArray:
     return distance / 0.01 * (1 + np.minimum((distance / 0.03) ** 2, 4.0))
 
 
-def misfit(name: str, model: KnitModel, offsets: dict[str, float]) -> FloatArray:
+def misfit(name: str, model: KnitModel, offsets: FloatArray) -> FloatArray:
     """Distances from the published figures, and soft limits of what is plausible."""
-    now, wanted = figures(model, TUNING_SEEDS), PUBLISHED[name]
-    disturbed = model["electrical_overshoot_magnitude"]
+    now = figures(model, TUNING_SEEDS)
+    after = now["after"].mean(axis=0) + offsets
     return np.concatenate(
         [
-            bent(now["force_before"].mean(axis=0) - wanted.force_before),
-            bent(now["displacement_before"].mean(axis=0) - wanted.displacement_before),
-            bent(now["force_after"].mean() + offsets["force_after"] - wanted.force_after),
-            bent(now["displacement_after"].mean() + offsets["displacement_after"] - wanted.displacement_after),
+            bent(np.nan_to_num(now["before"].mean(axis=0) - wanted_before(name))) * BEFORE_WEIGHTS[name],
+            bent(np.nan_to_num(after - wanted_after(name))) * AFTER_WEIGHTS,
             [
                 (now["drift"][:, 0].mean() - 1.2) / 0.03,
                 max(0.0, 1.03 - now["drift"][:, 1:].mean(axis=0).min()) / 0.01,
                 max(0.0, np.ptp(now["level"].mean(axis=0)) - 0.06) / 0.01,
-                max(0.0, disturbed.gain * MEAN_SPEED_PER_S * disturbed.tau_s - 0.7) / 0.05,
                 max(0.0, -0.15 - now["low_N"].min()) / 0.1,
                 max(0.0, now["high_N"].max() - 6) / 0.3,
             ],
@@ -190,42 +199,52 @@ def tune(name: str, start: KnitModel) -> KnitModel:
             max_nfev=STEPS_A_ROUND,
         )
         steps = found.x - SHIFT
-        print(f"{name}, round {turn + 1}: cost {found.cost:.2f}, network minus stand-in {offsets}", flush=True)
+        print(
+            f"{name}, round {turn + 1}: cost {found.cost:.2f}, network minus stand-in {offsets.round(3)}", flush=True
+        )
     return moved(model, steps, digits=4)
 
 
-def stand_in_offsets(model: KnitModel) -> dict[str, float]:
-    """By how much the network does better than its stand-in."""
-    quick = figures(model, NETWORK_TUNING_SEEDS)
-    network = network_figures(model, NETWORK_TUNING_SEEDS, "fast")
-    return {key: round(float(values.mean() - quick[key].mean()), 4) for key, values in network.items()}
+def stand_in_offsets(model: KnitModel) -> FloatArray:
+    """By how much the network does better than its stand-in, figure by figure."""
+    quick = figures(model, NETWORK_TUNING_SEEDS)["after"]
+    return network_figures(model, NETWORK_TUNING_SEEDS, "fast").mean(axis=0) - quick.mean(axis=0)
 
 
 def report(name: str, model: KnitModel) -> bool:
-    """Print simulated beside published figures on seeds not used for tuning; whether all are within 0.05."""
-    now, wanted = figures(model, CHECK_SEEDS), PUBLISHED[name]
-    print(f"\n{name}: mean (SD over {len(CHECK_SEEDS)} campaigns of T, A and B that were not used for tuning)")
+    """Print simulated beside published figures on seeds not used for tuning; whether all are as near as they must."""
+    now = figures(model, CHECK_SEEDS)
+    print(f"\n{name}: mean (SD over {len(CHECK_SEEDS)} campaigns that were not used for tuning)")
+    labels = [f"r2({what}, G) {run}" for what in "Fd" for run in "TAB"]
     fine = True
-    for key, label in (("force_before", "r2(F, G)"), ("displacement_before", "r2(d, G)")):
-        for column, published in enumerate(getattr(wanted, key)):
-            fine &= _line(f"{label} {'TAB'[column]}", now[key][:, column], published)
-        fine &= _line(f"{label} mean", now[key].mean(axis=1), float(np.mean(getattr(wanted, key))))
+    for label, values, published in zip(labels, now["before"].T, wanted_before(name), strict=False):
+        fine &= _line(label, values, published, 0.05)
     after = network_figures(model, NETWORK_CHECK_SEEDS, "exact")
-    print(f"  after compensation, trained on all rows of T, mean of A and B; {len(NETWORK_CHECK_SEEDS)} campaigns:")
-    fine &= _line("r2(F, p)", after["force_after"], wanted.force_after)
-    fine &= _line("r2(d, p)", after["displacement_after"], wanted.displacement_after)
+    for label, values, published in zip(labels, after.T, wanted_after(name), strict=False):
+        fine &= _line(label.replace("G", "p"), values, published, 0.05)
+    fast = now["before"][: len(after), -1]
+    published = TRANSFER.raw if name == "pes" else np.nan
+    fine &= _line("fast raw", now["before"][:, -1], published, 0.1)
+    gains = wanted_after(name)[6:] / published - 1
+    for label, values, gain in zip(("there", "there, a = 1.75", "slow"), after[:, 6:].T, gains, strict=True):
+        fine &= _line(f"fast gain, {label}", values / fast - 1, gain, 0.1)
     drifts = ", ".join(f"{value:.2f}" for value in now["drift"].mean(axis=0))
     print(
         f"  upward drift of G over 23 min: x {drifts}; force {now['low_N'].min():.2f} to {now['high_N'].max():.2f} N"
     )
-    return fine
+    return bool(fine)
 
 
-def _line(label: str, values: FloatArray, published: float) -> bool:
-    near = abs(values.mean() - published) <= 0.05
-    mark = "" if near else "   <- off by more than 0.05"
-    print(f"  {label:14s} {values.mean():6.3f} ({values.std():.3f})   published {published:.3f}{mark}")
-    return near
+def _line(label: str, values: FloatArray, published: float, tolerance: float) -> bool:
+    if np.isnan(published):
+        print(f"  {label:26s} {np.median(values):6.3f}          not published")
+        return True
+    # The fast set's figures are medians in the paper.
+    middle = np.median(values) if label.startswith("fast") else values.mean()
+    near = abs(middle - published) <= tolerance
+    mark = "" if near else f"   <- off by more than {tolerance:g}"
+    print(f"  {label:26s} {middle:6.3f} ({values.std():.3f})   published {published:.3f}{mark}")
+    return bool(near)
 
 
 def main() -> int:
@@ -243,7 +262,11 @@ def main() -> int:
             model = tune(name, start_model(name) if args.fresh else model)
             write_json(args.folder / f"{name}.json", model.to_dict())
         fine &= report(name, model)
-    print("\nall within 0.05 of the published figures" if fine else "\nnot all within 0.05 of the published figures")
+    print(
+        "\nall within the tolerance of the published figures"
+        if fine
+        else "\nnot all within the tolerance of the published figures"
+    )
     return 0 if fine else 1
 
 

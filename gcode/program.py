@@ -86,6 +86,8 @@ class Program:
         if rate_hz is None:
             raise UserError("program: its header states no RATE_HZ, so its planned time is unknown; use gcode play")
         before = np.concatenate(([self.start_mm], self.position_mm[:-1]))
+        if not len(self.line):
+            raise UserError("program: it holds no move, so there is no plan in it")
         if not 0 < rate_hz <= MOST_HZ or self.steps.sum() > MOST_STEPS:
             raise UserError(
                 f"program: {self.steps.sum()} steps at {rate_hz:g} Hz are no plan of ours; use gcode play"

@@ -21,7 +21,7 @@ from testbench.recording_checks import such
 from testbench.recording_files import write_recording_csv
 from testbench.recordings.choice import NOT_THERE, Choice, Said, choose, in_words
 from testbench.recordings.columns import Read, on_main_clock, read_columns
-from testbench.recordings.layout import misfit
+from testbench.recordings.layout import Column, misfit
 from testbench.recordings.notation import numbers
 from testbench.recordings.repeats import repeats_of
 from testbench.recordings.sheet import Hints, Sheet, open_sheet
@@ -293,19 +293,24 @@ def _remarks(choice: Choice, recording: Recording) -> list[str]:
 def _details(sheet: Sheet, choice: Choice, wish: Wish, done: Imported) -> dict[str, Any]:
     columns = {
         role: {
-            "column": one.column.heading.text or one.column.number,
+            "column": _named(one.column),
             "number": one.column.number,
             "unit": one.unit.symbol if one.unit else "date",
             "factor": one.unit.factor if one.unit else 1.0,
             "offset": one.unit.offset if one.unit else 0.0,
         }
-        | ({"clock": one.clock.heading.text or one.clock.number} if one.clock else {})
+        | ({"clock": _named(one.clock)} if one.clock else {})
         for role, one in choice.taken.items()
     }
     details: dict[str, Any] = {"file": sheet.path.name, "sha256": sha256_of(sheet.path), "columns": columns}
     details |= {"r0_ohm": wish.r0_ohm, **sheet.details, "header_row": sheet.layout.header_row}
     details |= {"units_row": sheet.layout.units_row, "negate": sorted(wish.negate), "zero": dict(wish.zero)}
     return details | ({"repeat": done.label} if done.label else {}) | {"doubts": done.doubts, "notes": done.notes}
+
+
+def _named(column: Column) -> str:
+    """A column's name, or its number; names longer than a line are cut."""
+    return (column.heading.text or str(column.number))[:300]
 
 
 def place_of(out: Path, label: str) -> Path:

@@ -16,7 +16,9 @@ if TYPE_CHECKING:
 def add_sensor_arguments(parser: argparse.ArgumentParser) -> None:
     """``--sensor``, ``--model`` and ``--effects``, the same for every command that simulates."""
     which = parser.add_mutually_exclusive_group(required=True)
-    which.add_argument("--sensor", metavar="NAME", help="preset of a knit: pes or lycra")
+    which.add_argument(
+        "--sensor", metavar="NAME", help="preset of a knit: pes or lycra; pes@3: the third specimen of its kind"
+    )
     which.add_argument("--model", metavar="FILE", help="model.json to simulate in place of a preset")
     parser.add_argument("--effects", metavar="FILE", help=EFFECTS_HELP)
 

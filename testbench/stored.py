@@ -18,6 +18,7 @@ from testbench.rig.wire import MICROS_WRAP
 MODEL_FORMAT, MODEL_VERSION = "knitbench-model", 1
 Sha256 = Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
 Label = Annotated[str, Field(max_length=500)]
+Remark = Annotated[str, Field(max_length=20_000)]
 Count = Annotated[int, Field(ge=0, le=1 << 53)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 GaugeLength = Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False)]
@@ -53,18 +54,31 @@ class ImportedColumn(StrictModel):
 
     column: Label
     factor: Finite
+    number: Count | None = None
+    unit: Label | None = None
+    offset: Finite = 0.0
+    clock: Label | None = None
 
 
 class Imported(StrictModel):
-    """How a foreign CSV was read."""
+    """How a foreign file was read; what kind of file it was decides which entries there are."""
 
     file: Label
     sha256: Sha256
     columns: dict[Label, ImportedColumn]
-    r0_ohm: Finite
-    separator: Label
-    decimal: Label
-    header_row: Count
+    r0_ohm: Finite | None
+    separator: Label | None = None
+    decimal: Label | None = None
+    encoding: Label | None = None
+    sheet: Label | None = None
+    group: Label | None = None
+    header_row: Count | None
+    units_row: Count | None = None
+    negate: Annotated[list[Label], Field(max_length=20)] = Field(default_factory=list)
+    zero: dict[Label, Label | None] = Field(default_factory=dict)
+    repeat: Label | None = None
+    doubts: Annotated[list[Remark], Field(max_length=100)] = Field(default_factory=list)
+    notes: Annotated[list[Remark], Field(max_length=100)] = Field(default_factory=list)
 
 
 class Aligned(StrictModel):

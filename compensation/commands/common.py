@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -17,15 +18,21 @@ def add_recordings(parser: argparse.ArgumentParser) -> None:
     """The positional recordings and their gauge length."""
     parser.add_argument("recordings", nargs="+", metavar="CAMPAIGN", help="campaign folder or recording CSV")
     parser.add_argument(
-        "--gauge-length-mm", type=float, metavar="MM", help="for a bare CSV: unstretched length between the clamps"
+        "--gauge-length-mm",
+        type=float,
+        metavar="MM",
+        help="of a bare CSV: unstretched length between the clamps (only --twin needs it)",
     )
 
 
 def read_all(args: argparse.Namespace) -> list[Recording]:
-    """Every recording named on the command line."""
-    from testbench.recording import read_recording
+    """Every recording named on the command line; a force must have been tared."""
+    from compensation.reading import check_tared, read_signals
 
-    return [read_recording(path, args.gauge_length_mm) for path in args.recordings]
+    recordings = [read_signals(path, args.gauge_length_mm) for path in args.recordings]
+    for recording in recordings:
+        check_tared(recording)
+    return recordings
 
 
 def check_places(output: str | None, picture: str | None) -> None:
@@ -49,19 +56,22 @@ def score_table(scores: dict[str, Any]) -> str:
     """The table that `train` and `score` print."""
     unit = scores["compensator"]["unit"]
     lines = [
-        f"{'recording':40} {'role':9} {'r2 raw':>7} {'rho2':>6} {'r2 after':>8} {'95 %':>15} {'gain':>6} {unit:>8}"
+        f"{'recording':40} {'role':9} {'r2 raw':>7} {'rho2':>6} {'r2 after':>8} {'ordinary':>8} {'95 %':>15} "
+        f"{'gain':>6} {unit:>8}"
     ]
     for row in scores["recordings"]:
         low, high = row["r2_after_interval"]
         lines.append(
             f"{_short(row['source']):40} {row['role']:9} {row['r2_before']:7.3f} {row['rho2_before']:6.3f} "
-            f"{row['r2_after']:8.3f} {f'{low:.3f}..{high:.3f}':>15} {row['gain']:6.3f} {row['rms_error']:8.4f}"
+            f"{row['r2_after']:8.3f} {row['r2_ordinary']:8.3f} {f'{low:.3f}..{high:.3f}':>15} "
+            f"{row['gain']:6.3f} {row['rms_error']:8.4f}"
         )
     summary = scores["summary"]
     criterion = f", E = {summary['E']:.4f}" if summary["E"] is not None else ""
     lines.append(f"mean over {summary['recordings']} {summary['over']}: r2 {summary['r2_after']:.3f}{criterion}")
     lines.append(
         "r2 raw: conductance and target standardised per recording (the paper's); rho2: the best straight line; "
+        "r2 after: the paper's; ordinary: an error in level counts in full; "
         f"95 %: bootstrap over 60 s blocks; {unit}: RMS error"
     )
     if scores["compensator"]["per_recording_scaling"]:
@@ -69,6 +79,21 @@ def score_table(scores: dict[str, Any]) -> str:
             "scaled per recording: the mean and the spread of each recording's own target were used, which no "
             "sensor in use knows"
         )
+    return "\n".join(lines)
+
+
+def cross_validation_table(recipe: Mapping[str, Any], unit: str) -> str:
+    """What cross-validation found of every method, and what it promises of the chosen one."""
+    promise, chosen = recipe["cross_validated"], recipe["chosen"]
+    how = "whole recordings" if promise["whole_recordings"] else "contiguous parts of the training"
+    lines = [f"cross-validated on {promise['folds']} {how}: r2, ordinary r2, RMS error in {unit}"]
+    for name, row in recipe["tried"].items():
+        mark = " <- chosen" if name == chosen else ""
+        lines.append(f"  {name:10} {row['r2']:7.3f} {row['r2_ordinary']:7.3f} {row['rms_error']:8.4f}{mark}")
+    low, high = promise["r2_interval"]
+    lines.append(f"  expect r2 {promise['r2']:.3f} ({low:.3f} to {high:.3f}); raw {promise['raw_r2']:.3f}")
+    if chosen == "line":
+        lines.append("  nothing is surely better than a straight line here, so that is what you get")
     return "\n".join(lines)
 
 
@@ -91,6 +116,19 @@ def parse_sizes(text: str) -> tuple[int, ...]:
             f"got {text!r}"
         )
     return sizes
+
+
+def parse_factors(text: str) -> tuple[float, ...]:
+    """Smoothing factors from ``0.5,0.1,0.025,0.0025``."""
+    from compensation.ema import given_factors
+    from gcode.support.errors import UserError
+
+    try:
+        factors = tuple(float(part) for part in text.split(","))
+    except ValueError:
+        raise UserError(f"--factors must be numbers with commas, such as 0.5,0.1,0.025; got {text!r}") from None
+    given_factors(factors)
+    return factors
 
 
 def finish(args: argparse.Namespace, scores: dict[str, Any], note: str) -> int:

@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import argparse
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from compensation.candidates import Candidate
 
 SUMMARY = "Train and rank the 912 candidates (8 smoothing banks x 114 networks) over several seeds."
 EXAMPLE = "compensation search campaigns/pes-T campaigns/pes-A campaigns/pes-B --target force -o pes.search.jsonl"
@@ -10,17 +14,25 @@ EXAMPLE = "compensation search campaigns/pes-T campaigns/pes-A campaigns/pes-B -
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("recordings", nargs=3, metavar="CAMPAIGN", help="training, test A and test B")
+    from compensation.candidates import PRESETS
+
+    parser.add_argument("recordings", nargs="*", metavar="CAMPAIGN", help="training, test A and test B")
     parser.add_argument("--gauge-length-mm", type=float, metavar="MM", help="for bare CSVs")
-    parser.add_argument("--target", choices=("force", "displacement"), required=True, help="what to predict")
+    parser.add_argument("--target", choices=("force", "displacement"), help="what to predict")
+    parser.add_argument("-o", "--output", metavar="JSONL", help="results; an interrupted search resumes")
     parser.add_argument(
-        "-o", "--output", required=True, metavar="JSONL", help="results; an interrupted search resumes"
+        "--preset",
+        choices=tuple(PRESETS),
+        default="paper",
+        help="paper (default): the publication's 912; fine: its networks behind banks of finer steps",
     )
+    parser.add_argument("--list", action="store_true", help="print the candidates, one `factors;layers` a line")
     parser.add_argument("--seeds", type=int, default=5, metavar="K", help="seeds a candidate (default 5)")
     parser.add_argument(
-        "--bases",
-        metavar="A,B,..",
-        help="widths of the first layer; default 2,4,8,12,16,24,32, which gives 114 networks, as many as the paper's",
+        "--bases", metavar="A,B,..", help="base sizes of the hidden layers (default 2,3,4,6,8,12,16,32, the paper's)"
+    )
+    parser.add_argument(
+        "--per-recording", action="store_true", help="standardise each recording by itself, as the paper did"
     )
     parser.add_argument("--sample", type=int, metavar="N", help="only N of the candidates, spread evenly")
     parser.add_argument("--engine", choices=("fast", "exact", "sklearn"), default="fast", help="default fast")
@@ -42,19 +54,15 @@ def run(args: argparse.Namespace) -> int:
     from compensation.commands.common import check_places
     from compensation.ranking import rank, split_half_agreement
     from gcode.support.console import Progress
-    from gcode.support.errors import UserError
 
-    for name in ("seeds", "workers", "sample"):
-        if getattr(args, name) is not None and getattr(args, name) < 1:
-            raise UserError(f"--{name} must be at least 1, got {getattr(args, name)}")
-    if args.scheduler and args.backend != "dask":
-        raise UserError("--scheduler needs --backend dask")
+    chosen = _chosen(args)
+    if args.list:
+        print("\n".join(map(str, chosen)))
+        return 0
+    _check(args)
     check_places(args.output, args.plot)
     paths = tuple(str(Path(path).resolve()) for path in args.recordings)
-    task = search.Task(paths, args.gauge_length_mm, args.target, args.engine)
-    chosen = search.candidates(_bases(args.bases) if args.bases else search.BASES)
-    if args.sample:
-        chosen = search.spread(chosen, args.sample)
+    task = search.Task(paths, args.gauge_length_mm, args.target, args.engine, args.per_recording)
     jobs = [(candidate, seed) for seed in range(args.seeds) for candidate in chosen]
     search.check(task)
     progress = Progress("search", len(jobs))
@@ -71,6 +79,32 @@ def run(args: argparse.Namespace) -> int:
     print(_certainty(ranking, agreement, args.seeds))
     print(f"wrote {args.output}" + (f", {args.plot}" if args.plot else ""))
     return 0
+
+
+def _chosen(args: argparse.Namespace) -> list[Candidate]:
+    """The candidates that the options name."""
+    from compensation import candidates
+    from gcode.support.errors import UserError
+
+    if args.sample is not None and args.sample < 1:
+        raise UserError(f"--sample must be at least 1, got {args.sample}")
+    chosen = candidates.candidates(args.preset, _bases(args.bases) if args.bases else candidates.BASES)
+    return candidates.spread(chosen, args.sample) if args.sample else chosen
+
+
+def _check(args: argparse.Namespace) -> None:
+    from gcode.support.errors import UserError
+
+    if len(args.recordings) != 3:
+        raise UserError(f"a search needs 3 campaigns: training, test A and test B; got {len(args.recordings)}")
+    for flag, value in (("--target", args.target), ("-o", args.output)):
+        if not value:
+            raise UserError(f"a search needs {flag}; --list alone prints the candidates")
+    for name in ("seeds", "workers"):
+        if getattr(args, name) < 1:
+            raise UserError(f"--{name} must be at least 1, got {getattr(args, name)}")
+    if args.scheduler and args.backend != "dask":
+        raise UserError("--scheduler needs --backend dask")
 
 
 def _bases(text: str) -> tuple[int, ...]:

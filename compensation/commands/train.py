@@ -16,7 +16,7 @@ SUMMARY = "Train a compensator on recorded campaigns."
 EXAMPLE = "compensation train campaigns/pes-T --target force -o pes.compensator.json"
 
 # What --method paper is told, and the other methods choose themselves.
-OWN_CHOICES = ("hidden", "factor", "count", "l2", "restarts", "engine")
+OWN_CHOICES = ("hidden", "factors", "factor", "count", "l2", "restarts", "engine")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -26,8 +26,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-o", "--output", required=True, metavar="FILE", help="compensator to write (JSON)")
     parser.add_argument(
         "--method",
-        choices=("paper", "tuned"),
-        help="paper (default): EMA + (4,2,2), best of 5 starts; tuned: better, every choice by cross-validation",
+        choices=("auto", "paper", "tuned"),
+        help="auto (default): what cross-validation finds best of a line, ridge, paper and several networks; paper: "
+        "EMA + (4,2,2), best of 5 starts (the default where an option of its own is given); tuned: 8 networks",
     )
     parser.add_argument(
         "--twin",
@@ -43,6 +44,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--hidden", metavar="A,B,..", help="paper: hidden layers (default 4,2,2)")
     parser.add_argument("--factor", type=float, metavar="A", help="paper: factors A^-i (default 2.5)")
     parser.add_argument("--count", type=int, metavar="N", help="paper: number of filters (default 7)")
+    parser.add_argument(
+        "--factors", metavar="A,B,..", help="paper: smoothing factors set by hand, such as 0.5,0.1,0.025,0.0025"
+    )
     parser.add_argument("--l2", type=float, help="paper: MLPRegressor's alpha (default 1e-4)")
     parser.add_argument(
         "--restarts",
@@ -62,36 +66,62 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Train, save, and show the score on the training recordings."""
-    from compensation.commands.common import check_places, finish, read_all
+    from compensation.commands.common import check_places, cross_validation_table, finish, read_all
     from compensation.compensator_files import save
     from compensation.scorecard import score_recordings
 
     options = _options(args)
     check_places(args.output, args.plot)
     recordings = read_all(args)
+    _check_long_enough(args, options, recordings)
+    args.method = args.method or _implied(args)
     compensator = _from_twin(args, recordings, options) if args.twin else _from_data(args, recordings, options)
     save(args.output, compensator)
     recipe = compensator.recipe
     note = (
-        f"a = {recipe['factor']:g}, N = {recipe['count']}, L2 {recipe['l2']:g}, "
+        f"{_bank(recipe)}, L2 {recipe['l2']:g}, "
         f"hidden layers {tuple(recipe['sizes'])}, {len(compensator.networks)} network(s), "
         f"{compensator.parameter_count} parameters, {recipe['dead_networks']} of {recipe['restarts']} starts dead"
         f"\nwrote {args.output}"
     )
+    if "cross_validated" in recipe:
+        note = f"{cross_validation_table(recipe, compensator.unit)}\n{note}"
     if recipe["dead_networks"] == recipe["restarts"]:
         note += "\nwarning: the network is dead, its output hardly moves: give another --seed or more --restarts"
-    slowest_s, longest_s = compensator.slowest_s, max(recording.duration_s for recording in recordings)
-    if slowest_s > longest_s and not args.twin:
-        note += (
-            f"\nwarning: the slowest filter remembers {slowest_s:.0f} s and the longest recording has "
-            f"{longest_s:.0f} s: what it learned may not hold in a longer one; take a smaller --factor or --count"
-        )
     return finish(args, score_recordings(compensator, recordings), note)
+
+
+def _implied(args: argparse.Namespace) -> str:
+    """The method where none is named: the paper's where one of its options is given."""
+    own = any(getattr(args, name) is not None for name in OWN_CHOICES)
+    return "paper" if own or args.per_recording else "auto"
+
+
+def _check_long_enough(args: argparse.Namespace, options: Options, recordings: list[Recording]) -> None:
+    """A filter that remembers longer than the recording lasts never leaves its initial value."""
+    from gcode.support.errors import UserError
+
+    slowest_s = 1.0 / (options.rate_hz * float(min(options.bank)))
+    longest_s = max(recording.duration_s for recording in recordings)
+    if slowest_s > longest_s and not args.twin:
+        raise UserError(
+            f"the slowest filter remembers {slowest_s:.0f} s and the longest recording has {longest_s:.0f} s; record "
+            "longer, or take a smaller --factor or --count"
+        )
+
+
+def _bank(recipe) -> str:
+    from compensation.ema import smoothing_factors
+
+    alphas = recipe["alphas"]
+    if alphas == smoothing_factors(recipe["factor"], recipe["count"]).tolist():
+        return f"a = {recipe['factor']:g}, N = {recipe['count']}"
+    return f"smoothing factors {', '.join(f'{alpha:g}' for alpha in alphas)}"
 
 
 def _options(args: argparse.Namespace) -> Options:
     """The options that were given, checked; the others are the paper's."""
-    from compensation.commands.common import parse_sizes
+    from compensation.commands.common import parse_factors, parse_sizes
     from compensation.engines import engine
     from compensation.training import Options
 
@@ -99,6 +129,8 @@ def _options(args: argparse.Namespace) -> Options:
     given = {name: getattr(args, name) for name in OWN_CHOICES if getattr(args, name) is not None}
     if "hidden" in given:
         given["sizes"] = parse_sizes(given.pop("hidden"))
+    if "factors" in given:
+        given["alphas"] = parse_factors(given.pop("factors"))
     options = Options(seed=args.seed, irregular=args.irregular, per_recording=args.per_recording, **given)
     engine(options.engine)
     return options
@@ -107,10 +139,12 @@ def _options(args: argparse.Namespace) -> Options:
 def _check(args: argparse.Namespace) -> None:
     from gcode.support.errors import UserError
 
-    chosen = "--twin" if args.twin else "--method tuned" if args.method == "tuned" else ""
+    chosen = "--twin" if args.twin else f"--method {args.method}" if args.method in ("auto", "tuned") else ""
     for name in OWN_CHOICES:
         if chosen and getattr(args, name) is not None:
             raise UserError(f"--{name} is for --method paper only: {chosen} makes that choice itself; leave it out")
+    if args.factors is not None and (args.factor is not None or args.count is not None):
+        raise UserError("--factors sets the smoothing factors by hand; leave out --factor and --count")
     if args.twin and args.method:
         raise UserError("--twin is a method of its own; leave --method out")
     if args.strain is not None and not args.twin:
@@ -128,13 +162,26 @@ def _from_data(args: argparse.Namespace, recordings: list[Recording], options: O
     from compensation.training import train
     from gcode.support.console import Progress
 
+    if args.method == "auto":
+        return _automatic(args, recordings, options)
     tuned = args.method == "tuned"
     progress = Progress("training", tuning.steps() if tuned else options.restarts)
     return train(recordings, args.target, options, progress.step, tuned)
 
 
+def _automatic(args: argparse.Namespace, recordings: list[Recording], options: Options) -> Compensator:
+    from compensation import auto
+    from compensation.preprocessing import series_of
+    from gcode.support.console import Progress
+
+    rate_hz = None if options.irregular else options.rate_hz
+    series = [series_of(recording, args.target, rate_hz) for recording in recordings]
+    return auto.train_automatically(series, args.target, options, Progress("training", auto.steps()).step)
+
+
 def _from_twin(args: argparse.Namespace, recordings: list[Recording], options: Options) -> Compensator:
     from compensation import twin
+    from compensation.reading import UNKNOWN_LENGTH_MM
     from gcode.support.console import Progress
     from gcode.support.errors import UserError
     from testbench.discrepancy.model_file import load_model_file
@@ -144,6 +191,8 @@ def _from_twin(args: argparse.Namespace, recordings: list[Recording], options: O
     strain = 0.3 if args.strain is None else args.strain
     if not 0 < strain <= 2:
         raise UserError(f"--strain must be above 0 and at most 2, got {strain:g}")
+    if args.gauge_length_mm is None and recordings[0].gauge_length_mm == UNKNOWN_LENGTH_MM:
+        raise UserError(f"{recordings[0].source}: --twin needs the length between the clamps; add --gauge-length-mm")
     model = load_model_file(args.twin).model
     progress = Progress("training", twin.steps())
     return twin.train_from_twin(model, recordings[0], args.target, strain, options, progress.step)

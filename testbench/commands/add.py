@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 
 from testbench.commands._arguments import add_effects, add_held_out, load_split
+from testbench.commands._telling import Telling
 
 SUMMARY = "add an effect to a model, refit, and put the step on the ladder; --undo takes it back"
 EXAMPLE = "testbench add stress_relaxation --model model.json --fit campaign-1 --held-out campaign-2 -o model2.json"
@@ -40,7 +41,8 @@ def run(args: argparse.Namespace) -> int:
         args.gauge_length_mm = args.gauge_length_mm or file.gauge_length_mm or None
         calibration, held = load_split(args, args.fit)
         check_same_set_up(file, calibration.recording, args.model)
-        file = add_effect(file, args.effect, calibration, held, catalogue)
+        file = add_effect(file, args.effect, calibration, held, catalogue, Telling())
+        Telling()("")
         # A law without a strength (piezoresistance in place of contact) makes a signal that others need.
         laws = {name for name in file.model if not file.model[name].strength}
         optional = set(file.model) - set(BASELINE) - laws - {args.effect}

@@ -6,6 +6,7 @@ import argparse
 from typing import TYPE_CHECKING, Any
 
 from testbench.commands._arguments import add_effects, add_held_out, load_recording, load_split
+from testbench.commands._telling import Telling
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -40,12 +41,13 @@ def run(args: argparse.Namespace) -> int:
     from gcode.support.files import write_json
     from testbench.discrepancy.experiment import propose
     from testbench.discrepancy.experiment_words import experiment_table
-    from testbench.discrepancy.protocols import Bounds
+    from testbench.discrepancy.protocols import Bounds, menu
 
     rivals, noise, gauge_length_mm, temperature = _rivals(args)
     bounds = Bounds(args.v_max, args.a_max, args.strain_max, args.duration_s, gauge_length_mm)
-    options = propose(rivals, noise, bounds, args.seed, temperature, _tell)
-    _tell("")
+    tell = Telling("motion", len(menu(bounds)), "imitating on")
+    options = propose(rivals, noise, bounds, args.seed, temperature, tell)
+    Telling()("")
     print(experiment_table(rivals, options))
     if args.json:
         write_json(args.json, _as_json(rivals, options, gauge_length_mm))
@@ -103,21 +105,9 @@ def _rivals(args: argparse.Namespace):
             raise UserError("experiment: --diagnosis goes with --fit RECORDING and without MODEL files")
         recording = load_recording(args.fit, args.gauge_length_mm)
         calibration, held = load_split(args, args.fit)
-        rivals, noise = rivals_from_diagnosis(args.diagnosis, calibration, held, catalogue, _tell)
+        rivals, noise = rivals_from_diagnosis(args.diagnosis, calibration, held, catalogue, Telling())
         return rivals, noise, recording.gauge_length_mm, args.temperature or recording.has(TEMPERATURE)
     if len(args.models) < 2:
         raise UserError("experiment: give two rival MODEL files, or --diagnosis JSON --fit RECORDING")
     rivals, noise, gauge_length_mm = rivals_from_files(args.models, catalogue)
     return rivals, noise, args.gauge_length_mm or gauge_length_mm, args.temperature
-
-
-def _tell(text: str) -> None:
-    """Progress on stderr, where somebody or a program watches."""
-    import json
-    import os
-    import sys
-
-    if os.environ.get("KNITBENCH_PROGRESS") == "json":
-        print(json.dumps({"note": text}), file=sys.stderr, flush=True)
-    elif sys.stderr.isatty():
-        print(f"\r\x1b[K{text}", end="", file=sys.stderr, flush=True)

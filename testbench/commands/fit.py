@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 
 from testbench.commands._arguments import add_effects, add_recording, load_split
+from testbench.commands._telling import Telling
 
 SUMMARY = "calibrate the baseline (or a given model) on a recording; write model.json"
 EXAMPLE = "testbench fit campaign-1 --held-out campaign-2 -o model.json"
@@ -29,7 +30,8 @@ def run(args: argparse.Namespace) -> int:
     catalogue = load_catalogue(args.effects)
     calibration, held = load_split(args)
     start = load_model_file(args.model, catalogue).model if args.model else starting_baseline(calibration, catalogue)
-    file = fitted_file(start, calibration, held, "given model" if args.model else "baseline")
+    file = fitted_file(start, calibration, held, "given model" if args.model else "baseline", progress=Telling())
+    Telling()("")
     file.save(args.output)
     print(fit_table(file))
     print(errors_line(file.history[-1]))

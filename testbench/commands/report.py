@@ -18,8 +18,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--held-out", metavar="B", help="the recording that errors are judged on")
     parser.add_argument("--model", metavar="M", help="a model.json with its ladder")
     add_effects(parser)
-    parser.add_argument("--diagnosis", metavar="D", help="the JSON of `testbench diagnose`")
+    parser.add_argument(
+        "--diagnosis",
+        action="append",
+        default=[],
+        metavar="D",
+        help="the JSON of `testbench diagnose`; repeat it for those that led to each step of the model, oldest first",
+    )
     parser.add_argument("--compensator", metavar="SCORE", help="the JSON of `compensation score`")
+    parser.add_argument("--commands", metavar="TXT", help="the command lines that led here, one a line")
     parser.add_argument("--gauge-length-mm", type=float, metavar="L", help="for bare CSVs")
     parser.add_argument("--title", default="", help="heading of the page")
     parser.add_argument("--format", choices=("html", "md"), default="html", help="html (default) or md")
@@ -38,7 +45,8 @@ def run(args: argparse.Namespace) -> int:
         gauge_length_mm=args.gauge_length_mm,
         model=args.model,
         effects=args.effects,
-        diagnosis=args.diagnosis,
+        diagnoses=tuple(args.diagnosis),
+        commands=args.commands,
         compensator=args.compensator,
         title=args.title,
     )

@@ -13,7 +13,6 @@ from testbench.diagnosis import constants
 from testbench.diagnosis.discrepancy_map import Map
 from testbench.diagnosis.held_out import Interval, gain_over
 from testbench.diagnosis.laplace import Hypothesis
-from testbench.diagnosis.proposals import Proposal
 from testbench.diagnosis.search import NOTHING, UNKNOWN, Entry, Progress, Round, Search
 from testbench.discrepancy.baseline import SHAPES, without_shapes
 from testbench.discrepancy.errors import noise_floors, rms_errors
@@ -27,6 +26,7 @@ from testbench.knit.model import KnitModel
 from testbench.recording import Recording
 
 Verdict = Literal["missing", "nothing_missing", "unknown"]
+NEAR = 2.0  # noise floors: what comes so near has explained what there was
 TIED = 0.9  # the smallest set of mechanisms with this probability is what cannot be told apart
 
 
@@ -195,26 +195,25 @@ def diagnose(
     # The kernels let go of the interpreter, so threads do run side by side; those of BLAS would only fight them.
     with threadpool_limits(1, "blas"):
         search = Search(calibration, catalogue, progress or (lambda text: None), model)
-        rounds = search.run(most)
-        return _concluded(search, rounds, calibration, held)
+        return _concluded(search, *search.run(most), calibration, held)
 
 
-def _concluded(search: Search, rounds: list[Round], calibration: Measurement, held: Measurement) -> Diagnosis:
-    accepted = [step for step in rounds if step.accepted]
-    first, last = rounds[0], rounds[-1]
-    entered = [step.accepted for step in rounds if step.accepted is not None]
-    final = entered[-1].hypothesis if entered else first.before.hypothesis
-    floors = noise_floors(held)
+def _concluded(
+    search: Search, rounds: list[Round], put_in: list[Entry], calibration: Measurement, held: Measurement
+) -> Diagnosis:
+    first, bare = rounds[0], rounds[0].before.hypothesis
     before = on_the_ladder(_as_fit(search.baseline), None, "baseline", calibration, held)
-    after = _ladder(search, accepted, before, calibration, held)
-    left = _share_left(before.model, after.model, calibration)
-    verdict = _verdict(first, accepted, left, after, calibration)
-    chances = first.probabilities()
-    explained = Map(final, last.likelihood).gains
+    left = _share_left(before.model, (put_in[-1].hypothesis if put_in else bare).model, calibration)
+    verdict = _verdict(first, put_in, left, calibration)
+    if verdict != "missing":
+        put_in, left = [], _share_left(before.model, bare.model, calibration)
+    after = _ladder(bare, put_in, before, calibration, held)
+    chances = first.probabilities(left if put_in else None)
+    explained = Map(put_in[-1].hypothesis if put_in else bare, rounds[-1].likelihood).gains
     return Diagnosis(
         verdict,
         chances,
-        tuple(_found(step) for step in accepted),
+        tuple(_found(step, entry) for step, entry in zip(rounds, put_in, strict=False)),
         _ranking(first, chances, held),
         _tied(chances, verdict),
         tuple(name for name in after.model if name in SHAPES and name not in before.model),
@@ -225,28 +224,24 @@ def _concluded(search: Search, rounds: list[Round], calibration: Measurement, he
         after,
         before.history[-1]["errors"]["held_out"],
         after.history[-1]["errors"]["held_out"],
-        floors,
+        noise_floors(held),
     )
 
 
-def _found(step: Round) -> Found:
-    entry = step.accepted
-    assert entry is not None
-    chances = step.probabilities()
-    return Found(entry.mechanism, entry.law, chances[entry.mechanism], entry.best - step.before.best)
+def _found(step: Round, entry: Entry) -> Found:
+    gain = step.score(entry) - step.before.log_z
+    return Found(entry.mechanism, entry.law, step.probabilities()[entry.mechanism], gain)
 
 
 def _ladder(
-    search: Search, accepted: list[Round], before: ModelFile, calibration: Measurement, held: Measurement
+    bare: Hypothesis, put_in: list[Entry], before: ModelFile, calibration: Measurement, held: Measurement
 ) -> ModelFile:
     """From the baseline over the freedom of its shapes to each effect that was found."""
     after = before
     if not any(name in SHAPES for name in before.model):
-        bare = accepted[0].before.hypothesis if accepted else search.flexible
         after = on_the_ladder(_as_fit(bare), after, "+ shape freedom", calibration, held)
-    for step in accepted:
-        assert step.accepted is not None
-        after = on_the_ladder(_as_fit(step.accepted.hypothesis), after, f"+ {step.accepted.law}", calibration, held)
+    for entry in put_in:
+        after = on_the_ladder(_as_fit(entry.hypothesis), after, f"+ {entry.law}", calibration, held)
     return after
 
 
@@ -271,37 +266,39 @@ def _share_left(before: KnitModel, after: KnitModel, calibration: Measurement) -
     return float(np.sqrt(above(after) / max(above(before), 1e-12)))
 
 
-def _verdict(first: Round, accepted: list[Round], left: float, after: ModelFile, calibration: Measurement) -> Verdict:
+def _verdict(first: Round, put_in: list[Entry], left: float, calibration: Measurement) -> Verdict:
+    if put_in and first.is_named(left):
+        floors, errors = noise_floors(calibration), rms_errors(put_in[-1].hypothesis.model, calibration)
+        near = max(errors[c] / max(floors[c], 1e-300) for c in errors) < NEAR
+        return "missing" if near or left <= constants.MOST_LEFT else "unknown"
     chances = first.probabilities()
-    if not accepted:
-        return "nothing_missing" if chances[NOTHING] >= chances[UNKNOWN] else "unknown"
-    floors, errors = noise_floors(calibration), after.history[-1]["errors"]["calibration"]
-    worst = max(errors[c] / max(floors[c], 1e-300) for c in errors)
-    return "unknown" if left > constants.MOST_LEFT and worst > 2 else "missing"
+    return "nothing_missing" if chances[NOTHING] >= 0.5 else "unknown"
 
 
 def _ranking(first: Round, chances: Mapping[str, float], held: Measurement) -> tuple[Ranked, ...]:
     """Every mechanism by its best law, the most probable first."""
     refitted: dict[str, Entry] = {}
-    for one in first.entries:
-        refitted.setdefault(one.mechanism, one)
-    ranked: dict[str, Ranked] = {}
+    for own in first.entries:
+        refitted.setdefault(own.mechanism, own)
+    base = first.before.hypothesis
+    ranked: list[Ranked] = []
     for proposal in first.proposals:
-        name = proposal.mechanism
-        if name not in ranked:
-            ranked[name] = _ranked(first, proposal, refitted.get(name), chances[name], held)
-    return tuple(sorted(ranked.values(), key=lambda one: (-one.probability, -one.log_evidence)))
-
-
-def _ranked(first: Round, proposal: Proposal, entry: Entry | None, chance: float, held: Measurement) -> Ranked:
-    if entry is None:
-        gain = 2 * max(proposal.gain, 0.0) / sum(first.likelihood.counts.values())
-        return Ranked(proposal.mechanism, proposal.law, chance, proposal.gain, gain, None, proposal.effect)
-    base, fitted = first.before.hypothesis, entry.hypothesis
-    gain = float(np.mean([2 * np.log(base.evidence.sigma[c] / s) for c, s in fitted.evidence.sigma.items()]))
-    log_evidence = entry.best - first.before.best
-    over = gain_over(base.model, fitted.model, held)
-    return Ranked(entry.mechanism, entry.law, chance, log_evidence, gain, over, fitted.model[entry.name])
+        if proposal.mechanism in {one.effect for one in ranked}:
+            continue
+        entry = refitted.get(proposal.mechanism)
+        chance = chances[proposal.mechanism]
+        if entry is None:
+            gain = 2 * max(proposal.gain, 0.0) / sum(first.likelihood.counts.values())
+            one = Ranked(proposal.mechanism, proposal.law, chance, proposal.gain, gain, None, proposal.effect)
+        else:
+            law = entry.hypothesis.model[entry.name]
+            gain = float(
+                np.mean([2 * np.log(base.evidence.sigma[c] / s) for c, s in entry.hypothesis.evidence.sigma.items()])
+            )
+            over = gain_over(base.model, entry.hypothesis.model, held)
+            one = Ranked(entry.mechanism, entry.law, chance, first.score(entry) - first.before.log_z, gain, over, law)
+        ranked.append(one)
+    return tuple(sorted(ranked, key=lambda one: (-one.probability, -one.log_evidence)))
 
 
 def _tied(chances: Mapping[str, float], verdict: Verdict) -> tuple[str, ...]:

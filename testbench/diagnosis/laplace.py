@@ -17,6 +17,8 @@ from testbench.discrepancy.sensitivity import RELATIVE_STEP
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel, SimulationCache
 
+FINAL_WEIGHTS = 3
+
 
 @dataclass(frozen=True, eq=False)
 class Hypothesis:
@@ -116,7 +118,7 @@ class _Search:
         place = {p.address: i + 1 for i, p in enumerate(like.priors.parameters)} if like else {}
         new = []
         for index, p in enumerate(self.priors.parameters):
-            if self.priors.group[index] >= 0 and p.address in place:
+            if like is not None and self.priors.group[index] >= 0 and p.address in place:
                 for c, rows in self.columns.items():
                     rows[index + 1] = like.columns[c][place[p.address]]
             else:
@@ -150,8 +152,10 @@ class _Search:
             self.linearise(self.all if rest else self.curved)
         if not fresh:
             self.linearise(self.all)
-        normal, robust = self.normal()
-        evidence = maximised(normal, scale=self.scale, iterations=15)
+        for _ in range(FINAL_WEIGHTS):  # until the weights of outliers and the noise agree
+            normal, robust = self.normal()
+            evidence = maximised(normal, scale=self.scale, iterations=8)
+            self.scale, self.sigma = evidence.scale, dict(evidence.sigma)
         return Hypothesis(
             self.model, self.priors, normal, evidence, self.tails(robust, evidence.sigma), self.columns, robust
         )

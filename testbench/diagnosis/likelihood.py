@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -103,7 +104,7 @@ def _noise_by_level(values: FloatArray) -> FloatArray:
     second, middle = np.diff(values, 2) / np.sqrt(6), values[1:-1]
     edges = np.quantile(middle, np.linspace(0, 1, LEVELS + 1))
     at, sd = [], []
-    for low, high in zip(edges[:-1], edges[1:], strict=True):
+    for low, high in pairwise(edges):
         inside = (middle >= low) & (middle <= high)
         if inside.sum() >= 50:
             at.append(float(np.median(middle[inside])))

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.special import logsumexp
@@ -29,7 +30,17 @@ Progress = Callable[[str], None]
 
 @dataclass(frozen=True, eq=False)
 class Entry:
-    """One law put in and refitted."""
+    """One law put in and refitted.
+
+    Attributes
+    ----------
+    mechanism, law, name : str
+        Of the catalogue; `name` is its name in the model.
+    log_z, log_z_with_map : float
+        Log evidence of the model as complete, and beside a free-form map of what it leaves.
+    excess : float
+        Squared error above the noise, in noise floors, summed over the channels.
+    """
 
     mechanism: str
     law: str
@@ -37,15 +48,25 @@ class Entry:
     hypothesis: Hypothesis
     log_z: float
     log_z_with_map: float
-
-    @property
-    def best(self) -> float:
-        return float(np.logaddexp(self.log_z, self.log_z_with_map + np.log(constants.PRIOR_UNKNOWN)))
+    excess: float
 
 
 @dataclass(frozen=True, eq=False)
 class Round:
-    """One step: the model so far against the same with each mechanism added."""
+    """One step: the model so far against the same with each mechanism added.
+
+    Attributes
+    ----------
+    before : Entry
+        The model so far, at its best.
+    entries : tuple of Entry
+        What was refitted, the best first.
+    proposals : tuple of Proposal
+        Every law of the catalogue, to first order.
+    laws : mapping of mechanism to int
+        Laws that speak for it.
+    likelihood : Likelihood
+    """
 
     before: Entry
     entries: tuple[Entry, ...]
@@ -53,41 +74,67 @@ class Round:
     laws: Mapping[str, int]
     likelihood: Likelihood
 
-    def probabilities(self) -> dict[str, float]:
-        u, count = constants.PRIOR_UNKNOWN, max(len(self.laws), 1)
+    def left(self, entry: Entry) -> float:
+        """Share of the error above the noise that an entry leaves."""
+        return float(np.sqrt(entry.excess / max(self.before.excess, 1e-9)))
+
+    def score(self, entry: Entry) -> float:
+        """Log evidence, with a map beside it where the entry explains most of what is to be explained.
+
+        The laws of the catalogue are never quite those of a sensor. A map beside an effect that explains little
+        would be credited with the map's work.
+        """
+        u = constants.PRIOR_UNKNOWN
+        if self.left(entry) > constants.MOST_LEFT:
+            return entry.log_z
+        return float(np.logaddexp(np.log(1 - u) + entry.log_z, np.log(u) + entry.log_z_with_map))
+
+    def probabilities(self, left: float | None = None) -> dict[str, float]:
+        """Of nothing, of unknown and of each mechanism to be what is missing most; they sum to 1.
+
+        Parameters
+        ----------
+        left : float, optional
+            Share of the error above the noise that the whole model leaves, if more was found after this.
+        """
+        u = constants.PRIOR_UNKNOWN
         logs = {
             NOTHING: np.log(constants.PRIOR_NOTHING * (1 - u)) + self.before.log_z,
             UNKNOWN: np.log(constants.PRIOR_NOTHING * u) + self.before.log_z_with_map,
+            **{mechanism: self._log_posterior(mechanism) for mechanism in self.laws},
         }
-        for mechanism in self.laws:
-            own = [e for e in self.entries if e.mechanism == mechanism]
-            prior = np.log((1 - constants.PRIOR_NOTHING) / count)
-            if own:
-                each = [np.logaddexp(np.log(1 - u) + e.log_z, np.log(u) + e.log_z_with_map) for e in own]
-                logs[mechanism] = prior + float(logsumexp(each)) - np.log(self.laws[mechanism])
-            else:
-                gain = max((p.gain for p in self.proposals if p.mechanism == mechanism), default=-np.inf)
-                logs[mechanism] = prior + self.before.log_z + gain - np.log(self.laws[mechanism])
-        known = max(self.laws, key=lambda name: logs[name], default=None)
-        entry = next((e for e in self.entries if e.mechanism == known), None)
-        if known and entry:
+        found = self.candidate
+        if found:
+            share = self.left(found) if left is None else min(left, self.left(found))
             # Laws of the catalogue are never quite the sensor's own: what is mostly explained is not unknown.
-            left = excess(entry.hypothesis, self.likelihood) / max(
-                excess(self.before.hypothesis, self.likelihood), 1e-9
-            )
-            least = 0.5 * (left - constants.MOST_LEFT**2) / constants.LAW_ERROR**2
-            logs[UNKNOWN] = min(logs[UNKNOWN], logs[known] + least)
+            most = 0.5 * (share**2 - constants.MOST_LEFT**2) / constants.LAW_ERROR**2
+            logs[UNKNOWN] = min(logs[UNKNOWN], logs[found.mechanism] + most)
         total = logsumexp(list(logs.values()))
         return {name: float(np.exp(value - total)) for name, value in logs.items()}
 
+    def _log_posterior(self, mechanism: str) -> float:
+        """Log prior and evidence of a mechanism, its laws summed; to first order if none was refitted."""
+        prior = np.log((1 - constants.PRIOR_NOTHING) / len(self.laws) / self.laws[mechanism])
+        own = [self.score(e) for e in self.entries if e.mechanism == mechanism]
+        if not own:
+            own = [self.before.log_z + p.gain for p in self.proposals if p.mechanism == mechanism]
+        return float(prior + logsumexp(own))
+
     @cached_property
-    def accepted(self) -> Entry | None:
-        """The best law of the most probable mechanism, if some mechanism is more probable than none."""
-        chances = self.probabilities()
-        if chances[NOTHING] + chances[UNKNOWN] > 0.5:
+    def candidate(self) -> Entry | None:
+        """The best law of the mechanism with the most evidence, if it has more than nothing has."""
+        refitted = {e.mechanism for e in self.entries}
+        if not refitted:
             return None
-        mechanism = max(self.laws, key=lambda name: chances[name])
-        return max((e for e in self.entries if e.mechanism == mechanism), key=lambda e: e.best, default=None)
+        mechanism = max(refitted, key=self._log_posterior)
+        if self._log_posterior(mechanism) < np.log(constants.PRIOR_NOTHING) + self.before.log_z:
+            return None
+        return max((e for e in self.entries if e.mechanism == mechanism), key=self.score)
+
+    def is_named(self, left: float | None = None) -> bool:
+        """Whether some mechanism is more probable than nothing and unknown together."""
+        chances = self.probabilities(left)
+        return self.candidate is not None and chances[NOTHING] + chances[UNKNOWN] < 0.5
 
 
 class Search:
@@ -115,17 +162,22 @@ class Search:
             self.flexible if given else fitted(self.reference, self.likelihood, self.reference, iterations=1)
         )
 
-    def run(self, most: int = constants.ROUNDS) -> list[Round]:
-        """Rounds of the search; only the last may find nothing."""
-        current, rounds = self.flexible, []
+    def run(self, most: int = constants.ROUNDS) -> tuple[list[Round], list[Entry]]:
+        """Rounds of the search, and what was put in, one a round.
+
+        Two effects of one size leave each other's part unexplained, so that neither can be named alone: the first is
+        put in even where it leaves more than it explains, and stays if the second explains the rest.
+        """
+        current, rounds, found = self.flexible, [], []
         with ThreadPoolExecutor(2) as self.pool:
-            for _ in range(most):
-                rounds.append(self.round(current))
-                found = rounds[-1].accepted
-                if found is None:
+            while len(rounds) < most:
+                step = self.round(current)
+                rounds.append(step)
+                if step.candidate is None or (len(rounds) > 1 and not step.is_named()):
                     break
-                current = found.hypothesis
-        return rounds
+                found.append(step.candidate)
+                current = step.candidate.hypothesis
+        return rounds, found
 
     def round(self, current: Hypothesis) -> Round:
         self.tell("screening the catalogue")
@@ -137,26 +189,23 @@ class Search:
         for p in proposals:
             counted[p.mechanism] = counted.get(p.mechanism, 0) + 1
         entries = self.contest(current, proposals, likelihood)
-        before = [
-            current,
-            *self.pool.map(
-                lambda law: self.exchanged(current, law, likelihood), self.other_laws(current) if entries else []
-            ),
-        ]
+        others = self.other_laws(current) if entries else []
+        before = [current, *self.pool.map(lambda law: self.exchanged(current, law, likelihood), others)]
         if entries:
-            best = max(entries, key=lambda e: e.best)
+            best = max(entries, key=lambda e: e.log_z)
             likelihood = correlated(likelihood, Map(best.hypothesis, likelihood).left)
             before.append(
                 fitted(best.hypothesis.model.without(best.name), likelihood, self.reference, best.hypothesis)
             )
         bare = max(
             (self.entry("", under(h, likelihood), likelihood) for h in before if np.isfinite(h.log_z)),
-            key=lambda e: e.best,
+            key=lambda e: e.log_z,
         )
         entries = [
             self.entry(e.mechanism, under(e.hypothesis, likelihood), likelihood, e.law, e.name) for e in entries
         ]
-        return Round(bare, tuple(sorted(entries, key=lambda e: -e.best)), tuple(proposals), counted, likelihood)
+        step = Round(bare, tuple(entries), tuple(proposals), counted, likelihood)
+        return replace(step, entries=tuple(sorted(entries, key=lambda e: -step.score(e))))
 
     def other_laws(self, current: Hypothesis) -> list[Effect]:
         """Laws that could take the place of one in the model, drawn to the data."""
@@ -188,18 +237,15 @@ class Search:
         for place, mechanism in enumerate(mechanisms[: constants.REFITS]):
             chosen += [p for p in likely if p.mechanism == mechanism][: 2 if place < 3 else 1]
         entries = self.entered(current, chosen, likelihood)
-        best = max(entries, key=lambda e: e.best)
+        best = max(entries, key=lambda e: e.log_z)
         more = [p for p in likely if p.mechanism == best.mechanism and p not in chosen][:3]
         entries += self.entered(current, more, likelihood)
-        entries.sort(key=lambda e: -e.best)
-        full, rest, seen = [], [], set()
-        for e in entries:
-            (full if len(full) < 4 and list(seen).count(e.mechanism) < 2 else rest).append(e)
-            seen.add(e.mechanism)
-        return [*self.pool.map(lambda e: self.settled(e, likelihood), full), *rest]
+        entries.sort(key=lambda e: -e.log_z)
+        full = [*self.pool.map(lambda e: self.settled(e, likelihood), entries[: constants.SETTLED])]
+        return [*full, *entries[constants.SETTLED :]]
 
     def settled(self, e: Entry, likelihood: Likelihood) -> Entry:
-        """Refitted in full, also with contacts that feel the force alone where they were found to feel some strain."""
+        """Refitted in full; contacts that were found to feel some strain are tried with the force alone, too."""
         h = e.hypothesis
         starts = [h.model]
         drive = getattr(h.model.effects.get("contact_drive"), "strain_share", 0.0)
@@ -222,14 +268,12 @@ class Search:
         return list(self.pool.map(enter, proposals))
 
     def entry(self, mechanism: str, h: Hypothesis, likelihood: Likelihood, law: str = "", name: str = "") -> Entry:
-        return Entry(mechanism, law, name, h, h.log_z + remainder(h, likelihood), Map(h, likelihood).log_z)
+        above = excess(h, likelihood)
+        # An instrument's slow noise is of the size of its quick noise: a complete model leaves no more than that.
+        log_z = h.log_z - 0.5 * above / constants.SLOW_NOISE**2
+        return Entry(mechanism, law, name, h, log_z, Map(h, likelihood).log_z, above)
 
 
 def excess(h: Hypothesis, likelihood: Likelihood) -> float:
     """Squared error above the noise, in noise floors, summed over the channels."""
     return sum(max((sigma / likelihood.floor[c]) ** 2 - 1, 0.0) for c, sigma in h.evidence.sigma.items())
-
-
-def remainder(h: Hypothesis, likelihood: Likelihood) -> float:
-    """Log prior of what a complete model leaves: an instrument's slow noise is of the size of its quick noise."""
-    return -0.5 * excess(h, likelihood) / constants.SLOW_NOISE**2

@@ -40,10 +40,7 @@ def first_line(diagnosis: Diagnosis) -> str:
         return f"nothing is missing ({percent(chances[NOTHING])})"
     if diagnosis.verdict == "missing":
         return f"missing: {_found(diagnosis)}; {_left(diagnosis.left)}"
-    if diagnosis.found:
-        said = f"unknown: beside {_found(diagnosis)}, {_left(diagnosis.left)}"
-    else:
-        said = f"unknown ({percent(chances[UNKNOWN])}): structure remains that no effect of the catalogue explains"
+    said = f"unknown ({percent(chances[UNKNOWN])}): structure remains that no effect of the catalogue explains"
     if diagnosis.depends_on:
         channel, coordinate, _ = diagnosis.depends_on[0]
         said += f", depends most on: {channel}: {coordinate}"

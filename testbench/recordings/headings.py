@@ -11,7 +11,8 @@ from testbench.recordings.words import ROLES, STRETCH, is_generic, roles_of
 _BRACKET = re.compile(r"^(.*?)\s*(?:\[([^\[\]]*)\]|\(([^()]*)\)|\{([^{}]*)\}|<([^<>]*)>)\s*$", re.S)
 _FORMULA = re.compile(r"R_?[0o]$", re.I)
 _TAIL = re.compile(r"^(.*?)(?:\s*/\s*|\s+in\s+|\s*[,:;=]\s*|_|\s+)([^\s/,:;=_]+)$", re.S)
-_STROKE = re.compile(r"^([^/,]+?)\s*[/,]\s*([^\s/,\d][^\s/,]*)$")
+_STROKE = re.compile(r"^([^/,]+?)\s*[/,]\s*([^\s/,\d][^\s,]*)$")
+LONGEST = 300  # characters of a cell that are looked at; no name of a column is longer
 _PER_CENT = re.compile(r"^(.*?)\s*([%‰])$", re.S)
 
 
@@ -54,7 +55,7 @@ class Heading:
 
 def read_heading(text: str) -> Heading:
     """Part a header cell: ``Kraft [N]``, ``Weg / mm``, ``time_ms``, ``Load(Cell 1:Load) (N)``, ``Zeit in s``."""
-    plain = plain_text(text).strip("\"'").strip()
+    plain = plain_text(text[:LONGEST]).strip("\"'").strip()
     whole, unit_text = _parted(plain)
     base = _without_brackets(whole)
     return Heading(text.strip(), base, whole, unit_text, roles_of(base, whole))

@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gcode.support.errors import UserError
+from gcode.support.strict import check_plain
+from testbench.recording_files import MOST_BYTES
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -87,6 +89,7 @@ def open_sheet(path: Path, wanted: Sequence[str], hints: Hints) -> Sheet:
     kind = path.suffix.lower()
     if kind == ".xls":
         raise UserError(f"{path}: the old Excel format; open it in Excel or LibreOffice and save it as .xlsx")
+    check_plain(path, "table", MOST_BYTES)
     if kind in (".xlsx", ".xlsm"):
         from testbench.recordings.excel_file import open_excel
 

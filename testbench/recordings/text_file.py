@@ -13,7 +13,7 @@ from gcode.support.strict import check_plain
 from testbench.recording_files import MOST_BYTES, MOST_COLUMNS, in_words
 from testbench.recordings.encodings import encoding_of, known_encoding
 from testbench.recordings.layout import Layout, find_layout, is_data
-from testbench.recordings.notation import decimal_sign
+from testbench.recordings.notation import decimal_sign, is_number, is_when
 from testbench.recordings.sheet import HEAD_ROWS, Hints, Sheet
 
 if TYPE_CHECKING:
@@ -123,13 +123,15 @@ def _cells(line: str, separator: str) -> list[str]:
         return []  # a cell of more than 128 kB is no name of a column
 
 
-def _worth(rows: Sequence[Sequence[str]], layout: Layout, wanted: Sequence[str]) -> tuple[int, ...]:
-    """How much a separator makes of the file: all wanted names, names with a meaning, rows of numbers, columns."""
+def _worth(rows: Sequence[Sequence[str]], layout: Layout, wanted: Sequence[str]) -> tuple[float, ...]:
+    """What a separator makes of the file: all wanted names, rows of numbers, how pure they are, names, columns."""
     header = rows[layout.header_row - 1] if layout.header_row else []
     have = {cell.strip() for cell in header} | {column.heading.base for column in layout.columns}
     meanings = sum(bool(column.heading.roles) for column in layout.columns)
-    data = sum(is_data(row) and len(row) > 1 for row in rows[layout.first_row - 1 :])
-    return all(name in have for name in wanted), data, meanings, len(layout.columns)
+    data = [row for row in rows[layout.first_row - 1 :] if len(row) > 1 and is_data(row)]
+    cells = [cell for row in data for cell in row if cell.strip()]
+    pure = sum(is_number(cell) or is_when(cell) for cell in cells) / max(1, len(cells))
+    return all(name in have for name in wanted), len(data), round(pure, 2), meanings, len(layout.columns)
 
 
 def _decimal(path: Path, rows: Sequence[Sequence[str]], layout: Layout, separator: str) -> str:

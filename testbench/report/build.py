@@ -11,8 +11,9 @@ from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError
 from gcode.support.files import read_json
 from testbench.recording import read_recording
-from testbench.report import sections, words
+from testbench.report import sections
 from testbench.report.document import Item, Report, Section
+from testbench.report.provenance import provenance, today
 from testbench.report.story import Story
 
 SCORE_FORMAT = "knitbench-score"
@@ -33,11 +34,14 @@ class Inputs:
         For bare CSVs.
     model, effects : str, optional
         A model.json, and the user's own effects in it.
-    diagnosis : str, optional
-        The JSON of ``testbench diagnose``; without a model, its own before and after are shown.
+    diagnoses : tuple of str
+        JSON of ``testbench diagnose``, the oldest first: those that led to the steps of the model, and the last one.
+        Without a model, the last one's own before and after are shown.
     compensator : str, optional
         The JSON of ``compensation score``.
     title : str, optional
+    commands : str, optional
+        A text file with the command lines that led here.
     """
 
     recordings: tuple[str, ...] = ()
@@ -45,9 +49,10 @@ class Inputs:
     gauge_length_mm: float | None = None
     model: str | None = None
     effects: str | None = None
-    diagnosis: str | None = None
+    diagnoses: tuple[str, ...] = ()
     compensator: str | None = None
     title: str = ""
+    commands: str | None = None
 
 
 def build_report(given: Inputs) -> Report:
@@ -58,27 +63,34 @@ def build_report(given: Inputs) -> Report:
     UserError
         If a file is missing or is not what the option says.
     """
-    if not (given.recordings or given.model or given.diagnosis or given.compensator):
+    if not (given.recordings or given.model or given.diagnoses or given.compensator):
         raise UserError("nothing to report on; name a --recording, --model, --diagnosis or --compensator")
     recordings = [read_recording(path, given.gauge_length_mm) for path in given.recordings]
     held_out = read_recording(given.held_out, given.gauge_length_mm) if given.held_out else None
-    diagnosis = read_diagnosis(given.diagnosis) if given.diagnosis else None
+    diagnoses = [read_diagnosis(path) for path in given.diagnoses]
     opening: list[Item] = []
     parts: list[Section] = []
-    verdict = words.verdict_in_words(diagnosis) if diagnosis else ""
-    if given.model or diagnosis:
-        story = Story.of(given.model, diagnosis, given.effects, recordings, held_out)
-        verdict, opening = verdict or story.verdict(), story.opening()
-        parts += story.parts(diagnosis)
+    verdict = ""
+    if given.model or diagnoses:
+        last = diagnoses[-1] if diagnoses else None
+        story = Story.of(given.model, last, given.effects, recordings, held_out)
+        verdict, opening = story.verdict(last), story.opening()
+        parts += story.parts(diagnoses)
     if given.compensator:
         parts.append(sections.compensator_section(read_score(given.compensator)))
     parts += [
         sections.recording_section(recording, f"Recording {sections.short_name(recording.source)}", f"recording-{n}")
         for n, recording in enumerate(recordings, 1)
     ]
+    parts.append(provenance(_files_of(given), given.commands))
     names = ", ".join(sections.short_name(recording.source) for recording in recordings)
-    title = given.title or names or Path(given.model or given.diagnosis or given.compensator or "").stem
-    return Report(title, verdict, opening, parts, f"Made by knitbench {knitbench_version()}.")
+    title = given.title or names or Path(given.model or (*given.diagnoses, given.compensator or "")[0]).stem
+    return Report(title, verdict, opening, parts, f"Made by knitbench {knitbench_version()}.", today())
+
+
+def _files_of(given: Inputs) -> list[str]:
+    named = (*given.recordings, given.held_out, given.model, given.effects, *given.diagnoses, given.compensator)
+    return [path for path in named if path]
 
 
 def read_score(path: str) -> Mapping[str, Any]:

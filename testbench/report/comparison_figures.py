@@ -15,8 +15,8 @@ from testbench.report.recording_figures import line, stretches
 
 FloatArray = NDArray[np.float64]
 
-CHANNEL_TITLES = {"force": "Force / N", "conductance": "ln (G / S)"}
-RESIDUAL_TITLES = {"force": "Residual / N", "conductance": "Residual / ln S"}
+CHANNEL_TITLES = {"force": "Force / N", "conductance": "ln (G / S)", "resistance": "Resistance / kΩ"}
+RESIDUAL_TITLES = {"force": "Residual / N", "conductance": "Residual / ln S", "resistance": "Residual / kΩ"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,6 +59,31 @@ class Overlay:
                 for label, signals in self.modelled.items()
             },
         )
+
+    def in_resistance(self) -> Overlay:
+        """The same with the resistance in kΩ instead of the logarithm of the conductance."""
+        if "conductance" not in self.measured:
+            return self
+        measured = _renamed(self.measured)
+        floor = self.noise_floor.get("conductance", 0.0) * float(np.sqrt(np.mean(measured["resistance"] ** 2)))
+        return replace(
+            self,
+            measured=measured,
+            modelled={label: _renamed(signals) for label, signals in self.modelled.items()},
+            noise_floor={**self.noise_floor, "resistance": floor},
+        )
+
+
+def resistance_kohm(log_conductance: FloatArray) -> FloatArray:
+    """From ln (G / S)."""
+    return 1e-3 * np.exp(-log_conductance)
+
+
+def _renamed(signals: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+    return {
+        **{channel: values for channel, values in signals.items() if channel != "conductance"},
+        "resistance": resistance_kohm(signals["conductance"]),
+    }
 
 
 def model_colour(index: int, count: int) -> str:

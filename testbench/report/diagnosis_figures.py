@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from testbench.discrepancy.words import percent
 from testbench.report import style
 from testbench.report.comparison_figures import RESIDUAL_TITLES
 from testbench.report.downsample import POINTS, window
 from testbench.report.recording_figures import line
+from testbench.report.words import spoken, with_probability
 
 FloatArray = NDArray[np.float64]
 SHOWN = 8
@@ -21,14 +21,14 @@ SCATTER_BINS = 24
 
 
 def removed_percent(gain: float) -> float:
-    """Share of the RMS error that a gain (ln of the ratio of squared errors) takes away, in per cent."""
+    """Share of the held-out RMS error that a gain (ln of the ratio of squared errors) takes away, in per cent."""
     return float(100 * (1 - np.exp(-0.5 * gain)))
 
 
 def candidates(diagnosis: Mapping[str, Any]) -> style.Figure:
-    """What each effect takes off the error, the most probable first: of the fit (bars), of held-out samples (dots).
+    """What a refit with each effect takes off the error on samples that no fit has seen, best first.
 
-    A dot is the held-out error after a refit with the effect in, its whiskers the 95 % interval over blocks of 60 s.
+    The bar is measured, with its 95 % interval over blocks of 60 s; an effect that was not worth a refit has none.
 
     Parameters
     ----------
@@ -36,57 +36,65 @@ def candidates(diagnosis: Mapping[str, Any]) -> style.Figure:
         The JSON of ``testbench diagnose``.
     """
     ranking = diagnosis["ranking"][:SHOWN]
-    places = np.arange(len(ranking))
-    removed = np.array([removed_percent(entry["gain"]) for entry in ranking])
-    bar = {
-        "type": "bar",
-        "orientation": "h",
-        "x": np.maximum(removed, 0.0),
-        "y": places,
-        "width": 0.62,
-        "marker": {"color": [_colour(diagnosis, number) for number in range(len(ranking))]},
-        "hovertemplate": "calibration: %{x:.1f} % of the error<extra></extra>",
-    }
-    names = [f"{entry['effect'].replace('_', ' ')} ({percent(entry['probability'])})" for entry in ranking]
+    notes = [_untried(place) for place, entry in enumerate(ranking) if not entry.get("held_out_gain")]
+    names = [with_probability(diagnosis, entry["effect"]) for entry in ranking]
     axes: dict[str, Any] = {
-        "xaxis": style.axis("Error that it takes away / %", rangemode="tozero"),
+        "xaxis": style.axis("Held-out error that it takes away / %", range=[0, 104]),
         "yaxis": style.axis(
             "", tickvals=list(range(len(names))), ticktext=names, range=[len(names) - 0.5, -0.5], showgrid=False
         ),
     }
     return style.figure(
-        [bar, _measured(ranking)],
+        [_measured(diagnosis, ranking)],
         height=70 + 34 * max(len(ranking), 2),
         margin={"l": 230, "r": 20, "t": 16, "b": 44},
+        annotations=notes,
         **axes,
     )
 
 
-def _measured(ranking: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """Dots with intervals, for those that were refitted."""
-    refitted = [(place, entry["held_out_gain"]) for place, entry in enumerate(ranking) if entry.get("held_out_gain")]
-    ends = np.array([[removed_percent(gain) for gain in gains] for _, gains in refitted]).reshape(-1, 3)
+def _measured(diagnosis: Mapping[str, Any], ranking: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Bars with intervals, for those that were refitted."""
+    places = [place for place, entry in enumerate(ranking) if entry.get("held_out_gain")]
+    gains = [ranking[place]["held_out_gain"] for place in places]
+    ends = np.array([[removed_percent(gain) for gain in one] for one in gains]).reshape(-1, 3)
     return {
-        "type": "scatter",
-        "mode": "markers",
-        "x": ends[:, 0],
-        "y": [place for place, _ in refitted],
-        "marker": {"color": style.INK, "size": 8},
+        "type": "bar",
+        "orientation": "h",
+        "x": np.maximum(ends[:, 0], 0.0),
+        "y": np.array(places, dtype=float),
+        "width": 0.62,
+        "marker": {"color": [_colour(diagnosis, place) for place in places]},
         "error_x": {
-            "array": ends[:, 2] - ends[:, 0],
-            "arrayminus": ends[:, 0] - ends[:, 1],
+            "array": np.maximum(ends[:, 2] - ends[:, 0], 0.0),
+            "arrayminus": np.clip(ends[:, 0] - ends[:, 1], 0.0, np.maximum(ends[:, 0], 0.0)),
             "symmetric": False,
             "color": style.INK,
         },
-        "hovertemplate": "held out: %{x:.1f} % of the error<extra></extra>",
+        "hovertemplate": "with it refitted: %{x:.0f} % of the held-out error is gone<extra></extra>",
+    }
+
+
+def _untried(place: int) -> dict[str, Any]:
+    look = {"size": 11, "color": style.MUTED}
+    return {
+        "text": "not worth a refit",
+        "x": 1.0,
+        "y": place,
+        "xref": "x",
+        "yref": "y",
+        "xanchor": "left",
+        "showarrow": False,
+        "font": look,
     }
 
 
 def _colour(diagnosis: Mapping[str, Any], number: int) -> str:
     """What was found, and what is tied with the first of it, stands out."""
     entry = diagnosis["ranking"][number]
-    found = {one["effect"] for one in diagnosis["found"]} if diagnosis["verdict"] == "missing" else set()
-    return style.VERMILION if entry["effect"] in found or entry.get("tied_for_first") else style.SKY
+    named = diagnosis["verdict"] == "missing"
+    found = {one["effect"] for one in diagnosis["found"]}
+    return style.VERMILION if named and (entry["effect"] in found or entry.get("tied_for_first")) else style.SKY
 
 
 def dependence(diagnosis: Mapping[str, Any]) -> style.Figure | None:
@@ -94,7 +102,7 @@ def dependence(diagnosis: Mapping[str, Any]) -> style.Figure | None:
     found = [entry for entry in diagnosis.get("depends_on", []) if entry["gain"] >= VISIBLE][:SHOWN]
     if not found:
         return None
-    names = [f"{entry['channel']} on {str(entry['coordinate']).replace('_', ' ')}" for entry in found]
+    names = [f"{entry['channel']} on {spoken(entry['coordinate'])}" for entry in found]
     colours = [style.BLUE if entry["channel"] == "force" else style.GREEN for entry in found]
     bar = {
         "type": "bar",

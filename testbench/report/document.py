@@ -63,7 +63,9 @@ class Report:
         The first screen: the few values that matter and the picture that says it all.
     sections : list of Section
     footer : str
-        Versions and where it came from.
+        Versions.
+    date : str
+        When it was made.
     """
 
     title: str
@@ -71,6 +73,7 @@ class Report:
     opening: list[Item] = field(default_factory=list)
     sections: list[Section] = field(default_factory=list)
     footer: str = ""
+    date: str = ""
 
     def pictures(self) -> Iterator[Picture]:
         """Every picture, in the order of reading."""

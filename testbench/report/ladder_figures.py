@@ -11,10 +11,11 @@ import numpy as np
 from testbench.report import style
 from testbench.report.comparison_figures import CHANNEL_TITLES, Overlay, model_colour
 from testbench.report.downsample import window
+from testbench.report.numbers import plain
 from testbench.report.recording_figures import line
 
 NAMED_STEPS = 3
-UNITS = {"force": "N", "conductance": "ln S"}
+UNITS = {"force": "N", "conductance": "ln S", "resistance": "kΩ"}
 
 
 @dataclass(frozen=True)
@@ -76,7 +77,7 @@ def _rungs(steps: Sequence[Step], channel: str, column: int, current: int) -> li
             "y": np.array(errors),
             "width": 0.62,
             "marker": {"color": colours},
-            "text": [f"{error:.3g}" for error in errors],
+            "text": [plain(error) for error in errors],
             "textposition": "outside",
             "cliponaxis": False,
             "hovertext": [step.label for step in steps],
@@ -122,7 +123,7 @@ def _floor(column: int, floor: float) -> dict[str, Any]:
 def _floor_note(column: int, channel: str, steps: Sequence[Step]) -> dict[str, Any]:
     floor = steps[-1].noise_floor.get(channel, 0.0)
     return {
-        "text": f"- - -  noise floor {floor:.2g} {UNITS[channel]}",
+        "text": f"- - -  noise floor {plain(floor, 2)} {UNITS[channel]}",
         "xref": f"{style.x_ref(column)} domain",
         "yref": f"{style.y_ref(column)} domain",
         "x": 1,

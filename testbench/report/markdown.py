@@ -14,7 +14,7 @@ def to_markdown(report: Report, figures: str | None = None) -> str:
     figures : str, optional
         Folder of the PNG files, as the document should name it; without it only the captions stand.
     """
-    parts = [f"# {report.title}", report.verdict]
+    parts = [f"# {report.title}", report.date, report.verdict]
     parts += [_item(item, figures) for item in report.opening]
     for section in report.sections:
         parts.append(f"## {section.title}")

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from testbench.discrepancy.compare import compare, residual_maps
+from testbench.discrepancy.coordinates import coordinates
 from testbench.discrepancy.errors import noise_floors
 from testbench.discrepancy.measurement import Measurement
 from testbench.discrepancy.model_file import ModelFile
@@ -14,6 +17,7 @@ from testbench.knit.catalogue import Catalogue, model_from_dict
 from testbench.knit.model import KnitModel
 from testbench.report.comparison_figures import Overlay
 from testbench.report.ladder_figures import Step
+from testbench.report.places import Spot, spots
 from testbench.report.words import spoken
 
 
@@ -55,6 +59,53 @@ def _shifted(signals: Mapping[str, np.ndarray], measurement: Measurement) -> dic
         channel: values + np.mean(measurement.measured[channel][rows] - values[rows])
         for channel, values in signals.items()
     }
+
+
+@dataclass(frozen=True, eq=False)
+class Failings:
+    """Where a model fails on a measurement.
+
+    Attributes
+    ----------
+    comparison : mapping
+        As ``testbench compare --json`` writes it.
+    spots : list of Spot
+        The worst places, each with the time at which to look.
+    maps : mapping of channel to mapping of coordinate to cells
+        Mean residuals; with ``resistance`` in kΩ beside ``conductance``.
+    """
+
+    comparison: Mapping[str, Any]
+    spots: list[Spot]
+    maps: Mapping[str, Any]
+
+
+def failings_of(model: KnitModel, measurement: Measurement, both: Overlay, free_offset: bool) -> Failings:
+    """Compare, and find the times at which the worst places are seen; `both` is the overlay of this one model."""
+    found = compare(model, measurement, free_offset=free_offset).to_dict()
+    where, counts = coordinates(measurement), measurement.counts
+    residual = {channel: both.residual(channel) for channel in both.measured}
+    maps = {channel: entry["maps"] for channel, entry in found["channels"].items()}
+    if "conductance" in both.measured:
+        rows = {name: values[counts] for name, values in where.items()}
+        kohm = both.in_resistance().residual("resistance")[counts]
+        cells = residual_maps(kohm - kohm.mean() if free_offset else kohm, rows, measurement.dt_s)
+        maps["resistance"] = {name: [vars(cell) for cell in row] for name, row in cells.items()}
+    return Failings(found, spots(found, both.time_s, residual, where, counts), maps)
+
+
+def steps_in_resistance(file: ModelFile, catalogue: Catalogue, judged: Measurement) -> list[Step]:
+    """The ladder with the error of the resistance in kΩ, each model simulated along the held-out samples."""
+    found = []
+    for entry, step in zip(file.history, steps_of(file.history), strict=True):
+        model = model_from_dict(entry["model"], catalogue, "history")
+        both = overlay_of(judged, {step.label: model}, free_offset=True).within(judged.counts).in_resistance()
+        errors = {
+            channel: float(np.std(both.residual(channel))) if channel == "resistance" else step.errors[channel]
+            for channel in both.measured
+        }
+        found.append(Step(step.label, errors, {channel: both.noise_floor[channel] for channel in both.measured}))
+    return found
 
 
 def steps_of(history: Sequence[Mapping[str, Any]]) -> list[Step]:

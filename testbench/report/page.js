@@ -4,7 +4,9 @@ const draw = (holder) => {
   if (holder.dataset.drawn) return;
   holder.dataset.drawn = "yes";
   const figure = figures[holder.id];
-  Plotly.newPlot(holder, figure.data, figure.layout, figures.config);
+  const { data, layout } = forNarrow(figure, holder.clientWidth);
+  holder.style.height = `${layout.height}px`;
+  Plotly.newPlot(holder, data, layout, figures.config);
 };
 const holders = [...document.querySelectorAll(".plot")];
 const watcher = new IntersectionObserver(

@@ -32,13 +32,14 @@ def to_html(report: Report) -> str:
 <title>{escape(report.title)}</title>
 <style>{own.joinpath("page.css").read_text("utf-8")}</style></head>
 <body><header class="hero">
-<p class="kicker">knitbench report</p>
+<p class="kicker">knitbench report{escape(f" · {report.date}" if report.date else "")}</p>
 <h1>{escape(report.title)}</h1><p class="verdict">{escape(report.verdict)}</p>
 {"".join(_item(item) for item in report.opening)}
 <nav class="contents" aria-label="Contents">{links}</nav></header>
 <main>{body}<footer>{escape(report.footer)}</footer></main>
 <script>{plotly_js()}</script>
 <script type="application/json" id="figures">{_for_script(to_json(figures))}</script>
+<script>{own.joinpath("narrow.js").read_text("utf-8")}</script>
 <script>{own.joinpath("page.js").read_text("utf-8")}</script>
 </body></html>
 """

@@ -11,6 +11,7 @@ from testbench.recording import DISPLACEMENT, RESISTANCE, TEMPERATURE, Recording
 from testbench.recording import FORCE as FORCE_CHANNEL
 from testbench.report import style
 from testbench.report.downsample import POINTS, rows_to_draw, thinned, window
+from testbench.report.numbers import span
 
 FloatArray = NDArray[np.float64]
 Channel = tuple[str, FloatArray, str]  # axis title, values, colour
@@ -29,23 +30,33 @@ def conductance_scale(conductance_S: FloatArray) -> tuple[float, str]:
     return 1e9, "nS"
 
 
-def channels_of(recording: Recording) -> list[Channel]:
-    """Strain, force, conductance and temperature, as far as they were recorded."""
+def channels_of(recording: Recording, resistance: bool = False) -> list[Channel]:
+    """Strain, force, conductance (or resistance) and temperature, as far as they were recorded."""
     found: list[Channel] = []
     if recording.has(DISPLACEMENT):
         found.append(("Strain / %", 100 * recording.strain, style.STRAIN))
     if recording.has(FORCE_CHANNEL):
         found.append(("Force / N", recording[FORCE_CHANNEL], style.FORCE))
     if recording.has(RESISTANCE):
-        factor, unit = conductance_scale(recording.conductance_S)
-        found.append((f"Conductance / {unit}", factor * recording.conductance_S, style.CONDUCTANCE))
+        found.append(_electrical(recording, resistance))
     if recording.has(TEMPERATURE):
         found.append(("Temperature / °C", recording[TEMPERATURE], style.ORANGE))
     return found
 
 
+def _electrical(recording: Recording, resistance: bool) -> Channel:
+    if resistance:
+        return "Resistance / kΩ", 1e-3 * recording[RESISTANCE], style.CONDUCTANCE
+    factor, unit = conductance_scale(recording.conductance_S)
+    return f"Conductance / {unit}", factor * recording.conductance_S, style.CONDUCTANCE
+
+
 def time_series(
-    recording: Recording, start_s: float | None = None, end_s: float | None = None, points: int = POINTS
+    recording: Recording,
+    start_s: float | None = None,
+    end_s: float | None = None,
+    points: int = POINTS,
+    resistance: bool = False,
 ) -> style.Figure:
     """Every channel over time, one row each, zoom linked.
 
@@ -56,10 +67,12 @@ def time_series(
         Draw this stretch only, at full detail for it.
     points : int
         Largest number of points a channel (min-max, so peaks stay).
+    resistance : bool
+        Draw the resistance in kΩ instead of the conductance.
     """
     rows = window(recording.time_s, start_s, end_s)
     time_s = recording.time_s[rows]
-    channels = channels_of(recording)
+    channels = channels_of(recording, resistance)
     traces = [
         line(time_s, values[rows], colour, title.split(" / ")[0], row, points)
         for row, (title, values, colour) in enumerate(channels)
@@ -87,13 +100,15 @@ def line(
     }
 
 
-def hysteresis_loops(recording: Recording) -> style.Figure | None:
+def hysteresis_loops(recording: Recording, resistance: bool = False) -> style.Figure | None:
     """Force and log-conductance over strain, and log-conductance over force: a few half minutes, dark to light.
+
+    With `resistance` in kΩ instead of the conductance.
 
     Whole stretches of motion are drawn, not a cloud of samples, so that the loops are seen as loops.
     None when neither force nor resistance was recorded.
     """
-    panels = _loop_panels(recording)
+    panels = _loop_panels(recording, resistance)
     if not panels:
         return None
     windows = stretches(recording.time_s)
@@ -140,25 +155,27 @@ def shades(count: int) -> list[str]:
     return [style.SEQUENCE[place] for place in places]
 
 
-def _loop_panels(recording: Recording) -> list[tuple[str, str, FloatArray, FloatArray]]:
+def _loop_panels(recording: Recording, resistance: bool) -> list[tuple[str, str, FloatArray, FloatArray]]:
     strain = 100 * recording.strain if recording.has(DISPLACEMENT) else None
     panels = []
     if recording.has(FORCE_CHANNEL) and strain is not None:
         panels.append(("Strain / %", "Force / N", strain, recording[FORCE_CHANNEL]))
     if recording.has(RESISTANCE):
-        log_conductance = np.log(recording.conductance_S)
+        title, values = "ln (G / S)", np.log(recording.conductance_S)
+        if resistance:
+            title, values = "Resistance / kΩ", 1e-3 * recording[RESISTANCE]
         if strain is not None:
-            panels.append(("Strain / %", "ln (G / S)", strain, log_conductance))
+            panels.append(("Strain / %", title, strain, values))
         if recording.has(FORCE_CHANNEL):
-            panels.append(("Force / N", "ln (G / S)", recording[FORCE_CHANNEL], log_conductance))
+            panels.append(("Force / N", title, recording[FORCE_CHANNEL], values))
     return panels
 
 
-def distributions(recording: Recording) -> style.Figure:
-    """How often each strain, speed, force and conductance occurred (share of the time in per cent)."""
+def distributions(recording: Recording, resistance: bool = False) -> style.Figure:
+    """How often each strain, speed, force and conductance (or resistance) occurred, in per cent of the time."""
     rate_hz = speed_rate_hz(recording)
     even = recording.resampled(rate_hz)
-    panels = channels_of(even)[:3]
+    panels = channels_of(even, resistance)[:3]
     if recording.has(DISPLACEMENT):
         panels.insert(1, ("Speed / mm/s", np.gradient(even[DISPLACEMENT], 1 / rate_hz), style.MUTED))
     traces = []
@@ -228,20 +245,15 @@ def _dots(across: FloatArray, values: FloatArray, colour: str, left: float, righ
     return f'<path d="{points}" stroke="{colour}" stroke-width="1.6" stroke-linecap="round" opacity=".6"/>'
 
 
-def summary(recording: Recording) -> list[tuple[str, str]]:
+def summary(recording: Recording, resistance: bool = False) -> list[tuple[str, str]]:
     """What a person asks first of a recording: pairs of name and value, in words."""
     facts = [
         ("Duration", f"{recording.duration_s / 60:.1f} min"),
         ("Samples", f"{len(recording):,}".replace(",", " ") + f" at {recording.mean_rate_hz:.1f} Hz"),
     ]
     if recording.has(DISPLACEMENT):
-        low, high = 100 * recording.strain.min(), 100 * recording.strain.max()
-        facts += [("Gauge length", f"{recording.gauge_length_mm:g} mm"), ("Strain", f"{low:.1f} to {high:.1f} %")]
-    if recording.has(FORCE_CHANNEL):
-        force = recording[FORCE_CHANNEL]
-        facts.append(("Force", f"{force.min():.3g} to {force.max():.3g} N"))
-    if recording.has(RESISTANCE):
-        factor, unit = conductance_scale(recording.conductance_S)
-        low, high = factor * recording.conductance_S.min(), factor * recording.conductance_S.max()
-        facts.append(("Conductance", f"{low:.3g} to {high:.3g} {unit}"))
+        facts.append(("Gauge length", f"{recording.gauge_length_mm:g} mm"))
+    for title, values, _ in channels_of(recording, resistance):
+        name, unit = title.split(" / ")
+        facts.append((name, span(float(values.min()), float(values.max()), unit)))
     return facts

@@ -14,15 +14,16 @@ from testbench.report.comparison_figures import RESIDUAL_TITLES, Overlay
 FloatArray = NDArray[np.float64]
 
 COORDINATE_TITLES = {
-    "strain": "Strain",
-    "strain_rate": "Strain rate / 1/s",
+    "strain": "Strain / %",
+    "strain_rate": "Strain rate / %/s",
     "elapsed_s": "Elapsed time / s",
-    "largest_strain": "Largest strain so far",
+    "largest_strain": "Largest strain so far / %",
     "since_reversal_s": "Since the last reversal / s",
     "since_hold_s": "Into a hold / s",
     "cycle": "Cycle",
     "temperature_C": "Temperature / °C",
 }
+IN_PERCENT = ("strain", "largest_strain", "strain_rate")
 LOG_COORDINATES = ("since_reversal_s", "since_hold_s")
 DIRECTIONS = ((1, "stretching", style.BLUE, "triangle-up"), (-1, "releasing", style.VERMILION, "diamond"))
 HEAT_BINS = 24
@@ -80,7 +81,7 @@ def _centre(cell: Mapping[str, Any], coordinate: str) -> float:
     low, high = float(cell["low"]), float(cell["high"])
     if coordinate in LOG_COORDINATES:
         return float(np.sqrt(max(low, high / 20, 1e-3) * max(high, 1e-3)))
-    return (low + high) / 2
+    return (100 if coordinate in IN_PERCENT else 1) * (low + high) / 2
 
 
 def _legend_once(traces: list[dict[str, Any]]) -> list[dict[str, Any]]:
@@ -100,9 +101,8 @@ def _grid_axes(coordinates: list[str], columns: int, channel: str) -> dict[str, 
         left, top = column * (width + 0.07), 1 - row * (height + 0.2)
         x_domain, y_domain = [left, min(left + width, 1.0)], [max(top - height, 0.0), max(top, 0.0)]
         kind = {"type": "log", "dtick": 1} if coordinate in LOG_COORDINATES else {}
-        tick = {"tickformat": ".0%"} if coordinate in ("strain", "largest_strain") else {}
         axes[style.axis_key("xaxis", index)] = style.axis(
-            COORDINATE_TITLES[coordinate], domain=x_domain, anchor=style.y_ref(index), **kind, **tick
+            COORDINATE_TITLES[coordinate], domain=x_domain, anchor=style.y_ref(index), **kind
         )
         axes[style.axis_key("yaxis", index)] = style.axis(
             RESIDUAL_TITLES[channel] if column == 0 else "",
@@ -136,7 +136,7 @@ def heat_maps(both: Overlay, label: str | None = None) -> style.Figure:
                 "xaxis": style.x_ref(column),
                 "yaxis": style.y_ref(column),
                 "colorbar": {
-                    "title": {"text": "N" if channel == "force" else "ln S"},
+                    "title": {"text": RESIDUAL_TITLES[channel].rpartition(" / ")[2]},
                     "thickness": 10,
                     "outlinewidth": 0,
                     "x": (1.0 if column == len(both.measured) - 1 else 0.42) + 0.01,

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from testbench.knit.model import KnitModel
 from testbench.recording import Recording
 from testbench.report import (
     comparison_figures,
@@ -19,6 +20,9 @@ from testbench.report import (
 from testbench.report.comparison_figures import Overlay
 from testbench.report.document import Facts, Item, Picture, Section, Table
 from testbench.report.ladder_figures import UNITS, Step
+from testbench.report.numbers import plain
+from testbench.report.parameters import parameter_table
+from testbench.report.places import beyond_noise, place_in_words
 
 
 def recording_section(recording: Recording, title: str, key: str) -> Section:
@@ -47,10 +51,11 @@ def comparison_section(both: Overlay, comparison: Mapping[str, Any]) -> Section:
         The JSON of ``testbench compare``.
     """
     items: list[Item] = [errors_table(comparison["channels"])]
-    worst = comparison["worst"]
+    worst = beyond_noise(comparison)
     if worst:
         rows = [
-            (str(n), place["words"], f"{100 * place['share_of_error']:.0f} %") for n, place in enumerate(worst, 1)
+            (str(n), place_in_words(place), f"{100 * place['share_of_error']:.0f} %")
+            for n, place in enumerate(worst, 1)
         ]
         items.append(Table(("", "Where it fails, the worst first", "Share of the squared error"), rows))
     else:
@@ -70,7 +75,7 @@ def comparison_section(both: Overlay, comparison: Mapping[str, Any]) -> Section:
 def errors_table(channels: Mapping[str, Mapping[str, Any]]) -> Table:
     """RMS error of each channel beside its noise floor."""
     rows = [
-        (name, f"{entry['rms']:.4g} {entry['unit']}", f"{entry['noise_floor']:.2g} {entry['unit']}",
+        (name, f"{plain(entry['rms'])} {entry['unit']}", f"{plain(entry['noise_floor'], 2)} {entry['unit']}",
          f"{entry['over_noise']:.1f} x")
         for name, entry in channels.items()
     ]  # fmt: skip
@@ -82,16 +87,22 @@ def ladder_section(steps: Sequence[Step]) -> Section:
     channels = list(steps[0].errors)
     head = ("Step", *(f"Held-out {channel} / {UNITS[channel]}" for channel in channels), "Fall")
     rows = [
-        (step.label, *(f"{step.errors[channel]:.4g}" for channel in channels), fall_in_words(steps[0], step))
+        (step.label, *(plain(step.errors[channel]) for channel in channels), fall_in_words(steps[0], step))
         for step in steps
     ]
-    floor = ", ".join(f"{channel} {value:.2g} {UNITS[channel]}" for channel, value in steps[-1].noise_floor.items())
+    floor = ", ".join(
+        f"{channel} {plain(value, 2)} {UNITS[channel]}" for channel, value in steps[-1].noise_floor.items()
+    )
     caption = (
         "Held-out error after each step; the dashed line is the noise floor, below which nothing is left to explain."
     )
     return Section(
         "The error ladder",
-        [Picture("ladder", ladder_figures.ladder(steps), caption), Table(head, rows, f"Noise floor: {floor}.")],
+        [
+            Picture("ladder", ladder_figures.ladder(steps), caption),
+            *words.ladder_notes(step.label for step in steps),
+            Table(head, rows, f"Noise floor: {floor}."),
+        ],
     )
 
 
@@ -103,31 +114,10 @@ def fall_in_words(first: Step, last: Step) -> str:
     return ", ".join(f"{channel} {-100 * fall:+.0f} %" for channel, fall in falls)
 
 
-def parameters_section(fit: Mapping[str, Any]) -> Section | None:
-    """Fitted parameters with standard errors; shape weights are counted, not listed."""
-    entries = fit.get("parameters", {})
-    rows = [_parameter_row(address, entry, fit) for address, entry in entries.items() if "[" not in address]
-    if not rows:
-        return None
-    weights = sum("[" in address for address in entries)
-    caption = f"and {weights} shape weights" if weights else ""
-    return Section(
-        "The model's parameters", [Table(("Parameter", "Value", "Standard error", "Unit", ""), rows, caption)]
-    )
-
-
-def _parameter_row(address: str, entry: Mapping[str, Any], fit: Mapping[str, Any]) -> tuple[str, ...]:
-    unit = "" if entry["unit"] == "1" else entry["unit"]
-    return address, f"{entry['value']:.4g}", f"± {entry['standard_error']:.2g}", unit, _doubts(address, fit)
-
-
-def _doubts(address: str, fit: Mapping[str, Any]) -> str:
-    doubts = []
-    if address in fit.get("at_bound", ()):
-        doubts.append("at its bound")
-    if address in fit.get("unidentified", ()):
-        doubts.append("this recording cannot tell")
-    return ", ".join(doubts)
+def parameters_section(fit: Mapping[str, Any], model: KnitModel) -> Section | None:
+    """Fitted parameters with standard errors, allowed ranges and doubts; shape weights are counted, not listed."""
+    table = parameter_table(fit, model)
+    return Section("The model's parameters", [table]) if table else None
 
 
 def compensator_section(score: Mapping[str, Any]) -> Section:
@@ -198,26 +188,44 @@ def short_name(source: str) -> str:
     return path.parent.name if path.name == "recording.csv" else path.stem
 
 
-def diagnosis_section(diagnosis: Mapping[str, Any]) -> Section:
+def diagnosis_section(diagnosis: Mapping[str, Any], title: str = "What is missing", tail: str = "") -> Section:
     """What is missing, and the evidence.
 
     Parameters
     ----------
     diagnosis : mapping
         The JSON of ``testbench diagnose``.
+    title : str
+    tail : str
+        Behind the names of its pictures, where a report has several diagnoses.
     """
     items: list[Item] = [words.verdict_in_words(diagnosis)]
     base = words.base_in_words(diagnosis)
     items += [base] if base else []
     if diagnosis["ranking"]:
+        items.append(candidates_table(diagnosis))
         caption = (
-            "Each effect with the probability that it is what is missing most, its best law speaking for it. Bars: "
-            "what it takes off the error of the calibration. Dots: what it takes off the error of held-out samples "
-            "(95 % over blocks of 60 s); only the most probable effects are refitted."
+            "What a refit with each effect takes off the held-out error, with the 95 % interval over blocks of 60 s. "
+            "In brackets: how probable it is that this effect is what is missing most."
         )
-        items.append(Picture("candidates", diagnosis_figures.candidates(diagnosis), caption))
+        items.append(Picture(f"candidates{tail}", diagnosis_figures.candidates(diagnosis), caption))
     depends = diagnosis_figures.dependence(diagnosis)
     if depends:
         caption = "What the residual of the final model still depends on."
-        items.append(Picture("dependence", depends, caption))
-    return Section("What is missing", items)
+        items.append(Picture(f"dependence{tail}", depends, caption))
+    return Section(title, items)
+
+
+def candidates_table(diagnosis: Mapping[str, Any]) -> Table:
+    """Every ranked effect with its one number: what a refit with it leaves of the held-out error."""
+    told = any(words.probability_of(diagnosis, entry["effect"]) is not None for entry in diagnosis["ranking"])
+    head = ("", "Effect", *(("Probability",) if told else ()), "Held-out error left", "95 %", "Form")
+    rows = []
+    for number, entry in enumerate(diagnosis["ranking"][: diagnosis_figures.SHOWN], 1):
+        probability = words.probability_of(diagnosis, entry["effect"])
+        chance = ("" if probability is None else words.percent(probability),) if told else ()
+        left = words.error_left(entry) or "not worth a refit"
+        form = words.spoken(entry["form"]) if entry["form"] != entry["effect"] else ""
+        name = words.spoken(entry["effect"])
+        rows.append((str(number), name, *chance, left, words.error_left_between(entry), form))
+    return Table(head, rows)

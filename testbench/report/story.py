@@ -15,6 +15,7 @@ from testbench.report import ladder_figures, sections, words
 from testbench.report.comparison_figures import busiest_window
 from testbench.report.document import Facts, Item, Picture, Section
 from testbench.report.ladder_figures import UNITS, Step
+from testbench.report.numbers import plain
 from testbench.report.overlays import models_of, overlay_of, steps_of
 
 GLANCE_S = 60.0
@@ -30,12 +31,15 @@ class Story:
     steps : list of Step
     judged : Measurement or None
         The held-out samples, where a recording was given.
+    from_file : bool
+        The model is one that the user keeps, not a diagnosis's own.
     """
 
     file: ModelFile
     catalogue: Catalogue
     steps: list[Step]
     judged: Measurement | None
+    from_file: bool = True
 
     @classmethod
     def of(
@@ -60,15 +64,22 @@ class Story:
             for recording in (recordings[0], *([held_out] if held_out else [])):
                 check_same_set_up(file, recording, model or "diagnosis")
             _, judged = split(recordings[0], held_out)
-        return cls(file, catalogue, steps_of(file.history), judged)
+        return cls(file, catalogue, steps_of(file.history), judged, bool(model))
 
-    def verdict(self) -> str:
-        """The one sentence."""
-        if len(self.steps) < 2:
-            return "One model, fitted; no effect has been added yet."
+    def verdict(self, diagnosis: Mapping[str, Any] | None = None) -> str:
+        """The one sentence, or two: what was gained so far, and what a diagnosis that is still open says."""
+        asked = words.verdict_in_words(diagnosis) if diagnosis else ""
+        if len(self.steps) < 2 or not self.from_file:
+            return asked or "One model, fitted; no effect has been added yet."
         first, last = self.steps[0], self.steps[-1]
         added = ", ".join(words.spoken(step.label.removeprefix("+ ")) for step in self.steps[1:])
-        return f"With {added} {words.error_fall(first.errors, last.errors)}."
+        gained = f"With {added} {words.error_fall(first.errors, last.errors)}."
+        return f"{gained} {asked}".strip() if diagnosis and not self.has_taken(diagnosis) else gained
+
+    def has_taken(self, diagnosis: Mapping[str, Any]) -> bool:
+        """Whether what a diagnosis found is in the model."""
+        found = {row["form"] for row in diagnosis["ranking"][:1]} if diagnosis["verdict"] == "missing" else set()
+        return any(name in self.file.model for name in (*found, *diagnosis.get("other_laws", ())))
 
     def opening(self) -> list[Item]:
         """The picture that says it all, and its figures."""
@@ -86,15 +97,24 @@ class Story:
             items.append(Picture("at-a-glance", figure, caption))
         return items
 
-    def parts(self, diagnosis: Mapping[str, Any] | None) -> list[Section]:
-        """Diagnosis, ladder, what is still wrong, parameters."""
-        found = [sections.diagnosis_section(diagnosis)] if diagnosis else []
+    def parts(self, diagnoses: Sequence[Mapping[str, Any]]) -> list[Section]:
+        """Diagnoses, ladder, what is still wrong, parameters."""
+        found = [self._asked(number, one, len(diagnoses)) for number, one in enumerate(diagnoses, 1)]
         if self.steps:
             found.append(sections.ladder_section(self.steps))
         if self.judged:
             found.append(self._comparison(self.judged))
-        parameters = sections.parameters_section(self.file.fit)
+        parameters = sections.parameters_section(self.file.fit, self.file.model)
         return [*found, *([parameters] if parameters else [])]
+
+    def _asked(self, number: int, diagnosis: Mapping[str, Any], count: int) -> Section:
+        """A diagnosis: an open question, or why a step was taken."""
+        if self.from_file and self.has_taken(diagnosis):
+            first = diagnosis["ranking"][0]["effect"] if diagnosis["verdict"] == "missing" else "another law"
+            title = f"Why {words.spoken(first)} was added"
+        else:
+            title = "What is missing" if count == 1 else "What is missing now"
+        return sections.diagnosis_section(diagnosis, title, "" if number == 1 else f"-{number}")
 
     def _comparison(self, judged: Measurement) -> Section:
         label = self.steps[-1].label if self.steps else "model"
@@ -114,7 +134,7 @@ def glance_facts(steps: Sequence[Step]) -> list[tuple[str, str]]:
     last = steps[-1]
     pairs = []
     for channel, error in last.errors.items():
-        pairs.append((f"held-out error of the {channel}", f"{error:.3g} {UNITS[channel]}"))
+        pairs.append((f"held-out error of the {channel}", f"{plain(error)} {UNITS[channel]}"))
         floor = last.noise_floor.get(channel, 0.0)
         if len(steps) > 1 and steps[0].errors[channel] > 0:
             pairs.append(("against the first model", f"{100 * (error / steps[0].errors[channel] - 1):+.0f} %"))

@@ -38,6 +38,7 @@ def axis(title: str = "", **more: Any) -> dict[str, Any]:
         "tickcolor": FAINT,
         "tickfont": {"size": 11, "color": MUTED},
         "automargin": True,
+        "exponentformat": "power",  # no "500µ" beside "0.001"
         **more,
     }
 

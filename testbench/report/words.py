@@ -3,30 +3,31 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from testbench.discrepancy.words import percent
 from testbench.report.ladder_figures import UNITS
+from testbench.report.numbers import plain
 
 MANY = math.log(1e6)  # log odds beyond this are "more than a million to one"
 
 
 def verdict_in_words(diagnosis: Mapping[str, Any]) -> str:
     """One sentence, or two."""
-    if diagnosis["verdict"] == "missing":
+    verdict, ranking = diagnosis["verdict"], diagnosis["ranking"]
+    if verdict == "missing" and ranking:
         return _missing(diagnosis)
-    chances = diagnosis["probabilities"]
-    if diagnosis["verdict"] == "nothing_missing":
-        return f"Nothing is missing that these recordings could show ({percent(chances['nothing'])})."
-    if diagnosis["found"]:
-        left = percent(diagnosis["left_unexplained"])
-        said = (
-            f"What was found, {_found(diagnosis)}, leaves {left} of the error above the noise: something is missing"
-        )
-        return f"{said} that no effect of the catalogue explains.{_depends(diagnosis)}"
-    sure = percent(chances["unknown"])
-    return f"Something is missing that no effect of the catalogue explains ({sure}).{_depends(diagnosis)}"
+    if verdict == "unknown":
+        probability = probability_of(diagnosis, "unknown")
+        known = f"Something is missing that no effect of the catalogue explains{_bracketed(probability)}."
+        return known + _depends(diagnosis)
+    probability = probability_of(diagnosis, "nothing")
+    return f"Nothing is missing that these recordings could show{_bracketed(probability)}."
+
+
+def _bracketed(probability: float | None) -> str:
+    return "" if probability is None else f" ({percent(probability)})"
 
 
 def _depends(diagnosis: Mapping[str, Any]) -> str:
@@ -34,28 +35,71 @@ def _depends(diagnosis: Mapping[str, Any]) -> str:
     return f" What is left depends most on this: {'; '.join(most)}." if most else ""
 
 
-def _found(diagnosis: Mapping[str, Any]) -> str:
-    return ", then ".join(f"{spoken(one['effect'])} ({percent(one['probability'])})" for one in diagnosis["found"])
-
-
 def _missing(diagnosis: Mapping[str, Any]) -> str:
-    first = diagnosis["found"][0]["effect"]
-    tied = [
-        f"{spoken(name)} ({percent(diagnosis['probabilities'][name])})"
-        for name in diagnosis.get("tied", [])
-        if name != first
-    ]
-    fall = error_fall(diagnosis["error_before"], diagnosis["error_after"])
-    sentence = f"The model is missing {_found(diagnosis)}: {fall}."
+    first = diagnosis["ranking"][0]
+    found = diagnosis["found"]
+    names = [with_probability(diagnosis, found[0]["effect"])]
+    names += [f"{spoken(one['effect'])} ({percent(one['probability'])})" for one in found[1:]]
+    tied = [with_probability(diagnosis, name) for name in diagnosis.get("tied", []) if name != found[0]["effect"]]
+    left = error_left(first) if len(found) == 1 else ""
+    sentence = f"The model is missing {', then '.join(names)}"
+    sentence += f": with it {left} of the held-out error is left." if left else "."
+    sentence += f" In all, {error_fall(diagnosis['error_before'], diagnosis['error_after'])}."
     if tied:
-        sentence += f" These recordings hardly tell {spoken(first)} from {' or '.join(tied)}."
+        which = "it" if len(found) == 1 else spoken(found[0]["effect"])
+        sentence += f" These recordings cannot tell {which} from {' or '.join(tied)}."
     return sentence
+
+
+def with_probability(diagnosis: Mapping[str, Any], effect: str) -> str:
+    """``stress relaxation (97 %)``; without the figure where the diagnosis has none."""
+    probability = probability_of(diagnosis, effect)
+    return spoken(effect) if probability is None else f"{spoken(effect)} ({percent(probability)})"
+
+
+def probability_of(diagnosis: Mapping[str, Any], effect: str) -> float | None:
+    """How probable it is that just this is missing (or ``nothing``, or ``unknown``); None in older diagnoses."""
+    found = (diagnosis.get("probabilities") or {}).get(effect)
+    if found is None:
+        rows = (row for row in diagnosis.get("ranking", []) if row["effect"] == effect)
+        found = next((row["probability"] for row in rows if row.get("probability") is not None), None)
+    return None if found is None else float(found)
+
+
+def error_left(entry: Mapping[str, Any]) -> str:
+    """``14 %``: what a refit with this effect leaves of the error on samples that no fit has seen.
+
+    The one number of an effect, as `testbench diagnose` prints it; empty where it was not worth a refit.
+    """
+    gains = entry.get("held_out_gain")
+    return f"{100 * math.exp(-0.5 * gains[0]):.0f} %" if gains else ""
+
+
+def error_left_between(entry: Mapping[str, Any]) -> str:
+    """``12 to 16 %``, the 95 % interval of `error_left`; empty where there is none."""
+    gains = entry.get("held_out_gain")
+    if not gains:
+        return ""
+    high, low = (100 * math.exp(-0.5 * gain) for gain in gains[1:3])
+    return f"{low:.0f} to {high:.0f} %"
+
+
+SHAPE_FREEDOM = (
+    "Shape freedom: the base laws may bend away from their formulas, so that a formula that does not quite fit this "
+    "sensor is not taken for a missing effect."
+)
+
+
+def ladder_notes(steps: Iterable[str]) -> list[str]:
+    """What is to be explained about the steps of a ladder."""
+    free = any("shape" in step for step in steps)
+    return [SHAPE_FREEDOM] if free else []
 
 
 def error_fall(before: Mapping[str, float], after: Mapping[str, float]) -> str:
     """How the held-out error changes, channel by channel."""
     shown = [channel for channel in before if channel in after]
-    falls = [f"from {before[channel]:.3g} to {after[channel]:.3g} {UNITS[channel]}" for channel in shown]
+    falls = [f"from {plain(before[channel])} to {plain(after[channel])} {UNITS[channel]}" for channel in shown]
     parts = [f"that of the {channel} {fall}" for channel, fall in zip(shown[1:], falls[1:], strict=True)]
     return ", ".join([f"the held-out error of the {shown[0]} goes {falls[0]}", *parts])
 
@@ -63,7 +107,7 @@ def error_fall(before: Mapping[str, float], after: Mapping[str, float]) -> str:
 def base_in_words(diagnosis: Mapping[str, Any]) -> str:
     """What is wrong with the base laws themselves; empty when nothing is."""
     names = [spoken(name.removesuffix("_shape")) for name in diagnosis.get("base_misfits", [])]
-    laws = " and ".join(diagnosis.get("other_laws", []))
+    laws = " and ".join(spoken(law) for law in diagnosis.get("other_laws", []))
     better = f"The law {laws} suits this sensor better." if laws else ""
     if not names:
         return better

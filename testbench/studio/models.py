@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from nicegui import ui
 
-from gcode.support.files import read_json
+from gcode.support.files import make_folder, read_json
 from testbench.studio.jobs import Job, State
 from testbench.studio.studio import Studio
 from testbench.studio.widgets import attempt, job_card, subheading
@@ -34,14 +35,14 @@ def held_out_choices(studio: Studio, c: str) -> list[str]:
 
 
 def companions(studio: Studio, c: str) -> tuple[list[str], list[str]]:
-    """Other campaigns of the same gauge length: those of the same specimen, and the rest."""
+    """Other campaigns of the same gauge length: those known to be of the same specimen, and the rest."""
     own = studio.workspace.campaign(c)
     found = [
         other
         for other in studio.workspace.campaigns()
         if other.name != c and other.gauge_length_mm == own.gauge_length_mm
     ]
-    same = [other.name for other in found if other.specimen == own.specimen]
+    same = [other.name for other in found if own.specimen and other.specimen == own.specimen]
     return same, [other.name for other in found if other.name not in same]
 
 
@@ -71,6 +72,36 @@ def add_command(studio: Studio, c: str, effect: str) -> tuple[str, list[str]]:
 def diagnosed_path(studio: Studio, c: str) -> Path:
     """The model that a diagnosis ends with: what it found is put in and refitted already."""
     return studio.workspace.results(c) / "diagnosed.json"
+
+
+def steps_in(studio: Studio, c: str) -> int:
+    """How many steps the ladder of a campaign has."""
+    path = model_path(studio, c)
+    return len(read_json(path, "model").get("history", ())) if path.is_file() else 0
+
+
+def step_diagnosis(studio: Studio, c: str, step: int) -> Path:
+    """Where the diagnosis that led to step number `step` of the ladder is kept."""
+    return studio.workspace.results(c) / "diagnoses" / f"step-{step}.json"
+
+
+def keep_diagnosis(studio: Studio, c: str) -> None:
+    """Keep the diagnosis that the next step of the ladder is taken for."""
+    target = step_diagnosis(studio, c, steps_in(studio, c))
+    make_folder(target.parent)
+    shutil.copyfile(diagnosis_path(studio, c), target)
+
+
+def kept_diagnoses(studio: Studio, c: str) -> dict[int, Path]:
+    """The diagnoses that led to the steps of the ladder as it is now, by the number of the first step."""
+    paths = {step: step_diagnosis(studio, c, step) for step in range(1, steps_in(studio, c))}
+    return {step: path for step, path in paths.items() if path.is_file()}
+
+
+def is_fresh(studio: Studio, c: str) -> bool:
+    """Whether the diagnosis of a campaign was made of the model as it is now."""
+    found, mine = diagnosis_path(studio, c), model_path(studio, c)
+    return found.is_file() and mine.is_file() and found.stat().st_mtime >= mine.stat().st_mtime
 
 
 def adopt_diagnosed(studio: Studio, c: str) -> None:

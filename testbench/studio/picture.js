@@ -46,10 +46,12 @@ export default {
       this.stale = false;
       const Plotly = await plotly();
       if (!this.$el.isConnected) return;
-      const { data, layout, config } = JSON.parse(this.figure);
+      const figure = JSON.parse(this.figure);
       const first = !this.width;
       this.width = this.$el.clientWidth;
-      await Plotly.react(this.$el, data, layout, config);
+      const { data, layout } = window.forNarrow(figure, this.width);
+      this.$el.style.minHeight = `${layout.height}px`;
+      await Plotly.react(this.$el, data, layout, figure.config);
       if (first) this.$el.on("plotly_relayout", (change) => this.$emit("zoom", change));
       this.$el.dataset.drawn = 1 + Number(this.$el.dataset.drawn ?? 0);
       this.$emit("drawn");
@@ -60,8 +62,12 @@ export default {
     },
     fit() {
       if (!this.width || this.width === this.$el.clientWidth || !this.$el.clientWidth) return;
+      const narrow = [this.width, this.$el.clientWidth].some((width) => width < 560);
       this.width = this.$el.clientWidth;
-      window.Plotly.Plots.resize(this.$el);
+      if (narrow) {
+        this.stale = true;
+        this.draw();
+      } else window.Plotly.Plots.resize(this.$el);
     },
   },
 };

@@ -6,6 +6,7 @@ import math
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from importlib.resources import files
 from typing import Any
 
 from nicegui import events, ui
@@ -28,12 +29,15 @@ class Picture(Element, component="picture.js"):
     ----------
     figure : dict
         Of `testbench.report`; its arrays travel packed.
+    name : str
+        What a screen reader says of it.
     """
 
-    def __init__(self, figure: style.Figure) -> None:
+    def __init__(self, figure: style.Figure, name: str = "") -> None:
         super().__init__()
         self.figure = figure
         self.classes("w-full js-plotly-plot")
+        self._props["role"], self._props["aria-label"] = "img", name or "plot"
         self._sent_s = -math.inf  # when the figure was sent that the browser has not drawn yet
         self.on("drawn", self._drawn)
         self.show(figure)
@@ -74,13 +78,14 @@ def serve_plotly() -> None:
 
 def load_plotly() -> None:
     """Have the page fetch it while everything else is still on its way."""
-    ui.add_head_html(f'<script id="plotly" async src="{PLOTLY_URL}"></script>')
+    narrow = files("testbench.report").joinpath("narrow.js").read_text("utf-8")
+    ui.add_head_html(f'<script>{narrow}</script><script id="plotly" async src="{PLOTLY_URL}"></script>')
 
 
 def plot(figure: style.Figure, caption: str) -> Picture:
     """A figure in a card."""
     with _card(caption):
-        return Picture(figure)
+        return Picture(figure, caption)
 
 
 @contextmanager
@@ -95,47 +100,101 @@ def _card(caption: str) -> Iterator[ui.row]:
             yield below
 
 
-def zooming_plot(drawn: Drawn, caption: str) -> Picture:
-    """A plot over time that is drawn again at full detail for the stretch that is zoomed into."""
-    with _card(caption) as below:
-        picture = Picture(drawn(None, None))
-    with below:
-        stretch = _Stretch(picture)
+Span = tuple[float | None, float | None]  # start and end in seconds; None: as far as it goes
 
-    def zoom(event: events.GenericEventArguments) -> None:
+
+def zooming_plot(
+    drawn: Drawn, caption: str, span: Span = (None, None), on_span: Callable[[Span], None] = lambda span: None
+) -> ZoomingPlot:
+    """A plot over time that is drawn again at full detail for the stretch that is zoomed into.
+
+    Parameters
+    ----------
+    drawn : callable
+    caption : str
+    span : (start_s, end_s)
+        What it opens on.
+    on_span : callable
+        Told of every stretch that is looked at, for the address.
+    """
+    return ZoomingPlot(drawn, caption, span, on_span)
+
+
+class ZoomingPlot:
+    """The picture and the fields for its stretch."""
+
+    def __init__(self, drawn: Drawn, caption: str, span: Span, on_span: Callable[[Span], None]) -> None:
+        self.drawn, self.span, self._on_span = drawn, span, on_span
+        with _card(caption) as below:
+            self.picture = Picture(looking_at(drawn(*span), span), caption)
+        with below:
+            self._fields = _Stretch(self.look)
+        self._fields.tell(*span)
+        self.picture.on("zoom", self._zoomed)
+
+    def look(self, start_s: float | None, end_s: float | None) -> None:
+        """Zoom to a stretch, as the mouse would."""
+        self.picture.run_method("look", start_s, end_s)
+
+    def draw(self, drawn: Drawn) -> None:
+        """Draw something else over the same stretch."""
+        self.drawn = drawn
+        self.picture.show(drawn(*self.span))
+
+    def _zoomed(self, event: events.GenericEventArguments) -> None:
         span = zoomed_span(event.args)
         if span is not None:
-            stretch.tell(*span)
-            picture.show(drawn(*span))
+            self.span = span
+            self._fields.tell(*span)
+            self.picture.show(self.drawn(*span))
+            self._on_span(span)
 
-    picture.on("zoom", zoom)
-    return picture
+
+def looking_at(figure: style.Figure, span: Span) -> style.Figure:
+    """The figure, opened on a stretch of time."""
+    if span[0] is None or span[1] is None:
+        return figure
+    layout = figure["layout"]
+    return {**figure, "layout": {**layout, "xaxis": {**layout["xaxis"], "range": [span[0], span[1]]}}}
 
 
 class _Stretch:
     """Fields for the stretch that is looked at: a zoom without a mouse, and to the second."""
 
-    def __init__(self, picture: Picture) -> None:
-        self.picture = picture
+    def __init__(self, look: Callable[[float | None, float | None], None]) -> None:
+        self.look = look
         with ui.row().classes("items-center gap-2 stretch"):
             self.start = self._field("From / s")
             self.end = self._field("to / s")
-            whole = ui.button("All", on_click=lambda: picture.run_method("look", None, None))
+            whole = ui.button("All", on_click=lambda: look(None, None))
             whole.props("flat dense").tooltip("The whole recording")
+        self.start.on("keydown.enter", self._go).on("blur", self._go)
+        self.end.on("keydown.enter", self._go).on("blur", self._go)
+        self._told: Span = (None, None)
 
     def _field(self, label: str) -> ui.number:
-        field = ui.number(label, format="%.6g").props("outlined dense").style("width:104px")
-        return field.on("keydown.enter", self._look).on("blur", self._look)
+        return ui.number(label, format="%.6g").props("outlined dense hide-bottom-space").style("width:104px")
 
-    def _look(self) -> None:
+    def _go(self) -> None:
         start_s, end_s = self.start.value, self.end.value
-        if start_s is not None and end_s is not None and start_s < end_s:
-            self.picture.run_method("look", start_s, end_s)
+        if (start_s, end_s) == self._told or start_s is None or end_s is None:
+            return
+        if start_s >= end_s:
+            self.end.props(f'error error-message="before {start_s:g} s"')
+            return
+        self.end.props(remove="error error-message")
+        self.look(start_s, end_s)
 
     def tell(self, start_s: float | None, end_s: float | None) -> None:
         """Show the stretch that was chosen with the mouse; None: all."""
-        self.start.set_value(start_s)
-        self.end.set_value(end_s)
+        self._told = (_rounded(start_s), _rounded(end_s))
+        self.start.set_value(self._told[0])
+        self.end.set_value(self._told[1])
+        self.end.props(remove="error error-message")
+
+
+def _rounded(time_s: float | None) -> float | None:
+    return None if time_s is None else round(time_s, 2)
 
 
 def zoomed_span(change: dict[str, Any]) -> tuple[float | None, float | None] | None:

@@ -7,7 +7,9 @@ import socket
 import threading
 
 from gcode.support.errors import UserError
-from testbench.studio.studio import Studio
+from gcode.support.files import make_folder
+from testbench.studio.studio import KEY_RECORDING, RESULTS_URL, Studio
+from testbench.studio.workspace import RESULTS
 
 HOST = "127.0.0.1"
 WARM = ("pandas", "tsdownsample", "testbench.manifest", "testbench.knit.catalogue", "testbench.discrepancy.compare")
@@ -33,10 +35,11 @@ def serve(studio: Studio, port: int, show: bool) -> None:
 
     _check_free(port)
     serve_plotly()
+    app.add_static_files(RESULTS_URL, make_folder(studio.workspace.root / RESULTS), max_cache_age=0)
     # A page elsewhere must not reach the studio by giving this machine another name (DNS rebinding).
     app.add_middleware(TrustedHostMiddleware, allowed_hosts=[HOST, "localhost"])
     app.on_startup(lambda: threading.Thread(target=_warm, daemon=True).start())
-    app.on_shutdown(studio.jobs.close)
+    app.on_shutdown(lambda: _close(studio))
     print(f"studio of {studio.workspace.root}: http://{HOST}:{port} (Ctrl-C ends it)", flush=True)
     ui.run(
         lambda: frame(studio),
@@ -53,6 +56,14 @@ def serve(studio: Studio, port: int, show: bool) -> None:
         gzip_middleware_factory=None,  # nothing leaves this machine
         message_history_length=50,  # hours of live plots must not pile up
     )
+
+
+async def _close(studio: Studio) -> None:
+    """End all jobs but a recording, and say that it goes on."""
+    for job in await studio.jobs.close():
+        if job.key == KEY_RECORDING and job.about:
+            again = "open the studio again to see it"
+            print(f"{job.title} goes on without the studio; {again}, or end it with: kill -INT {job.about.pid}")
 
 
 def _warm() -> None:

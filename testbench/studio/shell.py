@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from importlib.resources import files
+from urllib.parse import parse_qs
 
 from nicegui import ui
 
@@ -20,6 +21,7 @@ from testbench.studio.pages import (
     plan,
     record,
     recording,
+    side,
 )
 from testbench.studio.picture import load_plotly
 from testbench.studio.studio import Studio
@@ -33,6 +35,7 @@ NAVIGATION = (
 )
 PAGES: dict[str, Callable] = {
     "/": campaigns.page,
+    "/side": side.page,
     "/import": importing.page,
     "/plan": plan.page,
     "/record": record.page,
@@ -66,6 +69,24 @@ def frame(studio: Studio) -> None:
             ui.sub_pages(dict(PAGES), data={"studio": studio}).classes("w-full")
 
 
+TITLES = {
+    "/side": "Side by side",
+    "/recording": "Recording",
+    "/align": "Plan and recording",
+    "/compare": "Compare",
+    "/missing": "Missing effect",
+    "/experiment": "Experiment",
+    "/ladder": "Error ladder",
+    "/compensate": "Compensate",
+} | {path: title for path, _, title in NAVIGATION}
+
+
+def title_of(path: str, query: str) -> str:
+    """What the browser's tab says: the page, and the campaign that it is about."""
+    about = parse_qs(query).get("c", [""])[0]
+    return " · ".join(part for part in (about, TITLES.get(path, ""), "knitbench") if part)
+
+
 def _side(studio: Studio) -> None:
     with ui.row().classes("items-center gap-2 no-wrap"):
         ui.html(LOGO, sanitize=False)
@@ -78,7 +99,8 @@ def _side(studio: Studio) -> None:
                 ui.label(title)
 
     def mark(address: str) -> None:
-        here = address.partition("?")[0]
+        here, _, query = address.partition("?")
+        ui.page_title(title_of(here, query))
         for path, link in links.items():
             link.classes(add="here" if path == here else "", remove="" if path == here else "here")
 

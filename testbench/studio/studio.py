@@ -2,19 +2,31 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gcode.support.errors import UserError
 from gcode.support.files import make_folder, write_text
-from testbench.studio.jobs import JobBoard
+from testbench.studio.jobs import Job, JobBoard
 from testbench.studio.memory import Memory
+from testbench.studio.notes import Notes
+from testbench.studio.trust import is_trusted, trust
 from testbench.studio.workspace import RESULTS, Workspace
 
 if TYPE_CHECKING:
     from testbench.knit.catalogue import Catalogue
 
 OWN_EFFECTS = "effects.py"
+KEY_RECORDING = "record"  # one recording at a time
+KEY_RIG = "rig"  # the simulated one, where it is behind the port
+RUNNING = "running"  # below results; what is to be known of jobs that outlive the studio
+PACES = "paces.json"
+RESULTS_URL = "/files"  # below it, the server hands out what was made from the campaigns
+KEPT_SKETCHES = 2000
+COMMANDS = "commands.txt"
+LOGGED = (KEY_RECORDING, "run", "import", "align", "model", "diagnose", "experiment", "train", "score")
+WITH_TARGET = ("train", "score")
 POINTER = "effects-file.txt"  # below results; one line, the path of the file with own effects
 
 
@@ -29,8 +41,27 @@ class Studio:
 
     def __init__(self, root: str | Path) -> None:
         self.workspace = Workspace(root)
-        self.jobs = JobBoard()
+        running = self.workspace.root / RESULTS / RUNNING
+        self.jobs = JobBoard({key: running / key for key in (KEY_RECORDING, KEY_RIG)}, running / PACES)
         self.memory = Memory()
+        self.sketches = Memory(KEPT_SKETCHES)
+        self.notes = Notes(self.workspace.root / RESULTS)
+        self.jobs.listeners.append(self._log)
+
+    def commands_path(self, name: str) -> Path:
+        """The command lines that have been run for a campaign, one a line with its time."""
+        return self.workspace.results(name) / COMMANDS
+
+    def _log(self, job: Job) -> None:
+        """Keep what was run for a campaign: a key is ``kind:campaign``, with the target behind where it has one."""
+        kind, _, name = job.key.partition(":")
+        if job.key == KEY_RECORDING:
+            kind, name = KEY_RECORDING, Path(job.argv[-1]).relative_to(self.workspace.root).as_posix()
+        if kind in WITH_TARGET:
+            name = name.rpartition(":")[0]
+        if name and kind in LOGGED:
+            with self.commands_path(name).open("a", encoding="utf-8") as stream:
+                stream.write(f"{time.strftime('%Y-%m-%d %H:%M')}  {job.command}\n")
 
     @property
     def effects_path(self) -> Path:
@@ -46,6 +77,17 @@ class Studio:
         return self.effects_path if self.effects_path.is_file() else None
 
     @property
+    def runnable_effects(self) -> Path | None:
+        """The user's own effects, where the user agreed to run them as they are now: they are code."""
+        path = self.effects_file
+        return path if path is not None and is_trusted(path) else None
+
+    def agree_to_effects(self) -> None:
+        """The user agrees to run the file of own effects as it is now."""
+        if self.effects_file is not None:
+            trust(self.effects_file)
+
+    @property
     def _pointer(self) -> Path:
         return self.workspace.root / RESULTS / POINTER
 
@@ -59,12 +101,14 @@ class Studio:
         """
         if path.suffix != ".py" or not path.is_file():
             raise UserError(f"{path}: no such Python file; give the full path of a .py file on this machine")
+        trust(path)
         make_folder(self._pointer.parent)
         write_text(self._pointer, f"{path.resolve()}\n")
 
     def effects_arguments(self) -> list[str]:
-        """``--effects FILE`` where the user has some."""
-        return ["--effects", str(self.effects_file)] if self.effects_file else []
+        """``--effects FILE`` where the user has some, and agreed to run them."""
+        path = self.runnable_effects
+        return ["--effects", str(path)] if path else []
 
     def catalogue(self) -> Catalogue:
         """Built-in effects and the user's own.
@@ -76,4 +120,4 @@ class Studio:
         """
         from testbench.knit.catalogue import load_catalogue
 
-        return load_catalogue(self.effects_file)
+        return load_catalogue(self.runnable_effects)

@@ -2,17 +2,26 @@
 
 from __future__ import annotations
 
+import contextlib
+import json
+import os
+import shutil
+import time
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 from gcode.support.errors import UserError
-from gcode.support.files import read_json
+from gcode.support.files import make_folder, write_text
 from testbench.recording import Recording, read_recording
 from testbench.studio.memory import Memory, stamp
 
 MANIFEST = "datapackage.json"
 RESULTS = "results"
+DELETED = "deleted"  # below results; until they are restored
 MAX_DEPTH = 4
+COMPENSATED = "compensated"
+MADE = {"model.json": "fitted", "diagnosis.json": "diagnosed"}
 KEPT_RECORDINGS = 4  # 23 min take about 2 MB; hours of recording some 100 MB
 KEPT_VERDICTS = 1000
 
@@ -41,6 +50,7 @@ class Campaign:
     gauge_length_mm: float | None
     status: str = ""
     specimen: str = ""
+    made_s: float = 0.0  # when its manifest was written, in seconds since 1970
 
 
 class Workspace:
@@ -64,27 +74,35 @@ class Workspace:
         self.root.mkdir(parents=True, exist_ok=True)
         self._recordings = Memory(KEPT_RECORDINGS)
         self._verdicts = Memory(KEPT_VERDICTS)
+        self._known: dict[str, tuple[tuple[int, int], Campaign]] = {}
 
     def campaigns(self) -> list[Campaign]:
-        """Every campaign below the root, newest first; a folder whose manifest cannot be read is listed too."""
-        found = [path.parent for path in self.root.rglob(MANIFEST) if self._is_ours(path)]
-        newest = sorted(found, key=lambda folder: -(folder / MANIFEST).stat().st_mtime)
-        return [self._describe(folder) for folder in newest]
+        """Every campaign below the root, newest first; a folder whose manifest cannot be read is listed too.
 
-    def _is_ours(self, manifest: Path) -> bool:
-        parts = manifest.relative_to(self.root).parts
-        return len(parts) <= MAX_DEPTH + 1 and parts[0] != RESULTS and not any(part.startswith(".") for part in parts)
+        A manifest is read once and again only when it has changed, so thousands are listed in less than a second.
+        """
+        found = [self._described(folder, made) for folder, made in _manifests(self.root, MAX_DEPTH)]
+        return sorted(found, key=lambda campaign: (-campaign.made_s, campaign.name))
 
-    def _describe(self, folder: Path) -> Campaign:
-        name = folder.relative_to(self.root).as_posix()
+    def _described(self, folder: str, made: os.stat_result) -> Campaign:
+        mark = (made.st_mtime_ns, made.st_size)
+        known = self._known.get(folder)
+        if known is None or known[0] != mark:
+            known = self._known[folder] = (mark, self._describe(folder, made.st_mtime))
+        return known[1]
+
+    def _describe(self, folder: str, made_s: float) -> Campaign:
+        path = Path(folder)
+        name = folder[len(str(self.root)) :].replace(os.sep, "/").strip("/")
         try:
-            made = read_json(folder / MANIFEST, "campaign manifest")["knitbench"]
+            with open(os.path.join(folder, MANIFEST), "rb") as stream:
+                made = json.load(stream)["knitbench"]
             words = (str(made.get("status", "")), str(made["recipe"].get("sensor") or ""))
             gauge = made["gauge_length_mm"]
             gauge_mm = None if gauge is None else float(gauge)
-            return Campaign(name, folder, str(made.get("origin", "")), gauge_mm, *words)
-        except (UserError, AttributeError, KeyError, TypeError, ValueError):
-            return Campaign(name, folder, "", None)
+            return Campaign(name, path, str(made.get("origin", "")), gauge_mm, *words, made_s)
+        except (OSError, AttributeError, KeyError, TypeError, ValueError):
+            return Campaign(name, path, "", None, made_s=made_s)
 
     def campaign(self, name: str) -> Campaign:
         """The campaign called `name`.
@@ -97,7 +115,7 @@ class Workspace:
         folder = (self.root / name).resolve()
         if not folder.is_relative_to(self.root) or not (folder / MANIFEST).is_file():
             raise UserError(f"no campaign {name!r} in {self.root}; the list of campaigns shows what is there")
-        return self._describe(folder)
+        return self._described(str(folder), (folder / MANIFEST).stat())
 
     def recording(self, name: str) -> Recording:
         """The recording of a campaign, read once and kept until the file changes."""
@@ -113,9 +131,59 @@ class Workspace:
 
     def results(self, name: str) -> Path:
         """Folder for what is made from a campaign (models, diagnoses, compensators), made if needed."""
-        folder = self.root / RESULTS / name.replace("/", "__")
+        folder = self.root / RESULTS / results_name(name)
         folder.mkdir(parents=True, exist_ok=True)
         return folder
+
+    def made(self) -> dict[str, frozenset[str]]:
+        """What has been made from each campaign that something was made from: ``fitted``, ``compensated``, ..."""
+        found = {}
+        with contextlib.suppress(FileNotFoundError), os.scandir(self.root / RESULTS) as entries:
+            for entry in entries:
+                if entry.is_dir():
+                    found[entry.name] = _made_in(entry.path)
+        return found
+
+    def delete(self, name: str) -> Path:
+        """Move a campaign, and what was made from it, out of sight; `restore` brings both back.
+
+        Returns
+        -------
+        Path
+            Where both are now.
+        """
+        folder = self.campaign(name).folder
+        plain = results_name(name)
+        place = make_folder(self.root / RESULTS / DELETED / f"{time.strftime('%Y%m%d-%H%M%S')}-{plain}")
+        write_text(place / "name.txt", f"{name}\n")
+        made = self.root / RESULTS / plain
+        if made.is_dir():
+            made.replace(place / "results")
+        folder.replace(place / "campaign")
+        return place
+
+    def deleted(self) -> list[tuple[str, Path]]:
+        """Deleted campaigns by name, the last first, and where they are now."""
+        places = sorted((self.root / RESULTS / DELETED).glob("*/name.txt"), reverse=True)
+        return [(path.read_text(encoding="utf-8").strip(), path.parent) for path in places]
+
+    def restore(self, place: Path) -> str:
+        """Bring a deleted campaign back; its name.
+
+        Raises
+        ------
+        UserError
+            If its name has been taken since.
+        """
+        name = (place / "name.txt").read_text(encoding="utf-8").strip()
+        folder = self.free_name(name)
+        make_folder(folder.parent)
+        (place / "campaign").replace(folder)
+        made = self.root / RESULTS / results_name(name)
+        if (place / "results").is_dir() and not made.exists():
+            (place / "results").replace(made)
+        shutil.rmtree(place)
+        return name
 
     def free_name(self, wanted: str) -> Path:
         """A folder below the root for a new campaign.
@@ -131,6 +199,34 @@ class Workspace:
         if folder.exists():
             raise UserError(f"{wanted}: this name is taken; choose another")
         return folder
+
+
+def _manifests(root: Path, depth: int) -> Iterator[tuple[str, os.stat_result]]:
+    """Folders with a manifest, and what is known of it; hidden folders and results are not looked into."""
+    pending = [(str(root), 0)]
+    while pending:
+        folder, level = pending.pop()
+        with contextlib.suppress(OSError), os.scandir(folder) as entries:
+            for entry in entries:
+                if entry.name == MANIFEST and level:
+                    yield folder, entry.stat()
+                elif level < depth and entry.is_dir(follow_symlinks=False) and not _is_hidden(entry.name, level):
+                    pending.append((entry.path, level + 1))
+
+
+def _is_hidden(name: str, level: int) -> bool:
+    return name.startswith(".") or (level == 0 and name == RESULTS)
+
+
+def results_name(name: str) -> str:
+    """The folder below the results that belongs to a campaign."""
+    return name.replace("/", "__")
+
+
+def _made_in(folder: str) -> frozenset[str]:
+    files = set(os.listdir(folder))
+    found = {word for file, word in MADE.items() if file in files}
+    return frozenset(found | ({COMPENSATED} if any(file.endswith(".score.json") for file in files) else set()))
 
 
 def _verdict(folder: Path) -> list[str]:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import ast
 import json
+import math
 from pathlib import Path
 
 import pytest
 
-from compensation import search
+from compensation import candidates, search
 from compensation.cli import main
 from compensation.ranking import rank, split_half_agreement
 from gcode.support.errors import UserError
@@ -24,22 +26,62 @@ def task(recordings, tmp_path_factory):
     return search.Task(tuple(map(str, paths)), 25.0, "force", "fast")
 
 
-def test_912_candidates_none_twice():
-    found = search.candidates()
-    assert len(search.topologies()) == 20
-    assert len(search.hidden_layers()) == 114
-    assert len({candidate.key for candidate in found}) == len(found) == 912
-    assert search.Candidate(2.5, 7, (4, 2, 2)) in found
-    assert min(min(candidate.sizes) for candidate in found) == 2
+# Copied from the paper's table, halves and quarters as printed.
+PRINTED = """
+    ( 1, 1 ), ( 1, H ), ( 1, Q ),
+    ( 1, 1, 1 ), ( 1, 1, H ), ( 1, H, H ), ( 1, H, Q ),
+    ( H, 1, 1 ), ( H, 1, H ), ( H, 1, Q ),
+    ( 1, 1, 1, 1 ), ( 1, 1, 1, H ), ( 1, 1, H, H ),
+    ( 1, H, H, H ), ( 1, H, H, Q ), ( 1, H, Q, Q ),
+    ( 1, Q, Q, Q ), ( H, 1, 1, 1 ), ( H, 1, 1, H ),
+    ( H, 1, H, H ), ( 1, H, H, H )
+"""
+PRINTED_BANKS = """
+    0.5,0.1,0.025,0.0025 | 0.4,0.16,0.064,0.0256 | 0.4,0.16,0.064,0.0256,0.01024,0.004096,0.0016384
+    0.2,0.04,0.008,0.0016 | 0.1,0.01,0.001 | 0.1,0.01,0.001,0.0001
+"""
 
 
-@pytest.mark.parametrize(("base", "count"), [(2, 4), (3, 4), (4, 10), (7, 10), (8, 20), (33, 20)])
-def test_how_many_networks_a_base_gives(base, count):
-    assert len(search.hidden_layers([base])) == count
+def test_the_912_of_the_paper_from_its_printed_lists():
+    printed = ast.literal_eval("[" + PRINTED.replace("H", "0.5").replace("Q", "0.25") + "]")
+    assert len(printed) == 21
+    networks = {
+        tuple(math.floor(base * share) for share in shares)
+        for base in (2, 3, 4, 6, 8, 12, 16, 32)
+        for shares in printed
+    }
+    networks = {sizes for sizes in networks if min(sizes) >= 2}
+    assert len(networks) == 114
+    assert set(candidates.hidden_layers()) == networks
+    found = candidates.candidates()
+    assert len({str(candidate) for candidate in found}) == len(found) == 912
+    banks = {str(candidate).split(";")[0] for candidate in found}
+    assert len(banks) == 8
+    assert set(PRINTED_BANKS.replace("|", " ").split()) < banks
+    ends = {(bank.count(",") + 1, float(bank.split(",")[-1])) for bank in banks}
+    assert {(10, 0.0001048576), (7, 1.28e-05)} < ends
+    best = "0.4,0.16,0.064,0.0256,0.01024,0.004096,0.0016384;4,2,2"
+    assert best in map(str, found)
+
+
+def test_list_prints_them_and_stops(capsys):
+    assert main(["search", "--preset", "paper", "--list"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines == [str(candidate) for candidate in candidates.candidates()]
+    assert len(lines) == 912
+    assert main(["search", "--list", "--sample", "7"]) == 0
+    assert len(capsys.readouterr().out.splitlines()) == 7
+
+
+def test_without_list_a_search_needs_its_arguments(capsys, tmp_path):
+    assert main(["search", "--target", "force", "-o", str(tmp_path / "s.jsonl")]) == 2
+    assert "needs 3 campaigns" in capsys.readouterr().err
+    assert main(["search", "T", "A", "B", "-o", str(tmp_path / "s.jsonl")]) == 2
+    assert "needs --target" in capsys.readouterr().err
 
 
 def some_jobs(count: int = 3, seeds: int = 2):
-    return [(candidate, seed) for seed in range(seeds) for candidate in search.candidates()[: count * 40 : 40]]
+    return [(candidate, seed) for seed in range(seeds) for candidate in candidates.candidates()[: count * 40 : 40]]
 
 
 def test_a_killed_sweep_goes_on(task, tmp_path):
@@ -85,13 +127,13 @@ def test_a_binary_file_is_not_a_search(task, tmp_path):
 
 def test_a_small_sample_meets_many_banks_and_networks():
     """Every 114th candidate would be one and the same network."""
-    everything = search.candidates()
-    eight = search.spread(everything, 8)
-    assert len({(one.factor, one.count) for one in eight}) >= 6
+    everything = candidates.candidates()
+    eight = candidates.spread(everything, 8)
+    assert len({one.bank.name for one in eight}) >= 6
     assert len({one.sizes for one in eight}) == 8
-    assert search.spread(everything, 40)[:8] == eight
-    assert {one.key for one in search.spread(everything, 5000)} == {one.key for one in everything}
-    assert {one.key for one in search.spread(everything[:2], 5)} == {one.key for one in everything[:2]}
+    assert candidates.spread(everything, 40)[:8] == eight
+    assert {one.key for one in candidates.spread(everything, 5000)} == {one.key for one in everything}
+    assert {one.key for one in candidates.spread(everything[:2], 5)} == {one.key for one in everything[:2]}
 
 
 def row(key: str, seed: int, error: float, dead: bool = False) -> dict:

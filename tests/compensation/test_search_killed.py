@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from compensation import search
+from compensation import candidates, search
 from gcode.support.errors import UserError
 from testbench.recording_files import write_recording_csv
 
@@ -30,7 +30,7 @@ def task(recordings, tmp_path_factory):
     return search.Task(tuple(map(str, paths)), 25.0, "force", "fast")
 
 
-JOBS = [(candidate, seed) for seed in range(2) for candidate in search.candidates()[::40]]
+JOBS = [(candidate, seed) for seed in range(2) for candidate in candidates.candidates()[::40]]
 
 
 @pytest.fixture(scope="module")

@@ -30,7 +30,7 @@ from testbench.dataset import tasks_of
 from testbench.dataset_index import index_problems
 from testbench.dataset_spec import read_spec as read_dataset_spec
 from testbench.discrepancy.model_file import ModelFile, load_model_file
-from testbench.importing import Source, Wish, import_csv
+from testbench.importing import Wish, import_csv
 from testbench.knit.catalogue import baseline, load_catalogue
 from testbench.manifest import NAME, problems, sealed
 from testbench.record import Job, begin, job_of, record
@@ -177,7 +177,7 @@ def _wire(folder: Path, case: list[bytes]) -> None:
 
 
 def _foreign(path: Path) -> None:
-    wish = Wish(25.0, time=Source("time_s"), displacement=Source("displacement_mm"), force=Source("force_N"))
+    wish = Wish(25.0, {"time": "time_s", "displacement": "displacement_mm", "force": "force_N"})
     import_csv(path, wish)
 
 

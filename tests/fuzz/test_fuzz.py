@@ -22,7 +22,7 @@ from gcode.toml_spec import read_spec as read_trajectory_spec
 from gcode.trajectory import read_csv as read_trajectory
 from testbench.dataset_spec import read_spec as read_dataset_spec
 from testbench.discrepancy.model_file import load_model_file
-from testbench.importing import Source, Wish, import_csv
+from testbench.importing import Wish, import_csv
 from testbench.recording import read_recording
 from testbench.report.build import read_diagnosis
 from tests.fuzz.targets import TARGETS, attack, no_hang, samples
@@ -142,7 +142,7 @@ LOADERS = {
     "d.json": read_diagnosis,
     "r.csv": lambda path: read_recording(path, 25.0),
     "t.csv": read_trajectory,
-    "f.csv": lambda path: import_csv(path, Wish(25.0, time=Source("t"), displacement=Source("x"))),
+    "f.csv": lambda path: import_csv(path, Wish(25.0, {"time": "t", "displacement": "x"})),
     "datapackage.json": lambda path: read_recording(path.parent),
 }
 

@@ -11,6 +11,7 @@ from importlib import resources
 from gcode.support.errors import UserError
 from testbench.knit.catalogue import load_catalogue, model_from_dict
 from testbench.knit.model import KnitModel
+from testbench.knit.presets.population import specimen
 
 
 def names() -> list[str]:
@@ -20,19 +21,23 @@ def names() -> list[str]:
 
 
 def preset(name: str) -> KnitModel:
-    """The knit model called `name`.
+    """The knit model called `name`; ``name@3`` is its third specimen (`testbench.knit.presets.population`).
 
     Parameters
     ----------
     name : str
-        ``"pes"`` (conductive polyester yarn) or ``"lycra"`` (with elastane); see `names`.
+        ``"pes"`` (conductive polyester yarn) or ``"lycra"`` (with elastane); see `names`. ``"pes@3"``: one of many
+        that differ as specimens do; ``"pes@0"`` is ``"pes"``.
 
     Raises
     ------
     UserError
-        If there is no such preset.
+        If there is no such preset or specimen.
     """
-    if name not in names():
-        raise UserError(f"no sensor preset called {name}; there are {', '.join(names())}")
-    data = json.loads(resources.files(__name__).joinpath(f"{name}.json").read_text(encoding="utf-8"))
-    return model_from_dict(data, load_catalogue(), source=f"preset {name}")
+    kind, at, number = name.partition("@")
+    if kind not in names():
+        raise UserError(f"no sensor preset called {kind}; there are {', '.join(names())}")
+    if at and not number.isdecimal():
+        raise UserError(f"a specimen is a preset, @ and a whole number, such as {kind}@3; got {name}")
+    data = json.loads(resources.files(__name__).joinpath(f"{kind}.json").read_text(encoding="utf-8"))
+    return specimen(model_from_dict(data, load_catalogue(), source=f"preset {kind}"), int(number or 0))

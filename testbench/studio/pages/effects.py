@@ -67,6 +67,7 @@ class _Editor:
         if not self.text.value.strip():
             raise UserError("there is nothing to check; start from the template, or write a class")
         write_text(self.path, self.text.value)
+        self.studio.agree_to_effects()  # who saves it here wants it to run
         argv = ["testbench", "effects", "--effects", str(self.path), "--check"]
         self._run(argv, "Trying the laws that every effect obeys")
 
@@ -81,6 +82,8 @@ class _Editor:
             for line in job.lines:
                 ui.label(line).classes("mono")
         if job.state is State.DONE:
+            if "--new" in job.argv:
+                self.studio.agree_to_effects()  # our own template
             self._read()
 
 

@@ -14,10 +14,11 @@ from testbench.report import experiment_figures as figures
 from testbench.report.build import read_diagnosis
 from testbench.report.words import experiment_in_words, spoken
 from testbench.studio import models
+from testbench.studio.fields import check, number_field, typed
 from testbench.studio.pages.plan import PROGRAMS, program_downloads
 from testbench.studio.picture import plot
 from testbench.studio.studio import Studio
-from testbench.studio.widgets import address, aside, attempt, campaign_head, guarded, number, subheading
+from testbench.studio.widgets import address, aside, attempt, campaign_head, guarded, subheading
 
 
 @guarded
@@ -60,33 +61,28 @@ def _ask(studio: Studio, c: str, diagnosis: Mapping[str, Any]) -> None:
             "least room. This takes half a minute.",
         )
         with ui.row().classes("items-center"):
-            strain = number("Largest strain / %", 30)
-            minutes = number("Duration / min", 10)
-            speed = number("Speed up to / mm/s", 10)
-            acceleration = number("Acceleration up to / mm/s²", 20)
+            strain = number_field("Largest strain / %", 30)
+            minutes = number_field("Duration / min", 10)
+            speed = number_field("Speed up to / mm/s", 10)
+            acceleration = number_field("Acceleration up to / mm/s²", 20)
         button = ui.button("Find the motion that tells them apart", icon="science").props("unelevated")
         holder = ui.column().classes("w-full")
 
     def start() -> None:
+        check(strain, minutes, speed, acceleration)
         limits = {"--strain-max": strain, "--v-max": speed, "--a-max": acceleration}
         argv = ["testbench", "experiment", "--diagnosis", str(models.diagnosis_path(studio, c))]
         argv += ["--fit", str(studio.workspace.campaign(c).folder), *studio.effects_arguments()]
         argv += models.held_out_arguments(studio, models.held_out_of(studio, c))
         for option, field in limits.items():
-            argv += [option, f"{_positive(field):g}"]
-        argv += ["--duration-s", f"{60 * _positive(minutes):g}", "--json", str(experiment_path(studio, c))]
+            argv += [option, typed(field)]
+        argv += ["--duration-s", f"{60 * minutes.value:.12g}", "--json", str(experiment_path(studio, c))]
         argv += ["-o", str(studio.workspace.root / PROGRAMS / program_name(c))]
         title = f"Looking for the motion that tells {' from '.join(rivals_of(diagnosis))}"
         models.run_in_turn(studio, key, [(title, argv)], holder, ui.navigate.reload)
 
     button.on_click(lambda: attempt(start))
     models.join_running(studio, key, holder, ui.navigate.reload)
-
-
-def _positive(field: ui.number) -> float:
-    if not field.value or field.value <= 0:
-        raise UserError(f"{field.props['label']}: this must be a positive number, got {field.value}")
-    return float(field.value)
 
 
 async def _answer(studio: Studio, c: str, found: Mapping[str, Any]) -> None:

@@ -2,54 +2,91 @@
 
 from __future__ import annotations
 
+import time
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
+from urllib.parse import quote
 
 from nicegui import ui
 
 from testbench.discrepancy.model_file import ModelFile
+from testbench.report import diagnosis_figures
 from testbench.report import ladder_figures as figures
+from testbench.report.build import read_diagnosis
 from testbench.report.comparison_figures import busiest_window
+from testbench.report.numbers import plain
+from testbench.report.parameters import parameter_table
 from testbench.report.sections import fall_in_words
 from testbench.report.story import GLANCE_S
-from testbench.report.words import spoken
+from testbench.report.words import ladder_notes, spoken, verdict_in_words
 from testbench.studio import models
 from testbench.studio.jobs import Job, State
 from testbench.studio.picture import plot
-from testbench.studio.studio import Studio
-from testbench.studio.widgets import address, aside, attempt, campaign_head, facts, guarded, job_card, subheading
+from testbench.studio.studio import RESULTS_URL, Studio
+from testbench.studio.widgets import (
+    RESISTANCE,
+    Address,
+    address,
+    aside,
+    attempt,
+    campaign_head,
+    facts,
+    guarded,
+    job_card,
+    quantity_toggle,
+    subheading,
+    table,
+)
+from testbench.studio.workspace import RESULTS
+
+REPORT = "report.html"
 
 
 @guarded
-async def page(studio: Studio, c: str = "", step: int = -1) -> None:
+async def page(studio: Studio, c: str = "", step: int = -1, show: str = "") -> None:
     """The ladder of campaign `c`, looked at on `step`."""
-    campaign_head(c, "/ladder")
+    campaign_head(c, "/ladder", show)
     if not models.model_path(studio, c).is_file():
         models.add_fit_form(studio, c)
         return
-    await _Ladder(studio, c).build(step)
+    await (await aside(_Ladder, studio, c, Address("/ladder", c=c, show=show))).build(step)
 
 
 class _Ladder:
     """One model file on the page."""
 
-    def __init__(self, studio: Studio, c: str) -> None:
+    def __init__(self, studio: Studio, c: str, where: Address) -> None:
+        from testbench.discrepancy.measurement import split
         from testbench.discrepancy.model_file import load_model_file
-        from testbench.report.overlays import steps_of
+        from testbench.report.overlays import steps_in_resistance, steps_of
 
-        self.studio, self.c = studio, c
-        self.file: ModelFile = load_model_file(models.model_path(studio, c), studio.catalogue())
+        self.studio, self.c, self.where = studio, c, where
+        self.kohm = where.query["show"] == RESISTANCE
+        catalogue = studio.catalogue()
+        self.file: ModelFile = load_model_file(models.model_path(studio, c), catalogue)
+        held = models.held_out_of(studio, c)
+        other = None if held == models.LAST_THIRD else studio.workspace.recording(held)
+        _, self.judged = split(studio.workspace.recording(c), other)
         self.steps = steps_of(self.file.history)
+        # How far above the noise is told of the channel that was fitted: that of ln G is the same share of R.
+        self.over_noise = [_over_noise(step) for step in self.steps]
+        if self.kohm:
+            self.steps = steps_in_resistance(self.file, catalogue, self.judged)
 
     async def build(self, step: int) -> None:
         """Figures, slider, buttons."""
         last = len(self.steps) - 1
         step = last if not 0 <= step <= last else step
+        quantity_toggle(self.where)
         self.facts = ui.column().classes("w-full")
         self.ladder = plot(
             figures.ladder(self.steps, step),
             "Error on the held-out samples, which no fit has seen, after each step; dashed: the noise floor, the "
             "least that any model can reach.",
         )
+        for note in ladder_notes(step.label for step in self.steps):
+            ui.label(note).classes("quiet text-sm")
         with ui.column().classes("card gap-1"):
             under = "Move along the steps; the pictures follow."
             subheading(
@@ -65,6 +102,21 @@ class _Ladder:
         self.glance = plot(
             await aside(self._glance, step), "A minute of held-out samples, where the first model is worst."
         )
+        for step, path in models.kept_diagnoses(self.studio, self.c).items():
+            self._why(step, read_diagnosis(str(path)))
+        parameters = parameter_table(self.file.fit, self.file.model)
+        if parameters:
+            subheading("The model's parameters", "After the last step; what speaks against a value stands beside it.")
+            table(parameters.head, parameters.rows, parameters.caption)
+
+    def _why(self, step: int, diagnosis: Mapping[str, Any]) -> None:
+        """The diagnosis that led to a step, as it was then."""
+        title = f"The diagnosis that led to step {step}, {self.steps[step].label.removeprefix('+ ')}"
+        with ui.expansion(title, icon="search").classes("card").style("padding:0"):
+            ui.label(verdict_in_words(diagnosis)).style("font-weight:600")
+            if diagnosis["ranking"]:
+                caption = "What a refit with each effect took off the held-out error, as it was found then."
+                plot(diagnosis_figures.candidates(diagnosis), caption)
 
     def _tell(self, step: int) -> None:
         chosen = self.steps[step]
@@ -72,13 +124,12 @@ class _Ladder:
             ("this step" if step else "the first model", spoken(chosen.label)),
         ]
         pairs += [
-            (f"held-out {channel}", f"{error:.3g} {figures.UNITS[channel]}")
+            (f"held-out {channel}", f"{plain(error)} {figures.UNITS[channel]}")
             for channel, error in chosen.errors.items()
         ]
         pairs += [
-            (f"times the noise floor ({channel})", f"{chosen.errors[channel] / floor:.1f} x")
-            for channel, floor in chosen.noise_floor.items()
-            if floor > 0
+            (f"times the noise floor ({channel})", f"{times:.1f} x")
+            for channel, times in zip(chosen.errors, self.over_noise[step], strict=True)
         ]
         if step:
             pairs.append(("against the first model", fall_in_words(self.steps[0], chosen)))
@@ -91,27 +142,26 @@ class _Ladder:
         self._tell(step)
         self.ladder.show(figures.ladder(self.steps, step))
         self.glance.show(await aside(self._glance, step))
-        ui.navigate.history.replace(address("/ladder", c=self.c, step=str(step)))
+        self.where.note(step=str(step))
 
     def _glance(self, step: int) -> dict:
         """The first model and that of `step` over the held-out samples."""
-        from testbench.discrepancy.measurement import split
         from testbench.knit.catalogue import model_from_dict
         from testbench.report.overlays import overlay_of
 
-        held = models.held_out_of(self.studio, self.c)
-        other = None if held == models.LAST_THIRD else self.studio.workspace.recording(held)
-        _, judged = split(self.studio.workspace.recording(self.c), other)
         catalogue = self.studio.catalogue()
         shown = {
             self.steps[number].label: model_from_dict(self.file.history[number]["model"], catalogue, "history")
             for number in sorted({0, step})
         }
-        both = overlay_of(judged, shown, free_offset=True).within(judged.counts)
+        both = overlay_of(self.judged, shown, free_offset=True).within(self.judged.counts)
+        both = both.in_resistance() if self.kohm else both
         return figures.at_a_glance(both, self.steps[: step + 1], busiest_window(both, GLANCE_S))
 
     def _buttons(self, last: int) -> None:
         holder = ui.column().classes("w-full")
+        with holder:
+            self._written()
         with ui.row():
             undo = ui.button("Undo the last step", icon="undo", on_click=lambda: attempt(lambda: self._undo(holder)))
             undo.props("outline").set_enabled(last > 0)
@@ -124,28 +174,57 @@ class _Ladder:
             path = models.model_path(self.studio, self.c)
             ui.button("Model as JSON", icon="download", on_click=lambda: ui.download(path)).props("outline")
 
+    def _written(self) -> None:
+        """The report that was written last, where there is one."""
+        path = self.studio.workspace.results(self.c) / REPORT
+        if not path.is_file():
+            return
+        when = time.strftime("%d %B %Y, %H:%M", time.localtime(path.stat().st_mtime))
+        with ui.row().classes("items-center gap-3"):
+            ui.icon("description").classes("quiet")
+            ui.link("Open the report", report_url(self.studio, path), new_tab=True)
+            ui.label(f"of {when}").classes("quiet text-sm")
+            name = f"{self.c.replace('/', '-')}-report.html"
+            ui.button("Download", icon="download", on_click=lambda: ui.download(path, name)).props("flat dense")
+
     def _undo(self, holder: ui.column) -> None:
         command = models.undo_command(self.studio, self.c)
         models.run_in_turn(self.studio, f"model:{self.c}", [command], holder, ui.navigate.reload)
 
     def _report(self, holder: ui.column) -> None:
         folder = self.studio.workspace.results(self.c)
-        output = folder / "report.html"
+        output = folder / REPORT
         argv = ["testbench", "report", "--recording", str(self.studio.workspace.campaign(self.c).folder)]
         argv += models.held_out_arguments(self.studio, models.held_out_of(self.studio, self.c))
         argv += ["--model", str(models.model_path(self.studio, self.c)), *self.studio.effects_arguments()]
+        for path in models.kept_diagnoses(self.studio, self.c).values():
+            argv += ["--diagnosis", str(path)]
+        if models.is_fresh(self.studio, self.c):
+            argv += ["--diagnosis", str(models.diagnosis_path(self.studio, self.c))]
         argv += _if_there("--compensator", folder / "force.score.json")
+        argv += _if_there("--commands", self.studio.commands_path(self.c))
         job = self.studio.jobs.start(
             f"report:{self.c}", f"Writing the report of {self.c}", [*argv, "-o", str(output)]
         )
 
         def ended(finished: Job) -> None:
             if finished.state is State.DONE:
-                ui.download(output, f"{self.c.replace('/', '-')}-report.html")
+                with holder:
+                    self._written()
 
         holder.clear()
         with holder:
             job_card(self.studio, job, ended)
+
+
+def report_url(studio: Studio, path: Path) -> str:
+    """Where the studio's own server hands out a file of the results."""
+    below = path.relative_to(studio.workspace.root / RESULTS).as_posix()
+    return f"{RESULTS_URL}/{quote(below)}?made={path.stat().st_mtime_ns}"
+
+
+def _over_noise(step: figures.Step) -> list[float]:
+    return [error / max(step.noise_floor[channel], 1e-300) for channel, error in step.errors.items()]
 
 
 def _if_there(option: str, path: Path) -> list[str]:

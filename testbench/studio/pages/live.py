@@ -17,14 +17,12 @@ from testbench.report.live_figures import LiveChannel, live
 from testbench.studio.jobs import Job, State
 from testbench.studio.live import Follower
 from testbench.studio.picture import plot
-from testbench.studio.studio import Studio
+from testbench.studio.studio import KEY_RIG, Studio
+from testbench.studio.unfinished import is_unfinished, resume
 from testbench.studio.widgets import address, aside, attempt, trouble
 
-KEY = "record"  # one recording at a time
-RIG = "rig"  # the simulated one, where it is behind the port
 REFRESH_S = 0.5
 ENDS = {"interrupted": "stopped by you, every sample is on disk", "alarm": "stopped by a limit"}
-UNFINISHED = ("interrupted", "port lost", "disk full")
 
 
 class Live:
@@ -53,7 +51,7 @@ class Live:
         self.stop.disable()
         self.stop.set_text("Stopping …")
         await self.studio.jobs.cancel(self.job)
-        rig = self.studio.jobs.find(RIG)
+        rig = self.studio.jobs.find(KEY_RIG)
         if rig:
             await self.studio.jobs.cancel(rig)
 
@@ -99,21 +97,17 @@ class Live:
             else:
                 ui.label(f"{self.job.title}: {ENDS.get(state, state)}. {said}").classes("verdict")
             with ui.row():
-                self._ways_on(state)
+                self._ways_on()
 
-    def _ways_on(self, state: str) -> None:
+    def _ways_on(self) -> None:
         if not (self.folder / "datapackage.json").is_file():
             return
         name = self.folder.relative_to(self.studio.workspace.root).as_posix()
         ui.button("Open the recording", on_click=lambda: ui.navigate.to(address("/recording", c=name)))
-        if state in UNFINISHED and self.studio.jobs.find(RIG) is None:
-            resume = ui.button("Go on recording into it", on_click=lambda: attempt(partial(self._resume, name)))
-            resume.props("outline")
-
-    def _resume(self, name: str) -> None:
-        argv = ["testbench", "record", "--resume", "--progress-json", "-o", str(self.folder)]
-        self.studio.jobs.start(KEY, f"Recording {name}", argv)
-        ui.navigate.reload()
+        campaign = self.studio.workspace.campaign(name)
+        if is_unfinished(campaign):
+            again = partial(resume, self.studio, campaign, go=lambda _: ui.navigate.reload())
+            ui.button("Resume", icon="fiber_manual_record", on_click=lambda: attempt(again)).props("outline")
 
 
 def limits_of(folder: Path) -> dict[str, float]:

@@ -8,12 +8,19 @@ from typing import TYPE_CHECKING, Any
 
 from nicegui import ui
 
-from testbench.discrepancy.words import percent
 from testbench.report import diagnosis_figures as figures
 from testbench.report.build import read_diagnosis
-from testbench.report.words import base_in_words, spoken, verdict_in_words
+from testbench.report.words import (
+    base_in_words,
+    error_left,
+    probability_of,
+    spoken,
+    verdict_in_words,
+    with_probability,
+)
 from testbench.studio import models
 from testbench.studio.memory import stamp
+from testbench.studio.pages.effect_told import effect_told
 from testbench.studio.picture import plot, zooming_plot
 from testbench.studio.studio import Studio
 from testbench.studio.widgets import (
@@ -68,25 +75,42 @@ def _ask(studio: Studio, c: str, known: bool) -> None:
 
 
 async def _answer(studio: Studio, c: str, diagnosis: Mapping[str, Any], pick: str) -> None:
+    nothing = diagnosis["verdict"] == "nothing_missing"
     with ui.column().classes("card gap-2"):
         ui.label(verdict_in_words(diagnosis)).classes("verdict")
         base = base_in_words(diagnosis)
         if base:
             ui.label(base).classes("quiet")
+        if nothing and diagnosis.get("other_laws"):
+            _better_law(studio, c, list(diagnosis["other_laws"]))
     ranking = diagnosis["ranking"][:SHOWN]
     if not ranking:
         return
-    if len(ranking) > 1:
+    if len(ranking) > 1 and not nothing:
         _experiment(c, diagnosis)
     plot(
         figures.candidates(diagnosis),
-        "Each effect with the probability that it is what is missing most. Bars: what it takes off the error of the "
-        "calibration; dots: off the error on samples that no fit has seen, after a refit (95 % over blocks of 60 s).",
+        "What a refit with each effect takes off the error on samples that no fit has seen, with the 95 % interval "
+        "over blocks of 60 s. In brackets: how probable it is that this effect is what is missing most.",
     )
     chosen = next((entry for entry in ranking if entry["form"] == pick), ranking[0])
     candidates = _Candidates(studio, c, diagnosis)
     candidates.adopting()
     candidates.build(ranking, chosen)
+
+
+def _better_law(studio: Studio, c: str, laws: list[str]) -> None:
+    """Nothing is missing, but another law suits the sensor better than the one of the base."""
+    holder = ui.column().classes("w-full")
+    done = partial(ui.navigate.to, address("/ladder", c=c))
+
+    def start() -> None:
+        models.keep_diagnosis(studio, c)
+        commands = [models.add_command(studio, c, law) for law in laws]
+        models.run_in_turn(studio, f"model:{c}", commands, holder, done)
+
+    names = " and ".join(spoken(law) for law in laws)
+    ui.button(f"Use {names}", icon="swap_horiz", on_click=lambda: attempt(start)).props("unelevated")
 
 
 def _experiment(c: str, diagnosis: Mapping[str, Any]) -> None:
@@ -112,6 +136,7 @@ class _Candidates:
             button.on_click(lambda: attempt(self._adopt)).props("unelevated color=accent")
 
     def _adopt(self) -> None:
+        models.keep_diagnosis(self.studio, self.c)
         models.adopt_diagnosed(self.studio, self.c)
         ui.navigate.to(address("/ladder", c=self.c))
 
@@ -126,17 +151,18 @@ class _Candidates:
         later(partial(self._look, chosen))
 
     def _card(self, number: int, entry: Mapping[str, Any]) -> None:
+        left, probability = error_left(entry), probability_of(self.diagnosis, entry["effect"])
         card = ui.element("button").classes("candidate").on("click", lambda: self._look(entry))
         self.cards[entry["form"]] = card
         with card:
             with ui.row().classes("items-center justify-between w-full no-wrap"):
-                ui.label(f"{number}. {spoken(entry['effect'])}").style("font-weight:600")
-                with ui.row().classes("items-center gap-2 no-wrap"):
-                    if entry["tied_for_first"]:
-                        ui.label("tied").classes("tag bad")
-                    ui.label(percent(entry["probability"])).classes("quiet").style("white-space:nowrap")
-            with ui.element("div").classes("meter"):
-                ui.element("div").style(f"width:{100 * entry['probability']:.1f}%")
+                ui.label(f"{number}. {with_probability(self.diagnosis, entry['effect'])}").style("font-weight:600")
+                if entry["tied_for_first"]:
+                    ui.label("tied").classes("tag bad")
+            ui.label(f"leaves {left} of the held-out error" if left else "not worth a refit").classes("quiet text-sm")
+            if probability is not None:
+                with ui.element("div").classes("meter"):
+                    ui.element("div").style(f"width:{100 * probability:.1f}%")
 
     async def _look(self, entry: Mapping[str, Any]) -> None:
         for form, card in self.cards.items():
@@ -154,9 +180,9 @@ class _Candidates:
         with self.detail:
             with ui.row().classes("items-center justify-between w-full"):
                 subheading(spoken(entry["form"]), look)
-                ui.button(
-                    f"Add {spoken(entry['form'])}", icon="add", on_click=lambda: attempt(lambda: self._add(entry))
-                ).props("unelevated color=accent")
+                if self.diagnosis["verdict"] != "nothing_missing":
+                    add = ui.button(f"Add {spoken(entry['form'])}", icon="add").props("unelevated color=accent")
+                    add.on_click(lambda: attempt(lambda: self._add(entry)))
             self.holder = ui.column().classes("w-full")
             caption = (
                 "Held-out samples, without what the base laws could take up: what the model leaves, and what "
@@ -165,6 +191,7 @@ class _Candidates:
             zooming_plot(partial(figures.prediction, shown.time_s, shown.residual, shown.added), caption)
             caption = "An effect that is really there predicts its own size: its points lie on the dashed line."
             plot(figures.slope(shown.residual, shown.added), caption)
+            effect_told(self.diagnosis, entry, self.studio.catalogue())
 
     def _predicted(self, entry: Mapping[str, Any]) -> tuple[str, Contribution]:
         studio, c = self.studio, self.c
@@ -173,6 +200,7 @@ class _Candidates:
         return studio.memory.recall(("predicted", c, entry["form"], files), make)
 
     def _add(self, entry: Mapping[str, Any]) -> None:
+        models.keep_diagnosis(self.studio, self.c)
         done = partial(ui.navigate.to, address("/ladder", c=self.c))
         found = [one["form"] for one in self.diagnosis["found"]]
         # What the diagnosis has refitted already need not be fitted again: all that it found, or the shapes alone.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -11,10 +12,11 @@ from nicegui import ui
 from gcode.support.errors import UserError
 from gcode.support.files import read_json
 from testbench.report.trajectory_figures import motion
+from testbench.studio.fields import check, number_field, typed
 from testbench.studio.jobs import Job, State
 from testbench.studio.picture import plot
 from testbench.studio.studio import Studio
-from testbench.studio.widgets import address, aside, attempt, facts, guarded, heading, job_card, number, subheading
+from testbench.studio.widgets import address, aside, attempt, facts, guarded, heading, job_card, subheading
 
 PRESETS = {
     "paper-1": "paper-1, 0–30 % strain",
@@ -37,26 +39,29 @@ def page(studio: Studio, program: str = "") -> None:
 
 def _form(studio: Studio) -> None:
     with ui.column().classes("card gap-3"):
-        with ui.row().classes("items-center"):
+        with ui.row().classes("items-start"):
             preset = ui.select(PRESETS, value="paper-1", label="Motion").props("outlined dense").style("width:220px")
-            seed = number("Seed", 51, "%d")
-            gauge = number("Gauge length / mm", 25)
-            minutes = number("Duration / min", 23)
-        with ui.expansion("Limits of the machine").classes("w-full"), ui.row().classes("items-center"):
+            seed = number_field("Seed", 51, whole=True)
+            gauge = number_field("Gauge length / mm", 25)
+            minutes = number_field("Duration / min", 23)
+        with ui.expansion("Limits of the machine").classes("w-full"), ui.row().classes("items-start"):
             limits = {
-                "--v-max": number("Speed / mm/s", None),
-                "--a-max": number("Acceleration / mm/s²", None),
-                "--x-min": number("Travel from / mm", None),
-                "--x-max": number("to / mm", None),
+                "--v-max": number_field("Speed / mm/s", None, optional=True),
+                "--a-max": number_field("Acceleration / mm/s²", None, optional=True),
+                "--x-min": number_field("Travel from / mm", None, positive=False, optional=True),
+                "--x-max": number_field("Travel to / mm", None, positive=False, optional=True),
             }
+        _say_which_hold(limits, str(preset.value))
+        preset.on_value_change(lambda event: _say_which_hold(limits, str(event.value)))
         holder = ui.column().classes("w-full")
 
         def start() -> None:
-            name = f"{preset.value}-seed{_whole(seed.value, 'seed')}-{gauge.value:g}mm-{minutes.value:g}min"
+            check(seed, gauge, minutes, *limits.values())
+            name = f"{preset.value}-seed{int(seed.value)}-{typed(gauge)}mm-{typed(minutes)}min"
             argv = ["gcode", "generate", "--preset", preset.value, "--seed", str(int(seed.value))]
-            argv += ["--gauge-length-mm", f"{gauge.value:g}", "--duration-s", f"{60 * minutes.value:g}"]
+            argv += ["--gauge-length-mm", typed(gauge), "--duration-s", f"{60 * minutes.value:.12g}"]
             for option, field in limits.items():
-                argv += [option, f"{field.value:g}"] if field.value is not None else []
+                argv += [f"{option}={typed(field)}"] if field.value is not None else []
             argv += ["-o", str(studio.workspace.root / PROGRAMS / name)]
             job = studio.jobs.start(f"plan:{name}", f"Planning {name}", argv)
             holder.clear()
@@ -71,10 +76,14 @@ def _planned(job: Job) -> None:
         ui.navigate.to(address("/plan", program=Path(job.argv[-1]).name))
 
 
-def _whole(value: float | None, what: str) -> int:
-    if value is None or value != int(value) or value < 0:
-        raise UserError(f"the {what} must be a whole number, 0 or more; got {value}")
-    return int(value)
+def _say_which_hold(fields: Mapping[str, ui.number], preset: str) -> None:
+    """Under each empty field, the limit that holds then."""
+    from gcode.presets import PRESETS as SPECS
+
+    limits = SPECS[preset].limits
+    values = (limits.v_max_mm_per_s, limits.a_max_mm_per_s2, limits.x_min_mm, limits.x_max_mm)
+    for (_, field), value, unit in zip(fields.items(), values, ("mm/s", "mm/s²", "mm", "mm"), strict=True):
+        field.props(f'hint="empty: {value:g} {unit}"')
 
 
 def _result(studio: Studio, program: str) -> None:
@@ -130,15 +139,16 @@ def _run_form(studio: Studio, folder: Path, program: str) -> None:
         subheading("Run it on the simulated rig", "The same bytes as the real rig, in about a second.")
         with ui.row().classes("items-center"):
             sensor = ui.select(SENSORS, value="pes", label="Sensor").props("outlined dense").style("width:160px")
-            seed = number("Seed of noise", 1, "%d")
+            seed = number_field("Seed of noise", 1, whole=True)
             name = ui.input("Campaign name", value=f"pes-{program}").props("outlined dense").style("min-width:300px")
         sensor.on_value_change(lambda event: name.set_value(f"{event.value}-{program}"))
         holder = ui.column().classes("w-full")
 
         def start() -> None:
+            check(seed)
             target = studio.workspace.free_name(name.value)
             argv = ["testbench", "run", "--sensor", sensor.value, "--program", str(folder / "program.tap")]
-            argv += ["--seed", str(_whole(seed.value, "seed")), "--progress-json", "-o", str(target)]
+            argv += ["--seed", str(int(seed.value)), "--progress-json", "-o", str(target)]
             job = studio.jobs.start(f"run:{name.value}", f"Running {name.value}", argv)
             holder.clear()
             with holder:

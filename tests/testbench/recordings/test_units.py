@@ -70,6 +70,7 @@ HEADINGS = [
     ("应力(MPa)", set(), "MPa"),
     ("Load (1)", {"force"}, ""),
     ("F / foo", {"force"}, "foo"),
+    ("F / mV/V", {"force"}, "mV/V"),
     ("Last", set(), ""),
     ("Sollweg [mm]", set(), "mm"),
     ("kOhm", set(), "kOhm"),

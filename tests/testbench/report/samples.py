@@ -99,10 +99,10 @@ def diagnosis(verdict: str = "missing") -> dict:
     """The JSON of `testbench diagnose`, but for its models."""
 
     def entry(name: str, probability: float, gain: float) -> dict:
-        tied = verdict == "missing" and gain > 0.5
-        refitted = [gain - 0.1, gain - 0.2, gain] if gain > 0.5 else None
+        tied = verdict == "missing" and gain > 0
         return {"effect": name, "form": name, "probability": probability, "log_evidence": 20 * gain, "gain": gain,
-                "held_out_gain": refitted, "error_share_left": 0.6, "tied_for_first": tied, "start": {}}  # fmt: skip
+                "held_out_gain": [1.96, 1.8, 2.2] if gain > 0 else None, "error_share_left": 0.6,
+                "tied_for_first": tied, "start": {}}  # fmt: skip
 
     found = [{"effect": "stress_relaxation", "form": "stress_relaxation", "probability": 0.61, "log_evidence": 24.0}]
     relaxation, creep, unknown, nothing = {

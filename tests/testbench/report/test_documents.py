@@ -140,9 +140,49 @@ def test_the_whole_story_from_a_fitted_model(tmp_path: Path) -> None:
         "no effect has been added yet",
         'id="at-a-glance"',
         "Where the model fails",
-        "elasticity.stiffness_N",
+        "elasticity: stiffness",
     ):
         assert words in page
+
+
+def test_a_report_says_when_from_what_and_by_which_commands(tmp_path: Path) -> None:
+    source = tmp_path / "mine.csv"
+    write_recording_csv(source, samples.recording())
+    commands = tmp_path / "commands.txt"
+    commands.write_text("2026-11-22 17:05  testbench fit mine -o model.json\n\ntestbench diagnose mine\n")
+    arguments = ["--recording", str(source), "--gauge-length-mm", "25", "--commands", str(commands)]
+    assert main(["report", *arguments, "-o", str(tmp_path / "r.html")]) == 0
+    page = (tmp_path / "r.html").read_text()
+    assert re.search(r"knitbench report · \d{1,2} \w+ 20\d\d, \d\d:\d\d", page)
+    assert hashlib.sha256(source.read_bytes()).hexdigest() in page
+    assert "<td>2026-11-22 17:05</td><td>testbench fit mine -o model.json</td>" in page
+    assert "<td></td><td>testbench diagnose mine</td>" in page
+    assert main(["report", *arguments[:-1], str(tmp_path), "-o", str(tmp_path / "r.html")]) == 2
+
+
+def test_each_step_has_the_diagnosis_that_led_to_it(tmp_path: Path) -> None:
+    write_recording_csv(tmp_path / "mine.csv", samples.recording(1200))
+    recording, model = [str(tmp_path / "mine.csv"), "--gauge-length-mm", "25"], tmp_path / "model.json"
+    assert main(["fit", *recording, "-o", str(model)]) == 0
+    fitted = json.loads(model.read_text())
+    taken = samples.diagnosis() | {"history": fitted["history"], "model_after": {"effects": fitted["effects"]}}
+    taken["ranking"][0]["form"] = "hysteresis"  # it is in the model
+    fitted["history"].append(fitted["history"][0] | {"step": "+ hysteresis"})
+    model.write_text(json.dumps(fitted))
+    open_still = samples.diagnosis("nothing_missing")
+    names = []
+    for name, data in (("one", taken), ("two", open_still)):
+        (tmp_path / name).write_text(json.dumps(data))
+        names += ["--diagnosis", str(tmp_path / name)]
+    output = str(tmp_path / "r.html")
+    assert main(["report", "--recording", *recording, "--model", str(model), *names, "-o", output]) == 0
+    page = Path(output).read_text()
+    assert "Why stress relaxation was added" in page
+    assert "What is missing now" in page
+    assert "With hysteresis the held-out error of the force goes from" in page
+    assert "Nothing is missing that these recordings could show." in page
+    assert 'id="candidates"' in page
+    assert 'id="candidates-2"' in page
 
 
 @pytest.mark.parametrize(

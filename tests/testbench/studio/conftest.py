@@ -17,6 +17,12 @@ from testbench.studio.shell import frame
 from testbench.studio.studio import Studio
 
 
+@pytest.fixture(autouse=True)
+def own_state(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What the user agreed to is kept for this test alone."""
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+
+
 @pytest.fixture(scope="session")
 def campaign_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with one imported campaign, ``sleeve``."""

@@ -49,18 +49,26 @@ def served(root: Path, refresh_s: float = 0.5) -> Iterator[Served]:
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
-    argv = [sys.executable, "-c", CODE, "studio", str(root), "--no-browser", "--port", str(port), str(refresh_s)]
-    # NiceGUI behaves differently where it sees pytest in the environment.
-    environment = {key: value for key, value in os.environ.items() if not key.startswith(("PYTEST", "NICEGUI"))}
-    process = subprocess.Popen(argv, cwd=root.parent, env=environment)
+    process = start_studio(root, port, refresh_s)
     try:
-        _wait_for(port)
         yield Served(f"http://127.0.0.1:{port}", root, process)
+        if process.poll() is not None:
+            return  # the test has ended it
         process.send_signal(signal.SIGINT)
         assert process.wait(30) in (0, 130)
     finally:
         process.kill()
         process.wait()
+
+
+def start_studio(root: Path, port: int, refresh_s: float = 0.5) -> subprocess.Popen:
+    """Start the server and wait until it answers."""
+    argv = [sys.executable, "-c", CODE, "studio", str(root), "--no-browser", "--port", str(port), str(refresh_s)]
+    # NiceGUI behaves differently where it sees pytest in the environment.
+    environment = {key: value for key, value in os.environ.items() if not key.startswith(("PYTEST", "NICEGUI"))}
+    process = subprocess.Popen(argv, cwd=root.parent, env=environment)
+    _wait_for(port)
+    return process
 
 
 def _wait_for(port: int) -> None:

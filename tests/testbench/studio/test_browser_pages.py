@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import os
 import shutil
@@ -22,7 +23,8 @@ pytestmark = IN_CHROMIUM
 __all__ = ["browser", "page", "running"]  # pytest finds its fixtures by name
 
 PAGES = {
-    "/": "Campaigns",
+    "/": "verified",
+    "/side?a=knit&b=knit": "knit: six half minutes",
     "/import": "Import a CSV",
     "/plan?program=short": "Largest acceleration",
     "/record": "Campaign name",
@@ -81,6 +83,131 @@ def test_every_page_fits_a_tablet(full: Served, browser) -> None:
         shot(tab, f"tablet-{path.partition('?')[0].strip('/') or 'campaigns'}")
         assert tab.evaluate("document.documentElement.scrollWidth") <= 820, path
     context.close()
+
+
+def test_every_page_fits_a_phone_and_names_itself(full: Served, browser) -> None:
+    context = browser.new_context(viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True)
+    tab = context.new_page()
+    for path, words in PAGES.items():
+        tab.goto(full.address + path)
+        tab.get_by_text(words).first.wait_for(timeout=60_000)
+        tab.wait_for_function("() => document.title.includes(' · knitbench')")
+        shot(tab, f"phone-{path.partition('?')[0].strip('/') or 'campaigns'}")
+        assert tab.evaluate("document.documentElement.scrollWidth") <= 390, path
+        assert tab.evaluate(IN_VIEW), f"{path}: the active tab is in view"
+        assert tab.evaluate("[...document.querySelectorAll('.js-plotly-plot')].every(e => e.ariaLabel?.length > 10)")
+    context.close()
+
+
+IN_VIEW = """() => {
+  const tab = document.querySelector('.tabs .here')?.getBoundingClientRect();
+  return !tab || (tab.left >= 0 && tab.right <= window.innerWidth);
+}"""
+
+
+def test_panels_stack_on_a_phone_and_no_plot_overlaps_the_next(full: Served, browser) -> None:
+    context = browser.new_context(viewport={"width": 390, "height": 844})
+    tab = context.new_page()
+    tab.goto(f"{full.address}/recording?c=knit")
+    tab.get_by_text("How often each value occurred").wait_for(timeout=60_000)
+    for plot in tab.locator(".js-plotly-plot").all():
+        plot.scroll_into_view_if_needed()
+        tab.wait_for_function("e => e.dataset.drawn", arg=plot.element_handle())
+    widths = tab.evaluate(
+        "[...document.querySelectorAll('.js-plotly-plot')].map(e => [e.layout.xaxis.domain, e.layout.xaxis2?.domain])"
+    )
+    assert all(domain in (None, [0, 1]) for pair in widths for domain in pair)
+    boxes = tab.evaluate(
+        "[...document.querySelectorAll('figure')].map(e => [e.getBoundingClientRect().top, e.scrollHeight,"
+        " Math.max(...[...e.querySelectorAll('svg')].map(s => s.getBoundingClientRect().bottom))])"
+    )
+    for (_, _, bottom), (top, _, _) in itertools.pairwise(boxes):
+        assert bottom <= top + 1
+    context.close()
+
+
+def test_compare_opens_where_it_fails_and_every_place_is_a_link(full: Served, page) -> None:
+    shutil.copytree(full.root / "knit", full.root / "other")
+    path = full.root / "results" / "knit" / "model.json"
+    model = json.loads(path.read_text()) | {"held_out": str(full.root / "other" / "recording.csv")}
+    path.write_text(json.dumps(model))
+    page.goto(f"{full.address}/compare?c=knit")
+    page.get_by_text("Where it fails, the worst first").wait_for()
+    page.get_by_text("other (held out)").wait_for()
+    page.wait_for_selector(".js-plotly-plot[data-drawn]")
+    opened = page.evaluate("document.querySelector('.js-plotly-plot').layout.xaxis.range")
+    assert 5 < opened[1] - opened[0] < 100, "zoomed to the worst place"
+    places = page.locator("button.finding")
+    assert places.count() >= 2
+    places.nth(1).click()
+    page.wait_for_function("() => location.search.includes('start=')")
+    shown = page.evaluate("document.querySelector('.js-plotly-plot').layout.xaxis.range")
+    assert shown != opened
+    page.reload()
+    page.wait_for_selector(".js-plotly-plot[data-drawn]")
+    again = page.evaluate("document.querySelector('.js-plotly-plot').layout.xaxis.range")
+    assert again == pytest.approx(shown, abs=0.02), "the zoom is in the address"
+    page.get_by_role("button", name="Resistance in kΩ").click()
+    page.get_by_text("RMS error of the resistance").wait_for()
+    page.get_by_role("link", name="Error ladder").click()
+    page.get_by_text("held-out resistance").wait_for()
+    assert "show=resistance" in page.url
+    page.goto(f"{full.address}/compare?c=knit&start=130&end=100")
+    page.get_by_text("the end must come after the start").wait_for()
+
+
+def test_a_wrong_stretch_is_said_in_place(full: Served, page) -> None:
+    page.goto(f"{full.address}/recording?c=knit")
+    page.wait_for_selector(".js-plotly-plot[data-drawn]")
+    page.get_by_label("From / s").fill("130")
+    page.get_by_label("to / s").fill("100")
+    page.keyboard.press("Enter")
+    page.get_by_text("before 130 s").wait_for()
+
+
+def test_the_parameter_table_stands_on_compare_and_ladder(full: Served, page) -> None:
+    for path in ("/compare", "/ladder"):
+        page.goto(f"{full.address}{path}?c=knit")
+        row = page.locator("tr", has_text="elasticity: stiffness")
+        row.wait_for()
+        assert "±" in row.inner_text()
+        assert "to 10000 N" in row.inner_text()
+
+
+def test_the_report_has_a_link_and_the_diagnosis_that_led_to_it(full: Served, page) -> None:
+    page.goto(f"{full.address}/ladder?c=knit")
+    page.get_by_role("button", name="Report").click()
+    link = page.get_by_role("link", name="Open the report")
+    link.wait_for()
+    with page.context.expect_page() as opened:
+        link.click()
+    report = opened.value
+    report.wait_for_selector(".plot[data-drawn] .main-svg")
+    assert "What is missing" in report.inner_text("main")
+    assert "SHA-256" in report.inner_text("main")
+    page.reload()
+    page.get_by_role("link", name="Open the report").wait_for()
+
+
+def test_campaigns_are_searched_tagged_and_deleted_with_undo(full: Served, page) -> None:
+    shutil.copytree(full.root / "knit", full.root / "strip")
+    page.goto(full.address)
+    page.get_by_text("2 campaigns").wait_for()
+    page.get_by_role("button", name="Tags and note of strip").click()
+    page.get_by_label("Tags, with commas between").fill("wet, first")
+    page.get_by_role("button", name="Save").click()
+    page.get_by_text("wet", exact=True).wait_for()
+    page.get_by_label("Search").fill("wet")
+    page.get_by_text("1 of 2").wait_for()
+    assert "q=wet" in page.url
+    page.reload()
+    page.get_by_text("1 of 2").wait_for()
+    page.get_by_role("button", name="Delete strip").click()
+    page.get_by_text("strip was deleted.").wait_for()
+    assert not (full.root / "strip").exists()
+    page.get_by_role("button", name="Undo").click()
+    page.get_by_text("1 of 2").wait_for()
+    assert (full.root / "strip" / "recording.csv").is_file()
 
 
 def test_the_c_header_is_exported_and_compiles(full: Served, page, tmp_path: Path) -> None:

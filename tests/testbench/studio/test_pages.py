@@ -9,6 +9,7 @@ import shutil
 from pathlib import Path
 
 import pytest
+from nicegui import ui
 from nicegui.testing import User
 
 import tests.testbench.report.samples as samples
@@ -104,6 +105,31 @@ async def test_candidates_are_ranked_and_ties_are_said(user: User, fitted: Studi
     await user.should_see("tied")
 
 
+async def test_with_nothing_missing_there_is_nothing_to_add_but_a_better_law(user: User, fitted: Studio) -> None:
+    with_diagnosis(fitted, "nothing_missing")
+    await user.open("/missing?c=sleeve")
+    await user.should_see("Nothing is missing that these recordings could show.")
+    await user.should_see("lie on the dashed line", retries=100)
+    await user.should_not_see("Add stress relaxation")
+    await user.should_not_see("Design the experiment")
+    await user.should_not_see("Use elasticity ogden")
+    path = fitted.workspace.results("sleeve") / "diagnosis.json"
+    path.write_text(json.dumps(json.loads(path.read_text()) | {"other_laws": ["elasticity_ogden"]}))
+    await user.open("/missing?c=sleeve")
+    await user.should_see("The law elasticity ogden suits this sensor better.")
+    await user.should_see("Use elasticity ogden")
+
+
+async def test_a_candidate_is_told_with_formula_source_and_values(user: User, fitted: Studio) -> None:
+    with_diagnosis(fitted)
+    await user.open("/missing?c=sleeve")
+    await user.should_see("Add stress relaxation", retries=100)
+    await user.should_see("F(t) = F_e(t) - fraction")
+    await user.should_see("Source: Fung, Biomechanics")
+    await user.should_see("leaves 38 % of the held-out error")
+    await user.should_see("not worth a refit")
+
+
 async def test_looking_at_a_candidate_shows_its_prediction(user: User, fitted: Studio) -> None:
     with_diagnosis(fitted)
     await user.open("/missing?c=sleeve&pick=load_cell_creep")
@@ -143,6 +169,33 @@ async def test_what_the_diagnosis_put_in_goes_on_top_of_the_ladder(fitted: Studi
     assert steps == ["baseline", "+ slack", "+ slack"]
 
 
+async def test_the_diagnosis_of_each_step_is_kept(user: User, fitted: Studio) -> None:
+    with_diagnosis(fitted)
+    models.keep_diagnosis(fitted, "sleeve")
+    assert models.kept_diagnoses(fitted, "sleeve") == {}, "the step has not been taken yet"
+    path = models.model_path(fitted, "sleeve")
+    data = json.loads(path.read_text())
+    data["history"].append(data["history"][0] | {"step": "+ stress_relaxation"})
+    path.write_text(json.dumps(data))
+    with_diagnosis(fitted, "nothing_missing")
+    kept = models.kept_diagnoses(fitted, "sleeve")
+    assert list(kept) == [1]
+    assert json.loads(kept[1].read_text())["verdict"] == "missing"
+    await user.open("/ladder?c=sleeve")
+    await user.should_see("The diagnosis that led to step 1, stress relaxation", retries=50)
+
+
+async def test_commands_of_a_campaign_are_kept(studio: Studio) -> None:
+    job = studio.jobs.start("model:sleeve", "Help", ["testbench", "--help"])
+    assert job.task
+    await job.task
+    other = studio.jobs.start("effects", "Help", ["testbench", "--version"])
+    assert other.task
+    await other.task
+    assert studio.commands_path("sleeve").read_text().endswith("  testbench --help\n")
+    assert studio.commands_path("sleeve").read_text().count("\n") == 1
+
+
 async def test_a_new_effect_starts_from_the_template_and_is_checked(user: User, studio: Studio) -> None:
     await user.open("/effects")
     user.find("Name of a new effect").type("My Effect")
@@ -168,6 +221,28 @@ async def test_own_effects_may_lie_in_a_file_elsewhere(user: User, studio: Studi
     await asyncio.sleep(0)
     assert studio.effects_arguments() == ["--effects", str(tmp_path / "mine.py")]
     assert Studio(studio.workspace.root).effects_file == tmp_path / "mine.py"
+
+
+async def test_somebody_elses_effects_are_not_run_unasked(user: User, studio: Studio, tmp_path: Path) -> None:
+    ran = tmp_path / "ran"
+    mine = (
+        "from testbench.knit.relaxation import StressRelaxation\nclass Mine(StressRelaxation):\n    name = 'mine'\n"
+    )
+    (studio.workspace.root / "effects.py").write_text(f"open({str(ran)!r}, 'w').close()\n{mine}")
+    assert studio.effects_arguments() == []
+    studio.catalogue()
+    await user.open("/recording?c=sleeve")
+    await user.should_see("have not been run")
+    await user.should_see("How often each value occurred")
+    assert not ran.exists()
+    user.find("Run it").click()
+    await asyncio.sleep(0.1)
+    assert studio.effects_arguments() == ["--effects", str(studio.workspace.root / "effects.py")]
+    studio.catalogue()
+    assert ran.exists()
+    (studio.workspace.root / "effects.py").write_text("other = 1\n")
+    assert studio.effects_arguments() == [], "it was another text that was agreed to"
+    assert Studio(studio.workspace.root).runnable_effects is None
 
 
 async def test_tied_effects_lead_to_the_experiment(user: User, fitted: Studio) -> None:
@@ -222,6 +297,20 @@ async def test_a_broken_effect_is_said_not_thrown(user: User, studio: Studio) ->
 async def test_recording_needs_a_program_first(user: User) -> None:
     await user.open("/record")
     await user.should_see("No program yet")
+
+
+async def test_a_wrong_field_is_marked_in_its_own_words(user: User, studio: Studio) -> None:
+    await user.open("/plan")
+    user.find("Duration / min").clear()
+    user.find("Speed / mm/s").type("-3")
+    user.find(kind=ui.button, content="Plan").click()
+    await user.should_see("Give the duration.")
+    assert not studio.jobs.jobs
+    fields = {field.props["label"]: field for field in user.find(kind=ui.number).elements}
+    assert fields["Duration / min"].error == "Give the duration."
+    assert fields["Speed / mm/s"].error == "The speed must be more than 0."
+    assert fields["Seed"].error is None
+    assert fields["Speed / mm/s"].props["hint"] == "empty: 4.35 mm/s"
 
 
 async def test_a_plan_that_was_not_made_is_a_sentence(user: User) -> None:

@@ -1,0 +1,62 @@
+"""``compensation predict``: apply a compensator to a recording; no reference is needed."""
+
+from __future__ import annotations
+
+import argparse
+
+SUMMARY = "Apply a compensator to a recording of resistance; no reference is needed."
+EXAMPLE = "compensation predict worn.csv --compensator pes.compensator.json -o compensated.csv"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("recording", metavar="RECORDING", help="campaign folder, or CSV with time_s,resistance_ohm")
+    parser.add_argument("--compensator", required=True, metavar="C", help="file written by `compensation train`")
+    parser.add_argument(
+        "-o", "--output", required=True, metavar="CSV", help="time_s, the target with its unit, low, high, status"
+    )
+
+
+def run(args: argparse.Namespace) -> int:
+    """Predict, write, and say how much of it is good."""
+    import numpy as np
+    import pandas as pd
+
+    from compensation.commands.common import check_places
+    from compensation.compensator_files import load
+    from compensation.prediction import predicted, read_samples
+    from compensation.preprocessing import TARGETS
+    from compensation.runtime import Status
+    from gcode.support.files import atomic_path
+
+    check_places(args.output, None)
+    compensator = load(args.compensator)
+    time_s, resistance_ohm = read_samples(args.recording)
+    found = predicted(compensator, time_s, resistance_ohm)
+    name, unit = TARGETS[compensator.target]
+    frame = pd.DataFrame(
+        {
+            "time_s": time_s,
+            name: found.value,
+            f"low_{unit}": found.low,
+            f"high_{unit}": found.high,
+            "status": found.status,
+        }
+    )
+    with atomic_path(args.output) as temporary:
+        frame.to_csv(temporary, index=False, float_format="%.6f")
+    print(f"{len(frame)} samples: {name} {np.min(found.value):.3f} to {np.max(found.value):.3f} {unit}")
+    for flag in Status:
+        share = float(np.mean(found.status & int(flag) != 0))
+        if share and flag != Status.STARTING:
+            print(f"  {share:.1%} {WORDS[flag.name or '']} (status {int(flag)})")
+    print(f"wrote {args.output}")
+    return 0
+
+
+WORDS = {
+    "BAD_READING": "with a resistance that is no positive number: the last value is repeated",
+    "BAD_STEP": "with a time that does not increase: the last value is repeated",
+    "UNSEEN_READING": "with a conductance that the training did not have: do not rely on them",
+    "UNSEEN_HISTORY": "after a history that the training did not have: rely on them less",
+}

@@ -1,0 +1,63 @@
+"""Reading what is learned from: resistance and one target are enough; lengths are asked for where they are needed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from gcode.support.errors import UserError
+from testbench.recording import DISPLACEMENT, FORCE, RESISTANCE, TIME, Recording, read_recording
+from testbench.recording_files import read_columns
+
+UNKNOWN_LENGTH_MM = 1.0
+TIMES_THE_RANGE = 1.0
+
+
+def read_signals(path: str | Path, gauge_length_mm: float | None = None) -> Recording:
+    """Read a recording of which only time, resistance and a target matter.
+
+    A bare CSV needs no gauge length, for neither force nor displacement is a strain. A CSV of time, resistance and
+    force alone is taken as well; its displacement is then zero throughout, so that nothing can be learned of it.
+
+    Parameters
+    ----------
+    path : path
+        Campaign folder or CSV.
+    gauge_length_mm : float, optional
+        Of a bare CSV, where it is known.
+
+    Raises
+    ------
+    UserError
+        If the file is missing or malformed.
+    """
+    path = Path(path)
+    if not path.is_file():
+        return read_recording(path, gauge_length_mm)
+    columns = read_columns(path)
+    length_mm = gauge_length_mm or UNKNOWN_LENGTH_MM
+    if DISPLACEMENT in columns or TIME not in columns or not {FORCE, RESISTANCE} <= columns.keys():
+        return read_recording(path, length_mm)
+    time_s = columns.pop(TIME)
+    return Recording(time_s, {DISPLACEMENT: np.zeros(len(time_s)), **columns}, length_mm, str(path))
+
+
+def check_tared(recording: Recording) -> None:
+    """Refuse a force that was never zeroed: its smallest value is further from zero than its whole range.
+
+    Raises
+    ------
+    UserError
+        With the smallest force and the range.
+    """
+    if not recording.has(FORCE):
+        return
+    force_N = recording[FORCE]
+    low, high = np.quantile(force_N, [0.01, 0.99])
+    nearest = min(abs(low), abs(high)) if low * high > 0 else 0.0
+    if nearest > TIMES_THE_RANGE * (high - low) > 0:
+        raise UserError(
+            f"{recording.source}: force_N lies between {low:.3g} and {high:.3g} N and never comes near zero: it was "
+            "not tared; take the reading of the unloaded cell off it (`testbench import`), or correct the column"
+        )

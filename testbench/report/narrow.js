@@ -1,0 +1,51 @@
+// On a narrow screen, panels that stand side by side are stacked: each gets the whole width and a height of its own.
+const NARROW_PX = 560, PANEL_PX = 230, GAP_PX = 58;
+
+window.forNarrow = ({ data, layout }, width) => {
+  const panels = width < NARROW_PX ? panelsOf(layout) : [];
+  const columns = new Set(panels.map((panel) => panel.left.toFixed(2)));
+  if (columns.size < 2) return { data, layout: { ...layout, ...(width < NARROW_PX ? narrowMargin(layout) : {}) } };
+  panels.sort((one, other) => other.top - one.top || one.left - other.left);
+  const inner = panels.length * PANEL_PX + (panels.length - 1) * GAP_PX;
+  const stacked = { ...layout, ...narrowMargin(layout) };
+  panels.forEach((panel, index) => {
+    const low = Math.max(0, 1 - (index * (PANEL_PX + GAP_PX) + PANEL_PX) / inner);
+    panel.now = [low, Math.min(1, low + PANEL_PX / inner)];
+    stacked[panel.x] = { ...layout[panel.x], domain: [0, 1], anchor: panel.yRef };
+    stacked[panel.y] = { ...layout[panel.y], domain: panel.now, anchor: panel.xRef };
+  });
+  stacked.annotations = (layout.annotations ?? []).map((note) => moved(note, panels));
+  stacked.height = inner + stacked.margin.t + stacked.margin.b;
+  return { data: data.map((trace) => barBeside(trace, panels)), layout: stacked };
+};
+
+// A colour bar stands beside its own panel.
+const barBeside = (trace, panels) => {
+  const panel = trace.colorbar && panels.find(({ yRef }) => yRef === (trace.yaxis ?? "y"));
+  if (!panel) return trace;
+  const [low, high] = panel.now;
+  return { ...trace, colorbar: { ...trace.colorbar, x: 1.01, y: (low + high) / 2, yanchor: "middle", len: high - low } };
+};
+
+// Each vertical axis with the horizontal one that it is drawn on.
+const panelsOf = (layout) =>
+  Object.keys(layout)
+    .filter((key) => key.startsWith("yaxis"))
+    .map((y) => {
+      const xRef = layout[y].anchor ?? "x";
+      const x = xRef.replace("x", "xaxis");
+      const across = layout[x]?.domain ?? [0, 1];
+      const up = layout[y].domain ?? [0, 1];
+      return { y, x, xRef, yRef: y.replace("yaxis", "y"), left: across[0], right: across[1], top: up[1] };
+    });
+
+const narrowMargin = (layout) => ({
+  margin: { ...layout.margin, l: Math.min(layout.margin?.l ?? 64, 120), r: Math.min(layout.margin?.r ?? 20, 60) },
+});
+
+// A note on the paper goes where its panel went; one that is tied to axes goes with them by itself.
+const moved = (note, panels) => {
+  if (note.xref !== "paper" || note.yref !== "paper") return note;
+  const home = panels.reduce((best, panel) => (Math.abs(panel.left - note.x) < Math.abs(best.left - note.x) ? panel : best));
+  return { ...note, x: 0, xanchor: "left", y: home.now[1], yanchor: "bottom" };
+};

@@ -1,0 +1,77 @@
+"""Numbers as people write them: no exponents, as many digits as are known, one unit for one quantity."""
+
+from __future__ import annotations
+
+import math
+
+PREFIXES = {
+    "ohm": ((1e6, "MΩ"), (1e3, "kΩ"), (1.0, "Ω")),
+    "S": ((1.0, "S"), (1e-3, "mS"), (1e-6, "µS"), (1e-9, "nS")),
+}
+SPELT = {"1": "", "ohm": "Ω", "degC": "°C", "C": "°C", "1/s": "1/s"}
+SMALL, LARGE = 1e-4, 1e7  # outside, a power of ten stands behind the number
+SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def plain(value: float, digits: int = 3) -> str:
+    """A number with `digits` significant digits: ``966``, ``1100``, ``0.036``, ``2.1·10⁻⁷``."""
+    if value == 0 or not math.isfinite(value):
+        return "0" if value == 0 else str(value)
+    size = math.floor(math.log10(abs(value)))
+    if not SMALL <= abs(value) < LARGE:
+        power = str(size).translate(SUPERSCRIPTS)
+        return f"{value / 10**size:.{digits - 1}f}·10{power}"
+    return _fixed(value, digits - 1 - size)
+
+
+def _fixed(value: float, decimals: int) -> str:
+    """Rounded to so many decimals; to tens or hundreds where `decimals` is negative."""
+    return f"{round(value, decimals):.{max(decimals, 0)}f}"
+
+
+def span(low: float, high: float, unit: str = "", digits: int = 3) -> str:
+    """``966 to 1100 s``: both ends with the decimals that the larger one needs."""
+    largest = max(abs(low), abs(high))
+    tail = f" {unit}" if unit else ""
+    if largest == 0 or not SMALL <= largest < LARGE:
+        return f"{plain(low, digits)} to {plain(high, digits)}{tail}"
+    size = math.floor(math.log10(largest))
+    return f"{_fixed(low, digits - 1 - size)} to {_fixed(high, digits - 1 - size)}{tail}"
+
+
+def in_unit(value: float, unit: str) -> tuple[float, str]:
+    """Factor and name of the unit that a value of this size is best read in: ``(1e-3, "kΩ")`` for 4700 ohm."""
+    for size, name in PREFIXES.get(unit, ()):
+        if abs(value) >= size:
+            return 1 / size, name
+    if unit in PREFIXES:
+        size, name = PREFIXES[unit][-1]
+        return 1 / size, name
+    return 1.0, SPELT.get(unit, unit)
+
+
+def with_error(value: float, error: float, unit: str) -> str:
+    """``5.80 ± 0.20 N``: the error with two digits, the value to the same decimal."""
+    factor, name = in_unit(value or error, unit)
+    value, error = factor * value, factor * error
+    tail = f" {name}" if name else ""
+    if not (math.isfinite(error) and error > 0) or not SMALL <= max(abs(value), error) < LARGE:
+        return f"{plain(value)} ± {plain(error, 2)}{tail}"
+    decimals = min(1 - math.floor(math.log10(error)), 6)
+    return f"{_fixed(value, decimals)} ± {_fixed(error, decimals)}{tail}"
+
+
+def allowed(low: float, high: float, unit: str) -> str:
+    """The range that a parameter may lie in: ``0.1 to 3000 s``, ``1 nS to 100 S``."""
+    ends = [(end, *in_unit(end, unit)) if end else (0.0, 1.0, "") for end in (low, high)]
+    texts = [_bare(factor * end) for end, factor, _ in ends]
+    names = [name for _, _, name in ends]
+    if names[0] in ("", names[1]):
+        return f"{texts[0]} to {texts[1]} {names[1]}".strip()
+    return f"{texts[0]} {names[0]} to {texts[1]} {names[1]}".strip()
+
+
+def _bare(value: float) -> str:
+    """As it was declared, without trailing zeros."""
+    text = plain(value, 3)
+    return text.rstrip("0").rstrip(".") if "." in text and "·" not in text else text

@@ -1,0 +1,73 @@
+"""The parameters of a fitted model as a table for people: what each is, its value and error, what to doubt."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from testbench.knit.effect import bounds_of
+from testbench.knit.model import KnitModel
+from testbench.report.document import Table
+from testbench.report.numbers import allowed, with_error
+from testbench.report.words import spoken
+
+HEAD = ("Parameter", "Value", "Allowed range", "Doubts", "What it is")
+UNIT_TAIL = re.compile(r"_(N|s|S|ohm|mm|C|per_s|per_N|per_C|Hz|N_per_s|ppm)$")
+
+
+def parameter_table(fit: Mapping[str, Any], model: KnitModel) -> Table | None:
+    """Every number of the model that has a meaning of its own; shape weights are counted, not listed.
+
+    Parameters
+    ----------
+    fit : mapping
+        ``fit`` of a model file: parameters with unit and standard error; at_bound, unidentified, correlated.
+    model : KnitModel
+        Says what each parameter is and how far it may go.
+    """
+    entries: Mapping[str, Mapping[str, Any]] = fit.get("parameters", {})
+    rows = [_row(address, entry, fit, model) for address, entry in entries.items() if "[" not in address]
+    if not rows:
+        return None
+    weights = sum("[" in address for address in entries)
+    caption = "± is one standard error."
+    return Table(HEAD, rows, f"{caption} Another {weights} numbers give shapes their form." if weights else caption)
+
+
+def _row(address: str, entry: Mapping[str, Any], fit: Mapping[str, Any], model: KnitModel) -> tuple[str, ...]:
+    effect, _, key = address.partition(".")
+    unit = str(entry["unit"])
+    bounds, meaning = ("", "")
+    if effect in model and (field := type(model[effect]).model_fields.get(key)) is not None:
+        extra = bounds_of(field)
+        bounds = allowed(float(extra["low"]), float(extra["high"]), unit)
+        meaning = field.description or ""
+    value = with_error(float(entry["value"]), float(entry["standard_error"]), unit)
+    return parameter_name(address), value, bounds, "; ".join(doubts(address, fit)), meaning
+
+
+def parameter_name(address: str) -> str:
+    """``stress_relaxation.tau_s`` as words: the unit stands with the value."""
+    effect, _, key = address.partition(".")
+    return f"{spoken(effect)}: {spoken(UNIT_TAIL.sub('', key))}"
+
+
+def doubts(address: str, fit: Mapping[str, Any]) -> list[str]:
+    """Why a value should not be trusted; empty where nothing speaks against it."""
+    found = []
+    if address in fit.get("at_bound", ()):
+        found.append("at its bound")
+    if address in fit.get("unidentified", ()):
+        found.append("not identifiable from this recording")
+    others = [_other(address, pair) for pair in fit.get("correlated", ())]
+    twins = [parameter_name(other) for other in others if other and "[" not in other]
+    if twins:
+        found.append(f"hardly told from {' and '.join(twins)}")
+    return found
+
+
+def _other(address: str, pair: Sequence[Any]) -> str:
+    """The partner of `address` in a correlated pair; empty where it is not of the pair."""
+    first, second = pair[:2]
+    return {first: second, second: first}.get(address, "")

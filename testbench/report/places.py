@@ -1,0 +1,122 @@
+"""Where a model fails, as a stretch of time to look at and in words."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from testbench.report.numbers import span
+
+FloatArray = NDArray[np.float64]
+NOISE_REACHED = 1.1  # an error of at most this many noise floors is noise: nothing is left to be pointed at
+LOOK_S, LOOK_SAMPLES = 30.0, 200  # how much is shown around a place: so long, and at least so many samples
+DOING = {1: " while stretching", -1: " while releasing", 0: ""}
+
+
+@dataclass(frozen=True)
+class Spot:
+    """One place where the model fails, the worst first.
+
+    Attributes
+    ----------
+    words : str
+    share_of_error : float
+        Of the squared error, 0 to 1.
+    span_s : (start_s, end_s)
+        The stretch of time in which it is seen best.
+    """
+
+    words: str
+    share_of_error: float
+    span_s: tuple[float, float]
+
+
+def beyond_noise(comparison: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    """The worst places of ``testbench compare --json``, without those of channels that have reached their noise."""
+    channels = comparison["channels"]
+    return [place for place in comparison["worst"] if channels[place["channel"]]["over_noise"] > NOISE_REACHED]
+
+
+def spots(
+    comparison: Mapping[str, Any],
+    time_s: FloatArray,
+    residual: Mapping[str, FloatArray],
+    where: Mapping[str, FloatArray],
+    counts: NDArray[np.bool_],
+) -> list[Spot]:
+    """Each worst place with the stretch in which it adds most to the squared error.
+
+    Parameters
+    ----------
+    comparison : mapping
+        As ``testbench compare --json`` writes it.
+    time_s : ndarray, shape (n,)
+        Uniform grid.
+    residual : mapping of channel to ndarray, shape (n,)
+    where : mapping of coordinate to ndarray, shape (n,)
+        With ``direction``: +1 stretching, -1 releasing, 0 hold.
+    counts : ndarray of bool, shape (n,)
+        Samples that errors are counted over.
+    """
+    found = []
+    for place in beyond_noise(comparison):
+        inside = counts & in_cell(place, where)
+        energy = np.where(inside, residual[place["channel"]] ** 2, 0.0)
+        found.append(Spot(place_in_words(place), place["share_of_error"], busiest(time_s, energy)))
+    return found
+
+
+def in_cell(place: Mapping[str, Any], where: Mapping[str, FloatArray]) -> NDArray[np.bool_]:
+    """Rows that lie in the cell of a place, shape (n,)."""
+    cell, values = place["cell"], where[place["coordinate"]]
+    inside = (values >= cell["low"]) & (values <= cell["high"])
+    return inside & (where["direction"] == cell["direction"]) if cell["direction"] else inside
+
+
+def busiest(time_s: FloatArray, energy: FloatArray, length_s: float = LOOK_S) -> tuple[float, float]:
+    """The stretch of `length_s` (or of `LOOK_SAMPLES`) that holds most of `energy`."""
+    step_s = float(np.median(np.diff(time_s)))
+    width = min(len(time_s), max(round(length_s / step_s), LOOK_SAMPLES))
+    sums = np.concatenate([[0.0], np.cumsum(energy)])
+    start = int(np.argmax(sums[width:] - sums[:-width]))
+    return float(time_s[start]), float(time_s[start + width - 1])
+
+
+def place_in_words(place: Mapping[str, Any]) -> str:
+    """One sentence: what the model does wrong, by how much, and where; strains in % and rates in %/s."""
+    amount, too, rest = place["words"].partition(" too ")
+    way = rest.split(" ")[0]
+    return f"{amount}{too}{way} {_where(str(place['coordinate']), place['cell'])}"
+
+
+def _where(coordinate: str, cell: Mapping[str, Any]) -> str:
+    low, high, doing = cell["low"], cell["high"], DOING[int(cell["direction"])]
+    if coordinate == "strain":
+        return f"between {span(100 * low, 100 * high)} % strain{doing}".replace(" to ", " and ", 1)
+    if coordinate == "largest_strain":
+        return f"when the knit has seen at most {span(100 * low, 100 * high)} % strain{doing}"
+    if coordinate == "strain_rate":
+        moving = "stretching" if low + high > 0 else "releasing"
+        return f"at strain rates of {span(100 * low, 100 * high)} %/s ({moving})"
+    return _when(coordinate, low, high, doing)
+
+
+def _when(coordinate: str, low: float, high: float, doing: str) -> str:
+    if coordinate == "elapsed_s":
+        return f"from {span(low, high, 's')} after the start"
+    if coordinate == "since_reversal_s":
+        return f"{span(low, high, 's')} after a reversal{doing}"
+    if coordinate == "since_hold_s":
+        return f"{span(low, high, 's')} into a hold"
+    if coordinate == "cycle":
+        return f"in cycles {low:.0f} to {high:.0f}"
+    return f"between {span(low, high, '°C')}".replace(" to ", " and ", 1)
+
+
+def noise_reached(channels: Mapping[str, Mapping[str, Any]]) -> Sequence[str]:
+    """The channels in which nothing but noise is left."""
+    return [name for name, entry in channels.items() if entry["over_noise"] <= NOISE_REACHED]

@@ -1,0 +1,49 @@
+"""Where a report came from: when, from which bytes, by which commands."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable
+from pathlib import Path
+
+from gcode.support.errors import UserError
+from gcode.support.files import sha256_of
+from testbench.report.document import Item, Section, Table
+
+RECORDING = "recording.csv"
+
+
+def today() -> str:
+    """``22 November 2026, 17:05``, in this machine's time."""
+    return time.strftime("%d %B %Y, %H:%M").lstrip("0")
+
+
+def provenance(paths: Iterable[str], commands: str | None) -> Section:
+    """The inputs with their checksums, and the commands where they were kept.
+
+    Raises
+    ------
+    UserError
+        If the file of commands cannot be read.
+    """
+    rows = []
+    for path in dict.fromkeys(paths):
+        file = Path(path) / RECORDING if Path(path).is_dir() else Path(path)
+        rows.append((str(file), sha256_of(file)))
+    items: list[Item] = [Table(("File", "SHA-256"), rows)] if rows else []
+    if commands:
+        items.append(Table(("When", "Command"), _commands(Path(commands))))
+    return Section("How this was made", items)
+
+
+def _commands(path: Path) -> list[tuple[str, str]]:
+    """Lines of ``date time  command``; a line without a date is a command."""
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeError) as error:
+        raise UserError(f"{path}: cannot read the commands: {error}") from None
+    rows = []
+    for line in filter(str.strip, lines):
+        when, gap, command = line.partition("  ")
+        rows.append((when, command) if gap and when[:1].isdigit() else ("", line.strip()))
+    return rows

@@ -1,0 +1,64 @@
+"""Tags and notes that people put on campaigns; the campaigns themselves stay as they were written."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+from gcode.support.files import make_folder, write_json
+
+FILE = "notes.json"
+
+
+@dataclass(frozen=True)
+class Note:
+    """What was said of one campaign."""
+
+    tags: tuple[str, ...] = ()
+    text: str = ""
+
+
+class Notes:
+    """All notes of a workspace, in one file below its results; read anew when another tab has changed it.
+
+    Parameters
+    ----------
+    folder : Path
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._path = folder / FILE
+        self._mark: tuple[int, int] | None = None
+        self._notes: dict[str, Note] = {}
+
+    def all(self) -> dict[str, Note]:
+        """Notes by campaign."""
+        with contextlib.suppress(OSError, ValueError, AttributeError, TypeError):
+            made = self._path.stat()
+            mark = (made.st_mtime_ns, made.st_size)
+            if mark != self._mark:
+                told = json.loads(self._path.read_text(encoding="utf-8"))
+                self._notes = {
+                    name: Note(tuple(map(str, one.get("tags", ()))), str(one.get("note", "")))
+                    for name, one in told.items()
+                }
+                self._mark = mark
+        return self._notes
+
+    def of(self, name: str) -> Note:
+        """The note on one campaign; empty where there is none."""
+        return self.all().get(name, Note())
+
+    def put(self, name: str, note: Note) -> None:
+        """Keep a note; an empty one takes the old one away."""
+        notes = {**self.all(), name: note}
+        kept = {key: {"tags": list(one.tags), "note": one.text} for key, one in notes.items() if one != Note()}
+        make_folder(self._path.parent)
+        write_json(self._path, kept)
+
+
+def tags_of(text: str) -> tuple[str, ...]:
+    """``"wet, PES , wet"`` as tags, each once."""
+    return tuple(dict.fromkeys(filter(None, (part.strip() for part in text.split(",")))))

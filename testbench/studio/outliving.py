@@ -1,0 +1,169 @@
+"""Jobs that outlive the studio: a recorder goes on when the page, the server or the terminal does not.
+
+Such a job is a process of its own session. It writes what it says into files, and holds a lock on one of them as long
+as it lives; so a studio that is started later knows whether it still runs, and follows it as if it had started it.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import fcntl
+import json
+import os
+import secrets
+import subprocess
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from gcode.support.files import make_folder, write_text
+
+LOOK_S = 0.1
+LEFT: list[subprocess.Popen] = []  # running children that this process may forget, but not disown with a warning
+CAUGHT_UP_BYTES = 1 << 16  # of what a job has said before it was found again
+ABOUT, ALIVE, SAID, ERRORS, CODE = "job.json", "alive", "said.jsonl", "errors.txt", "code"
+# The exit code is left in a file: whoever finds the job later is not its parent.
+WRAPPED = """
+import sys
+from importlib import import_module
+program, code_file = sys.argv.pop(1), sys.argv.pop(1)
+try:
+    code = import_module(program + ".cli").main()
+except SystemExit as end:
+    code = end.code if isinstance(end.code, int) else 1
+open(code_file, "w").write(str(int(code or 0)))
+sys.exit(code)
+"""
+
+
+@dataclass(frozen=True)
+class About:
+    """What a job wrote of itself when it began."""
+
+    identity: str
+    title: str
+    argv: tuple[str, ...]
+    pid: int
+
+
+class Outliving:
+    """The one job of a kind that may outlive the studio, in a folder of its own.
+
+    Parameters
+    ----------
+    folder : Path
+        Made when the first job starts.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    def start(self, title: str, argv: Sequence[str]) -> About:
+        """Start a command of ours in a session of its own.
+
+        Raises
+        ------
+        OSError
+            If it cannot be started.
+        """
+        make_folder(self.folder)
+        for name in (SAID, ERRORS, CODE):
+            (self.folder / name).unlink(missing_ok=True)
+        program, *arguments = argv
+        command = [sys.executable, "-c", WRAPPED, program, str(self.folder / CODE), *arguments]
+        environment = {**os.environ, "KNITBENCH_PROGRESS": "json", "PYTHONUNBUFFERED": "1"}
+        with (
+            (self.folder / ALIVE).open("w") as alive,
+            (self.folder / SAID).open("wb") as said,
+            (self.folder / ERRORS).open("wb") as errors,
+        ):
+            fcntl.flock(alive, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            process = subprocess.Popen(
+                command,
+                stdin=subprocess.DEVNULL,
+                stdout=said,
+                stderr=errors,
+                env=environment,
+                pass_fds=[alive.fileno()],  # the lock is the child's from here on
+                start_new_session=True,
+            )
+            LEFT.append(process)
+        about = About(secrets.token_hex(8), title, tuple(argv), process.pid)
+        write_text(self.folder / ABOUT, json.dumps(vars(about)) + "\n")
+        return about
+
+    def living(self) -> About | None:
+        """The job that runs now, whoever started it; None when there is none."""
+        return self.last() if self.alive() else None
+
+    def last(self) -> About | None:
+        """The last job, whether it still runs or not."""
+        with contextlib.suppress(OSError, ValueError, TypeError):
+            told = json.loads((self.folder / ABOUT).read_text(encoding="utf-8"))
+            return About(**(told | {"argv": tuple(told["argv"])}))
+        return None
+
+    def alive(self) -> bool:
+        """Whether its process lives: the system takes the lock back when it ends, however it ends."""
+        for process in LEFT:
+            process.poll()  # leaves no zombie behind
+        try:
+            with (self.folder / ALIVE).open("r+") as file:
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except FileNotFoundError:
+            return False
+        except BlockingIOError:
+            return True
+        return False
+
+    def code(self) -> int | None:
+        """How it ended; None when something ended it from outside."""
+        with contextlib.suppress(OSError, ValueError):
+            return int((self.folder / CODE).read_text())
+        return None
+
+    def signal(self, about: About, number: int) -> None:
+        """Send a signal to the job and to its children, if it still lives."""
+        if self.alive():
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(about.pid, number)
+
+    async def follow(self, hear: Callable[[str], None], hear_error: Callable[[str], None]) -> None:
+        """Pass on what it says, line by line, until it has ended; a job found again is caught up with."""
+        tails = [(Tail(self.folder / SAID), hear), (Tail(self.folder / ERRORS), hear_error)]
+        living = True
+        while living:
+            living = self.alive()  # asked before the look, so that the last look hears its last words
+            for tail, listener in tails:
+                for line in tail.fresh():
+                    listener(line)
+            if living:
+                await asyncio.sleep(LOOK_S)
+
+
+class Tail:
+    """Whole lines that have been appended to a file since the last look."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        size = path.stat().st_size if path.exists() else 0
+        self._offset = max(0, size - CAUGHT_UP_BYTES)
+        self._torn = self._offset > 0  # what comes first is the end of a line
+        self._rest = b""
+
+    def fresh(self) -> list[str]:
+        """The lines; a line without its end waits for the next look."""
+        try:
+            with self.path.open("rb") as stream:
+                stream.seek(self._offset)
+                raw = stream.read()
+        except FileNotFoundError:
+            return []
+        self._offset += len(raw)
+        *lines, self._rest = (self._rest + raw).split(b"\n")
+        if self._torn and lines:
+            self._torn = False
+            lines = lines[1:]
+        return [line.decode("utf-8", "replace").rstrip("\r") for line in lines]

@@ -1,0 +1,66 @@
+"""One effect of a diagnosis in full: what it says, its formula and source, and the values that were found."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from nicegui import ui
+
+from testbench.knit.card import doc_sections
+from testbench.knit.catalogue import Catalogue, model_from_dict
+from testbench.knit.effect import Effect, bounds_of
+from testbench.report.document import Table
+from testbench.report.numbers import allowed, in_unit, plain
+from testbench.report.parameters import parameter_table
+from testbench.report.words import spoken
+from testbench.studio.widgets import subheading, table
+
+
+def effect_told(diagnosis: Mapping[str, Any], entry: Mapping[str, Any], catalogue: Catalogue) -> None:
+    """Lay out what is known of a candidate; `entry` is its row of the ranking."""
+    effect = catalogue[entry["form"]]
+    told = doc_sections(effect)
+    with ui.column().classes("card gap-2"):
+        ui.label(told.summary)
+        if told.formula:
+            ui.label(told.formula.replace("`", "")).classes("formula")
+        for name, text in (("Source", told.source), ("Valid", told.valid)):
+            if text:
+                ui.label(f"{name}: {text.replace('`', '')}").classes("quiet text-sm")
+    found = found_parameters(diagnosis, entry, catalogue)
+    if found:
+        subheading("Its values", "As fitted with it in the model.")
+        table(found.head, found.rows, found.caption)
+    elif entry["start"]:
+        subheading("Its values", "As weighed; adding it fits them.")
+        table(("Parameter", "Value", "Allowed range", "What it is"), weighed_rows(effect, entry["start"]))
+
+
+def weighed_rows(effect: type[Effect], values: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
+    """The numbers that a candidate was weighed with; they have no errors yet."""
+    rows = []
+    for key, field in effect.model_fields.items():
+        value = values.get(key)
+        if not isinstance(value, int | float) or isinstance(value, bool):
+            continue
+        extra = bounds_of(field)
+        factor, unit = in_unit(value, extra["unit"])
+        span = allowed(extra["low"], extra["high"], extra["unit"])
+        rows.append((spoken(key), f"{plain(factor * value)} {unit}".strip(), span, field.description or ""))
+    return rows
+
+
+def found_parameters(diagnosis: Mapping[str, Any], entry: Mapping[str, Any], catalogue: Catalogue) -> Table | None:
+    """The effect's rows of the parameters that the diagnosis fitted; None where it did not put this one in."""
+    fit = diagnosis.get("parameters_after") or {}
+    mine = {
+        address: value
+        for address, value in fit.get("parameters", {}).items()
+        if address.partition(".")[0] == entry["form"]
+    }
+    if not mine or not diagnosis.get("model_after"):
+        return None
+    return parameter_table(
+        {**fit, "parameters": mine}, model_from_dict(diagnosis["model_after"], catalogue, "diagnosis")
+    )

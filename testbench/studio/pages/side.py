@@ -1,0 +1,109 @@
+"""Side by side: two campaigns, what was recorded of each and what their models say."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from nicegui import ui
+
+from gcode.support.errors import UserError
+from gcode.support.files import read_json
+from testbench.recording import Recording
+from testbench.report import recording_figures as figures
+from testbench.report.build import read_diagnosis
+from testbench.report.ladder_figures import UNITS
+from testbench.report.numbers import plain, with_error
+from testbench.report.parameters import doubts, parameter_name
+from testbench.report.words import spoken, with_probability
+from testbench.studio import models
+from testbench.studio.picture import plot
+from testbench.studio.studio import Studio
+from testbench.studio.widgets import RESISTANCE, Address, address, aside, guarded, heading, quantity_toggle, table
+
+
+@dataclass(frozen=True)
+class Side:
+    """One of the two."""
+
+    name: str
+    recording: Recording
+    facts: Mapping[str, str]
+    fit: Mapping[str, Any]
+
+
+@guarded
+async def page(studio: Studio, a: str = "", b: str = "", show: str = "") -> None:
+    """Campaigns `a` and `b`."""
+    heading("Side by side", "Two recordings and their models.")
+    if not a or not b:
+        raise UserError("choose two campaigns in the list, and compare them side by side")
+    where = Address("/side", a=a, b=b, show=show)
+    quantity_toggle(where)
+    kohm = show == RESISTANCE
+    sides = [await aside(_side, studio, name, kohm) for name in (a, b)]
+    names = list(dict.fromkeys(key for side in sides for key in side.facts))
+    with ui.row().classes("w-full gap-4"):
+        for side in sides:
+            ui.link(side.name, address("/recording", c=side.name))
+    table(("", a, b), [(name, *(side.facts.get(name, "") for side in sides)) for name in names])
+    addresses = list(dict.fromkeys(key for side in sides for key in side.fit.get("parameters", {}) if "[" not in key))
+    if addresses:
+        rows = [(parameter_name(key), *(_value(side.fit, key) for side in sides)) for key in addresses]
+        table(("Parameter", a, b), rows, "± is one standard error; a value in brackets should be doubted.")
+    for side in sides:
+        loops = figures.hysteresis_loops(side.recording, kohm)
+        if loops:
+            plot(loops, f"{side.name}: six half minutes, the first dark, the last light.")
+
+
+def _value(fit: Mapping[str, Any], key: str) -> str:
+    entry = fit.get("parameters", {}).get(key)
+    if entry is None:
+        return ""
+    text = with_error(float(entry["value"]), float(entry["standard_error"]), str(entry["unit"]))
+    return f"({text})" if doubts(key, fit) else text
+
+
+def _side(studio: Studio, name: str, kohm: bool) -> Side:
+    campaign, recording = studio.workspace.campaign(name), studio.workspace.recording(name)
+    told = dict(figures.summary(recording, kohm))
+    told |= {"Origin": campaign.origin, "Specimen": campaign.specimen, "Tags": ", ".join(studio.notes.of(name).tags)}
+    path = models.model_path(studio, name)
+    if not path.is_file():
+        return Side(name, recording, told | {"Model": "not fitted"}, {})
+    file = read_json(path, "model")
+    told |= _model_facts(file) | _verdict(studio, name) | _score(studio, name)
+    return Side(name, recording, told, file.get("fit", {}))
+
+
+def _model_facts(file: Mapping[str, Any]) -> dict[str, str]:
+    steps = file.get("history") or []
+    if not steps:
+        return {"Model": "fitted"}
+    told = {"Model": " ".join(spoken(step["step"]) for step in steps)}
+    for channel, error in steps[-1]["errors"]["held_out"].items():
+        floor = steps[-1]["noise_floor"].get(channel, 0.0)
+        times = f" ({error / floor:.1f} x the noise)" if floor > 0 else ""
+        told[f"Held-out error of the {channel}"] = f"{plain(error)} {UNITS[channel]}{times}"
+    return told
+
+
+def _verdict(studio: Studio, name: str) -> dict[str, str]:
+    path = models.diagnosis_path(studio, name)
+    if not path.is_file():
+        return {}
+    found = read_diagnosis(str(path))
+    verdict = spoken(found["verdict"])
+    if found["verdict"] == "missing" and found["ranking"]:
+        verdict = f"missing: {with_probability(found, found['ranking'][0]['effect'])}"
+    return {"Last diagnosis": verdict}
+
+
+def _score(studio: Studio, name: str) -> dict[str, str]:
+    path = studio.workspace.results(name) / "force.score.json"
+    if not path.is_file():
+        return {}
+    summary = read_json(path, "score")["summary"]
+    return {"r² of the force, compensated": f"{summary['r2_after']:.3f} (raw {summary['r2_before']:.3f})"}

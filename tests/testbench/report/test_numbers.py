@@ -1,0 +1,120 @@
+"""Numbers as people read them, and where a model fails."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import tests.testbench.report.samples as samples
+from testbench.knit.catalogue import baseline
+from testbench.report.numbers import allowed, plain, span, with_error
+from testbench.report.parameters import parameter_table
+from testbench.report.places import beyond_noise, busiest, place_in_words, spots
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(966, "966"), (1100, "1100"), (0.0364, "0.0364"), (0, "0"), (2.14e-7, "2.14·10⁻⁷"), (-5.796, "-5.80")],
+)
+def test_numbers_have_three_digits_and_no_exponent(value: float, text: str) -> None:
+    assert plain(value) == text
+
+
+@given(st.floats(1e-4, 9e6))
+def test_a_number_that_is_written_is_the_number_to_half_a_percent(value: float) -> None:
+    text = plain(value)
+    assert float(text) == pytest.approx(value, rel=5.1e-3)
+    assert not re.search("[eE]", text)
+
+
+def test_both_ends_of_a_span_have_the_same_decimals() -> None:
+    assert span(966, 1103, "s") == "970 to 1100 s"
+    assert span(0.31, 9.1, "%") == "0.31 to 9.10 %"
+    assert span(0, 0, "s") == "0 to 0 s"
+
+
+def test_a_value_stops_where_its_error_begins() -> None:
+    assert with_error(5.7955, 0.19979, "N") == "5.80 ± 0.20 N"
+    assert with_error(369172.0, 16034.0, "ohm") == "369 ± 16 kΩ"
+    assert with_error(1554.5, 4183.0, "s") == "1600 ± 4200 s"
+    assert with_error(1.07e-7, 1.5e-8, "S") == "107 ± 15 nS"
+    assert with_error(0.4, float("inf"), "1") == "0.400 ± inf"
+
+
+def test_a_range_is_written_as_it_was_declared() -> None:
+    assert allowed(0.1, 3000, "s") == "0.1 to 3000 s"
+    assert allowed(1e-12, 100, "S") == "0.001 nS to 100 S"
+    assert allowed(0, 1, "1") == "0 to 1"
+
+
+def test_parameters_say_what_they_are_and_what_to_doubt() -> None:
+    fit = {
+        "parameters": {
+            "elasticity.stiffness_N": {"value": 5.8, "unit": "N", "standard_error": 0.2},
+            "drift.tau_s": {"value": 1554.0, "unit": "s", "standard_error": 4200.0},
+            "elasticity_shape.weights_N[0]": {"value": 0.1, "unit": "N", "standard_error": 0.1},
+        },
+        "at_bound": ["elasticity.stiffness_N"],
+        "unidentified": ["drift.tau_s"],
+        "correlated": [["drift.tau_s", "elasticity.stiffness_N", 0.99]],
+    }
+    table = parameter_table(fit, baseline())
+    assert table is not None
+    stiff, tau = table.rows
+    assert stiff[:2] == ("elasticity: stiffness", "5.80 ± 0.20 N")
+    assert stiff[3] == "at its bound; hardly told from drift: tau"
+    assert tau[3].startswith("not identifiable from this recording")
+    assert "N" in stiff[2]
+    assert stiff[4]
+    assert "Another 1 numbers" in table.caption
+
+
+def place(**cell: float) -> dict:
+    whole = {"low": 0.04, "high": 0.05, "direction": 1, "mean": -0.1, "standard_error": 0.01, "share": 0.1}
+    return {
+        "channel": "force", "coordinate": "strain", "share_of_error": 0.4, "cell": whole | cell,
+        "words": "modelled force is 8.0 % of its range too high between 4.0 % and 5.0 % strain while stretching",
+    }  # fmt: skip
+
+
+def test_places_are_told_in_one_unit_a_quantity() -> None:
+    words = "modelled force is 8.0 % of its range too high between 4.00 and 5.00 % strain while stretching"
+    assert place_in_words(place()) == words
+    rate = place(low=0.01, high=0.02, direction=0) | {"coordinate": "strain_rate"}
+    assert place_in_words(rate).endswith("at strain rates of 1.00 to 2.00 %/s (stretching)")
+    late = place(low=966, high=1103, direction=0) | {"coordinate": "elapsed_s"}
+    assert place_in_words(late).endswith("from 970 to 1100 s after the start")
+
+
+def test_nothing_is_listed_where_the_noise_is_reached() -> None:
+    comparison = samples.comparison()
+    assert len(beyond_noise(comparison)) == 1
+    comparison["channels"]["force"]["over_noise"] = 1.02
+    assert beyond_noise(comparison) == []
+
+
+@given(st.integers(0, 3500))
+def test_the_stretch_holds_the_burst(start: int) -> None:
+    time_s = np.arange(4000) * 0.05
+    energy = np.zeros(4000)
+    energy[start : start + 100] = 1.0
+    low, high = busiest(time_s, energy)
+    assert low <= time_s[start]
+    assert high >= time_s[start + 99]
+    assert high - low == pytest.approx(29.95)
+
+
+def test_a_spot_is_looked_for_inside_its_cell_only() -> None:
+    time_s = np.arange(4000) * 0.05
+    where = {"strain": np.full(4000, 0.2), "direction": np.ones(4000)}
+    where["strain"][3000:3100] = 0.045
+    where["direction"][3050:] = -1
+    residual = {"force": np.full(4000, 5.0)}
+    comparison = samples.comparison() | {"worst": [place()]}
+    (found,) = spots(comparison, time_s, residual, where, np.ones(4000, bool))
+    assert found.span_s[0] <= time_s[3000]
+    assert found.span_s[1] >= time_s[3049]

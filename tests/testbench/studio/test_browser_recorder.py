@@ -1,0 +1,117 @@
+"""A recording goes on whatever becomes of the studio, and is gone on with whatever becomes of the recorder."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+
+from gcode.cli import main as gcode
+from testbench.cli import main as run_testbench
+from tests.testbench.studio.browsing import IN_CHROMIUM, browser, page, running, shot
+from tests.testbench.studio.served import Served, start_studio
+
+pytestmark = IN_CHROMIUM
+__all__ = ["browser", "page", "running"]  # pytest finds its fixtures by name
+
+DURATION_S = 60
+
+
+@pytest.fixture
+def planned(running: Served) -> Served:
+    """A studio with a program of a minute."""
+    motion = ["--preset", "paper-1", "--seed", "7", "--gauge-length-mm", "25", "--duration-s", str(DURATION_S)]
+    assert gcode(["generate", *motion, "-o", str(running.root / "programs" / "minute")]) == 0
+    return running
+
+
+def record(page, address: str) -> None:
+    page.goto(f"{address}/record")
+    page.get_by_role("button", name="Record", exact=False).last.click()
+    page.wait_for_function("() => /[1-9][0-9][0-9]+ Samples/.test(document.body.innerText)")
+
+
+def rows(root: Path) -> int:
+    return (root / "recorded-1" / "recording.csv").read_text().count("\n")
+
+
+def status(root: Path) -> str:
+    return json.loads((root / "recorded-1" / "datapackage.json").read_text())["knitbench"]["status"]
+
+
+def test_the_recorder_outlives_a_killed_server_and_is_found_again(planned: Served, page) -> None:
+    record(page, planned.address)
+    page.goto("about:blank")  # the tab would complain that its server is gone
+    planned.process.send_signal(signal.SIGKILL)
+    planned.process.wait()
+    before = rows(planned.root)
+    time.sleep(3)  # on the clock, as the rig is
+    assert rows(planned.root) > before + 60, "about 37 samples a second go on being recorded"
+    port = int(planned.address.rpartition(":")[2])
+    again = start_studio(planned.root, port)
+    try:
+        page.goto(planned.address)
+        page.get_by_text("recording now").wait_for()
+        page.goto(f"{planned.address}/recording?c=recorded-1")
+        page.get_by_role("button", name="Watch it live").click()
+        page.wait_for_function("() => /[1-9][0-9][0-9]+ Samples/.test(document.body.innerText)")
+        shot(page, "found-again")
+        page.get_by_role("button", name="Stop").click()
+        page.get_by_role("button", name="Resume").wait_for()
+        assert status(planned.root) == "interrupted"
+        assert run_testbench(["verify", str(planned.root / "recorded-1")]) == 0
+        page.goto("about:blank")
+    finally:
+        again.send_signal(signal.SIGINT)
+        assert again.wait(30) in (0, 130)
+
+
+def test_a_killed_recorder_leaves_an_unfinished_campaign_that_resumes(planned: Served, page) -> None:
+    record(page, planned.address)
+    about = json.loads((planned.root / "results" / "running" / "record" / "job.json").read_text())
+    os.kill(about["pid"], signal.SIGKILL)
+    page.get_by_text("something outside the studio ended it").wait_for()
+    page.goto(planned.address)
+    page.get_by_text("unfinished", exact=True).wait_for()
+    shot(page, "unfinished-card")
+    page.get_by_role("link", name="recorded-1").click()
+    page.get_by_text("The recorder was cut off").wait_for()
+    page.wait_for_selector(".js-plotly-plot .main-svg")
+    shot(page, "unfinished")
+    before = rows(planned.root)
+    page.get_by_role("button", name="Resume").click()
+    page.wait_for_url("**/record")
+    page.get_by_text(re.compile("Recording recorded-1: complete")).wait_for()
+    assert status(planned.root) == "complete"
+    assert rows(planned.root) > before
+    assert run_testbench(["verify", str(planned.root / "recorded-1")]) == 0
+    page.goto(planned.address)
+    page.get_by_text("verified").wait_for()
+    assert page.get_by_text("unfinished", exact=True).count() == 0
+
+
+def test_ending_the_studio_says_that_the_recording_goes_on(planned: Served, page) -> None:
+    record(page, planned.address)
+    page.goto("about:blank")
+    about = json.loads((planned.root / "results" / "running" / "record" / "job.json").read_text())
+    planned.process.send_signal(signal.SIGINT)
+    assert planned.process.wait(30) in (0, 130)
+    assert subprocess.run(["kill", "-0", str(about["pid"])]).returncode == 0
+    before = rows(planned.root)
+    for _ in range(100):
+        if rows(planned.root) > before:
+            break
+        time.sleep(0.1)
+    assert rows(planned.root) > before
+    os.kill(about["pid"], signal.SIGINT)
+    for _ in range(100):
+        if status(planned.root) == "interrupted":
+            break
+        time.sleep(0.1)
+    assert status(planned.root) == "interrupted"
