@@ -108,7 +108,7 @@ async def test_candidates_are_ranked_and_ties_are_said(user: User, fitted: Studi
 async def test_with_nothing_missing_there_is_nothing_to_add_but_a_better_law(user: User, fitted: Studio) -> None:
     with_diagnosis(fitted, "nothing_missing")
     await user.open("/missing?c=sleeve")
-    await user.should_see("Nothing is missing that these recordings could show.")
+    await user.should_see("Nothing is missing that these recordings could show (92 %).")
     await user.should_see("lie on the dashed line", retries=100)
     await user.should_not_see("Add stress relaxation")
     await user.should_not_see("Design the experiment")
