@@ -229,7 +229,7 @@ def _concluded(
 
 
 def _found(step: Round, entry: Entry) -> Found:
-    gain = step.score(entry) - step.before.log_z
+    gain = entry.log_z - step.before.log_z
     return Found(entry.mechanism, entry.law, step.probabilities()[entry.mechanism], gain)
 
 
@@ -296,7 +296,7 @@ def _ranking(first: Round, chances: Mapping[str, float], held: Measurement) -> t
                 np.mean([2 * np.log(base.evidence.sigma[c] / s) for c, s in entry.hypothesis.evidence.sigma.items()])
             )
             over = gain_over(base.model, entry.hypothesis.model, held)
-            one = Ranked(entry.mechanism, entry.law, chance, first.score(entry) - first.before.log_z, gain, over, law)
+            one = Ranked(entry.mechanism, entry.law, chance, entry.log_z - first.before.log_z, gain, over, law)
         ranked.append(one)
     return tuple(sorted(ranked, key=lambda one: (-one.probability, -one.log_evidence)))
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -36,8 +36,6 @@ class Entry:
     ----------
     mechanism, law, name : str
         Of the catalogue; `name` is its name in the model.
-    log_z, log_z_with_map : float
-        Log evidence of the model as complete, and beside a free-form map of what it leaves.
     excess : float
         Squared error above the noise, in noise floors, summed over the channels.
     """
@@ -46,9 +44,12 @@ class Entry:
     law: str
     name: str
     hypothesis: Hypothesis
-    log_z: float
-    log_z_with_map: float
     excess: float
+
+    @property
+    def log_z(self) -> float:
+        """Log evidence of the model."""
+        return self.hypothesis.log_z
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,6 +60,8 @@ class Round:
     ----------
     before : Entry
         The model so far, at its best.
+    log_z_unknown : float
+        Log evidence of the model so far beside a free-form map of what it leaves.
     entries : tuple of Entry
         What was refitted, the best first.
     proposals : tuple of Proposal
@@ -69,25 +72,20 @@ class Round:
     """
 
     before: Entry
+    log_z_unknown: float
     entries: tuple[Entry, ...]
     proposals: tuple[Proposal, ...]
     laws: Mapping[str, int]
     likelihood: Likelihood
 
+    @property
+    def log_z_complete(self) -> float:
+        """Log evidence that nothing is missing: slow noise of an instrument is of the size of its quick noise."""
+        return self.before.log_z - 0.5 * self.before.excess / constants.SLOW_NOISE**2
+
     def left(self, entry: Entry) -> float:
         """Share of the error above the noise that an entry leaves."""
         return float(np.sqrt(entry.excess / max(self.before.excess, 1e-9)))
-
-    def score(self, entry: Entry) -> float:
-        """Log evidence, with a map beside it where the entry explains most of what is to be explained.
-
-        The laws of the catalogue are never quite those of a sensor. A map beside an effect that explains little
-        would be credited with the map's work.
-        """
-        u = constants.PRIOR_UNKNOWN
-        if self.left(entry) > constants.MOST_LEFT:
-            return entry.log_z
-        return float(np.logaddexp(np.log(1 - u) + entry.log_z, np.log(u) + entry.log_z_with_map))
 
     def probabilities(self, left: float | None = None) -> dict[str, float]:
         """Of nothing, of unknown and of each mechanism to be what is missing most; they sum to 1.
@@ -99,8 +97,8 @@ class Round:
         """
         u = constants.PRIOR_UNKNOWN
         logs = {
-            NOTHING: np.log(constants.PRIOR_NOTHING * (1 - u)) + self.before.log_z,
-            UNKNOWN: np.log(constants.PRIOR_NOTHING * u) + self.before.log_z_with_map,
+            NOTHING: np.log(constants.PRIOR_NOTHING * (1 - u)) + self.log_z_complete,
+            UNKNOWN: np.log(constants.PRIOR_NOTHING * u) + self.log_z_unknown,
             **{mechanism: self._log_posterior(mechanism) for mechanism in self.laws},
         }
         found = self.candidate
@@ -115,7 +113,7 @@ class Round:
     def _log_posterior(self, mechanism: str) -> float:
         """Log prior and evidence of a mechanism, its laws summed; to first order if none was refitted."""
         prior = np.log((1 - constants.PRIOR_NOTHING) / len(self.laws) / self.laws[mechanism])
-        own = [self.score(e) for e in self.entries if e.mechanism == mechanism]
+        own = [e.log_z for e in self.entries if e.mechanism == mechanism]
         if not own:
             own = [self.before.log_z + p.gain for p in self.proposals if p.mechanism == mechanism]
         return float(prior + logsumexp(own))
@@ -127,9 +125,9 @@ class Round:
         if not refitted:
             return None
         mechanism = max(refitted, key=self._log_posterior)
-        if self._log_posterior(mechanism) < np.log(constants.PRIOR_NOTHING) + self.before.log_z:
+        if self._log_posterior(mechanism) < np.log(constants.PRIOR_NOTHING) + self.log_z_complete:
             return None
-        return max((e for e in self.entries if e.mechanism == mechanism), key=self.score)
+        return max((e for e in self.entries if e.mechanism == mechanism), key=lambda e: e.log_z)
 
     def is_named(self, left: float | None = None) -> bool:
         """Whether some mechanism is more probable than nothing and unknown together."""
@@ -168,7 +166,9 @@ class Search:
         Two effects of one size leave each other's part unexplained, so that neither can be named alone: the first is
         put in even where it leaves more than it explains, and stays if the second explains the rest.
         """
-        current, rounds, found = self.flexible, [], []
+        current = self.flexible
+        rounds: list[Round] = []
+        found: list[Entry] = []
         with ThreadPoolExecutor(2) as self.pool:
             while len(rounds) < most:
                 step = self.round(current)
@@ -204,8 +204,9 @@ class Search:
         entries = [
             self.entry(e.mechanism, under(e.hypothesis, likelihood), likelihood, e.law, e.name) for e in entries
         ]
-        step = Round(bare, tuple(entries), tuple(proposals), counted, likelihood)
-        return replace(step, entries=tuple(sorted(entries, key=lambda e: -step.score(e))))
+        entries.sort(key=lambda e: -e.log_z)
+        unknown = Map(bare.hypothesis, likelihood).log_z
+        return Round(bare, unknown, tuple(entries), tuple(proposals), counted, likelihood)
 
     def other_laws(self, current: Hypothesis) -> list[Effect]:
         """Laws that could take the place of one in the model, drawn to the data."""
@@ -268,10 +269,7 @@ class Search:
         return list(self.pool.map(enter, proposals))
 
     def entry(self, mechanism: str, h: Hypothesis, likelihood: Likelihood, law: str = "", name: str = "") -> Entry:
-        above = excess(h, likelihood)
-        # An instrument's slow noise is of the size of its quick noise: a complete model leaves no more than that.
-        log_z = h.log_z - 0.5 * above / constants.SLOW_NOISE**2
-        return Entry(mechanism, law, name, h, log_z, Map(h, likelihood).log_z, above)
+        return Entry(mechanism, law, name, h, excess(h, likelihood))
 
 
 def excess(h: Hypothesis, likelihood: Likelihood) -> float:

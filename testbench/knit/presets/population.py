@@ -2,7 +2,7 @@
 
 Two knits off the same machine are not alike. A specimen's parameters are the preset's times lognormal factors, each
 drawn by itself. How far they spread is an assumption, not a measurement: the paper had one sensor of each kind.
-`SPREADS` says it for each kind of parameter; 10 to 20 % is what hand-made samples of one fabric usually show.
+`SPREADS` says it for each kind of parameter.
 """
 
 from __future__ import annotations
