@@ -99,7 +99,9 @@ def found(row: Row) -> float:
 
 def surely_wrong(row: Row) -> bool:
     """A name was given with more than 90 %, and nothing like it is hidden."""
-    return bool(row["named"]) and row["sure"][0] > SURE and row["named"][0] not in _findable(row)
+    if not row["named"] or row["named"][0] in _findable(row):
+        return False
+    return max(row["sure"][0], row["chances"].get(row["named"][0], 0.0)) > SURE
 
 
 def _findable(row: Row) -> list[str]:
