@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import least_squares
 
-from testbench.discrepancy import diagnose
+from testbench.diagnosis import diagnose
 from testbench.discrepancy.baseline import starting_baseline
 from testbench.discrepancy.compare import compare
 from testbench.discrepancy.fit import fit, shape_scales

@@ -7,8 +7,11 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from sklearn.calibration import calibration_curve
 
 Row = dict[str, Any]
+SURE = 0.9  # a wrong name given with more than this is the worst of errors
+BINS = 10  # of the reliability diagram
 
 
 def score(truth: Mapping[str, Any], said: Mapping[str, Any], expected: str, ideas: Mapping[str, str]) -> Row:
@@ -25,26 +28,35 @@ def score(truth: Mapping[str, Any], said: Mapping[str, Any], expected: str, idea
     ideas : mapping
         Form of an effect -> the idea that it belongs to.
     """
-    hidden = [entry["effect"] for entry in truth["effects"]]
-    ranked = _distinct(entry["effect"] for entry in said["ranking"])
-    added = _distinct(_added(said, ideas))
+    hidden = _distinct(ideas.get(entry["effect"], entry["effect"]) for entry in truth["effects"])
+    found = [entry["effect"] for entry in said["found"]]
     return {
         "hidden": hidden,
         "forms": [entry["form"] for entry in truth["effects"]],
         "reached": [entry["strength_reached"] for entry in truth["effects"]],
         "expected": expected,
+        "answer": _answer(expected, hidden),
         "verdict": said["verdict"],
-        "ranked": ranked[:5],
+        "chances": dict(said["probabilities"]),
+        "ranked": [entry["effect"] for entry in said["ranking"]][:5],
         "gains": [entry["gain"] for entry in said["ranking"][:5]],
-        "ceiling": said["ceiling_gain"],
+        "found": found,
+        "sure": [entry["probability"] for entry in said["found"]],
+        "named": found if said["verdict"] == "missing" else [],
         "left": said["left_unexplained"],
-        "added": added,
         "tied": list(said.get("tied") or []),
         "base_misfits": list(said.get("base_misfits") or []),
         "before": over_floor(said["error_before"], truth["noise_floor"]),
         "after": over_floor(said["error_after"], truth["noise_floor"]),
         "floor_said": over_floor(said["noise_floor"], truth["noise_floor"]),
     }
+
+
+def _answer(expected: str, hidden: Sequence[str]) -> str:
+    """Which of the probabilities should be 1; empty where two effects are hidden at once."""
+    if expected == "missing":
+        return hidden[0] if len(hidden) == 1 else ""
+    return {"nothing_missing": "nothing", "unknown": "unknown"}[expected]
 
 
 def over_floor(errors: Mapping[str, float], floors: Mapping[str, float]) -> float:
@@ -57,14 +69,6 @@ def _distinct(names: Iterable[str]) -> list[str]:
     return list(dict.fromkeys(names))
 
 
-def _added(said: Mapping[str, Any], ideas: Mapping[str, str]) -> list[str]:
-    """Ideas in the model after that were not in the one before; bending a base law, or Bouc-Wen loops, is none."""
-    before = {entry["name"] for entry in said["model_before"]["effects"]} if "model_before" in said else set()
-    after = said["model_after"]["effects"] if "model_after" in said else []
-    new = [ideas.get(e["effect"], e["effect"]) for e in after if e["name"] not in before]
-    return [name for name in new if not name.endswith("_shape") and name != "hysteresis"]
-
-
 # --- what counts as right ---
 
 
@@ -74,8 +78,8 @@ def is_single(row: Row) -> bool:
 
 
 def first(row: Row) -> bool:
-    """The hidden effect is ranked first and the verdict is `missing`."""
-    return row["verdict"] == "missing" and row["ranked"][:1] == row["hidden"]
+    """The hidden effect is the first that was found, and the verdict is `missing`."""
+    return row["named"][:1] == row["hidden"]
 
 
 def ranked_first(row: Row) -> bool:
@@ -90,7 +94,19 @@ def top3(row: Row) -> bool:
 
 def found(row: Row) -> float:
     """Share of the hidden effects that the final model contains."""
-    return float(np.mean([name in row["added"] for name in row["hidden"]]))
+    return float(np.mean([name in row["found"] for name in row["hidden"]]))
+
+
+def surely_wrong(row: Row) -> bool:
+    """A name was given with more than 90 %, and nothing like it is hidden."""
+    if not row["named"] or row["named"][0] in _findable(row):
+        return False
+    return max(row["sure"][0], row["chances"].get(row["named"][0], 0.0)) > SURE
+
+
+def _findable(row: Row) -> list[str]:
+    """What may rightly be named: what is hidden, unless it was taken out of the catalogue."""
+    return row["hidden"] if row["expected"] == "missing" else []
 
 
 def said(verdict: str) -> Callable[[Row], bool]:
@@ -114,10 +130,88 @@ def tables(rows: Sequence[Row]) -> str:
     """All tables, as Markdown."""
     good = [row for row in rows if "error" not in row]
     kinds = by_kind(good)
-    parts = [kinds] if kinds else []
+    parts = [at_a_glance(good), reliability(good)] + ([kinds] if kinds else [])
     parts += [by_world_and_strength(good), nothing_unknown_two(good), by_effect(good), confusions(good)]
     failed = [f"{row['key']}: {row['error']}" for row in rows if "error" in row]
     return "\n\n".join(parts + (["Failed:\n" + "\n".join(failed)] if failed else []))
+
+
+def at_a_glance(rows: Sequence[Row]) -> str:
+    """The figures that the diagnosis is judged by, one line each, over all rows."""
+    single = [row for row in rows if is_single(row)]
+    none = [row for row in rows if row["expected"] == "nothing_missing"]
+    unknown = [row for row in rows if row["expected"] == "unknown"]
+    two = [row for row in rows if row["expected"] == "missing" and len(row["hidden"]) > 1]
+    brier, error = brier_score(rows), calibration_error(rows)
+    lines = [
+        ["right first and named", share(single, first)],
+        ["in the top three", share(single, top3)],
+        ["nothing hidden, and nothing said", share(none, said("nothing_missing"))],
+        ["of no catalogue, and unknown said", share(unknown, said("unknown"))],
+        ["a wrong name with more than 90 %", share(rows, surely_wrong)],
+        ["two at once: both found", share(two, lambda row: found(row) == 1.0)],
+        ["error after / noise floor", median(single, "after")],
+        ["Brier score (0 is perfect)", "-" if brier is None else f"{brier:.3f}"],
+        ["expected calibration error", "-" if error is None else f"{error:.3f}"],
+    ]
+    return _table(["all cases", ""], lines)
+
+
+# --- calibration: whether what is said with 90 % is right in nine of ten cases ---
+
+
+def brier_score(rows: Sequence[Row]) -> float | None:
+    """Mean over cases of the squared distance between the probabilities and the truth (Brier 1950), from 0 to 2.
+
+    Over nothing, unknown and every mechanism; cases with two hidden effects have no one answer and are left out.
+    """
+    scores = [
+        sum((chance - (name == row["answer"])) ** 2 for name, chance in row["chances"].items())
+        + (row["answer"] not in row["chances"])
+        for row in rows
+        if row["answer"]
+    ]
+    return float(np.mean(scores)) if scores else None
+
+
+def confidences(rows: Sequence[Row]) -> tuple[np.ndarray, np.ndarray]:
+    """Of each case with one answer: the largest probability, and whether it is that of the truth."""
+    best = [(max(row["chances"], key=row["chances"].get), row) for row in rows if row["answer"] and row["chances"]]
+    sure = np.clip([row["chances"][name] for name, row in best], 0.0, 1.0)
+    return sure, np.array([name == row["answer"] for name, row in best], dtype=bool)
+
+
+def _bins(sure: np.ndarray) -> np.ndarray:
+    """Cases in each bin of the diagram, as scikit-learn counts them, shape (BINS,)."""
+    return np.bincount(np.searchsorted(np.linspace(0, 1, BINS + 1)[1:-1], sure), minlength=BINS)
+
+
+def calibration_error(rows: Sequence[Row]) -> float | None:
+    """Mean distance between how sure and how often right, bins weighed by their cases (Naeini et al. 2015)."""
+    sure, right = confidences(rows)
+    if not len(sure):
+        return None
+    often, said_sure = calibration_curve(right, sure, n_bins=BINS)
+    count = _bins(sure)
+    return float(np.average(np.abs(often - said_sure), weights=count[count > 0]))
+
+
+def reliability(rows: Sequence[Row]) -> str:
+    """The reliability diagram as a table: how sure the first answer was, and how often it was right."""
+    sure, right = confidences(rows)
+    header = ["said with", "cases", "mean probability", "right", ""]
+    if not len(sure):
+        return _table(header, [])
+    often, said_sure = calibration_curve(right, sure, n_bins=BINS)
+    count = _bins(sure)
+    filled = np.flatnonzero(count)
+    lines = []
+    for place, share_right, probability in zip(filled, often, said_sure, strict=True):
+        span = f"{100 * place // BINS} to {100 * (place + 1) // BINS} %"
+        bar = "#" * round(20 * share_right)
+        numbers = [f"{100 * probability:.0f} %", f"{100 * share_right:.0f} %"]
+        lines.append([span, str(count[place]), *numbers, bar])
+    return _table(header, lines)
 
 
 def _table(header: Sequence[str], lines: Iterable[Sequence[str]]) -> str:
@@ -186,7 +280,7 @@ def nothing_unknown_two(rows: Sequence[Row]) -> str:
                 share(none, said("unknown")),
                 share(unknown, said("unknown")),
                 share(two, found),
-                f"{np.mean([len(set(row['added']) - set(row['hidden'])) for row in two]):.1f} a case" if two else "-",
+                f"{np.mean([len(set(row['found']) - set(row['hidden'])) for row in two]):.1f} a case" if two else "-",
             ]
         )
     header = ["world", "false alarms", "unknown of nothing", "unknown rightly said", "of two, found", "false beside"]

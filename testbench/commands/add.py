@@ -25,7 +25,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Add or undo, write, and show the ladder."""
     from gcode.support.errors import UserError
-    from testbench.discrepancy.ladder import add_effect, idle_effects, undo
+    from testbench.diagnosis.adding import add_effect
+    from testbench.discrepancy.ladder import idle_effects, undo
     from testbench.discrepancy.model_file import check_same_set_up, load_model_file
     from testbench.discrepancy.tables import ladder_table
     from testbench.knit.catalogue import BASELINE, load_catalogue

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 SUMMARY = "say which physical effect the model is missing, with the evidence"
 EXAMPLE = "testbench diagnose campaign-1 --held-out campaign-2 --json diagnosis.json"
-CONTEST_STEPS = 9  # about as many steps of the progress as there are fits besides the screening
+STEPS_OF_A_ROUND = 14  # about as many of the progress line: the screening, and the refits of the best mechanisms
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -22,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--model", metavar="M", help="diagnose this model.json instead of the baseline")
     add_effects(parser)
     parser.add_argument(
-        "--repeat", type=int, default=1, metavar="N", help="find up to N effects, each put in before the next search"
+        "--repeat", type=int, default=4, metavar="N", help="find at most N effects, one after the other (default 4)"
     )
     parser.add_argument("--json", metavar="OUT", help="write the whole diagnosis here ('-' prints it)")
     parser.add_argument("-o", "--output", metavar="MODEL", help="write the model with what was found put in")
@@ -37,9 +37,9 @@ def run(args: argparse.Namespace) -> int:
     from gcode.support.console import Progress
     from gcode.support.errors import UserError
     from gcode.support.files import write_json
+    from testbench.diagnosis import diagnose
+    from testbench.diagnosis.words import diagnosis_table
     from testbench.discrepancy.model_file import check_same_set_up, load_model_file
-    from testbench.discrepancy.repeat import diagnose_repeatedly
-    from testbench.discrepancy.tables import diagnosis_table
     from testbench.knit.catalogue import load_catalogue
 
     if args.repeat < 1:
@@ -51,20 +51,19 @@ def run(args: argparse.Namespace) -> int:
     held = load_recording(args.held_out, gauge_length_mm) if args.held_out else None
     if file is not None:
         check_same_set_up(file, recording, args.model)
-    progress = Progress("diagnosing", (len(catalogue.ideas()) + CONTEST_STEPS) * args.repeat)
+    progress = Progress("diagnosing", 2 + STEPS_OF_A_ROUND)
     tell = None if args.quiet else _telling(progress)
-    found = diagnose_repeatedly(recording, held, file.model if file else None, catalogue, tell, args.repeat)
+    found = diagnose(recording, held, file.model if file else None, catalogue, tell, args.repeat)
     if tell and sys.stderr.isatty():
         print("\r\x1b[K", end="", file=sys.stderr)
     if args.output:
-        found[-1].after.save(args.output)
-    whole = found[0].to_dict() if args.repeat == 1 else {"diagnoses": [one.to_dict() for one in found]}
+        found.after.save(args.output)
     if args.json == "-":
-        print(json.dumps(whole, indent=2))
+        print(json.dumps(found.to_dict(), indent=2))
         return 0
     if args.json:
-        write_json(args.json, whole)
-    print("\n\n".join(diagnosis_table(one) for one in found))
+        write_json(args.json, found.to_dict())
+    print(diagnosis_table(found))
     return 0
 
 

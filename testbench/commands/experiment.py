@@ -95,7 +95,7 @@ def _as_json(rivals: Sequence[Rival], options: Sequence[Option], gauge_length_mm
 def _rivals(args: argparse.Namespace):
     """Rivals, noise floors, gauge length and whether the temperature is measured."""
     from gcode.support.errors import UserError
-    from testbench.discrepancy.rivals import rivals_from_diagnosis, rivals_from_files
+    from testbench.diagnosis.rivals import rivals_from_diagnosis, rivals_from_files
     from testbench.knit.catalogue import load_catalogue
     from testbench.recording import TEMPERATURE
 

@@ -11,8 +11,8 @@ import numpy as np
 from testbench.discrepancy.baseline import SHAPES, framed
 from testbench.discrepancy.measurement import Measurement
 from testbench.knit.catalogue import BASELINE, Catalogue
-from testbench.knit.effect import Effect, FloatArray, Signals, bounds_of
-from testbench.knit.model import KnitModel, SimulationCache
+from testbench.knit.effect import Effect, Signals, bounds_of
+from testbench.knit.model import KnitModel
 
 # Slip of the contacts is in the base already: contact_shape has slip elements of its own.
 BASE_IDEAS = frozenset({*BASELINE, *SHAPES, "contact_hysteresis"})
@@ -151,22 +151,3 @@ def two_signed(form: type[Effect]) -> bool:
     """Whether the strength may be negative as well as positive."""
     extra = bounds_of(form.model_fields[form.strength])
     return extra["low"] < 0 < extra["high"]
-
-
-def trace(
-    candidate: Candidate,
-    model: KnitModel,
-    measurement: Measurement,
-    base: Mapping[str, FloatArray],
-    cache: SimulationCache,
-) -> dict[str, FloatArray | None] | None:
-    """What the candidate would change in each channel, shape (n,); None where it changes nothing or gives NaN.
-
-    In single precision: there are hundreds of them, and half of the time goes into moving them through the memory.
-    """
-    changed = measurement.modelled(model.plus(candidate.effect), cache)
-    difference = {channel: changed[channel] - base[channel] for channel in base}
-    if not all(np.all(np.isfinite(values)) for values in difference.values()):
-        return None
-    touched = {c: values.astype(np.float32) if np.any(values) else None for c, values in difference.items()}
-    return touched if any(values is not None for values in touched.values()) else None

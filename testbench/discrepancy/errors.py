@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from statistics import NormalDist
 
 import numpy as np
 
@@ -12,11 +11,6 @@ from testbench.discrepancy.noise import noise_floor
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
 from testbench.recording import FORCE, RESISTANCE
-
-SPARED = 0.02  # share of the samples, those that fit worst, that typical errors leave out
-_LARGEST = NormalDist().inv_cdf(1 - SPARED / 2)
-# RMS of Gaussian noise without them, over its RMS
-KEPT_OF_NOISE = (1 - 2 * _LARGEST * NormalDist().pdf(_LARGEST) / (1 - SPARED)) ** 0.5
 
 
 def sampled(measurement: Measurement, channel: str) -> tuple[FloatArray, FloatArray]:
@@ -29,9 +23,7 @@ def sampled(measurement: Measurement, channel: str) -> tuple[FloatArray, FloatAr
     return time_s[rows], values[rows]
 
 
-def rms_errors(
-    model: KnitModel, measurement: Measurement, free_offset: bool = False, typical: bool = False
-) -> dict[str, float]:
+def rms_errors(model: KnitModel, measurement: Measurement, free_offset: bool = False) -> dict[str, float]:
     """RMS of measured minus modelled at every counting sample: force in N, conductance in ln S.
 
     Parameters
@@ -39,9 +31,6 @@ def rms_errors(
     free_offset : bool
         Take each channel's mean residual out first: another recording has another force zero and another
         conductance gain (a re-clamped sensor), which no effect should be blamed for.
-    typical : bool
-        Of all samples but the `SPARED` that fit worst (jumps that the time grid smears, dives of ln G where the knit
-        hangs limp), in units of what noise alone would keep.
     """
     modelled = measurement.modelled(model)
     errors = {}
@@ -49,11 +38,8 @@ def rms_errors(
         time_s, values = sampled(measurement, channel)
         residual = values - np.interp(time_s, measurement.grid_s, modelled[channel])
         if free_offset:
-            residual = residual - (np.median(residual) if typical else residual.mean())
-        squared = residual**2
-        if typical:
-            squared = np.sort(squared)[: int((1 - SPARED) * len(squared))] / KEPT_OF_NOISE**2
-        errors[channel] = float(np.sqrt(np.mean(squared)))
+            residual = residual - residual.mean()
+        errors[channel] = float(np.sqrt(np.mean(residual**2)))
     return errors
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import contextlib
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,7 +23,6 @@ from testbench.discrepancy.fit import independent_share
 from testbench.discrepancy.imitation import imitate
 from testbench.discrepancy.measurement import BURN_IN_S, Measurement
 from testbench.discrepancy.protocols import NOISE, Bounds, menu
-from testbench.discrepancy.telling import Progress, silent
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel, inputs
 from testbench.recording import DISPLACEMENT, Recording
@@ -123,7 +122,7 @@ def propose(
     bounds: Bounds,
     seed: int = 1,
     temperature: bool = False,
-    progress: Progress | None = None,
+    progress: Callable[[str], None] | None = None,
 ) -> list[Option]:
     """Rank the designed protocols by how well they separate the rivals, the best first.
 
@@ -148,7 +147,7 @@ def propose(
         If the rivals are fewer than two or the same, or no protocol keeps the limits.
     """
     _check(rivals, noise)
-    tell = progress or silent
+    tell = progress or (lambda _text: None)
     stages = _stages(bounds, seed, noise, temperature)
     options = {}
     for stage in stages:

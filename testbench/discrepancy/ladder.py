@@ -9,13 +9,11 @@ from typing import Any
 import numpy as np
 
 from gcode.support.errors import UserError
-from testbench.discrepancy.baseline import framed
 from testbench.discrepancy.errors import noise_floors, over_the_floors, rms_errors
 from testbench.discrepancy.fit import Fit, fit
 from testbench.discrepancy.measurement import CONDUCTANCE_CHANNEL, FORCE_CHANNEL, Measurement
 from testbench.discrepancy.model_file import ModelFile, fit_summary
 from testbench.discrepancy.remounting import held_errors
-from testbench.discrepancy.screen import best_start
 from testbench.knit.catalogue import Catalogue, model_from_dict
 from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
@@ -71,25 +69,8 @@ def ladder_step(step: str, model: KnitModel, calibration: Measurement, held: Mea
     }
 
 
-def add_effect(
-    file: ModelFile,
-    name: str,
-    calibration: Measurement,
-    held: Measurement,
-    catalogue: Catalogue,
-    progress: Callable[[str], None] | None = None,
-) -> ModelFile:
-    """Add the catalogue's effect `name`, refit everything, and put it on the ladder.
-
-    A law (without a strength) takes the place of the law that it is another form of.
-    """
-    effect = framed(catalogue[name](), file.model, calibration)
-    start = best_start(file.model, effect, calibration) if effect.strength else _drawn_to_data(effect, calibration)
-    model = file.model.plus(start)
-    return fitted_file(model, calibration, held, f"+ {name}", file, progress)
-
-
-def _drawn_to_data(law: Effect, calibration: Measurement) -> Effect:
+def drawn_to_data(law: Effect, calibration: Measurement) -> Effect:
+    """A law where its own first guess from the measured curve puts it."""
     signals = {"strain": calibration.signals["strain"]}
     if FORCE_CHANNEL in calibration.measured:
         signals["force_N"] = calibration.measured[FORCE_CHANNEL]
@@ -124,3 +105,6 @@ def idle_effects(file: ModelFile, calibration: Measurement, held: Measurement, o
             if over_the_floors(held_errors(without, held), floors) < full * (1 + NO_LONGER_PAYS):
                 idle.append(name)
     return sorted(idle)
+
+
+_drawn_to_data = drawn_to_data  # the name by which the search still knows it

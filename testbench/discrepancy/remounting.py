@@ -7,17 +7,16 @@ import numpy as np
 from testbench.discrepancy.errors import rms_errors
 from testbench.discrepancy.fit import fit
 from testbench.discrepancy.measurement import Measurement
-from testbench.knit.effect import Effect, bounds_of
+from testbench.knit.effect import bounds_of
 from testbench.knit.model import KnitModel
 
 
-def held_errors(model: KnitModel, held: Measurement, typical: bool = False) -> dict[str, float]:
+def held_errors(model: KnitModel, held: Measurement) -> dict[str, float]:
     """Errors on held-out samples; what belongs to the mounting or to one recording is free.
 
     That is force zero and conductance gain, and an effect's own `per_recording` parameters (the phase of a hum).
-    `typical` as in `rms_errors`.
     """
-    return rms_errors(remounted(model, held), held, free_offset=True, typical=typical)
+    return rms_errors(remounted(model, held), held, free_offset=True)
 
 
 def remounted(model: KnitModel, measurement: Measurement) -> KnitModel:
@@ -34,14 +33,11 @@ def remounted(model: KnitModel, measurement: Measurement) -> KnitModel:
 
 
 def _placed(model: KnitModel, name: str, measurement: Measurement) -> KnitModel:
-    """The model with an effect's events where this recording has them."""
-    return model.replacing(name, placed(model[name], model.without(name), measurement))
-
-
-def placed(effect: Effect, base: KnitModel, measurement: Measurement) -> Effect:
-    """`effect` with its events where the misfit of `base` has them."""
+    """The model with an effect's events where the misfit of the rest has them in this recording."""
+    base = model.without(name)
     state = base.simulate(measurement.signals, measurement.dt_s)
-    return effect.for_recording(state, measurement.residual(base), measurement.dt_s)
+    there = model[name].for_recording(state, measurement.residual(base), measurement.dt_s)
+    return model.replacing(name, there)
 
 
 def _best_of_turn(model: KnitModel, address: str, measurement: Measurement) -> KnitModel:

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import Any
 
 from testbench.discrepancy.compare import Comparison
-from testbench.discrepancy.diagnosis import Diagnosis
 from testbench.discrepancy.errors import channel_name
-from testbench.discrepancy.evidence import Evidence
 from testbench.discrepancy.measurement import UNIT_OF
 from testbench.discrepancy.model_file import ModelFile
 
@@ -80,44 +77,3 @@ def comparison_table(result: Comparison) -> str:
     else:
         lines.append("no place stands out from the noise")
     return "\n".join(lines)
-
-
-def diagnosis_table(diagnosis: Diagnosis) -> str:
-    """Verdict, ranking and the fall of the error."""
-    weighing = diagnosis.weighing
-    title = f"{'rank':<6}{'effect':<26}{'form':<34}{'gain':>6}  held-out error left (95 %)"
-    lines = [_verdict_line(diagnosis), "", title]
-    for place, entry in enumerate(weighing.ranking[:6], 1):
-        tied = "  (tied)" if entry.idea in diagnosis.tied else ""
-        seen = "  (the readings show it)" if entry.seen else ""
-        numbers = f"{entry.gain:>6.2f}  {_error_left(entry)}"
-        lines.append(f"{place:<6}{entry.idea:<26}{entry.form:<34}{numbers}{tied}{seen}")
-    if diagnosis.verdict == "unknown":
-        lines.append("two effects at once can hide each other: --repeat 2 looks for a second beside the first")
-        lines.append("what they do not explain depends most on:")
-        lines += [f"  {channel}: {coordinate}" for channel, coordinate, _ in weighing.depends_on[:3]]
-    if diagnosis.base_misfits:
-        lines.append(f"the base laws misfit in themselves; shape freedom used: {', '.join(diagnosis.base_misfits)}")
-    if diagnosis.other_laws:
-        lines.append(f"a law that suits this sensor better took its place: {', '.join(diagnosis.other_laws)}")
-    lines += ["", ladder_table(diagnosis.after)]
-    return "\n".join(lines)
-
-
-def _error_left(entry: Evidence) -> str:
-    """Share of the base's error on samples that no fit has seen; a dash where the idea was not worth a refit."""
-    if entry.held_out is None:
-        return "-"
-    value, high, low = (100 * math.exp(-0.5 * gain) for gain in entry.held_out)
-    return f"{value:.0f} % ({low:.0f} to {high:.0f})"
-
-
-def _verdict_line(diagnosis: Diagnosis) -> str:
-    first = diagnosis.weighing.ranking[0].idea if diagnosis.weighing.ranking else ""
-    if diagnosis.verdict == "missing" and diagnosis.tied:
-        return f"missing: {first}, which these recordings cannot tell from {', '.join(diagnosis.tied[1:])}"
-    if diagnosis.verdict == "missing":
-        return f"missing: {first}"
-    if diagnosis.verdict == "unknown":
-        return "unknown: structure remains that no effect of the catalogue explains"
-    return "nothing missing: no effect gains more than the noise would"

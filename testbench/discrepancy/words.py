@@ -45,3 +45,10 @@ def _number(coordinate: str, value: float) -> str:
     if coordinate in PERCENT:
         return f"{100 * value:.1f} %"
     return f"{value:.3g}"
+
+
+def percent(share: float) -> str:
+    """A probability or a share of something, never as 0 or 100 %."""
+    if share < 0.01:
+        return "< 1 %"
+    return "> 99 %" if share > 0.99 else f"{100 * share:.0f} %"

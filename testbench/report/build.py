@@ -17,7 +17,7 @@ from testbench.report.provenance import provenance, today
 from testbench.report.story import Story
 
 SCORE_FORMAT = "knitbench-score"
-IN_A_DIAGNOSIS = ("verdict", "ranking", "error_before", "error_after", "noise_floor")
+IN_A_DIAGNOSIS = ("verdict", "probabilities", "found", "ranking", "error_before", "error_after", "noise_floor")
 
 
 @dataclass(frozen=True)
@@ -119,5 +119,5 @@ def read_diagnosis(path: str) -> Mapping[str, Any]:
     """
     data = read_json(path, "diagnosis")
     if not isinstance(data, dict) or any(key not in data for key in IN_A_DIAGNOSIS):
-        raise UserError(f"{path}: not a diagnosis; `testbench diagnose --json FILE` writes one")
+        raise UserError(f"{path}: not a diagnosis of this version; `testbench diagnose --json FILE` writes one")
     return data

@@ -16,7 +16,7 @@ from testbench.report.words import spoken, with_probability
 
 FloatArray = NDArray[np.float64]
 SHOWN = 8
-VISIBLE_PERCENT = 1.0
+VISIBLE = 0.01  # share of the residual's squares; less is not worth a bar
 SCATTER_BINS = 24
 
 
@@ -36,8 +36,7 @@ def candidates(diagnosis: Mapping[str, Any]) -> style.Figure:
         The JSON of ``testbench diagnose``.
     """
     ranking = diagnosis["ranking"][:SHOWN]
-    shapes, notes = _ceiling(diagnosis)
-    notes = notes + [_untried(place) for place, entry in enumerate(ranking) if not entry.get("held_out_gain")]
+    notes = [_untried(place) for place, entry in enumerate(ranking) if not entry.get("held_out_gain")]
     names = [with_probability(diagnosis, entry["effect"]) for entry in ranking]
     axes: dict[str, Any] = {
         "xaxis": style.axis("Held-out error that it takes away / %", range=[0, 104]),
@@ -48,8 +47,7 @@ def candidates(diagnosis: Mapping[str, Any]) -> style.Figure:
     return style.figure(
         [_measured(diagnosis, ranking)],
         height=70 + 34 * max(len(ranking), 2),
-        margin={"l": 230, "r": 20, "t": 26, "b": 44},
-        shapes=shapes,
+        margin={"l": 230, "r": 20, "t": 16, "b": 44},
         annotations=notes,
         **axes,
     )
@@ -92,35 +90,16 @@ def _untried(place: int) -> dict[str, Any]:
 
 
 def _colour(diagnosis: Mapping[str, Any], number: int) -> str:
-    """The one that is named, and those tied with it, stand out."""
-    if diagnosis["verdict"] == "missing" and (number == 0 or diagnosis["ranking"][number].get("tied_for_first")):
-        return style.VERMILION
-    return style.SKY
-
-
-def _ceiling(diagnosis: Mapping[str, Any]) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
-    """A dashed line, and its name, at what a free-form map of the residual takes away, where it takes any."""
-    place = removed_percent(diagnosis.get("ceiling_gain", 0.0))
-    if place < VISIBLE_PERCENT:
-        return [], []
-    look = {"color": style.INK, "width": 1.4, "dash": "dash"}
-    shape = {"type": "line", "xref": "x", "yref": "paper", "x0": place, "x1": place, "y0": 0, "y1": 1, "line": look}
-    note = {
-        "text": "a free-form map",
-        "x": place,
-        "y": 1.0,
-        "xref": "x",
-        "yref": "paper",
-        "yanchor": "bottom",
-        "showarrow": False,
-        "font": {"size": 11, "color": style.INK},
-    }
-    return [shape], [note]
+    """What was found, and what is tied with the first of it, stands out."""
+    entry = diagnosis["ranking"][number]
+    named = diagnosis["verdict"] == "missing"
+    found = {one["effect"] for one in diagnosis["found"]}
+    return style.VERMILION if named and (entry["effect"] in found or entry.get("tied_for_first")) else style.SKY
 
 
 def dependence(diagnosis: Mapping[str, Any]) -> style.Figure | None:
-    """What the residual depends on, force and conductance apart; None when it depends on nothing."""
-    found = diagnosis.get("depends_on", [])[:SHOWN]
+    """What the final model's residual depends on, force and conductance apart; None when it depends on nothing."""
+    found = [entry for entry in diagnosis.get("depends_on", []) if entry["gain"] >= VISIBLE][:SHOWN]
     if not found:
         return None
     names = [f"{entry['channel']} on {spoken(entry['coordinate'])}" for entry in found]
@@ -128,14 +107,14 @@ def dependence(diagnosis: Mapping[str, Any]) -> style.Figure | None:
     bar = {
         "type": "bar",
         "orientation": "h",
-        "x": np.array([removed_percent(entry["gain"]) for entry in found]),
+        "x": np.array([100 * entry["gain"] for entry in found]),
         "y": np.arange(len(found)),
         "width": 0.62,
         "marker": {"color": colours},
         "hovertemplate": "%{x:.1f} %<extra></extra>",
     }
     axes: dict[str, Any] = {
-        "xaxis": style.axis("Held-out error that knowing it would take away / %", rangemode="tozero"),
+        "xaxis": style.axis("Share of its squares that a free-form map explains / %", rangemode="tozero"),
         "yaxis": style.axis(
             "", tickvals=list(range(len(names))), ticktext=names, range=[len(names) - 0.5, -0.5], showgrid=False
         ),

@@ -206,12 +206,12 @@ def diagnosis_section(diagnosis: Mapping[str, Any], title: str = "What is missin
         items.append(candidates_table(diagnosis))
         caption = (
             "What a refit with each effect takes off the held-out error, with the 95 % interval over blocks of 60 s. "
-            "The dashed line is what a free-form map of the residual takes off."
+            "In brackets: how probable it is that this effect is what is missing most."
         )
         items.append(Picture(f"candidates{tail}", diagnosis_figures.candidates(diagnosis), caption))
     depends = diagnosis_figures.dependence(diagnosis)
     if depends:
-        caption = "What the residual depends on before anything is added."
+        caption = "What the residual of the final model still depends on."
         items.append(Picture(f"dependence{tail}", depends, caption))
     return Section(title, items)
 

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from testbench.discrepancy.words import percent
 from testbench.report.ladder_figures import UNITS
 from testbench.report.numbers import plain
 
@@ -19,7 +20,7 @@ def verdict_in_words(diagnosis: Mapping[str, Any]) -> str:
         return _missing(diagnosis)
     if verdict == "unknown":
         probability = probability_of(diagnosis, "unknown")
-        known = f"Something is missing that no single effect of the catalogue explains{_bracketed(probability)}."
+        known = f"Something is missing that no effect of the catalogue explains{_bracketed(probability)}."
         return known + _depends(diagnosis)
     probability = probability_of(diagnosis, "nothing")
     return f"Nothing is missing that these recordings could show{_bracketed(probability)}."
@@ -31,18 +32,22 @@ def _bracketed(probability: float | None) -> str:
 
 def _depends(diagnosis: Mapping[str, Any]) -> str:
     most = [f"{entry['channel']} on {spoken(entry['coordinate'])}" for entry in diagnosis.get("depends_on", [])[:2]]
-    return f" It depends most on this: {'; '.join(most)}." if most else ""
+    return f" What is left depends most on this: {'; '.join(most)}." if most else ""
 
 
 def _missing(diagnosis: Mapping[str, Any]) -> str:
     first = diagnosis["ranking"][0]
-    tied = [with_probability(diagnosis, name) for name in diagnosis.get("tied", []) if name != first["effect"]]
-    left = error_left(first)
-    sentence = f"The model is missing {with_probability(diagnosis, first['effect'])}"
+    found = diagnosis["found"]
+    names = [with_probability(diagnosis, found[0]["effect"])]
+    names += [f"{spoken(one['effect'])} ({percent(one['probability'])})" for one in found[1:]]
+    tied = [with_probability(diagnosis, name) for name in diagnosis.get("tied", []) if name != found[0]["effect"]]
+    left = error_left(first) if len(found) == 1 else ""
+    sentence = f"The model is missing {', then '.join(names)}"
     sentence += f": with it {left} of the held-out error is left." if left else "."
     sentence += f" In all, {error_fall(diagnosis['error_before'], diagnosis['error_after'])}."
     if tied:
-        sentence += f" These recordings cannot tell it from {' or '.join(tied)}."
+        which = "it" if len(found) == 1 else spoken(found[0]["effect"])
+        sentence += f" These recordings cannot tell {which} from {' or '.join(tied)}."
     return sentence
 
 
@@ -59,13 +64,6 @@ def probability_of(diagnosis: Mapping[str, Any], effect: str) -> float | None:
         rows = (row for row in diagnosis.get("ranking", []) if row["effect"] == effect)
         found = next((row["probability"] for row in rows if row.get("probability") is not None), None)
     return None if found is None else float(found)
-
-
-def percent(share: float) -> str:
-    """A probability in whole per cent; never 0 or 100, which nobody can know."""
-    if share < 0.01:
-        return "< 1 %"
-    return "> 99 %" if share > 0.99 else f"{100 * share:.0f} %"
 
 
 def error_left(entry: Mapping[str, Any]) -> str:

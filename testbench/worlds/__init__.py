@@ -1,7 +1,7 @@
 """Test data with a hidden effect: sensors of which somebody else wrote the physics.
 
-The worlds share no code with `testbench.knit` or `testbench.discrepancy`, and their authors do not look at how
-the diagnosis works: they are its adversary. Laws and forms differ from the catalogue's on purpose.
+The worlds share no code with `testbench.knit`, `testbench.discrepancy` or `testbench.diagnosis`, and their authors do
+not look at how the diagnosis works: they are its adversary. Laws and forms differ from the catalogue's on purpose.
 """
 
 from testbench.worlds.case import CATALOGUE, NOISES, OUTSIDE, Case, make_case

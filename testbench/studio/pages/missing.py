@@ -91,10 +91,12 @@ async def _answer(studio: Studio, c: str, diagnosis: Mapping[str, Any], pick: st
     plot(
         figures.candidates(diagnosis),
         "What a refit with each effect takes off the error on samples that no fit has seen, with the 95 % interval "
-        "over blocks of 60 s; dashed: what a free-form map of the residual takes off.",
+        "over blocks of 60 s. In brackets: how probable it is that this effect is what is missing most.",
     )
     chosen = next((entry for entry in ranking if entry["form"] == pick), ranking[0])
-    _Candidates(studio, c, diagnosis).build(ranking, chosen)
+    candidates = _Candidates(studio, c, diagnosis)
+    candidates.adopting()
+    candidates.build(ranking, chosen)
 
 
 def _better_law(studio: Studio, c: str, laws: list[str]) -> None:
@@ -125,6 +127,18 @@ class _Candidates:
     def __init__(self, studio: Studio, c: str, diagnosis: Mapping[str, Any]) -> None:
         self.studio, self.c, self.diagnosis = studio, c, diagnosis
         self.cards: dict[str, ui.element] = {}
+
+    def adopting(self) -> None:
+        """Where several effects were found: all of them at once, refitted together as the diagnosis has them."""
+        found = [spoken(one["form"]) for one in self.diagnosis["found"]]
+        if len(found) > 1 and self._is_fresh():
+            button = ui.button(f"Add all that was found: {', '.join(found)}", icon="playlist_add")
+            button.on_click(lambda: attempt(self._adopt)).props("unelevated color=accent")
+
+    def _adopt(self) -> None:
+        models.keep_diagnosis(self.studio, self.c)
+        models.adopt_diagnosed(self.studio, self.c)
+        ui.navigate.to(address("/ladder", c=self.c))
 
     def build(self, ranking: list[Mapping[str, Any]], chosen: Mapping[str, Any]) -> None:
         """Lay out the list and the detail."""
@@ -188,12 +202,11 @@ class _Candidates:
     def _add(self, entry: Mapping[str, Any]) -> None:
         models.keep_diagnosis(self.studio, self.c)
         done = partial(ui.navigate.to, address("/ladder", c=self.c))
-        named = self.diagnosis["verdict"] == "missing"
-        first = named and entry["form"] == self.diagnosis["ranking"][0]["form"]
-        # What the diagnosis has refitted already need not be fitted again: the first candidate, or the shapes alone.
-        if self._is_fresh() and (first or (not named and self._base_misfits())):
+        found = [one["form"] for one in self.diagnosis["found"]]
+        # What the diagnosis has refitted already need not be fitted again: all that it found, or the shapes alone.
+        if self._is_fresh() and (found == [entry["form"]] or (not found and self._base_misfits())):
             models.adopt_diagnosed(self.studio, self.c)
-            if first:
+            if found:
                 done()
                 return
         have = models.model_path(self.studio, self.c).read_text(encoding="utf-8")
@@ -235,6 +248,6 @@ def predicted(
 
 
 def _before(diagnosis: Mapping[str, Any]) -> Mapping[str, Any]:
-    """The model that the candidates were weighed against: the last one before an effect was put in."""
+    """The model that the candidates were weighed against: the last one before anything that was found was put in."""
     history = diagnosis["history"]
-    return history[-2 if diagnosis["verdict"] == "missing" and len(history) > 1 else -1]["model"]
+    return history[max(len(history) - len(diagnosis["found"]), 1) - 1]["model"]

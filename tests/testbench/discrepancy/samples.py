@@ -7,8 +7,6 @@ from pathlib import Path
 
 import numpy as np
 
-from testbench.discrepancy.candidates import Candidate
-from testbench.discrepancy.evidence import Evidence, Weighing
 from testbench.knit.catalogue import Catalogue, baseline, load_catalogue
 from testbench.knit.model import KnitModel, inputs
 from testbench.recording import Recording
@@ -68,12 +66,3 @@ def write_csv(recording: Recording, path: Path) -> str:
     columns = {"time_s": recording.time_s, **recording.channels}
     np.savetxt(path, np.column_stack(list(columns.values())), delimiter=",", header=",".join(columns), comments="")
     return str(path)
-
-
-def weighing(**gains: float) -> Weighing:
-    """A ranking in which each idea, in the form of its name, gains what is said."""
-    entries = [
-        Evidence(idea, idea, gain, {"white": gain, "plain": gain}, "", Candidate(idea, CATALOGUE[idea](), 1.0), 1.0)
-        for idea, gain in gains.items()
-    ]
-    return Weighing(tuple(entries), "", 0.0, 0.0, ())

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from gcode.support.errors import UserError
+from testbench.diagnosis.adding import add_effect
 from testbench.discrepancy.compare import compare, residual_maps
 from testbench.discrepancy.coordinates import coordinates
-from testbench.discrepancy.ladder import add_effect, fitted_file, idle_effects, undo
+from testbench.discrepancy.ladder import fitted_file, idle_effects, undo
 from testbench.discrepancy.measurement import prepare, split
 from testbench.discrepancy.model_file import load_model_file
 from tests.testbench.discrepancy.samples import CATALOGUE, record, truth

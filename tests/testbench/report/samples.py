@@ -98,24 +98,33 @@ def score() -> dict:
 def diagnosis(verdict: str = "missing") -> dict:
     """The JSON of `testbench diagnose`, but for its models."""
 
-    def entry(name: str, gain: float, tied: bool) -> dict:
-        measured = [1.96, 1.8, 2.2] if gain > 0 else None
-        return {"held_out_gain": measured,
-                "effect": name, "form": name, "gain": gain, "gains": {"white": gain - 0.1, "plain": gain + 0.1},
-                "error_share_left": 0.6, "tied_for_first": tied, "start": {}}  # fmt: skip
+    def entry(name: str, probability: float, gain: float) -> dict:
+        tied = verdict == "missing" and gain > 0
+        return {"effect": name, "form": name, "probability": probability, "log_evidence": 20 * gain, "gain": gain,
+                "held_out_gain": [1.96, 1.8, 2.2] if gain > 0 else None, "error_share_left": 0.6,
+                "tied_for_first": tied, "start": {}}  # fmt: skip
 
+    found = [{"effect": "stress_relaxation", "form": "stress_relaxation", "probability": 0.61, "log_evidence": 24.0}]
+    relaxation, creep, unknown, nothing = {
+        "missing": (0.61, 0.36, 0.016, 0.004),
+        "nothing_missing": (0.02, 0.0, 0.05, 0.92),
+        "unknown": (0.07, 0.02, 0.88, 0.02),
+    }[verdict]
+    chances = {"nothing": nothing, "unknown": unknown, "stress_relaxation": relaxation, "load_cell_creep": creep}
     floor = {"force": 0.01, "conductance": 0.002}
     return {
         "verdict": verdict,
+        "probabilities": chances | {"slack": 0.01},
+        "found": found if verdict == "missing" else [],
         "ranking": [
-            entry("stress_relaxation", 1.2, True),
-            entry("load_cell_creep", 1.18, True),
-            entry("slack", -0.01, False),
+            entry("stress_relaxation", relaxation, 1.2),
+            entry("load_cell_creep", creep, 1.18),
+            entry("slack", 0.01, -0.01),
         ],
-        "tied": ["stress_relaxation", "load_cell_creep"],
+        "tied": ["stress_relaxation", "load_cell_creep"] if verdict == "missing" else [],
         "base_misfits": ["elasticity_shape"],
         "depends_on": [{"channel": "force", "coordinate": "elapsed time", "gain": 0.7}],
-        "ceiling_gain": 1.5,
+        "left_unexplained": 0.07,
         "error_before": {"force": 0.12, "conductance": 0.031},
         "error_after": {"force": 0.011, "conductance": 0.0024},
         "noise_floor": floor,

@@ -180,7 +180,7 @@ def test_each_step_has_the_diagnosis_that_led_to_it(tmp_path: Path) -> None:
     assert "Why stress relaxation was added" in page
     assert "What is missing now" in page
     assert "With hysteresis the held-out error of the force goes from" in page
-    assert "Nothing is missing that these recordings could show." in page
+    assert "Nothing is missing that these recordings could show (92 %)." in page
     assert 'id="candidates"' in page
     assert 'id="candidates-2"' in page
 

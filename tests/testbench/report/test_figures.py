@@ -181,13 +181,10 @@ def test_the_named_effect_and_those_tied_with_it_stand_out() -> None:
     assert len(set(unknown)) == 1
 
 
-def test_a_free_form_map_that_finds_nothing_is_not_drawn() -> None:
-    assert diagnosis_figures.candidates(samples.diagnosis())["layout"]["shapes"]
-    assert not diagnosis_figures.candidates(samples.diagnosis() | {"ceiling_gain": 0.0})["layout"]["shapes"]
-
-
 def test_nothing_left_to_depend_on_is_no_figure() -> None:
     assert diagnosis_figures.dependence({"depends_on": []}) is None
+    little = {"channel": "force", "coordinate": "strain", "gain": 1e-4}
+    assert diagnosis_figures.dependence({"depends_on": [little]}) is None
 
 
 @pytest.mark.parametrize(
@@ -195,16 +192,16 @@ def test_nothing_left_to_depend_on_is_no_figure() -> None:
     [
         (
             "missing",
-            "The model is missing stress relaxation: with it 38 % of the held-out error is left. In all, the "
+            "The model is missing stress relaxation (61 %): with it 38 % of the held-out error is left. In all, the "
             "held-out error of the force goes from 0.120 to 0.0110 N, that of the conductance from 0.0310 to 0.00240 "
-            "ln S. These recordings cannot tell it from load cell creep.",
+            "ln S. These recordings cannot tell it from load cell creep (36 %).",
         ),
         (
             "unknown",
-            "Something is missing that no single effect of the catalogue explains. It depends most on "
+            "Something is missing that no effect of the catalogue explains (88 %). What is left depends most on "
             "this: force on elapsed time.",
         ),
-        ("nothing_missing", "Nothing is missing that these recordings could show."),
+        ("nothing_missing", "Nothing is missing that these recordings could show (92 %)."),
     ],
 )
 def test_a_verdict_is_a_sentence(verdict: str, sentence: str) -> None:
@@ -227,19 +224,22 @@ def test_an_experiment_is_a_sentence(log_odds: float, grade: str, said: str) -> 
     assert said in words.experiment_in_words(samples.experiment(log_odds, grade))
 
 
-def test_probabilities_are_shown_where_a_diagnosis_carries_them() -> None:
-    old = samples.diagnosis()
-    assert words.probability_of(old, "slack") is None
-    assert words.with_probability(old, "slack") == "slack"
+def test_probabilities_are_shown_and_never_none_nor_all() -> None:
     names = {"stress_relaxation": 0.97, "load_cell_creep": 0.021, "slack": 0.001, "nothing": 0.002, "unknown": 0.006}
-    new = old | {"probabilities": names}
+    new = samples.diagnosis() | {"probabilities": names}
     assert "missing stress relaxation (97 %): with it 38 %" in words.verdict_in_words(new)
     assert "cannot tell it from load cell creep (2 %)" in words.verdict_in_words(new)
     assert words.with_probability(new, "slack") == "slack (< 1 %)"
     assert "(< 1 %)." in words.verdict_in_words(new | {"verdict": "nothing_missing"})
-    row = old | {"ranking": [entry | {"probability": 0.999} for entry in old["ranking"]]}
-    assert words.with_probability(row, "slack") == "slack (> 99 %)"
     assert "slack (< 1 %)" in diagnosis_figures.candidates(new)["layout"]["yaxis"]["ticktext"]
+
+
+def test_all_that_was_found_is_said_with_how_sure_it_is() -> None:
+    one = samples.diagnosis()
+    second = {"effect": "slack", "form": "slack", "probability": 0.995, "log_evidence": 9.0}
+    both = one | {"found": [*one["found"], second], "tied": []}
+    said = words.verdict_in_words(both)
+    assert said.startswith("The model is missing stress relaxation (61 %), then slack (> 99 %). In all, the held-out")
 
 
 def test_one_effect_has_one_number_everywhere() -> None:
@@ -247,8 +247,8 @@ def test_one_effect_has_one_number_everywhere() -> None:
     assert words.error_left(found["ranking"][0]) == "38 %"
     assert words.error_left(found["ranking"][2]) == ""
     table = sections.candidates_table(found)
-    assert table.rows[0][2:4] == ("38 %", "33 to 41 %")
-    assert table.rows[2][2] == "not worth a refit"
+    assert table.rows[0][2:5] == ("61 %", "38 %", "33 to 41 %")
+    assert table.rows[2][3] == "not worth a refit"
     bars = diagnosis_figures.candidates(found)["data"][0]
     assert bars["x"].round().tolist() == [62.0, 62.0], "what is left and what is gone are a hundred together"
 

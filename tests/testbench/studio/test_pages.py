@@ -108,7 +108,7 @@ async def test_candidates_are_ranked_and_ties_are_said(user: User, fitted: Studi
 async def test_with_nothing_missing_there_is_nothing_to_add_but_a_better_law(user: User, fitted: Studio) -> None:
     with_diagnosis(fitted, "nothing_missing")
     await user.open("/missing?c=sleeve")
-    await user.should_see("Nothing is missing that these recordings could show.")
+    await user.should_see("Nothing is missing that these recordings could show (92 %).")
     await user.should_see("lie on the dashed line", retries=100)
     await user.should_not_see("Add stress relaxation")
     await user.should_not_see("Design the experiment")
@@ -128,6 +128,21 @@ async def test_a_candidate_is_told_with_formula_source_and_values(user: User, fi
     await user.should_see("Source: Fung, Biomechanics")
     await user.should_see("leaves 38 % of the held-out error")
     await user.should_see("not worth a refit")
+
+
+async def test_several_that_were_found_are_added_together(user: User, fitted: Studio) -> None:
+    model = json.loads(models.model_path(fitted, "sleeve").read_text())
+    steps = [model["history"][0], *(model["history"][0] | {"step": f"+ {name}"} for name in ("one", "two"))]
+    models.diagnosed_path(fitted, "sleeve").write_text(json.dumps(model | {"history": steps}))
+    found = samples.diagnosis()
+    found["found"] = [found["found"][0], found["found"][0] | {"effect": "slack", "form": "slack"}]
+    (fitted.workspace.results("sleeve") / "diagnosis.json").write_text(json.dumps(found | {"history": steps}))
+    await user.open("/missing?c=sleeve")
+    await user.should_see("Add all that was found: stress relaxation, slack")
+    user.find("Add all that was found").click()
+    await user.should_see("Through the history", retries=50)
+    taken = json.loads(models.model_path(fitted, "sleeve").read_text())["history"]
+    assert [step["step"] for step in taken] == ["baseline", "+ one", "+ two"]
 
 
 async def test_looking_at_a_candidate_shows_its_prediction(user: User, fitted: Studio) -> None:

@@ -22,19 +22,22 @@ def bench():
 class Fake:
     """Says always the same."""
 
-    def __init__(self, verdict: str, *ranked: str):
+    def __init__(self, verdict: str, *ranked: str, sure: float = 0.8):
+        names = list(dict.fromkeys(ranked))
+        found = [{"effect": name, "probability": sure} for name in names[:1] if verdict == "missing"]
+        first = {"missing": names[0] if names else "", "nothing_missing": "nothing", "unknown": "unknown"}[verdict]
+        chances = dict.fromkeys(("nothing", "unknown", *names), 0.0) | {first: sure}
         ranking = [{"effect": name, "gain": 1.0} for name in ranked]
-        self.said = {"verdict": verdict, "ranking": ranking, "ceiling_gain": 0.5, "left_unexplained": 0.1}
+        self.said = {"verdict": verdict, "ranking": ranking, "found": found, "probabilities": chances}
 
     def to_dict(self) -> dict:
         errors = {"force": 0.02, "conductance": 0.01}
-        model = [{"name": "x", "effect": entry["effect"]} for entry in self.said["ranking"][:1]]
-        after = {"model_before": {"effects": []}, "model_after": {"effects": model}}
-        return self.said | after | {"error_before": errors, "error_after": errors, "noise_floor": errors}
+        left = {"left_unexplained": 0.1, "error_before": errors, "error_after": errors, "noise_floor": errors}
+        return self.said | left
 
 
 def _row(bench, effect: str, fake: Fake, **more) -> dict:
-    job = bench.Job(effect, 5.0, "matched", 1, minutes=2.0, rate_hz=10.0, **more)
+    job = bench.Job(effect, 5.0, **({"world": "matched", "seed": 1, "minutes": 2.0, "rate_hz": 10.0} | more))
     return bench.run_job(job, lambda *_: fake)
 
 
@@ -42,7 +45,7 @@ def test_right_first_and_in_the_top_three(bench):
     from diagnosis_score import first, top3
 
     right = _row(bench, "channel_lag", Fake("missing", "channel_lag", "clamp_slip"))
-    third = _row(bench, "channel_lag", Fake("missing", "a", "b", "b", "channel_lag"))
+    third = _row(bench, "channel_lag", Fake("missing", "a", "b", "channel_lag"))
     unsaid = _row(bench, "channel_lag", Fake("unknown", "channel_lag"))
     assert (first(right), top3(right)) == (True, True)
     assert (first(third), top3(third)) == (False, True)
@@ -52,7 +55,7 @@ def test_right_first_and_in_the_top_three(bench):
 def test_an_effect_left_out_of_the_catalogue_is_gone_in_all_its_forms(bench):
     seen = {}
 
-    def diagnose(calibration, held_out, catalogue, rounds):
+    def diagnose(calibration, held_out, catalogue):
         seen["ideas"] = set(catalogue.ideas())
         return Fake("unknown")
 
@@ -63,15 +66,33 @@ def test_an_effect_left_out_of_the_catalogue_is_gone_in_all_its_forms(bench):
     assert "clamp_slip" in seen["ideas"]
 
 
-def test_two_at_once_get_a_round_more_than_there_are(bench):
-    asked = []
-    job = bench.Job("permanent_set,channel_lag", 5.0, "matched", 1, minutes=2.0, rate_hz=10.0)
-    bench.run_job(job, lambda *given: asked.append(given[3]) or Fake("unknown"))
-    bench.run_job(
-        bench.Job("none", 5.0, "matched", 1, minutes=2.0, rate_hz=10.0),
-        lambda *given: asked.append(given[3]) or Fake("unknown"),
-    )
-    assert asked == [3, 1]
+def test_the_second_simulator_makes_cases_of_its_own(bench):
+    row = _row(bench, "thermal_softening", Fake("missing", "temperature_drift"), world="second")
+    assert (row["simulator"], row["hidden"]) == ("second", ["temperature_drift"])
+    assert row["floor_said"] > 0
+
+
+def test_the_brier_score_and_the_calibration_error_are_those_of_the_formulas(bench):
+    from diagnosis_score import brier_score, calibration_error, reliability
+
+    def row(sure: float, right: bool) -> dict:
+        return {"answer": "a" if right else "b", "chances": {"a": sure, "b": 1 - sure}}
+
+    rows = [row(0.9, True)] * 3 + [row(0.9, False)] + [row(0.75, True)] * 3 + [row(0.75, False)]
+    assert brier_score(rows) == pytest.approx((3 * 0.02 + 1.62 + 3 * 0.125 + 1.125) / 8)
+    assert calibration_error(rows) == pytest.approx(0.5 * 0.15)
+    assert "| 70 to 80 % | 4 | 75 % | 75 % |" in reliability(rows)
+    two = {"answer": "", "chances": {"a": 1.0}}
+    assert brier_score([*rows, two]) == brier_score(rows)
+
+
+def test_a_wrong_name_counts_as_surely_wrong_only_where_it_was_sure(bench):
+    from diagnosis_score import surely_wrong
+
+    assert surely_wrong(_row(bench, "none", Fake("missing", "clamp_slip", sure=0.95)))
+    assert not surely_wrong(_row(bench, "none", Fake("missing", "clamp_slip", sure=0.6)))
+    assert not surely_wrong(_row(bench, "clamp_slip", Fake("missing", "clamp_slip", sure=0.95)))
+    assert surely_wrong(_row(bench, "clamp_slip", Fake("missing", "clamp_slip", sure=0.95), left_out=True))
 
 
 def test_tables_count_false_alarms_and_confusions(bench):
@@ -93,7 +114,7 @@ def test_tables_count_false_alarms_and_confusions(bench):
 def test_a_diagnosis_that_raises_is_reported_and_the_rest_goes_on(bench):
     from diagnosis_score import tables
 
-    def diagnose(calibration, held_out, catalogue, rounds):
+    def diagnose(calibration, held_out, catalogue):
         raise ValueError("no shape")
 
     row = bench.run_job(bench.Job("none", 5.0, "matched", 1, minutes=2.0, rate_hz=10.0), diagnose)
@@ -123,5 +144,5 @@ def test_every_effect_strength_world_and_seed_has_its_job(bench):
     plain = [job for job in jobs if job.effect in "abc" and not job.left_out]
     assert len(plain) == 3 * 2 * 2 * 2
     assert "none" in {job.effect for job in jobs}
-    assert len({job.effect for job in jobs} & set(bench.OUTSIDE)) == 4
+    assert len({job.effect for job in jobs} & set(bench.OUTSIDE["first"])) == 4
     assert sum(job.left_out for job in jobs) == 4

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.signal import fftconvolve
 
-from testbench.discrepancy import diagnose
+from testbench.diagnosis import diagnose
 from testbench.recording import DISPLACEMENT, FORCE, Recording
 
 GAUGE_LENGTH_MM = 100.0
@@ -80,7 +80,7 @@ def test_a_tape_that_was_held_relaxes(levels, kernel):
     hold_s = 1800 / len(levels)
     held_out = tape([0.8 * level for level in levels], hold_s, 2, kernel)
     result = diagnose(tape(levels, hold_s, 1, kernel), held_out)
-    assert (result.verdict, result.weighing.ranking[0].idea) == ("missing", "stress_relaxation")
+    assert (result.verdict, result.found[0].effect) == ("missing", "stress_relaxation")
     assert result.error_after["force"] < 0.3 * result.error_before["force"]
 
 
@@ -92,7 +92,7 @@ def test_a_tape_that_was_held_relaxes(levels, kernel):
 )
 def test_what_a_fabric_hides_is_named(effect, rate_hz):
     result = diagnose(fabric(effect, 1, 20.0, rate_hz), fabric(effect, 2, 25.0, rate_hz))
-    assert (result.verdict, result.weighing.ranking[0].idea) == ("missing", effect)
+    assert (result.verdict, result.found[0].effect) == ("missing", effect)
     assert result.error_after["force"] < 1.3 * result.noise_floor["force"]
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from testbench.discrepancy.confidence import gain_interval
+from testbench.diagnosis.held_out import gain_interval
 
 
 def test_the_same_fall_everywhere_is_certain():

@@ -8,8 +8,8 @@ from typing import Any
 
 from gcode.support.errors import UserError
 from gcode.support.files import read_json
+from testbench.diagnosis.adding import add_effect
 from testbench.discrepancy.experiment import Rival
-from testbench.discrepancy.ladder import add_effect
 from testbench.discrepancy.measurement import Measurement
 from testbench.discrepancy.model_file import ModelFile, load_model_file
 from testbench.knit.catalogue import Catalogue, model_from_dict
@@ -68,9 +68,9 @@ def rivals_from_diagnosis(
 
 
 def _base(data: Mapping[str, Any], catalogue: Catalogue, source: str, gauge_length_mm: float) -> ModelFile:
-    """The model as it was before the missing effect was put in."""
+    """The model as it was before anything that was found was put in."""
     steps = data["history"]
-    before = steps[-2] if len(steps) > 1 and data["verdict"] == "missing" else steps[-1]
+    before = steps[max(len(steps) - len(data["found"]), 1) - 1]
     model = model_from_dict(before["model"], catalogue, source)
     return ModelFile(model, gauge_length_mm, history=(before,))
 

@@ -1,0 +1,54 @@
+"""Put one effect of the catalogue into a model, started where the data want it, and refit."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+
+from threadpoolctl import threadpool_limits
+
+from testbench.diagnosis import constants
+from testbench.diagnosis.laplace import fitted
+from testbench.diagnosis.likelihood import likelihood_of
+from testbench.diagnosis.proposals import Screen, laws_of
+from testbench.discrepancy.baseline import framed
+from testbench.discrepancy.ladder import drawn_to_data, fitted_file
+from testbench.discrepancy.measurement import Measurement, coarser
+from testbench.discrepancy.model_file import ModelFile
+from testbench.discrepancy.motion import reading_noise
+from testbench.knit.catalogue import Catalogue
+from testbench.knit.effect import Effect
+from testbench.knit.model import KnitModel
+
+
+def add_effect(
+    file: ModelFile,
+    name: str,
+    calibration: Measurement,
+    held: Measurement,
+    catalogue: Catalogue,
+    progress: Callable[[str], None] | None = None,
+) -> ModelFile:
+    """Add the catalogue's effect `name`, refit everything, and put it on the ladder.
+
+    A law (without a strength) takes the place of the law that it is another form of.
+    """
+    effect = framed(catalogue[name](), file.model, calibration)
+    start = best_start(file.model, effect, calibration) if effect.strength else drawn_to_data(effect, calibration)
+    return fitted_file(file.model.plus(start), calibration, held, f"+ {name}", file, progress)
+
+
+def best_start(model: KnitModel, effect: Effect, calibration: Measurement) -> Effect:
+    """`effect` at the point of its grid, and with the strength, whose first-order evidence beside `model` is largest.
+
+    A fit that adds an effect starts here: from the wrong time constant it would not find the right one. What is no
+    candidate of the diagnosis (a shape of the base, a second law of a mechanism that the model has) stays as it is.
+    """
+    measurement = coarser(calibration, constants.GRID_HZ)
+    time_s = calibration.signals["time_s"]
+    noise = {c: max(reading_noise(time_s, values), 1e-12) for c, values in calibration.measured.items()}
+    likelihood = likelihood_of(model, measurement, noise)
+    with threadpool_limits(1, "blas"), ThreadPoolExecutor(1) as pool:
+        hypothesis = fitted(model, likelihood, model, iterations=1)
+        laws = laws_of(hypothesis, likelihood, Catalogue({effect.name: type(effect)}), pool)
+        return Screen(hypothesis, likelihood).best_point(laws[0]).effect if laws else effect

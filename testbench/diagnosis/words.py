@@ -1,0 +1,79 @@
+"""A diagnosis as text for the terminal."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from testbench.diagnosis.diagnosis import Diagnosis, Ranked
+from testbench.diagnosis.search import NOTHING, UNKNOWN
+from testbench.discrepancy.tables import ladder_table
+from testbench.discrepancy.words import percent
+
+SHOWN = 6
+
+
+def diagnosis_table(diagnosis: Diagnosis) -> str:
+    """What was found and how sure that is, the ranking, and the fall of the error."""
+    title = (
+        f"{'rank':<6}{'effect':<26}{'form':<34}{'probability':>11}{'log evidence':>14}  held-out error left (95 %)"
+    )
+    lines = [first_line(diagnosis), "", title]
+    for place, entry in enumerate(diagnosis.ranking[:SHOWN], 1):
+        numbers = f"{percent(entry.probability):>11}{entry.log_evidence:>9.1f} nats  {_error_left(entry)}"
+        tied = "  (tied)" if entry.effect in diagnosis.tied else ""
+        lines.append(f"{place:<6}{entry.effect:<26}{entry.form:<34}{numbers}{tied}")
+    others = f"nothing is missing: {percent(diagnosis.probabilities[NOTHING])}"
+    lines.append(f"{others}; something that no effect explains: {percent(diagnosis.probabilities[UNKNOWN])}")
+    if diagnosis.base_misfits:
+        lines.append(f"the base laws misfit in themselves; shape freedom used: {', '.join(diagnosis.base_misfits)}")
+    if diagnosis.other_laws:
+        lines.append(f"a law that suits this sensor better took its place: {', '.join(diagnosis.other_laws)}")
+    lines += ["", ladder_table(diagnosis.after)]
+    return "\n".join(lines)
+
+
+def first_line(diagnosis: Diagnosis) -> str:
+    """All that was found, how sure that is, and what is left."""
+    chances = diagnosis.probabilities
+    if diagnosis.verdict == "nothing_missing":
+        return f"nothing is missing ({percent(chances[NOTHING])})"
+    if diagnosis.verdict == "missing":
+        return f"missing: {_found(diagnosis)}; {_left(diagnosis.left)}"
+    said = f"unknown ({percent(chances[UNKNOWN])}): structure remains that no effect of the catalogue explains"
+    if diagnosis.depends_on:
+        channel, coordinate, _ = diagnosis.depends_on[0]
+        said += f", depends most on: {channel}: {coordinate}"
+    return said
+
+
+def listed(names: Sequence[str]) -> str:
+    """Names with commas, and an ``and`` before the last."""
+    return ", ".join(names[:-1]) + (" and " if len(names) > 1 else "") + names[-1] if names else ""
+
+
+def _found(diagnosis: Diagnosis) -> str:
+    words = [f"{one.effect.replace('_', ' ')} ({percent(one.probability)})" for one in diagnosis.found]
+    first = diagnosis.found[0].effect
+    rivals = [
+        f"{name.replace('_', ' ')} ({percent(diagnosis.probabilities[name])})"
+        for name in diagnosis.tied
+        if name != first
+    ]
+    if rivals:
+        words[0] += f", hardly told from {listed(rivals)}"
+    return ", then ".join(words)
+
+
+def _left(share: float) -> str:
+    if share < 0.01:
+        return "less than 1 % of the error above the noise is left"
+    return f"{100 * share:.0f} % of the error above the noise is left"
+
+
+def _error_left(entry: Ranked) -> str:
+    """Share of the base's error on samples that no fit has seen; a dash where the mechanism was not refitted."""
+    if entry.held_out_gain is None:
+        return "-"
+    value, high, low = (100 * math.exp(-0.5 * gain) for gain in entry.held_out_gain)
+    return f"{value:.0f} % ({low:.0f} to {high:.0f})"

@@ -1,0 +1,108 @@
+"""The log evidence of a linear model is the one that can be written down."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.stats import multivariate_normal
+
+from testbench.diagnosis.evidence import LogEvidence, NormalEquations, maximised
+
+COUNT, WEIGHTS = 40, 3
+SIGMA = {"force": 0.7, "conductance": 0.2}
+
+
+def linear(seed: int) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray], NormalEquations]:
+    """Residual and design matrix of each channel, and the normal equations of both."""
+    rng = np.random.default_rng(seed)
+    designs = {c: rng.standard_normal((WEIGHTS, COUNT)) for c in SIGMA}
+    mean, precision = rng.standard_normal(WEIGHTS), rng.uniform(0.3, 3.0, WEIGHTS)
+    weights = mean + rng.standard_normal(WEIGHTS) / np.sqrt(precision)
+    residuals = {c: weights @ designs[c] + SIGMA[c] * rng.standard_normal(COUNT) for c in SIGMA}
+    columns = {c: np.vstack([residuals[c], designs[c]]) for c in SIGMA}
+    normal = NormalEquations(
+        {c: rows @ rows.T for c, rows in columns.items()},
+        dict.fromkeys(SIGMA, float(COUNT)),
+        dict.fromkeys(SIGMA, 1.0),
+        SIGMA,
+        mean,
+        precision,
+        np.full(WEIGHTS, -1),
+    )
+    return residuals, designs, normal
+
+
+def known_scales() -> LogEvidence:
+    """Where the noise is known: one iteration judges with it."""
+    return LogEvidence(0.0, np.zeros(WEIGHTS), SIGMA, np.empty(0), np.zeros((WEIGHTS, WEIGHTS)))
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.integers(0, 10_000))
+def test_log_evidence_is_that_of_the_gaussian_marginal(seed):
+    """ln Z = ln N(r; J m, J P^-1 J' + sigma^2), but for the constant that all models share."""
+    residuals, designs, normal = linear(seed)
+    found = maximised(normal, start=known_scales(), iterations=1)
+    design = np.hstack(list(designs.values()))
+    noise = np.concatenate([np.full(COUNT, SIGMA[c] ** 2) for c in SIGMA])
+    covariance = design.T @ np.diag(1 / normal.precision) @ design + np.diag(noise)
+    marginal = multivariate_normal(normal.mean @ design, covariance).logpdf(np.concatenate(list(residuals.values())))
+    constant = -0.5 * len(noise) * np.log(2 * np.pi)
+    assert found.value == pytest.approx(marginal - constant, abs=1e-8)
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.integers(0, 10_000))
+def test_the_posterior_is_that_of_the_textbook(seed):
+    """Bishop, Pattern Recognition and Machine Learning (2006), eq. 3.50 and 3.51."""
+    residuals, designs, normal = linear(seed)
+    found = maximised(normal, start=known_scales(), iterations=1)
+    precision = np.diag(normal.precision) + sum(designs[c] @ designs[c].T / SIGMA[c] ** 2 for c in SIGMA)
+    goal = normal.precision * normal.mean + sum(designs[c] @ residuals[c] / SIGMA[c] ** 2 for c in SIGMA)
+    np.testing.assert_allclose(found.coefficients, np.linalg.solve(precision, goal), rtol=1e-8, atol=1e-10)
+    np.testing.assert_allclose(found.covariance, np.linalg.inv(precision), rtol=1e-8, atol=1e-10)
+
+
+@given(st.permutations(range(WEIGHTS)))
+@settings(max_examples=6, deadline=None)
+def test_the_order_of_the_columns_does_not_matter(order):
+    _, _, normal = linear(3)
+    one, other = maximised(normal), maximised(normal, columns=list(order))
+    assert other.value == pytest.approx(one.value, abs=1e-8)
+    np.testing.assert_allclose(other.coefficients, one.coefficients[list(order)], atol=1e-8)
+
+
+def test_a_column_that_changes_nothing_costs_nothing():
+    """An effect that cannot act: its coefficient stays at its prior, and so does the evidence."""
+    _, _, normal = linear(5)
+    padded = replace(
+        normal,
+        products={c: np.pad(gram, (0, 1)) for c, gram in normal.products.items()},
+        mean=np.r_[normal.mean, 0.4],
+        precision=np.r_[normal.precision, 2.0],
+        group=np.r_[normal.group, -1],
+    )
+    one, other = maximised(normal), maximised(padded)
+    assert other.value == pytest.approx(one.value, abs=1e-8)
+    assert other.coefficients[-1] == pytest.approx(0.4)
+
+
+def test_the_scale_of_a_group_is_found_by_the_evidence():
+    """A thousand weights of one size, well determined: their scale is the size that they were drawn with."""
+    rng = np.random.default_rng(0)
+    count, size = 1000, 0.05
+    weights = size * rng.standard_normal(count)
+    residual, design = weights + 1e-3 * rng.standard_normal(count), np.eye(count)
+    rows = np.vstack([residual, design])
+    one = {"force": 1.0}
+    normal = NormalEquations(
+        {"force": rows @ rows.T}, {"force": 1000.0}, one, {"force": 1e-3}, np.zeros(count), np.ones(count),
+        np.zeros(count, int),
+    )  # fmt: skip
+    start = LogEvidence(0.0, np.zeros(count), {"force": 1e-3}, np.ones(1), np.eye(count))
+    found = maximised(normal, start=start, iterations=40, scale=np.ones(1))
+    assert found.scale[0] ** -0.5 == pytest.approx(size, rel=0.05)

@@ -1,0 +1,72 @@
+"""What must not matter to a diagnosis does not matter."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from testbench.diagnosis import diagnose
+from testbench.diagnosis.diagnosis import Diagnosis
+from testbench.knit.catalogue import Catalogue
+from testbench.knit.effect import Effect, Stage, parameter
+from testbench.recording import Recording
+from tests.testbench.discrepancy.samples import CATALOGUE, record, truth
+
+
+class Bystander(Effect):
+    """A user's own that needs a signal which nobody recorded."""
+
+    name = "bystander"
+    stage = Stage.READOUT
+    reads, writes = ("conductance_S", "temperature_C"), ("conductance_S",)
+    strength = "gain"
+    look = "nothing, here"
+
+    gain: float = parameter(0.1, unit="1", low=-5, high=5, doc="how much")
+
+    def apply(self, signals, dt_s):
+        return {"conductance_S": signals["conductance_S"] * np.exp(self.gain * signals["temperature_C"])}
+
+
+def recordings() -> tuple[Recording, Recording]:
+    model = truth().plus(CATALOGUE["stress_relaxation"]().replaced(fraction=0.1, tau_s=10.0))
+    first, second = (record(model, 120, 10.0, seed, channels=("force_N",)) for seed in (1, 2))
+    return first, second
+
+
+@cache
+def plain() -> Diagnosis:
+    """A relaxing knit of which only the force was recorded."""
+    return diagnose(*recordings(), catalogue=CATALOGUE, most=1)
+
+
+def same(one: Diagnosis, other: Diagnosis) -> None:
+    """The same said with the same certainty, to what rounding and the order of sums allow."""
+    assert one.verdict == other.verdict
+    assert [found.form for found in one.found] == [found.form for found in other.found]
+    assert set(one.probabilities) == set(other.probabilities)
+    for name, chance in one.probabilities.items():
+        assert other.probabilities[name] == pytest.approx(chance, abs=0.01), name
+    assert other.error_after == pytest.approx(one.error_after, rel=0.01)
+
+
+def test_the_sample_says_something():
+    assert plain().found[0].effect == "stress_relaxation"
+
+
+def test_the_order_of_the_catalogue_does_not_matter():
+    backwards = Catalogue(dict(reversed(CATALOGUE.effects.items())))
+    same(plain(), diagnose(*recordings(), catalogue=backwards, most=1))
+
+
+def test_an_effect_that_cannot_act_on_what_was_recorded_does_not_matter():
+    more = Catalogue({**CATALOGUE.effects, "bystander": Bystander})
+    same(plain(), diagnose(*recordings(), catalogue=more, most=1))
+
+
+def test_the_origin_of_time_does_not_matter():
+    later = [replace(part, time_s=part.time_s + 4000.0) for part in recordings()]
+    same(plain(), diagnose(*later, catalogue=CATALOGUE, most=1))
