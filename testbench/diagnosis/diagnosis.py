@@ -213,7 +213,7 @@ def _concluded(
     return Diagnosis(
         verdict,
         chances,
-        tuple(_found(step, entry) for step, entry in zip(rounds, put_in, strict=False)),
+        tuple(_found(step, entry, left) for step, entry in zip(rounds, put_in, strict=False)),  # one a round, in turn
         _ranking(first, chances, held),
         _tied(chances, verdict),
         tuple(name for name in after.model if name in SHAPES and name not in before.model),
@@ -228,9 +228,9 @@ def _concluded(
     )
 
 
-def _found(step: Round, entry: Entry) -> Found:
+def _found(step: Round, entry: Entry, left: float) -> Found:
     gain = entry.log_z - step.before.log_z
-    return Found(entry.mechanism, entry.law, step.probabilities()[entry.mechanism], gain)
+    return Found(entry.mechanism, entry.law, step.probabilities(left)[entry.mechanism], gain)
 
 
 def _ladder(

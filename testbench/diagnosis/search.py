@@ -17,7 +17,7 @@ from testbench.diagnosis.likelihood import Likelihood, correlated, likelihood_of
 from testbench.diagnosis.proposals import Proposal, Screen, laws_of
 from testbench.discrepancy.baseline import SHAPES, starting_baseline, with_shapes, without_shapes
 from testbench.discrepancy.fit import fit
-from testbench.discrepancy.ladder import _drawn_to_data as drawn_to_data
+from testbench.discrepancy.ladder import drawn_to_data
 from testbench.discrepancy.measurement import Measurement, coarser
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import Effect
@@ -246,7 +246,7 @@ class Search:
         return [*full, *entries[constants.SETTLED :]]
 
     def settled(self, e: Entry, likelihood: Likelihood) -> Entry:
-        """Refitted in full from several starts, for a base that had to do without the effect may lie in a wrong valley.
+        """Refitted in full from several starts: a base that had to do without the effect may lie in a wrong valley.
 
         Contacts that were found to feel some strain are tried with the force alone; and where much is left, so is the
         base as it was started from the data.

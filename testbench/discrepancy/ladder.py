@@ -107,4 +107,3 @@ def idle_effects(file: ModelFile, calibration: Measurement, held: Measurement, o
     return sorted(idle)
 
 
-_drawn_to_data = drawn_to_data  # the name by which the search still knows it
