@@ -118,7 +118,7 @@ def test_command_takes_the_tied_effects_of_a_diagnosis(tmp_path, capsys):
     step = {"step": "baseline", "model": truth().to_dict(), "noise_floor": FLOORS, "errors": errors}
     ranked = [{"effect": name, "form": name} for name in ("self_heating", "load_cell_creep", "stress_relaxation")]
     tied = ["load_cell_creep", "stress_relaxation"]
-    said = {"verdict": "nothing_missing", "tied": tied, "ranking": ranked, "history": [step]}
+    said = {"verdict": "nothing_missing", "found": [], "tied": tied, "ranking": ranked, "history": [step]}
     (tmp_path / "d.json").write_text(json.dumps(said))
     place = ["--fit", recording, "--gauge-length-mm", "25", "--duration-s", "120"]
     assert main(["experiment", "--diagnosis", str(tmp_path / "d.json"), *place]) == 0
