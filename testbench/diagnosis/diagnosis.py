@@ -112,7 +112,8 @@ class Diagnosis:
     depends_on : tuple of (channel, coordinate, share)
         What the final model's residual depends on, and the share of it that a free-form map explains.
     left : float
-        Share of the calibration error above the noise floor that the final model leaves.
+        Share of the calibration error above the noise that the final model leaves, of what the base leaves when its
+        laws may bend; 1 where nothing was put in.
     before, after : ModelFile
         The baseline, and with what was found put in and refitted.
     error_before, error_after, noise_floor : mapping of channel to float
@@ -203,10 +204,10 @@ def _concluded(
 ) -> Diagnosis:
     first, bare = rounds[0], rounds[0].before.hypothesis
     before = on_the_ladder(_as_fit(search.baseline), None, "baseline", calibration, held)
-    left = _share_left(before.model, (put_in[-1].hypothesis if put_in else bare).model, calibration)
+    left = first.left(put_in[-1]) if put_in else 1.0
     verdict = _verdict(first, put_in, left, calibration)
     if verdict != "missing":
-        put_in, left = [], _share_left(before.model, bare.model, calibration)
+        put_in, left = [], 1.0
     after = _ladder(bare, put_in, before, calibration, held)
     chances = first.probabilities(left if put_in else None)
     explained = Map(put_in[-1].hypothesis if put_in else bare, rounds[-1].likelihood).gains
@@ -253,17 +254,6 @@ def _as_fit(h: Hypothesis) -> Fit:
     parameters = tuple(h.priors.parameters[i] for i in kept)
     vector = h.vector[kept]
     return Fit(model, parameters, vector, h.evidence.covariance[np.ix_(kept, kept)], dict(h.evidence.sigma), 0)
-
-
-def _share_left(before: KnitModel, after: KnitModel, calibration: Measurement) -> float:
-    """Share of the squared error above the noise that is left, channels weighed by their noise."""
-    floors = noise_floors(calibration)
-
-    def above(model: KnitModel) -> float:
-        errors = rms_errors(model, calibration)
-        return sum(max((errors[c] / floors[c]) ** 2 - 1, 0.0) for c in errors)
-
-    return float(np.sqrt(above(after) / max(above(before), 1e-12)))
 
 
 def _verdict(first: Round, put_in: list[Entry], left: float, calibration: Measurement) -> Verdict:

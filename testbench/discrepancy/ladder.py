@@ -105,5 +105,3 @@ def idle_effects(file: ModelFile, calibration: Measurement, held: Measurement, o
             if over_the_floors(held_errors(without, held), floors) < full * (1 + NO_LONGER_PAYS):
                 idle.append(name)
     return sorted(idle)
-
-
