@@ -15,7 +15,7 @@ from testbench.diagnosis.held_out import Interval, gain_over
 from testbench.diagnosis.laplace import Hypothesis
 from testbench.diagnosis.search import NOTHING, UNKNOWN, Entry, Progress, Round, Search
 from testbench.discrepancy.baseline import SHAPES, without_shapes
-from testbench.discrepancy.errors import noise_floors, rms_errors
+from testbench.discrepancy.errors import noise_floors
 from testbench.discrepancy.fit import Fit
 from testbench.discrepancy.ladder import on_the_ladder
 from testbench.discrepancy.measurement import Measurement, split
@@ -26,7 +26,6 @@ from testbench.knit.model import KnitModel
 from testbench.recording import Recording
 
 Verdict = Literal["missing", "nothing_missing", "unknown"]
-NEAR = 2.0  # noise floors: what comes so near has explained what there was
 TIED = 0.9  # the smallest set of mechanisms with this probability is what cannot be told apart
 
 
@@ -205,7 +204,7 @@ def _concluded(
     first, bare = rounds[0], rounds[0].before.hypothesis
     before = on_the_ladder(_as_fit(search.baseline), None, "baseline", calibration, held)
     left = first.left(put_in[-1]) if put_in else 1.0
-    verdict = _verdict(first, put_in, left, calibration)
+    verdict = _verdict(first, put_in, left)
     if verdict != "missing":
         put_in, left = [], 1.0
     after = _ladder(bare, put_in, before, calibration, held)
@@ -256,13 +255,11 @@ def _as_fit(h: Hypothesis) -> Fit:
     return Fit(model, parameters, vector, h.evidence.covariance[np.ix_(kept, kept)], dict(h.evidence.sigma), 0)
 
 
-def _verdict(first: Round, put_in: list[Entry], left: float, calibration: Measurement) -> Verdict:
+def _verdict(first: Round, put_in: list[Entry], left: float) -> Verdict:
     if put_in and first.is_named(left):
-        floors, errors = noise_floors(calibration), rms_errors(put_in[-1].hypothesis.model, calibration)
-        near = max(errors[c] / max(floors[c], 1e-300) for c in errors) < NEAR
-        return "missing" if near or left <= constants.MOST_LEFT else "unknown"
+        return "missing"
     chances = first.probabilities()
-    return "nothing_missing" if chances[NOTHING] >= 0.5 else "unknown"
+    return "nothing_missing" if chances[NOTHING] >= chances[UNKNOWN] else "unknown"
 
 
 def _ranking(first: Round, chances: Mapping[str, float], held: Measurement) -> tuple[Ranked, ...]:

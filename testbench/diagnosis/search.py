@@ -105,8 +105,14 @@ class Round:
         if found:
             share = self.left(found) if left is None else min(left, self.left(found))
             # Laws of the catalogue are never quite the sensor's own: what is mostly explained is not unknown.
-            most = 0.5 * (share**2 - constants.MOST_LEFT**2) / constants.LAW_ERROR**2
-            logs[UNKNOWN] = min(logs[UNKNOWN], logs[found.mechanism] + most)
+            logs[UNKNOWN] = min(logs[UNKNOWN], logs[found.mechanism] - _named(share))
+        rest = max(logs[NOTHING], logs[UNKNOWN])
+        for entry in self.entries:
+            share = self.left(entry) if entry is not found or left is None else min(left, self.left(entry))
+            best = max((e for e in self.entries if e.mechanism == entry.mechanism), key=lambda e: e.log_z)
+            # And what explains little is no name, however much better it is than nothing.
+            if entry is best and share > constants.MOST_LEFT:
+                logs[entry.mechanism] = min(logs[entry.mechanism], rest + _named(share))
         total = logsumexp(list(logs.values()))
         return {name: float(np.exp(value - total)) for name, value in logs.items()}
 
@@ -277,6 +283,11 @@ class Search:
 
     def entry(self, mechanism: str, h: Hypothesis, likelihood: Likelihood, law: str = "", name: str = "") -> Entry:
         return Entry(mechanism, law, name, h, excess(h, likelihood))
+
+
+def _named(share_left: float) -> float:
+    """Log odds that an effect which leaves this share of the error above the noise deserves to be named."""
+    return 0.5 * (constants.MOST_LEFT**2 - share_left**2) / constants.LAW_ERROR**2
 
 
 def excess(h: Hypothesis, likelihood: Likelihood) -> float:
