@@ -5,7 +5,6 @@ Source: Kennedy & O'Hagan, J. R. Statist. Soc. B 63 (2001) 425 (a model beside i
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -13,7 +12,7 @@ import numpy as np
 from testbench.diagnosis.evidence import maximised, opened
 from testbench.diagnosis.laplace import Hypothesis, tail
 from testbench.diagnosis.likelihood import Likelihood
-from testbench.diagnosis.proposals import Proposal, Screen
+from testbench.diagnosis.proposals import Screen
 from testbench.discrepancy.freeform import features
 from testbench.discrepancy.measurement import Measurement
 from testbench.knit.effect import FloatArray
@@ -32,24 +31,20 @@ class Map:
         What both leave, over its relative noise.
     """
 
-    def __init__(self, hypothesis: Hypothesis, likelihood: Likelihood, beside: Sequence[Proposal] = ()) -> None:
+    def __init__(self, hypothesis: Hypothesis, likelihood: Likelihood) -> None:
         names, groups, values = _features(likelihood.measurement)
         screen, channels = Screen(hypothesis, likelihood), list(hypothesis.columns)
         picked = values[:, likelihood.rows]
         count, size = len(values), len(hypothesis.priors.mean)
-        rows = {c: np.zeros((count * len(channels) + len(beside), len(likelihood.rows))) for c in channels}
+        rows = {c: np.zeros((count * len(channels), len(likelihood.rows))) for c in channels}
         precision: list[float] = []
         group: list[int] = []
         first = len(hypothesis.evidence.scale)
         for place, c in enumerate(channels):
             part = slice(place * count, (place + 1) * count)
             rows[c][part] = picked * (likelihood.weight[c] * hypothesis.robust[c])
-            for k, proposal in enumerate(beside):
-                rows[c][count * len(channels) + k] = proposal.trace[c][0] * hypothesis.robust[c]
             precision += [hypothesis.evidence.sigma[c] ** -2.0] * count
             group += [first + place * len(names) + g for g in groups]
-        precision += [1e-6] * len(beside)
-        group += [-1] * len(beside)
         normal = screen.extended(rows, [0.0] * len(precision), precision, group)
         scale = np.r_[opened(hypothesis.evidence.scale), np.full(len(names) * len(channels), 10.0)]
         found = maximised(normal, scale=scale, iterations=12, start=hypothesis.evidence)

@@ -49,7 +49,6 @@ class Proposal:
     law: str
     effect: Effect
     gain: float
-    trace: Rows
     believed: tuple[float, float] | None = None
 
 
@@ -121,7 +120,7 @@ class Screen:
 
     def _beside(self, law: Law, rows: Rows, index: int, gain: float) -> Proposal:
         """One point of a law, all scales found anew."""
-        candidate, trace = law.candidates[index], {c: values[index : index + 1] for c, values in law.traces.items()}
+        candidate = law.candidates[index]
         amount = 1.0
         if gain > 0.5:
             mean, precision = amplitude_prior(candidate, self.scales)
@@ -134,7 +133,7 @@ class Screen:
         effect = candidate.at(amount)
         size = abs(getattr(effect, effect.strength))
         believed = (size, 0.3 * size) if candidate.from_data or effect.nonlinear else None
-        return Proposal(law.mechanism, candidate.form, effect, gain, trace, believed)
+        return Proposal(law.mechanism, candidate.form, effect, gain, believed)
 
     def _vector(self, law: Law, rows: Rows) -> Proposal:
         """A law with a vector of weights: all its columns at once, their scale found by evidence."""
@@ -143,16 +142,16 @@ class Screen:
         weights = tuple(float(a) * first.strength for a in found.coefficients[-count:])
         effect = first.effect.near(**{first.effect.strength: weights})
         gain = found.value - self.hypothesis.evidence.value
-        return Proposal(law.mechanism, first.form, effect, gain, law.traces)
+        return Proposal(law.mechanism, first.form, effect, gain)
 
     def evidence(self, rows: Rows, mean: float, precision: float, group: int, iterations: int = 6) -> LogEvidence:
         """The model beside more columns of one prior; `group` 0: their scale is found by evidence."""
         count = len(next(iter(rows.values())))
-        start, normal = self.hypothesis.evidence, self.hypothesis.normal
+        start = self.hypothesis.evidence
         number = -1 if group < 0 else len(start.scale)
         bigger = self.extended(rows, [mean] * count, [precision] * count, [number] * count)
         scale = start.scale if group < 0 else np.r_[start.scale, 1.0]
-        return maximised(bigger, scale=scale, iterations=iterations, start=start) if normal else start
+        return maximised(bigger, scale=scale, iterations=iterations, start=start)
 
     def extended(self, rows: Rows, mean, precision, group) -> NormalEquations:
         """The normal equations with more columns (already weighted robustly)."""

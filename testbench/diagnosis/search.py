@@ -107,14 +107,17 @@ class Round:
             # Laws of the catalogue are never quite the sensor's own: what is mostly explained is not unknown.
             logs[UNKNOWN] = min(logs[UNKNOWN], logs[found.mechanism] - _named(share))
         rest = max(logs[NOTHING], logs[UNKNOWN])
-        for entry in self.entries:
+        for entry in self._speakers().values():
             share = self.left(entry) if entry is not found or left is None else min(left, self.left(entry))
-            best = max((e for e in self.entries if e.mechanism == entry.mechanism), key=lambda e: e.log_z)
             # And what explains little is no name, however much better it is than nothing.
-            if entry is best and share > constants.MOST_LEFT:
+            if share > constants.MOST_LEFT:
                 logs[entry.mechanism] = min(logs[entry.mechanism], rest + _named(share))
         total = logsumexp(list(logs.values()))
         return {name: float(np.exp(value - total)) for name, value in logs.items()}
+
+    def _speakers(self) -> dict[str, Entry]:
+        """The best refitted law of each mechanism."""
+        return {e.mechanism: e for e in sorted(self.entries, key=lambda e: e.log_z)}
 
     def _log_posterior(self, mechanism: str) -> float:
         """Log prior and evidence of a mechanism, its laws summed; to first order if none was refitted."""
@@ -127,13 +130,13 @@ class Round:
     @cached_property
     def candidate(self) -> Entry | None:
         """The best law of the mechanism with the most evidence, if it has more than nothing has."""
-        refitted = {e.mechanism for e in self.entries}
-        if not refitted:
+        speakers = self._speakers()
+        if not speakers:
             return None
-        mechanism = max(refitted, key=self._log_posterior)
+        mechanism = max(speakers, key=self._log_posterior)
         if self._log_posterior(mechanism) < np.log(constants.PRIOR_NOTHING) + self.log_z_complete:
             return None
-        return max((e for e in self.entries if e.mechanism == mechanism), key=lambda e: e.log_z)
+        return speakers[mechanism]
 
     def is_named(self, left: float | None = None) -> bool:
         """Whether some mechanism is more probable than nothing and unknown together."""
