@@ -233,9 +233,9 @@ def _room(rng: np.random.Generator, time_s: Array) -> Array:
     for k in range(1, count):
         walk[k] = 0.85 * walk[k - 1] + rng.normal()
     place = time_s / pace_s + 1.0
-    k = place.astype(int)
-    u = place - k
-    near = [walk[k + j] for j in (-1, 0, 1, 2)]
+    cell = place.astype(int)
+    u = place - cell
+    near = [walk[cell + j] for j in (-1, 0, 1, 2)]
     weights = [(1 - u) ** 3, 3 * u**3 - 6 * u**2 + 4, -3 * u**3 + 3 * u**2 + 3 * u + 1, u**3]
     smooth = sum(w * n for w, n in zip(weights, near, strict=True)) / 6.0
     return (smooth - smooth.mean()) / max(float(np.std(smooth)), 1e-6)

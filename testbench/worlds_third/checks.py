@@ -28,7 +28,7 @@ def check_arguments(
     if max_strain is not None:
         _within("max_strain", max_strain, 0.005, 3.0)
     if minutes * 60 * rate_hz < FEWEST:
-        raise UserError(f"make_case: {minutes:g} min at {rate_hz:g} Hz are fewer than {FEWEST} samples; record longer")
+        raise UserError(f"make_case: {minutes:g} min at {rate_hz:g} Hz is below {FEWEST} samples; record longer")
     if protocol not in PROTOCOLS:
         raise UserError(f"make_case: no protocol {protocol!r}; there are {', '.join(PROTOCOLS)}")
     allowed = (FORCE, RESISTANCE, TEMPERATURE)

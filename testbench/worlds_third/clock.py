@@ -12,7 +12,7 @@ JITTER = 0.03  # of a step; the paper's rig, of several parts, was not even eith
 
 def sample_times(rng: np.random.Generator, minutes: float, rate_hz: float) -> Array:
     """Shape (n,): increasing times in s from 0."""
-    count = int(round(minutes * 60 * rate_hz)) + 1
+    count = round(minutes * 60 * rate_hz) + 1
     steps = (1.0 + JITTER * np.clip(rng.normal(size=count - 1), -3, 3)) / rate_hz
     return np.concatenate([[0.0], np.cumsum(steps)])
 

@@ -152,17 +152,25 @@ def masing(x: Array, reach: float) -> Array:
 def relays(x: Array, closes: Array, opens: Array, weights: Array) -> Array:
     """Weighted sum of contacts that close above one strain and open below another, lower one (Preisach)."""
     out = np.empty_like(x)
-    on = np.zeros(len(closes))
-    for i in range(len(closes)):
-        on[i] = 1.0 if x[0] >= closes[i] else 0.0
+    up, down = np.argsort(closes), np.argsort(opens)
+    on = closes <= x[0]
+    total = np.sum(weights[on])
+    below, above = 0, len(opens)  # closes[up[:below]] are at or below x, opens[down[above:]] at or above
     for k in range(len(x)):
-        total = 0.0
-        for i in range(len(closes)):
-            if x[k] >= closes[i]:
-                on[i] = 1.0
-            elif x[k] <= opens[i]:
-                on[i] = 0.0
-            total += weights[i] * on[i]
+        while below < len(up) and closes[up[below]] <= x[k]:
+            i = up[below]
+            total += 0.0 if on[i] else weights[i]
+            on[i] = True
+            below += 1
+        while below > 0 and closes[up[below - 1]] > x[k]:
+            below -= 1
+        while above > 0 and opens[down[above - 1]] >= x[k]:
+            above -= 1
+            i = down[above]
+            total -= weights[i] if on[i] else 0.0
+            on[i] = False
+        while above < len(down) and opens[down[above]] < x[k]:
+            above += 1
         out[k] = total
     return out
 

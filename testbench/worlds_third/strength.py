@@ -27,16 +27,18 @@ class Absorption:
     def __init__(self, base: Sequence[Signals], floors: Mapping[str, float], reclamped: bool) -> None:
         self.floors = floors
         self._every = [max(1, len(s.time_s) // MOST_ROWS) for s in base]
-        self._base = {name: [_reading(s, name)[::k] for s, k in zip(base, self._every, strict=True)] for name in floors}
+        self._base = {name: self._thinned(base, name) for name in floors}
         self._planes = {name: self._plane(base, name, reclamped) for name in floors}
 
     def left(self, changed: Sequence[Signals]) -> dict[str, float]:
         """RMS of what is left of the change of each channel, in noise floors."""
         return {name: self._left(changed, name) for name in self.floors}
 
+    def _thinned(self, both: Sequence[Signals], name: str) -> Array:
+        return np.concatenate([_reading(s, name)[::k] for s, k in zip(both, self._every, strict=True)])
+
     def _left(self, changed: Sequence[Signals], name: str) -> float:
-        now = [_reading(s, name)[::k] for s, k in zip(changed, self._every, strict=True)]
-        change = np.concatenate(now) - np.concatenate(self._base[name])
+        change = self._thinned(changed, name) - self._base[name]
         plane = self._planes[name]
         change = change - plane @ (plane.T @ change)
         return float(np.sqrt(np.mean(change**2))) / self.floors[name]

@@ -49,7 +49,7 @@ def gent(x: Array, full: float, margin: float) -> Array:
 
 
 def arruda_boyce(x: Array, full: float, links: float) -> Array:
-    """Eight chains (Arruda and Boyce, 1993), by their Padé inverse Langevin; `links`: locking over largest stretch."""
+    """Eight chains (Arruda and Boyce, 1993), Padé inverse Langevin; `links`: locking over largest stretch."""
     chain_full = np.sqrt(((1 + full * TAIL) ** 2 + 2 / (1 + full * TAIL)) / 3)
     locking = chain_full * links
 
@@ -125,7 +125,9 @@ ELASTICITY = {
             "width": (0.04, 0.12),
         },
     ),
-    "power_with_slack": Law(power_with_slack, {"slack": (-0.1, 0.1), "exponent": (1.1, 2.2), "softness": (0.05, 0.12)}),
+    "power_with_slack": Law(
+        power_with_slack, {"slack": (-0.1, 0.1), "exponent": (1.1, 2.2), "softness": (0.05, 0.12)}
+    ),
     "crimp_exchange": Law(crimp_exchange, {"angle_rad": (0.2, 0.7), "reserve": (0.02, 0.15)}),
     "recruited_bundle": Law(recruited_bundle, {"scale": (0.4, 1.0), "shape": (1.2, 3.0), "initial": (0.1, 0.5)}),
 }
