@@ -59,7 +59,9 @@ def multisine(t: Array, rng: np.random.Generator, stroke_s: float) -> Array:
 
 
 def _spanned(y: Array) -> Array:
-    return (y - y.min()) / (y.max() - y.min())
+    """Scaled to 0 to 1 and spread towards both ends, as a carriage that uses its whole stroke."""
+    s = (y - y.min()) / (y.max() - y.min())
+    return s * s * (3 - 2 * s)
 
 
 def _gently(t: Array, u: Array) -> Array:

@@ -17,7 +17,7 @@ Hook = tuple[str, Callable[[Signals], None]]  # a stage and what to do to the si
 
 SIZES: Ranges = {
     "gauge_length_mm": (25.0, 120.0),
-    "force_full_N": (3.0, 40.0),
+    "force_full_N": (5.0, 50.0),
     "resistance_full_ohm": (1e3, 2e6),
     "pretension": (0.01, 0.06),
     "friction": (0.02, 0.12),

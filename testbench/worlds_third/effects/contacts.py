@@ -37,7 +37,7 @@ def presses_fast_parts_slowly(s: Signals, size: float, rng: Rng, press_s: float,
     s.pressure = s.pressure + size * (late - s.pressure)
 
 
-@_form("contact_saturation", limit=8.0)
+@_form("contact_saturation", limit=30.0)
 def all_spots_used(s: Signals, size: float, rng: Rng) -> None:
     """Langmuir: free spots run out; half are used at pressure 1/size."""
     p = np.maximum(s.pressure, 0.0)

@@ -12,7 +12,7 @@ from testbench.worlds_third.effects.form import Form, form_of
 from testbench.worlds_third.signals import Array, Signals
 
 FORMS: list[Form] = []
-_form = partial(form_of, FORMS, stage="mechanics", main="force", limit=0.7)
+_form = partial(form_of, FORMS, stage="mechanics", main="force", limit=0.9)
 Rng = np.random.Generator
 
 
