@@ -2,7 +2,7 @@
 
     python benchmarks/bench_diagnosis.py                                 a taste: 6 cases
     python benchmarks/bench_diagnosis.py --simulator second --minutes 8  the same on the second, independent simulator
-    python benchmarks/bench_diagnosis.py --simulator third --quick       on the third: for final figures, not to tune by
+    python benchmarks/bench_diagnosis.py --simulator third --quick       on the third: final figures, not to tune by
     python benchmarks/bench_diagnosis.py --quick                         every effect once, at 5x
     python benchmarks/bench_diagnosis.py --full --results r.jsonl -j 2   everything; resumes where it stopped
     python benchmarks/bench_diagnosis.py --results r.jsonl --report      only the tables of what is there

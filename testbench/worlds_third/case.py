@@ -133,8 +133,8 @@ class _Rig:
         self.moved = [self._moved(name, minutes, rate_hz, parts, protocol) for name in RECORDINGS]
         self.zero_force = between(stream(seed, "clamps/force"), -0.02, 0.02) if reclamped else 0.0
         self.base = self.run([])
-        first = self.base[0]
-        self.tops = (float(first.force.max()), float(first.log_g.min()), float(first.log_g.max()))
+        force, log_g = (np.concatenate(one) for one in zip(*((s.force, s.log_g) for s in self.base), strict=True))
+        self.tops = (float(force.max()), float(log_g.min()), float(log_g.max()))
 
     tops = (1.0, -1.0, 0.0)
 

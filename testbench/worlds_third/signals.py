@@ -28,8 +28,7 @@ class Signals:
     rate_hz, parts
         Samples a second, and steps of the physics for each of them.
     tops
-        Largest force, smallest and largest ln G of the calibration recording without any effect: where an
-        instrument may clip, in both recordings alike.
+        Largest force, smallest and largest ln G of both recordings without any effect: where an instrument may clip.
     """
 
     time_s: Array

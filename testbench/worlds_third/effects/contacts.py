@@ -46,6 +46,6 @@ def all_spots_used(s: Signals, size: float, rng: Rng) -> None:
 
 @_form("contact_saturation", limit=0.95, width=(0.02, 0.08))
 def plateau(s: Signals, size: float, rng: Rng, width: float) -> None:
-    """Rises no further than a level that lies `size` below the end of the stroke (rounded, 0.2 above it at first)."""
-    level = 1.2 - 1.2 * size
+    """Rises no further than a level, 1.5 (out of reach) at size 0 and 0 at size 1, rounded."""
+    level, width = 1.5 - 1.5 * size, width * min(1.0, 3.0 * size) + 1e-9
     s.pressure = s.pressure - width * np.logaddexp(0.0, (s.pressure - level) / width)

@@ -96,9 +96,9 @@ def limp_start(s: Signals, size: float, rng: Rng) -> None:
 @_form("slack", softness=(0.1, 0.3))
 def curled_start(s: Signals, size: float, rng: Rng, softness: float) -> None:
     """The curled edges unroll: the first stretch is only partly stretch."""
-    width = softness * size + 1e-6
+    width = softness * size + 1e-9
     limp = width * (np.logaddexp(0.0, (s.strain - size) / width) - np.logaddexp(0.0, -size / width))
-    s.strain = limp / (1.0 - size)
+    s.strain = limp / (1.0 - size) + np.minimum(s.strain, 0.0)
 
 
 def _steps(count: int, at: Array, lengths: Array) -> Array:

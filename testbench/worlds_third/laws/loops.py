@@ -42,7 +42,7 @@ def none(x: Array) -> Array:
 
 LOOPS = {
     "delayed_contact": Law(delayed_contact, {"reach": (0.03, 0.12), "lateness": (0.0, 1.0)}),
-    "threshold_bank": Law(threshold_bank, {"gap": (0.05, 0.2), "spread": (0.06, 0.2), "centre": (0.25, 0.7)}),
+    "threshold_bank": Law(threshold_bank, {"gap": (0.08, 0.3), "spread": (0.06, 0.2), "centre": (0.25, 0.7)}),
     "unequal_ways": Law(unequal_ways, {"reach": (0.03, 0.12), "belly": (0.5, 1.5)}),
     "none": Law(none),
 }
