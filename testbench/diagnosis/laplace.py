@@ -11,9 +11,9 @@ from testbench.diagnosis import constants
 from testbench.diagnosis.evidence import LogEvidence, NormalEquations, maximised, opened
 from testbench.diagnosis.likelihood import Likelihood
 from testbench.diagnosis.priors import Priors, priors_of
-from testbench.discrepancy.measurement import CONDUCTANCE_CHANNEL
-from testbench.discrepancy.parameters import values_of, with_values
-from testbench.discrepancy.sensitivity import RELATIVE_STEP
+from testbench.fitting.measurement import CONDUCTANCE_CHANNEL
+from testbench.fitting.parameters import values_of, with_values
+from testbench.fitting.sensitivity import RELATIVE_STEP
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel, SimulationCache
 

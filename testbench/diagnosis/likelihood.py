@@ -13,10 +13,10 @@ from itertools import pairwise
 import numpy as np
 
 from testbench.diagnosis import constants
-from testbench.discrepancy.errors import sampled
-from testbench.discrepancy.measurement import Measurement, channel_of
-from testbench.discrepancy.motion import reading_noise
-from testbench.discrepancy.noise import noise_floor, robust_sd
+from testbench.fitting.errors import sampled
+from testbench.fitting.measurement import Measurement, channel_of
+from testbench.fitting.motion import reading_noise
+from testbench.fitting.noise import noise_floor, robust_sd
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
 
