@@ -135,7 +135,7 @@ class _Search:
         self.sigma = {c: max(_trimmed(rows[0]), likelihood.least[c]) for c, rows in self.columns.items()}
 
     def run(self, iterations: int) -> Hypothesis:
-        damping, quiet, fresh = 1e-4, False, self.exact
+        damping, quiet, fresh = 1.0, False, self.exact
         for _ in range(iterations):
             normal, robust = self.normal()
             evidence = maximised(normal, iterations=3, scale=self.scale)
@@ -143,7 +143,9 @@ class _Search:
                 # What was switched off on the way may be needed where the search has come to.
                 again = maximised(normal, iterations=12, scale=opened(self.scale))
                 evidence = max(evidence, again, key=lambda one: one.value)
-            self.scale, self.sigma = evidence.scale, dict(evidence.sigma)
+            self.scale = evidence.scale
+            # The linear model promises more than the next step keeps: a promise must make no outlier of a sample.
+            self.sigma = {c: max(sigma, _trimmed(self.columns[c][0])) for c, sigma in evidence.sigma.items()}
             gain, damping = self.move(normal, damping)
             if gain is None and fresh:
                 break
@@ -170,15 +172,15 @@ class _Search:
 
     def move(self, normal: NormalEquations, damping: float):
         cost = self.cost({c: rows[0] for c, rows in self.columns.items()}, self.x)
-        while damping < 1e5:
+        while damping < 1e9:
             step = self.step(normal, damping)
             trial = with_values(self.model, self.priors.parameters, self.x + step)
             then = self.cost(self.residual(trial), self.x + step)
             if then < cost:
                 self.model, self.x = trial, values_of(trial, self.priors.parameters)
-                return cost - then, max(damping / 10, 1e-7)
-            damping = max(damping * 10, 1e-4)
-        return None, 1e-3
+                return cost - then, max(damping / 10, 1e-3)
+            damping *= 10
+        return None, 1.0
 
     def residual(self, model: KnitModel) -> dict[str, FloatArray]:
         left = self.likelihood.measurement.residual(model, self.cache)
@@ -259,7 +261,7 @@ class _Search:
 
     def step(self, normal: NormalEquations, damping: float) -> FloatArray:
         """A step of all parameters, within their bounds."""
-        total = sum(g * (normal.share[c] / self.sigma[c] ** 2) for c, g in normal.products.items())
+        total = np.sum([g * (normal.share[c] / self.sigma[c] ** 2) for c, g in normal.products.items()], axis=0)
         factor = np.where(normal.group >= 0, self.scale[normal.group], 1.0) if len(self.scale) else 1.0
         precision = normal.precision * factor
         matrix, gradient = total[1:, 1:] + np.diag(precision), total[1:, 0] + precision * normal.mean
@@ -268,7 +270,10 @@ class _Search:
         free = np.flatnonzero(~(np.abs(self.directions.basis[held]).sum(axis=0) > 0.5))
         inner = matrix[np.ix_(free, free)]
         step = np.zeros(len(gradient))
-        step[free] = np.linalg.solve(inner + damping * np.diag(np.diag(inner)), gradient[free])
+        # Steps are short against what is believed, not against what the data know: laws that resemble each other
+        # may trade much. Weights are linear.
+        damped = np.where(normal.group[free] < 0, damping * (precision[free] + 1e-5 * np.diag(inner)), 0.0)
+        step[free] = np.linalg.solve(inner + np.diag(damped), gradient[free])
         return np.clip(self.x + self.directions.full(step), low, high) - self.x
 
     def cost(self, residual: Mapping[str, FloatArray], x: FloatArray) -> float:
