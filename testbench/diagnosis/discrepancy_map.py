@@ -13,7 +13,7 @@ from testbench.comparing.freeform import features
 from testbench.diagnosis.evidence import maximised, opened
 from testbench.diagnosis.laplace import Hypothesis, tail
 from testbench.diagnosis.likelihood import Likelihood
-from testbench.diagnosis.proposals import Screen
+from testbench.diagnosis.proposals import extended
 from testbench.fitting.measurement import Measurement
 from testbench.knit.effect import FloatArray
 
@@ -33,7 +33,8 @@ class Map:
 
     def __init__(self, hypothesis: Hypothesis, likelihood: Likelihood) -> None:
         names, groups, values = _features(likelihood.measurement)
-        screen, channels = Screen(hypothesis, likelihood), list(hypothesis.columns)
+        channels = list(hypothesis.columns)
+        base = {c: columns * hypothesis.robust[c] for c, columns in hypothesis.columns.items()}
         picked = values[:, likelihood.rows]
         count, size = len(values), len(hypothesis.priors.mean)
         rows = {c: np.zeros((count * len(channels), len(likelihood.rows))) for c in channels}
@@ -45,13 +46,13 @@ class Map:
             rows[c][part] = picked * (likelihood.weight[c] * hypothesis.robust[c])
             precision += [hypothesis.evidence.sigma[c] ** -2.0] * count
             group += [first + place * len(names) + g for g in groups]
-        normal = screen.extended(rows, [0.0] * len(precision), precision, group)
+        normal = extended(hypothesis.pinned, base, rows, [0.0] * len(precision), precision, group)
         scale = np.r_[opened(hypothesis.evidence.scale), np.full(len(names) * len(channels), 10.0)]
         found = maximised(normal, scale=scale, iterations=12, start=hypothesis.evidence)
         self.left, self.gains, tails = {}, {}, 0.0
         for place, c in enumerate(channels):
             amounts = found.coefficients[size:]
-            residual = screen.base[c][0] - found.coefficients[:size] @ screen.base[c][1:]
+            residual = base[c][0] - found.coefficients[:size] @ base[c][1:]
             self.left[c] = residual - amounts @ rows[c]
             tails += tail(
                 self.left[c] / hypothesis.robust[c] / found.sigma[c], hypothesis.robust[c], likelihood.share[c]

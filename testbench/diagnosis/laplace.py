@@ -19,6 +19,8 @@ from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel, SimulationCache
 
 FINAL_WEIGHTS = 3
+AT_REST = 0.2  # nats gained in a step
+HELD = 1e12  # precision of what is held at a bound
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,6 +33,9 @@ class Hypothesis:
     priors : Priors
     normal : NormalEquations
         At `model`; residual and sensitivities.
+    held : ndarray of bool, shape (p,)
+        Parameters that stay where they are as models are compared: what is at its bound, and those of the base laws,
+        which bend less far than their tangents and are covered by their shapes.
     evidence : LogEvidence
     log_z : float
         With the tails of the noise.
@@ -43,6 +48,7 @@ class Hypothesis:
     model: KnitModel
     priors: Priors
     normal: NormalEquations
+    held: np.ndarray
     evidence: LogEvidence
     tails: float
     columns: Mapping[str, FloatArray]
@@ -51,6 +57,11 @@ class Hypothesis:
     @property
     def log_z(self) -> float:
         return self.evidence.value + self.tails
+
+    @property
+    def pinned(self) -> NormalEquations:
+        """The normal equations by which the model is compared with others."""
+        return _pinned(self.normal, self.held)
 
     @property
     def vector(self) -> FloatArray:
@@ -112,6 +123,7 @@ class _Search:
         self.likelihood, self.cache = likelihood, SimulationCache()
         known = {**(like.priors.believed if like else {}), **believed}
         self.priors = priors_of(model, likelihood.measurement, reference, known)
+        self.base = frozenset(reference)
         self.model, self.x = model, values_of(model, self.priors.parameters)
         scales = like.scales if like else {}
         self.scale = opened(np.array([scales.get(name, 1.0) for name in self.priors.groups]))
@@ -131,6 +143,7 @@ class _Search:
         )
         self.exact = not quick or moved
         self.stale = True
+        self.held = np.zeros(len(self.x), bool)  # at a bound that the data push against
         self.linearise(range(len(self.x)) if moved else new)
         self.sigma = {c: max(_trimmed(rows[0]), likelihood.least[c]) for c, rows in self.columns.items()}
 
@@ -152,7 +165,7 @@ class _Search:
             if gain is None:
                 self.all = np.arange(len(self.x))  # what was taken from a neighbour does not hold here
             # The columns of the shapes' weights hardly change; they are made anew where the search comes to rest.
-            rest = gain is None or gain < 1.0
+            rest = gain is None or gain < AT_REST
             if rest and quiet and fresh:
                 break
             quiet = rest
@@ -160,15 +173,20 @@ class _Search:
             self.linearise(self.all if rest else self.curved)
         if not fresh:
             self.linearise(self.all)
+        at_bound, own = self.held, self.priors.group < 0
+        self.held = at_bound | (
+            own & np.array([p.address.partition(".")[0] in self.base for p in self.priors.parameters])
+        )
         for _ in range(FINAL_WEIGHTS):  # until the weights of outliers and the noise agree
             normal, robust = self.normal()
             tried = (maximised(normal, scale=one, iterations=12) for one in (self.scale, opened(self.scale)))
             evidence = max(tried, key=lambda one: one.value)
             self.scale, self.sigma = evidence.scale, dict(evidence.sigma)
+        held, self.held = self.held, at_bound
         normal = self.all_normal(robust)
-        evidence = maximised(normal, start=evidence, scale=self.scale, iterations=2)
+        evidence = maximised(_pinned(normal, held), start=evidence, scale=self.scale, iterations=2)
         tails = self.tails(robust, evidence.sigma)
-        return Hypothesis(self.model, self.priors, normal, evidence, tails, self.columns, robust)
+        return Hypothesis(self.model, self.priors, normal, held, evidence, tails, self.columns, robust)
 
     def move(self, normal: NormalEquations, damping: float):
         cost = self.cost({c: rows[0] for c, rows in self.columns.items()}, self.x)
@@ -244,13 +262,17 @@ class _Search:
             z = np.abs(rows[0]) / self.sigma[c]
             robust[c] = np.sqrt(np.minimum(1.0, constants.HUBER / np.maximum(z, 1e-12)))
         own = np.argmax(self.directions.basis != 0, axis=0)  # members of a group have one precision
-        mean = self.directions.along(self.priors.mean - self.x)
-        return self.equations(self.rows, robust, mean, self.priors.precision[own], group), robust
+        mean, precision = self.believed()
+        return self.equations(self.rows, robust, self.directions.along(mean), precision[own], group), robust
+
+    def believed(self) -> tuple[FloatArray, FloatArray]:
+        """Prior of the step from here; what is held makes none."""
+        mean = np.where(self.held, 0.0, self.priors.mean - self.x)
+        return mean, np.where(self.held, HELD, self.priors.precision)
 
     def all_normal(self, robust: Mapping[str, FloatArray]) -> NormalEquations:
         """For every parameter."""
-        priors = self.priors
-        return self.equations(self.columns, robust, priors.mean - self.x, priors.precision, priors.group)
+        return self.equations(self.columns, robust, *self.believed(), self.priors.group)
 
     def equations(self, rows: Mapping[str, FloatArray], robust, mean, precision, group) -> NormalEquations:
         products = {c: _gram(values * robust[c]) for c, values in rows.items()}
@@ -266,8 +288,8 @@ class _Search:
         precision = normal.precision * factor
         matrix, gradient = total[1:, 1:] + np.diag(precision), total[1:, 0] + precision * normal.mean
         low, high, push = self.priors.low, self.priors.high, self.directions.full(gradient)
-        held = ((self.x <= low) & (push < 0)) | ((self.x >= high) & (push > 0))
-        free = np.flatnonzero(~(np.abs(self.directions.basis[held]).sum(axis=0) > 0.5))
+        self.held = ((self.x <= low) & (push < 0)) | ((self.x >= high) & (push > 0))
+        free = np.flatnonzero(~(np.abs(self.directions.basis[self.held]).sum(axis=0) > 0.5))
         inner = matrix[np.ix_(free, free)]
         step = np.zeros(len(gradient))
         # Steps are short against what is believed, not against what the data know: laws that resemble each other
@@ -302,6 +324,12 @@ def _trimmed(values: FloatArray) -> float:
     return float(np.sqrt(np.mean(np.minimum(values**2, np.quantile(values**2, 0.98)))))
 
 
+def _pinned(normal: NormalEquations, held: np.ndarray) -> NormalEquations:
+    """The same with some coefficients kept where they are."""
+    mean, precision = np.where(held, 0.0, normal.mean), np.where(held, HELD, normal.precision)
+    return replace(normal, mean=mean, precision=precision)
+
+
 def _gram(rows: FloatArray) -> FloatArray:
     return rows @ rows.T
 
@@ -309,6 +337,6 @@ def _gram(rows: FloatArray) -> FloatArray:
 def under(h: Hypothesis, likelihood: Likelihood) -> Hypothesis:
     """The same point judged with samples that count otherwise; the linear model finds the new maximum."""
     normal = replace(h.normal, counts=likelihood.counts, share=likelihood.share)
-    evidence = maximised(normal, scale=h.evidence.scale, iterations=15)
+    evidence = maximised(_pinned(normal, h.held), scale=h.evidence.scale, iterations=15)
     tails = sum(tail(rows[0] / evidence.sigma[c], h.robust[c], likelihood.share[c]) for c, rows in h.columns.items())
     return replace(h, normal=normal, evidence=evidence, tails=tails)

@@ -90,10 +90,11 @@ def laws_of(hypothesis: Hypothesis, likelihood: Likelihood, catalogue: Catalogue
 
 
 class Screen:
-    """First-order evidence beside a fitted model."""
+    """First-order evidence beside a fitted model, all of whose parameters may give way."""
 
     def __init__(self, hypothesis: Hypothesis, likelihood: Likelihood) -> None:
         self.hypothesis, self.likelihood = hypothesis, likelihood
+        self.plain = maximised(hypothesis.normal, scale=hypothesis.evidence.scale, start=hypothesis.evidence)
         self.scales = shape_scales(likelihood.measurement)
         self.base = {c: rows * hypothesis.robust[c] for c, rows in hypothesis.columns.items()}
 
@@ -112,7 +113,7 @@ class Screen:
 
     def _first_order(self, tried: Sequence[Candidate], rows: Rows) -> FloatArray:
         """Gains at the scales of the model as it is, shape (m,)."""
-        evidence, normal = self.hypothesis.evidence, self.hypothesis.normal
+        evidence, normal = self.plain, self.hypothesis.normal
         share = {c: normal.share[c] / evidence.sigma[c] ** 2 for c in rows}
         with_base = sum((rows[c] @ self.base[c].T) * share[c] for c in rows)
         size = sum(np.einsum("ij,ij->i", rows[c], rows[c]) * share[c] for c in rows)
@@ -134,7 +135,7 @@ class Screen:
         if gain > 0.5:
             mean, precision = amplitude_prior(candidate, self.scales)
             found = self.evidence({c: values[index : index + 1] for c, values in rows.items()}, mean, precision, -1)
-            amount, gain = float(found.coefficients[-1]), found.value - self.hypothesis.evidence.value
+            amount, gain = float(found.coefficients[-1]), found.value - self.plain.value
             if amount <= 0 and not two_signed(type(candidate.effect)):
                 gain = -1.0
         # The best of so many points is no better than one for having been chosen.
@@ -150,31 +151,34 @@ class Screen:
         found = self.evidence(rows, 0.0, 1e-4, 0, iterations=12)
         weights = tuple(float(a) * first.strength for a in found.coefficients[-count:])
         effect = first.effect.near(**{first.effect.strength: weights})
-        gain = found.value - self.hypothesis.evidence.value
+        gain = found.value - self.plain.value
         return Proposal(law.mechanism, first.form, effect, gain)
 
     def evidence(self, rows: Rows, mean: float, precision: float, group: int, iterations: int = 6) -> LogEvidence:
         """The model beside more columns of one prior; `group` 0: their scale is found by evidence."""
         count = len(next(iter(rows.values())))
-        start = self.hypothesis.evidence
+        start = self.plain
         number = -1 if group < 0 else len(start.scale)
-        bigger = self.extended(rows, [mean] * count, [precision] * count, [number] * count)
+        bigger = extended(
+            self.hypothesis.normal, self.base, rows, [mean] * count, [precision] * count, [number] * count
+        )
         scale = start.scale if group < 0 else np.r_[opened(start.scale), 1.0]
         return maximised(bigger, scale=scale, iterations=iterations, start=start)
 
-    def extended(self, rows: Rows, mean, precision, group) -> NormalEquations:
-        """The normal equations with more columns (already weighted robustly)."""
-        normal, products = self.hypothesis.normal, {}
-        for c, gram in normal.products.items():
-            cross = rows[c] @ self.base[c].T
-            products[c] = np.block([[gram, cross.T], [cross, rows[c] @ rows[c].T]])
-        return replace(
-            normal,
-            products=products,
-            mean=np.r_[normal.mean, mean],
-            precision=np.r_[normal.precision, precision],
-            group=np.r_[normal.group, np.asarray(group, int)],
-        )
+
+def extended(normal: NormalEquations, base: Rows, rows: Rows, mean, precision, group) -> NormalEquations:
+    """The normal equations with more columns (`base` and `rows` already weighted robustly)."""
+    products = {}
+    for c, gram in normal.products.items():
+        cross = rows[c] @ base[c].T
+        products[c] = np.block([[gram, cross.T], [cross, rows[c] @ rows[c].T]])
+    return replace(
+        normal,
+        products=products,
+        mean=np.r_[normal.mean, mean],
+        precision=np.r_[normal.precision, precision],
+        group=np.r_[normal.group, np.asarray(group, int)],
+    )
 
 
 def amplitude_prior(candidate: Candidate, scales: Mapping[str, float]) -> tuple[float, float]:

@@ -110,12 +110,16 @@ class Round:
             # And what explains little is no name, however much better it is than nothing.
             if share > constants.MOST_LEFT:
                 logs[entry.mechanism] = min(logs[entry.mechanism], rest + _named(share))
+        untried = self.left(self.before)
+        if untried > constants.MOST_LEFT:
+            for mechanism in set(self.laws) - set(self._speakers()):
+                logs[mechanism] = min(logs[mechanism], rest + _named(untried))
         total = logsumexp(list(logs.values()))
         return {name: float(np.exp(value - total)) for name, value in logs.items()}
 
     def _speakers(self) -> dict[str, Entry]:
-        """The best refitted law of each mechanism."""
-        return {e.mechanism: e for e in sorted(self.entries, key=lambda e: e.log_z)}
+        """The best refitted law of each mechanism; two that both reach the noise differ in what they cost."""
+        return {e.mechanism: e for e in sorted(self.entries, key=lambda e: e.hypothesis.log_z)}
 
     def _log_posterior(self, mechanism: str) -> float:
         """Log prior and evidence of a mechanism, its laws summed; to first order if none was refitted."""
@@ -190,9 +194,9 @@ class Search:
 
     def round(self, current: Hypothesis) -> Round:
         self.tell("screening the catalogue")
-        laws = laws_of(current, self.likelihood, self.catalogue, self.pool)
         likelihood = self.likelihood
         current = under(current, likelihood)
+        laws = laws_of(current, likelihood, self.catalogue, self.pool)
         proposals = Screen(current, likelihood).proposals(laws)
         counted: dict[str, int] = {}
         for p in proposals:

@@ -16,6 +16,9 @@ def _coefficient(power: str) -> float:
     )
 
 
+WANDER_BUMPS = 22
+
+
 class SelfHeating(Effect):
     """The measuring current warms the sensor; at constant voltage the more, the better it conducts.
 
@@ -198,7 +201,7 @@ class TemperatureDriftWander(Effect):
     ln G += sum_j w_j B_j(t / duration)
 
     Source: as `temperature_drift`; penalised splines, Eilers & Marx, Statist. Sci. 11 (1996) 89.
-    Valid: wandering slower than a tenth of the recording. It can imitate any slow drift: measure the temperature.
+    Valid: wandering slower than a twentieth of the recording. It can imitate any slow drift: measure the temperature.
     """
 
     name = "temperature_drift_wander"
@@ -211,7 +214,9 @@ class TemperatureDriftWander(Effect):
     per_recording = ("weights",)
     look = "conductance wanders slowly, differently in every recording, whatever the motion"
 
-    weights: tuple[float, ...] = parameter((0.0,) * 10, unit="1", low=-5, high=5, doc="height of each bump over time")
+    weights: tuple[float, ...] = parameter(
+        (0.0,) * WANDER_BUMPS, unit="1", low=-5, high=5, doc="height of each bump over time"
+    )
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         from testbench.knit.kernels import bspline
@@ -254,7 +259,7 @@ class ThermalSofteningWander(Effect):
     F *= max(1 + sum_j w_j B_j(t / duration), 0)
 
     Source: as `thermal_softening`; penalised splines, Eilers & Marx, Statist. Sci. 11 (1996) 89.
-    Valid: wandering slower than a tenth of the recording. It can imitate any slow loss: measure the temperature.
+    Valid: wandering slower than a twentieth of the recording. It can imitate any slow loss: measure the temperature.
     """
 
     name = "thermal_softening_wander"
@@ -265,7 +270,9 @@ class ThermalSofteningWander(Effect):
     per_recording = ("weights",)
     look = "force swells and sinks slowly, differently in every recording, whatever the motion"
 
-    weights: tuple[float, ...] = parameter((0.0,) * 10, unit="1", low=-1, high=1, doc="height of each bump over time")
+    weights: tuple[float, ...] = parameter(
+        (0.0,) * WANDER_BUMPS, unit="1", low=-1, high=1, doc="height of each bump over time"
+    )
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         from testbench.knit.kernels import bspline

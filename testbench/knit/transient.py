@@ -9,7 +9,7 @@ import numpy as np
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 from testbench.knit.filters import highpass, lagging_rate, log_conductance, lowpass, rate, shifted
 
-SMALLEST_TURN = 2e-3  # strain; wobbles below are no turns
+SMALLEST_TURN = 0.02  # of the span; wobbles below are no turns
 
 
 class ElectricalOvershoot(Effect):
@@ -143,7 +143,7 @@ class ShoulderPeak(Effect):
 class ShoulderPeakAnywhere(Effect):
     """Peaks of the resistance at some strains on the way back, none on the way out.
 
-    ln G += (1 - z) / 2 * sum_j w_j B_j(e / span),   dz/de = (sgn(de) - z) / travel
+    ln G += (1 - z) / 2 * sum_j w_j B_j(e / span),   dz/de = (sgn(de) - z) / (travel * span)
 
     Source: Flandin, Hiltner & Baer, Polymer 42 (2001) 827; penalised splines, Eilers & Marx, Statist. Sci. 11 (1996)
     89. Valid: inside the strain seen in the fit.
@@ -159,14 +159,16 @@ class ShoulderPeakAnywhere(Effect):
     weights: tuple[float, ...] = parameter(
         (0.0,) * 14, unit="1", low=-5, high=5, doc="height of each bump over strain"
     )
-    travel: float = parameter(0.02, unit="1", low=1e-4, high=0.5, scale="log", doc="strain until a turn is forgotten")
+    travel: float = parameter(
+        0.06, unit="1", low=1e-3, high=1, scale="log", doc="strain until a turn is forgotten, over the span"
+    )
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain covered by the bumps")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         from testbench.knit.kernels import bspline, dahl
 
         e = signals["strain"]
-        back = 0.5 * (1 - dahl(e, self.travel))
+        back = 0.5 * (1 - dahl(e, self.travel * self.span))
         return {
             "conductance_S": shifted(signals["conductance_S"], back * bspline(e / self.span, np.array(self.weights)))
         }
@@ -175,7 +177,7 @@ class ShoulderPeakAnywhere(Effect):
 class ShoulderPeakAfterTurn(Effect):
     """Peaks of the resistance on the way back, at some shares of the stretch from which the knit came back.
 
-    ln G += (1 - z) / 2 * sum_j w_j B_j(e / e_turn),   dz/de = (sgn(de) - z) / travel
+    ln G += (1 - z) / 2 * sum_j w_j B_j(e / e_turn),   dz/de = (sgn(de) - z) / (travel * span)
 
     e_turn is the strain of the last turn.
 
@@ -193,15 +195,19 @@ class ShoulderPeakAfterTurn(Effect):
     weights: tuple[float, ...] = parameter(
         (0.0,) * 14, unit="1", low=-5, high=5, doc="height of each bump over the share of the last turn"
     )
-    travel: float = parameter(0.02, unit="1", low=1e-4, high=0.5, scale="log", doc="strain until a turn is forgotten")
+    travel: float = parameter(
+        0.06, unit="1", low=1e-3, high=1, scale="log", doc="strain until a turn is forgotten, over the span"
+    )
+
+    span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain at the end of the stroke")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         from testbench.knit.kernels import bspline, dahl, turns
 
         e = signals["strain"]
-        turned = e[turns(e, SMALLEST_TURN)[0].astype(int)]
-        share = e / np.maximum(turned, SMALLEST_TURN)
-        peaks = 0.5 * (1 - dahl(e, self.travel)) * bspline(share, np.array(self.weights))
+        turned = e[turns(e, SMALLEST_TURN * self.span)[0].astype(int)]
+        share = e / np.maximum(turned, SMALLEST_TURN * self.span)
+        peaks = 0.5 * (1 - dahl(e, self.travel * self.span)) * bspline(share, np.array(self.weights))
         return {"conductance_S": shifted(signals["conductance_S"], peaks)}
 
 

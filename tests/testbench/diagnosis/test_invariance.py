@@ -46,7 +46,7 @@ def plain() -> Diagnosis:
 def same(one: Diagnosis, other: Diagnosis) -> None:
     """The same said with the same certainty, to what rounding and the order of sums allow."""
     assert one.verdict == other.verdict
-    assert [found.form for found in one.found] == [found.form for found in other.found]
+    assert [found.effect for found in one.found] == [found.effect for found in other.found]
     assert set(one.probabilities) == set(other.probabilities)
     for name, chance in one.probabilities.items():
         assert other.probabilities[name] == pytest.approx(chance, abs=0.01), name
