@@ -107,7 +107,6 @@ BUILT_IN = {
     "temperature_drift": "testbench.knit.heat:TemperatureDrift",
     "temperature_drift_trend": "testbench.knit.heat:TemperatureDriftTrend",
     "temperature_drift_wander": "testbench.knit.heat:TemperatureDriftWander",
-    "thermal_softening_wander": "testbench.knit.heat:ThermalSofteningWander",
     "thermal_softening": "testbench.knit.heat:ThermalSoftening",
     # read-out
     "channel_lag": "testbench.knit.channel_lag:ChannelLag",
