@@ -139,14 +139,18 @@ class ZoomingPlot:
     def draw(self, drawn: Drawn) -> None:
         """Draw something else over the same stretch."""
         self.drawn = drawn
-        self.picture.show(drawn(*self.span))
+        self._show()
+
+    def _show(self) -> None:
+        # The range goes with the figure: plotly keeps only a range that the mouse has set.
+        self.picture.show(looking_at(self.drawn(*self.span), self.span))
 
     def _zoomed(self, event: events.GenericEventArguments) -> None:
         span = zoomed_span(event.args)
         if span is not None:
             self.span = span
             self._fields.tell(*span)
-            self.picture.show(self.drawn(*span))
+            self._show()
             self._on_span(span)
 
 

@@ -238,9 +238,12 @@ def later(build: Callable[[], Awaitable[None] | None]) -> None:
 
 
 def name_in_page(selector: str, name: str) -> None:
-    """Give a part that its component leaves nameless a name for screen readers."""
+    """Give a part that its component leaves nameless a name for screen readers, as soon as it is there."""
     ui.run_javascript(
-        f"document.querySelectorAll({json.dumps(selector)}).forEach(e => e.ariaLabel = {json.dumps(name)})"
+        f"const named = () => {{ const parts = document.querySelectorAll({json.dumps(selector)});"
+        f" parts.forEach(e => e.ariaLabel = {json.dumps(name)}); return parts.length; }};"
+        " if (!named()) { const waiting = new MutationObserver(() => named() && waiting.disconnect());"
+        " waiting.observe(document.body, { childList: true, subtree: true }); }"
     )
 
 

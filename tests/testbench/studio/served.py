@@ -67,12 +67,18 @@ def start_studio(root: Path, port: int, refresh_s: float = 0.5) -> subprocess.Po
     # NiceGUI behaves differently where it sees pytest in the environment.
     environment = {key: value for key, value in os.environ.items() if not key.startswith(("PYTEST", "NICEGUI"))}
     process = subprocess.Popen(argv, cwd=root.parent, env=environment)
-    _wait_for(port)
+    try:
+        _wait_for(port, process)
+    except BaseException:
+        process.kill()
+        process.wait()
+        raise
     return process
 
 
-def _wait_for(port: int) -> None:
+def _wait_for(port: int, process: subprocess.Popen) -> None:
     for _ in range(900):
+        assert process.poll() is None, "the studio ended at its start; see its words above"
         with socket.socket() as probe:
             if probe.connect_ex(("127.0.0.1", port)) == 0:
                 return

@@ -17,6 +17,7 @@ from compensation.cli import main as compensation
 from gcode.cli import main as gcode
 from testbench.cli import main as run_testbench
 from tests.testbench.studio.browsing import IN_CHROMIUM, browser, page, running, shot
+from tests.testbench.studio.seeing import nameless, unreadable
 from tests.testbench.studio.served import Served
 
 pytestmark = IN_CHROMIUM
@@ -105,14 +106,34 @@ IN_VIEW = """() => {
 }"""
 
 
+@pytest.mark.parametrize("width", [1280, 390])
+def test_everything_can_be_read_and_has_a_name(full: Served, browser, width: int) -> None:
+    context = browser.new_context(viewport={"width": width, "height": 844})
+    tab = context.new_page()
+    wrong: dict[str, list[str]] = {}
+    for path, words in PAGES.items():
+        tab.goto(full.address + path)
+        tab.get_by_text(words).first.wait_for(timeout=60_000)
+        draw_all(tab)
+        found = unreadable(tab) + nameless(tab)
+        wrong |= {path: found} if found else {}
+    context.close()
+    assert not wrong
+
+
+def draw_all(tab) -> None:
+    """Bring every plot near the screen, and wait until it is drawn."""
+    for plot in tab.locator(".js-plotly-plot").all():
+        plot.scroll_into_view_if_needed()
+        tab.wait_for_function("e => e.dataset.drawn", arg=plot.element_handle())
+
+
 def test_panels_stack_on_a_phone_and_no_plot_overlaps_the_next(full: Served, browser) -> None:
     context = browser.new_context(viewport={"width": 390, "height": 844})
     tab = context.new_page()
     tab.goto(f"{full.address}/recording?c=knit")
     tab.get_by_text("How often each value occurred").wait_for(timeout=60_000)
-    for plot in tab.locator(".js-plotly-plot").all():
-        plot.scroll_into_view_if_needed()
-        tab.wait_for_function("e => e.dataset.drawn", arg=plot.element_handle())
+    draw_all(tab)
     widths = tab.evaluate(
         "[...document.querySelectorAll('.js-plotly-plot')].map(e => [e.layout.xaxis.domain, e.layout.xaxis2?.domain])"
     )
