@@ -127,7 +127,7 @@ class Job:
         said = [str(event[key]) for key in ("label", "note", "message") if event.get(key)]
         self.note = " · ".join(said) or self.note
         if event.get("note"):
-            self.pace.hear(str(event["note"]), self.share, self.elapsed_s)
+            self.pace.hear(str(event["note"]), self.share, self.elapsed_s, self.step.partition(" of ")[0])
 
 
 def _counted(event: dict[str, Any]) -> str:

@@ -24,14 +24,15 @@ CONTRAST = r"""() => {
   const ancestors = (element) => (element ? [element, ...ancestors(element.parentElement)] : []);
   const shown = (element) => {
     const box = element.getBoundingClientRect();
-    return box.width > 1 && box.height > 1 && element.checkVisibility({ opacityProperty: true, visibilityProperty: true });
+    const seen = { opacityProperty: true, visibilityProperty: true };
+    return box.width > 1 && box.height > 1 && element.checkVisibility(seen);
   };
   const behind = (element) =>
     ancestors(element).reverse().reduce((under, one) => over(parse(getComputedStyle(one).backgroundColor), under),
       [255, 255, 255]);
   const faint = (element) => ancestors(element).reduce((all, one) => all * Number(getComputedStyle(one).opacity), 1);
   const exempt = (element) =>
-    element.closest("[disabled], .disabled, [aria-disabled=true], [aria-hidden=true], .material-icons, .q-icon, .cm-gutters");
+    element.closest("[disabled], .disabled, [aria-disabled=true], [aria-hidden=true], .q-icon, .cm-gutters");
   const colourOf = (element) => {
     const style = getComputedStyle(element);
     const inked = element.closest("svg") ? style.fill : style.color;
@@ -53,9 +54,9 @@ CONTRAST = r"""() => {
 }"""
 
 NAMED = {
-    "button", "link", "textbox", "searchbox", "spinbutton", "combobox", "checkbox", "radio", "switch", "slider", "tab",
-    "image", "img", "progressbar", "navigation", "region",
-}  # fmt: skip
+    *("button", "link", "textbox", "searchbox", "spinbutton", "combobox", "checkbox", "radio", "switch", "slider"),
+    *("tab", "image", "img", "progressbar", "navigation", "region"),
+}
 
 
 def unreadable(page: Any) -> list[str]:

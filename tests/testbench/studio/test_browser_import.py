@@ -11,22 +11,10 @@ from playwright.sync_api import expect
 
 from testbench.recording import read_recording
 from tests.testbench.recordings import exports
-from tests.testbench.studio.browsing import IN_CHROMIUM, browser, page, running, shot
+from tests.testbench.studio.browsing import IN_CHROMIUM, browser, choose, opened, page, running, shot
 
 pytestmark = IN_CHROMIUM
 __all__ = ["browser", "page", "running"]  # pytest finds its fixtures by name
-
-
-def opened(running, page, path: Path) -> None:
-    page.goto(f"{running.address}/import")
-    page.get_by_label("File on this machine").fill(str(path))
-    page.get_by_role("button", name="Read the file").click()
-    page.get_by_text("Found: ").wait_for()
-
-
-def choose(page, label: str, option: str) -> None:
-    page.get_by_role("combobox", name=label, exact=True).click()
-    page.get_by_role("option", name=option, exact=True).click()
 
 
 @pytest.mark.parametrize("export", [exports.testxpert, exports.bluehill, exports.workbook])

@@ -12,16 +12,13 @@ from pathlib import Path
 
 import pytest
 
-import tests.testbench.report.samples as samples
-from compensation.cli import main as compensation
-from gcode.cli import main as gcode
 from testbench.cli import main as run_testbench
-from tests.testbench.studio.browsing import IN_CHROMIUM, browser, page, running, shot
+from tests.testbench.studio.browsing import IN_CHROMIUM, browser, finished, full, page, running, shot
 from tests.testbench.studio.seeing import nameless, unreadable
 from tests.testbench.studio.served import Served
 
 pytestmark = IN_CHROMIUM
-__all__ = ["browser", "page", "running"]  # pytest finds its fixtures by name
+__all__ = ["browser", "finished", "full", "page", "running"]  # pytest finds its fixtures by name
 
 PAGES = {
     "/": "verified",
@@ -38,33 +35,6 @@ PAGES = {
     "/ladder?c=knit": "Through the history",
     "/compensate?c=knit": "Against the measurement",
 }
-
-
-@pytest.fixture(scope="module")
-def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A workspace in which every step of one campaign has been made."""
-    root = tmp_path_factory.mktemp("finished")
-    program, knit, results = root / "programs" / "short", root / "knit", root / "results" / "knit"
-    motion = ["--preset", "paper-1", "--seed", "7", "--gauge-length-mm", "25", "--duration-s", "240"]
-    assert gcode(["generate", *motion, "-o", str(program)]) == 0
-    sensor = ["--sensor", "pes", "--program", str(program / "program.tap"), "--seed", "1"]
-    assert run_testbench(["run", *sensor, "-o", str(knit)]) == 0
-    results.mkdir(parents=True)
-    model, compensator = results / "model.json", results / "force.compensator.json"
-    assert run_testbench(["fit", str(knit), "-o", str(model)]) == 0
-    history = json.loads(model.read_text())["history"]
-    (results / "diagnosis.json").write_text(json.dumps(samples.diagnosis() | {"history": history}))
-    training = ["train", str(knit), "--target", "force", "--hidden", "4,2,2", "-o", str(compensator)]
-    assert compensation(training) == 0
-    assert compensation(["score", str(compensator), str(knit), "-o", str(results / "force.score.json")]) == 0
-    return root
-
-
-@pytest.fixture
-def full(running: Served, finished: Path) -> Served:
-    """A studio over a copy of that workspace."""
-    shutil.copytree(finished, running.root, dirs_exist_ok=True)
-    return running
 
 
 def test_every_page_opens_by_its_address(full: Served, page) -> None:
