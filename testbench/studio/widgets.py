@@ -76,13 +76,13 @@ def span_of(start: str, end: str) -> tuple[float | None, float | None]:
     UserError
         If it is no stretch.
     """
-    if not start or not end:
+    if not start and not end:
         return None, None
     try:
         start_s, end_s = float(start), float(end)
     except ValueError:
-        raise UserError(f"the address asks for times from {start!r} to {end!r}; they must be seconds") from None
-    if start_s >= end_s:
+        raise UserError(f"the address asks for times from {start!r} to {end!r}; both must be seconds") from None
+    if not start_s < end_s:
         raise UserError(
             f"the address asks for times from {start_s:g} to {end_s:g} s; the end must come after the start"
         )

@@ -79,7 +79,7 @@ async def page(
         "Drag to zoom all rows."
     )
     opened: Span = asked if asked[0] is not None or not view.spots else view.spots[0].span_s
-    seen = zooming_plot(partial(figures.overlay, shown), caption, opened, where.note_span)
+    seen = zooming_plot(partial(figures.overlay, shown), caption, shown.time_s, opened, where.note_span)
     with holder:
         _worst(view, seen)
     later(partial(_below, view, shown))

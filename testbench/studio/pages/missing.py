@@ -200,7 +200,7 @@ class _Candidates:
                 "this effect would add."
             )
             drawn = partial(figures.prediction, shown.time_s, shown.residual, shown.added)
-            zooming_plot(drawn, caption, self.span, self._zoomed)
+            zooming_plot(drawn, caption, shown.time_s, self.span, self._zoomed)
             caption = "An effect that is really there predicts its own size: its points lie on the dashed line."
             plot(figures.slope(shown.residual, shown.added), caption)
             effect_told(self.diagnosis, entry, self.studio.catalogue())

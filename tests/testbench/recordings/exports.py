@@ -34,7 +34,7 @@ def _rows(*columns: np.ndarray, form: str = "%.9f", separator: str = ",", decima
     return "\n".join(lines) + "\n"
 
 
-def testxpert(folder: Path, data: Measured = MINUTE) -> Path:
+def testxpert(folder: Path, data: Measured = MINUTE) -> Path:  # noqa: PT028 (a tester, not a test)
     """testXpert: semicolons, decimal commas, a row of units; the force in kN, the resistance in kOhm, Latin-1."""
     head = "Prüfzeit;Standardweg;Standardkraft;Widerstand\ns;mm;kN;kOhm\n"
     rows = _rows(

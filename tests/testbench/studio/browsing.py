@@ -53,7 +53,7 @@ def page(browser):
     tab.on("request", lambda request: _note_foreign(request.url, wrong))
     yield tab
     context.close()
-    assert not wrong
+    assert not wrong, "\n".join(wrong)
 
 
 @pytest.fixture(scope="module")
