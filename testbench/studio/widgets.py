@@ -207,12 +207,12 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]], caption: str = "")
     under = f"<caption>{_text(caption)}</caption>" if caption else ""
     ui.html(
         f"<table>{under}<thead><tr>{names}</tr></thead><tbody>{body}</tbody></table>", sanitize=False, tag="div"
-    ).classes("table").props("tabindex=0")
+    ).classes("table wide" if len(head) > 3 else "table").props("tabindex=0")
 
 
 def campaign_head(name: str, here: str, show: str = "") -> None:
     """Title and tabs of one campaign; each tab is a deep link."""
-    with ui.row().classes("items-center gap-2"):
+    with ui.row().classes("crumbs gap-2"):
         ui.link("Campaigns", "/").classes("quiet")
         ui.icon("chevron_right").classes("quiet")
         ui.html(f"<h1>{_text(name)}</h1>", sanitize=False)

@@ -100,14 +100,15 @@ def _choose(studio: Studio, c: str, on: str, where: Address, held: str) -> None:
     own = studio.workspace.campaign(c)
     others = [other.name for other in studio.workspace.campaigns() if other.gauge_length_mm == own.gauge_length_mm]
     names = {name: f"{name} ({_role(name, c, held)})" if _role(name, c, held) else name for name in others}
+    models = {"": "(none)", **beside_choices(studio, c)}
+    beside = where.query["beside"] if where.query["beside"] in models else ""
     with ui.row().classes("items-center justify-between w-full"):
-        choice = ui.select(names, value=on, label="Compared with the recording of").props("outlined dense")
-        choice.style("width:min(320px, 84vw)")
-        choice.on_value_change(lambda event: where.go(on=event.value, start="", end=""))
-        models = {"": "(none)", **beside_choices(studio, c)}
-        value = where.query["beside"] if where.query["beside"] in models else ""
-        second = ui.select(models, value=value, label="A second model beside it").props("outlined dense")
-        second.style("width:min(280px, 84vw)").on_value_change(lambda event: where.go(beside=event.value))
+        with ui.row().classes("items-center gap-2"):
+            choice = ui.select(names, value=on, label="Compared with the recording of").props("outlined dense")
+            choice.style("width:min(320px, 84vw)")
+            choice.on_value_change(lambda event: where.go(on=event.value, start="", end=""))
+            second = ui.select(models, value=beside, label="A second model beside it").props("outlined dense")
+            second.style("width:min(240px, 84vw)").on_value_change(lambda event: where.go(beside=event.value))
         with ui.row().classes("items-center gap-2"):
             quantity_toggle(where)
             ask = ui.button("What is missing?", icon="search").props("unelevated")
