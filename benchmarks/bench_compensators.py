@@ -20,7 +20,7 @@ from compensation import reproduction as ours
 from compensation import score
 from compensation.paper_campaigns import TAB, campaigns
 from compensation.preprocessing import TARGETS, Series
-from testbench.recording import Recording, read_recording
+from testbench.recordings.recording import Recording, read_recording
 
 REAL = Path(__file__).resolve().parents[1] / "../shared/data/real"
 STRIP = ("cb7.5_s2_multisine_600s", "cb7.5_s2_multisine_300s_a", "cb7.5_s2_random_sawtooth_a")

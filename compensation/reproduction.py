@@ -14,7 +14,7 @@ from compensation.engines import engine
 from compensation.preprocessing import Series, series_of
 from compensation.training import Options, scaling_of_target, training_arrays, untrained
 from compensation.tuning import choose, ensemble, tune
-from testbench.recording import Recording
+from testbench.recordings.recording import Recording
 
 FloatArray = NDArray[np.float64]
 

@@ -13,7 +13,7 @@ import numpy as np
 from compensation import score
 from compensation.compensator import Compensator
 from compensation.preprocessing import Series, series_of
-from testbench.recording import Recording
+from testbench.recordings.recording import Recording
 
 FORMAT, FORMAT_VERSION = "knitbench-score", 1
 TRACE_POINTS = 1500

@@ -12,7 +12,7 @@ import numpy as np
 from compensation import published, score
 from compensation import reproduction as ours
 from compensation.paper_campaigns import RUNS, program_of
-from testbench.recording import Recording
+from testbench.recordings.recording import Recording
 
 # Of each kind of sensor, one or more specimens, each with its recordings by name.
 Specimens = Mapping[str, Sequence[Mapping[str, Recording]]]

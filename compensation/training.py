@@ -16,7 +16,7 @@ from compensation.history import NO_HISTORY, History
 from compensation.preprocessing import Series, series_of
 from compensation.runtime import ready_for_use
 from compensation.score import r2
-from testbench.recording import Recording
+from testbench.recordings.recording import Recording
 
 FloatArray = NDArray[np.float64]
 

@@ -60,7 +60,7 @@ def beside_of(studio: Studio, c: str, wanted: str) -> Beside:
     UserError
         If there is none.
     """
-    from testbench.discrepancy.model_file import load_model_file
+    from testbench.fitting.model_file import load_model_file
 
     known = beside_choices(studio, c)
     if wanted not in known:

@@ -24,7 +24,7 @@ from compensation.cli import main
 from compensation.preprocessing import Series, series_of
 from compensation.training import Options
 from gcode.support.errors import UserError
-from testbench.recording_files import write_recording_csv
+from testbench.recordings.files import write_recording_csv
 from tests.compensation.test_runtime import cold_starts
 
 

@@ -13,7 +13,7 @@ from compensation.prediction import predicted
 from compensation.runtime import Status
 from compensation.training import Options, train
 from gcode.support.errors import UserError
-from testbench.recording_files import write_recording_csv
+from testbench.recordings.files import write_recording_csv
 
 
 @pytest.fixture(scope="module")

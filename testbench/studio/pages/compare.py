@@ -39,7 +39,7 @@ from testbench.studio.widgets import (
 )
 
 if TYPE_CHECKING:
-    from testbench.discrepancy.model_file import ModelFile
+    from testbench.fitting.model_file import ModelFile
 
 
 @dataclass(frozen=True)
@@ -137,9 +137,9 @@ def view_of(studio: Studio, c: str, on: str, beside: str = "") -> View:
 
 def _compare(studio: Studio, c: str, on: str, second: Beside | None) -> View:
     """As `testbench compare` does it; a recording whose last third is held out is judged on that third."""
-    from testbench.discrepancy.errors import rms_errors
-    from testbench.discrepancy.measurement import prepare, split
-    from testbench.discrepancy.model_file import check_same_set_up, load_model_file
+    from testbench.fitting.errors import rms_errors
+    from testbench.fitting.measurement import prepare, split
+    from testbench.fitting.model_file import check_same_set_up, load_model_file
     from testbench.report.overlays import failings_of, overlay_of
 
     path = model_path(studio, c)

@@ -250,7 +250,7 @@ class Shown:
         What it looks like in data.
     time_s : ndarray, shape (n,)
     residual, added : mapping of channel to ndarray, shape (n,)
-        As in `testbench.discrepancy.contribution.Contribution`.
+        As in `testbench.fitting.contribution.Contribution`.
     ln_S : ndarray, shape (n,), or None
         The measured ln (G / S); None where none was recorded.
     """
@@ -285,8 +285,8 @@ def predicted(studio: Studio, c: str, diagnosis: Mapping[str, Any], entry: Mappi
     UserError
         If the diagnosis names an effect that is not in the catalogue any more.
     """
-    from testbench.discrepancy.contribution import contribution
-    from testbench.discrepancy.measurement import split
+    from testbench.fitting.contribution import contribution
+    from testbench.fitting.measurement import split
     from testbench.knit.catalogue import model_from_dict
 
     catalogue = studio.catalogue()
