@@ -76,6 +76,15 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return root
 
 
+@pytest.fixture(scope="module")
+def standing(finished: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+    """A studio over a copy of that workspace, for tests that only look: one for all of a module."""
+    root = tmp_path_factory.mktemp("standing") / "ws"
+    shutil.copytree(finished, root)
+    with served(root) as studio:
+        yield studio
+
+
 @pytest.fixture
 def full(running: Served, finished: Path) -> Served:
     """A studio over a copy of that workspace."""

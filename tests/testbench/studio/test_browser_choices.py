@@ -11,11 +11,11 @@ import pytest
 from playwright.sync_api import expect
 
 from testbench.studio.workspace import MANIFEST
-from tests.testbench.studio.browsing import IN_CHROMIUM, browser, finished, full, page, running, shot
+from tests.testbench.studio.browsing import IN_CHROMIUM, browser, finished, full, page, running, shot, standing
 from tests.testbench.studio.served import Served
 
 pytestmark = IN_CHROMIUM
-__all__ = ["browser", "finished", "full", "page", "running"]  # pytest finds its fixtures by name
+__all__ = ["browser", "finished", "full", "page", "running", "standing"]  # pytest finds its fixtures by name
 
 RANGE = "document.querySelector('.js-plotly-plot').layout.xaxis.range"
 LINES = "[...document.querySelector('.js-plotly-plot').data].map(trace => trace.name)"
@@ -46,8 +46,8 @@ def test_two_models_stand_side_by_side_over_one_recording(full: Served, page) ->
     page.get_by_text("there is no second model '7' for knit").wait_for()
 
 
-def test_a_candidate_is_seen_as_resistance_and_its_stretch_is_in_the_address(full: Served, page) -> None:
-    page.goto(f"{full.address}/missing?c=knit&pick=load_cell_creep&show=resistance&start=180&end=200")
+def test_a_candidate_is_seen_as_resistance_and_its_stretch_is_in_the_address(standing: Served, page) -> None:
+    page.goto(f"{standing.address}/missing?c=knit&pick=load_cell_creep&show=resistance&start=180&end=200")
     page.get_by_text("lie on the dashed line").wait_for()
     plots = page.locator(".js-plotly-plot")
     plots.nth(1).scroll_into_view_if_needed()
@@ -62,11 +62,18 @@ def test_a_candidate_is_seen_as_resistance_and_its_stretch_is_in_the_address(ful
     assert "pick=load_cell_creep" in page.url
 
 
-@pytest.mark.parametrize("asked", ["start=130&end=100", "start=5000&end=6000", "start=soon&end=later", "start=30"])
-@pytest.mark.parametrize("path", ["/recording", "/compare"])
-def test_a_stretch_that_is_not_there_is_said(full: Served, page, path: str, asked: str) -> None:
-    page.goto(f"{full.address}{path}?c=knit&{asked}")
-    page.get_by_role("alert").filter(has_text="the address asks for times from").wait_for()
+def test_a_stretch_that_is_not_there_is_said(standing: Served, page) -> None:
+    said = page.get_by_role("alert").filter(has_text="the address asks for times from")
+    for path in ("/recording", "/compare", "/align"):
+        for asked in ("start=130&end=100", "start=5000&end=6000", "start=soon&end=later", "start=30"):
+            page.goto(f"{standing.address}{path}?c=knit&{asked}")
+            said.wait_for()
+    page.goto(f"{standing.address}/recording?c=knit")
+    page.wait_for_selector(".js-plotly-plot[data-drawn]")
+    page.get_by_label("From / s").fill("5000")
+    page.get_by_label("to / s").fill("6000")
+    page.keyboard.press("Enter")
+    page.get_by_text("it ends at").wait_for()
 
 
 def test_what_runs_is_seen_and_ended_on_every_page(full: Served, page) -> None:

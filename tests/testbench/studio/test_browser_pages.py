@@ -13,12 +13,12 @@ from pathlib import Path
 import pytest
 
 from testbench.cli import main as run_testbench
-from tests.testbench.studio.browsing import IN_CHROMIUM, browser, finished, full, page, running, shot
+from tests.testbench.studio.browsing import IN_CHROMIUM, browser, finished, full, page, running, shot, standing
 from tests.testbench.studio.seeing import nameless, unreadable
 from tests.testbench.studio.served import Served
 
 pytestmark = IN_CHROMIUM
-__all__ = ["browser", "finished", "full", "page", "running"]  # pytest finds its fixtures by name
+__all__ = ["browser", "finished", "full", "page", "running", "standing"]  # pytest finds its fixtures by name
 
 PAGES = {
     "/": "verified",
@@ -37,30 +37,30 @@ PAGES = {
 }
 
 
-def test_every_page_opens_by_its_address(full: Served, page) -> None:
+def test_every_page_opens_by_its_address(standing: Served, page) -> None:
     for path, words in PAGES.items():
-        page.goto(full.address + path)
+        page.goto(standing.address + path)
         page.get_by_text(words).first.wait_for()
         assert page.evaluate("document.documentElement.scrollWidth") <= 1280, path
         shot(page, f"page-{path.partition('?')[0].strip('/') or 'campaigns'}")
 
 
-def test_every_page_fits_a_tablet(full: Served, browser) -> None:
+def test_every_page_fits_a_tablet(standing: Served, browser) -> None:
     context = browser.new_context(viewport={"width": 820, "height": 1180}, has_touch=True)
     tab = context.new_page()
     for path, words in PAGES.items():
-        tab.goto(full.address + path)
+        tab.goto(standing.address + path)
         tab.get_by_text(words).first.wait_for(timeout=60_000)
         shot(tab, f"tablet-{path.partition('?')[0].strip('/') or 'campaigns'}")
         assert tab.evaluate("document.documentElement.scrollWidth") <= 820, path
     context.close()
 
 
-def test_every_page_fits_a_phone_and_names_itself(full: Served, browser) -> None:
+def test_every_page_fits_a_phone_and_names_itself(standing: Served, browser) -> None:
     context = browser.new_context(viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True)
     tab = context.new_page()
     for path, words in PAGES.items():
-        tab.goto(full.address + path)
+        tab.goto(standing.address + path)
         tab.get_by_text(words).first.wait_for(timeout=60_000)
         tab.wait_for_function("() => document.title.includes(' · knitbench')")
         shot(tab, f"phone-{path.partition('?')[0].strip('/') or 'campaigns'}")
@@ -77,12 +77,12 @@ IN_VIEW = """() => {
 
 
 @pytest.mark.parametrize("width", [1280, 390])
-def test_everything_can_be_read_and_has_a_name(full: Served, browser, width: int) -> None:
+def test_everything_can_be_read_and_has_a_name(standing: Served, browser, width: int) -> None:
     context = browser.new_context(viewport={"width": width, "height": 844})
     tab = context.new_page()
     wrong: dict[str, list[str]] = {}
     for path, words in PAGES.items():
-        tab.goto(full.address + path)
+        tab.goto(standing.address + path)
         tab.get_by_text(words).first.wait_for(timeout=60_000)
         draw_all(tab)
         found = unreadable(tab) + nameless(tab)
@@ -98,10 +98,10 @@ def draw_all(tab) -> None:
         tab.wait_for_function("e => e.dataset.drawn", arg=plot.element_handle())
 
 
-def test_panels_stack_on_a_phone_and_no_plot_overlaps_the_next(full: Served, browser) -> None:
+def test_panels_stack_on_a_phone_and_no_plot_overlaps_the_next(standing: Served, browser) -> None:
     context = browser.new_context(viewport={"width": 390, "height": 844})
     tab = context.new_page()
-    tab.goto(f"{full.address}/recording?c=knit")
+    tab.goto(f"{standing.address}/recording?c=knit")
     tab.get_by_text("How often each value occurred").wait_for(timeout=60_000)
     draw_all(tab)
     widths = tab.evaluate(
@@ -147,8 +147,8 @@ def test_compare_opens_where_it_fails_and_every_place_is_a_link(full: Served, pa
     page.get_by_text("the end must come after the start").wait_for()
 
 
-def test_a_wrong_stretch_is_said_in_place(full: Served, page) -> None:
-    page.goto(f"{full.address}/recording?c=knit")
+def test_a_wrong_stretch_is_said_in_place(standing: Served, page) -> None:
+    page.goto(f"{standing.address}/recording?c=knit")
     page.wait_for_selector(".js-plotly-plot[data-drawn]")
     page.get_by_label("From / s").fill("130")
     page.get_by_label("to / s").fill("100")
@@ -156,9 +156,9 @@ def test_a_wrong_stretch_is_said_in_place(full: Served, page) -> None:
     page.get_by_text("before 130 s").wait_for()
 
 
-def test_the_parameter_table_stands_on_compare_and_ladder(full: Served, page) -> None:
+def test_the_parameter_table_stands_on_compare_and_ladder(standing: Served, page) -> None:
     for path in ("/compare", "/ladder"):
-        page.goto(f"{full.address}{path}?c=knit")
+        page.goto(f"{standing.address}{path}?c=knit")
         row = page.locator("tr", has_text="elasticity: stiffness")
         row.wait_for()
         assert "±" in row.inner_text()
@@ -227,8 +227,8 @@ def test_a_tie_leads_to_an_experiment_and_its_program(full: Served, page) -> Non
     page.get_by_text("Run it on the simulated rig").wait_for()
 
 
-def test_the_whole_way_by_keyboard(full: Served, page) -> None:
-    page.goto(full.address)
+def test_the_whole_way_by_keyboard(standing: Served, page) -> None:
+    page.goto(standing.address)
     page.get_by_text("verified").wait_for()
     _tab_to(page, "knit")
     page.keyboard.press("Enter")
@@ -245,7 +245,7 @@ def test_the_whole_way_by_keyboard(full: Served, page) -> None:
         "() => { const row = document.querySelector('.js-plotly-plot').calcdata[0];"
         " return row[0].x > 55 && row[row.length - 1].x < 95; }"
     )
-    page.goto(f"{full.address}/missing?c=knit")
+    page.goto(f"{standing.address}/missing?c=knit")
     page.get_by_text("lie on the dashed line").wait_for()
     _tab_to(page, "2. load cell creep")
     page.keyboard.press("Enter")
