@@ -55,7 +55,7 @@ def served(root: Path, refresh_s: float = 0.5) -> Iterator[Served]:
         if process.poll() is not None:
             return  # the test has ended it
         process.send_signal(signal.SIGINT)
-        assert process.wait(30) in (0, 130)
+        assert process.wait(180) in (0, 130)
     finally:
         process.kill()
         process.wait()

@@ -38,7 +38,9 @@ def test_two_models_stand_side_by_side_over_one_recording(full: Served, page) ->
     page.get_by_text("RMS error of the force (that of other)").wait_for()
     page.wait_for_selector(".js-plotly-plot[data-drawn]")
     assert {"that of other", "baseline", "measured"} <= set(page.evaluate(LINES))
-    values = page.locator("tr", has_text="elasticity: stiffness").locator("td").all_inner_texts()
+    row = page.locator("tr", has_text="elasticity: stiffness")
+    row.wait_for()
+    values = row.locator("td").all_inner_texts()
     assert len(values) == 3
     assert values[1] != values[2]
     shot(page, "two-models")
