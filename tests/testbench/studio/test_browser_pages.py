@@ -80,10 +80,11 @@ IN_VIEW = """() => {
 def test_everything_can_be_read_and_has_a_name(standing: Served, browser, width: int) -> None:
     context = browser.new_context(viewport={"width": width, "height": 844})
     tab = context.new_page()
+    tab.set_default_timeout(120_000)
     wrong: dict[str, list[str]] = {}
     for path, words in PAGES.items():
         tab.goto(standing.address + path)
-        tab.get_by_text(words).first.wait_for(timeout=60_000)
+        tab.get_by_text(words).first.wait_for()
         draw_all(tab)
         found = unreadable(tab) + nameless(tab)
         wrong |= {path: found} if found else {}
