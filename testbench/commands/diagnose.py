@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 from testbench.commands._arguments import add_effects, add_recording, load_recording
-
-if TYPE_CHECKING:
-    from gcode.support.console import Progress
+from testbench.commands._telling import Telling
 
 SUMMARY = "say which physical effect the model is missing, with the evidence"
 EXAMPLE = "testbench diagnose campaign-1 --held-out campaign-2 --json diagnosis.json"
-STEPS_OF_A_ROUND = 14  # about as many of the progress line: the screening, and the refits of the best mechanisms
+CANDIDATES_OF_A_ROUND, USUAL_ROUNDS = 12, 2  # refits of a round: the best mechanisms, three of them in two laws
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -34,7 +30,6 @@ def run(args: argparse.Namespace) -> int:
     import json
     import sys
 
-    from gcode.support.console import Progress
     from gcode.support.errors import UserError
     from gcode.support.files import write_json
     from testbench.diagnosis import diagnose
@@ -51,8 +46,7 @@ def run(args: argparse.Namespace) -> int:
     held = load_recording(args.held_out, gauge_length_mm) if args.held_out else None
     if file is not None:
         check_same_set_up(file, recording, args.model)
-    progress = Progress("diagnosing", 2 + STEPS_OF_A_ROUND)
-    tell = None if args.quiet else _telling(progress)
+    tell = None if args.quiet else Refits(min(args.repeat, USUAL_ROUNDS))
     found = diagnose(recording, held, file.model if file else None, catalogue, tell, args.repeat)
     if tell and sys.stderr.isatty():
         print("\r\x1b[K", end="", file=sys.stderr)
@@ -67,11 +61,19 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def _telling(progress: Progress) -> Callable[[str], None]:
-    """Steps of a progress line whose number is only nearly known beforehand."""
+class Refits(Telling):
+    """Counts the candidates that are put in and refitted; how many there will be is only nearly known beforehand.
 
-    def tell(text: str) -> None:
-        progress.total = max(progress.total, progress.done + 2)
-        progress.step(text)
+    Parameters
+    ----------
+    rounds : int
+        How many rounds are expected.
+    """
 
-    return tell
+    def __init__(self, rounds: int) -> None:
+        super().__init__("candidate", rounds * CANDIDATES_OF_A_ROUND, "refitting with ")
+
+    def __call__(self, text: str) -> None:
+        if text.startswith("screening"):
+            self.total = max(self.total, self.done + CANDIDATES_OF_A_ROUND)
+        super().__call__(text)

@@ -39,7 +39,7 @@ def candidates(diagnosis: Mapping[str, Any]) -> style.Figure:
     notes = [_untried(place) for place, entry in enumerate(ranking) if not entry.get("held_out_gain")]
     names = [with_probability(diagnosis, entry["effect"]) for entry in ranking]
     axes: dict[str, Any] = {
-        "xaxis": style.axis("Held-out error that it takes away / %", range=[0, 104]),
+        "xaxis": style.axis("Error removed / %", range=[0, 104]),
         "yaxis": style.axis(
             "", tickvals=list(range(len(names))), ticktext=names, range=[len(names) - 0.5, -0.5], showgrid=False
         ),

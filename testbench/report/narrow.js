@@ -40,7 +40,7 @@ const panelsOf = (layout) =>
     });
 
 const narrowMargin = (layout) => ({
-  margin: { ...layout.margin, l: Math.min(layout.margin?.l ?? 64, 120), r: Math.min(layout.margin?.r ?? 20, 60) },
+  margin: { ...layout.margin, l: Math.min(layout.margin?.l ?? 64, 120), r: Math.min(layout.margin?.r ?? 20, 110) },
 });
 
 // A note on the paper goes where its panel went; one that is tied to axes goes with them by itself.

@@ -26,6 +26,7 @@ from testbench.studio.pace import Pace, Paces
 
 KEPT_LINES = 400
 PATIENCE_S = 5.0  # how long a cancelled job may take to end well before it is killed
+Commands = Sequence[tuple[str, Sequence[str]]]  # title and command line
 LONG_PATIENCE_S = 60.0  # a recorder has hours of samples to bring to disk and to check
 
 
@@ -74,6 +75,8 @@ class Job:
     process: asyncio.subprocess.Process | None = None
     pace: Pace = field(default_factory=Pace)
     about: About | None = None  # of a job that outlives the studio
+    rest: Commands = ()  # what comes after it, once it has ended well, whether or not a page still looks
+    followed_by: Job | None = None
 
     @property
     def command(self) -> str:
@@ -124,7 +127,7 @@ class Job:
         said = [str(event[key]) for key in ("label", "note", "message") if event.get(key)]
         self.note = " · ".join(said) or self.note
         if event.get("note"):
-            self.pace.hear(str(event["note"]), self.share, self.elapsed_s)
+            self.pace.hear(str(event["note"]), self.share, self.elapsed_s, self.step.partition(" of ")[0])
 
 
 def _counted(event: dict[str, Any]) -> str:
@@ -169,12 +172,18 @@ class JobBoard:
         about = self._outliving[key].last()
         return about.argv if about else ()
 
-    def start(self, key: str, title: str, argv: Sequence[str]) -> Job:
-        """Start a command, or return the one that is already running under this key."""
+    def running(self) -> list[Job]:
+        """Every job that has not ended, those of an earlier studio too."""
+        for key in self._outliving:
+            self._adopt(key)
+        return [job for job in self.jobs if job.running]
+
+    def start(self, key: str, title: str, argv: Sequence[str], rest: Commands = ()) -> Job:
+        """Start a command and, when it has ended well, the `rest`; or return what is running under this key."""
         running = self.find(key)
         if running and running.running:
             return running
-        job = Job(key, title, tuple(argv), pace=self._paces.start(argv))
+        job = Job(key, title, tuple(argv), pace=self._paces.start(argv), rest=rest)
         self.jobs.append(job)
         job.task = asyncio.create_task(self._outlive(job) if key in self._outliving else self._run(job))
         return job
@@ -185,6 +194,9 @@ class JobBoard:
             self._paces.keep(job.argv, job.pace, job.elapsed_s)
             for listener in self.listeners:
                 listener(job)
+            if job.rest:
+                (title, argv), *rest = job.rest
+                job.followed_by = self.start(job.key, title, argv, rest)
 
     def _adopt(self, key: str) -> None:
         """Take in a job that lives and that this board does not know: an earlier studio has started it."""

@@ -3,24 +3,29 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 from nicegui import ui
 
 from gcode.support.files import make_folder, read_json
-from testbench.studio.jobs import Job, State
+from testbench.studio.jobs import Commands, Job, State
 from testbench.studio.studio import Studio
 from testbench.studio.widgets import attempt, job_card, subheading
+from testbench.studio.workspace import RESULTS, results_name
 
 LAST_THIRD = "the last third of this recording"
-Commands = Sequence[tuple[str, Sequence[str]]]  # title and command line
 
 
 def model_path(studio: Studio, c: str) -> Path:
     """``model.json`` of a campaign; it carries its whole ladder."""
     return studio.workspace.results(c) / "model.json"
+
+
+def has_model(studio: Studio, c: str) -> bool:
+    """Whether a campaign has been fitted; nothing is made by asking."""
+    return (studio.workspace.root / RESULTS / results_name(c) / "model.json").is_file()
 
 
 def diagnosis_path(studio: Studio, c: str) -> Path:
@@ -139,26 +144,28 @@ def undo_command(studio: Studio, c: str) -> tuple[str, list[str]]:
 def run_in_turn(studio: Studio, key: str, commands: Commands, holder: ui.column, done: Callable[[], None]) -> None:
     """Run commands one after the other, each with its card; `done` when the last has ended well."""
     (title, argv), *rest = commands
-    job = studio.jobs.start(key, title, argv)
-
-    def ended(finished: Job) -> None:
-        if finished.state is not State.DONE:
-            return
-        if rest:
-            run_in_turn(studio, key, rest, holder, done)
-        else:
-            done()
-
-    holder.clear()
-    with holder:
-        job_card(studio, job, ended)
+    _show(studio, studio.jobs.start(key, title, argv, rest), holder, done)
 
 
 def join_running(studio: Studio, key: str, holder: ui.column, done: Callable[[], None]) -> None:
     """Show a job that another tab, or an earlier visit, has started."""
     running = studio.jobs.find(key)
     if running and running.running:
-        run_in_turn(studio, key, [(running.title, running.argv)], holder, done)
+        _show(studio, running, holder, done)
+
+
+def _show(studio: Studio, job: Job, holder: ui.column, done: Callable[[], None]) -> None:
+    """A job's card, and the cards of what follows it."""
+
+    def ended(finished: Job) -> None:
+        if finished.followed_by:
+            _show(studio, finished.followed_by, holder, done)
+        elif finished.state is State.DONE:
+            done()
+
+    holder.clear()
+    with holder:
+        job_card(studio, job, ended)
 
 
 def add_fit_form(studio: Studio, c: str) -> None:

@@ -43,6 +43,8 @@ class Pace:
         Seconds after the start at which each was told.
     share : float or None
         Of the steps, where the job counts them.
+    before_s : float
+        How long it took until the first step that it counts: reading, starting fits.
     score_name : str
         What the job tells of its success (the misfit of a fit), with its values so far in `scores`.
     """
@@ -50,13 +52,15 @@ class Pace:
     profile: Profile | None = None
     marks: dict[str, float] = field(default_factory=dict)
     share: float | None = None
+    before_s: float = 0.0
     score_name: str = ""
     scores: list[float] = field(default_factory=list)
 
-    def hear(self, note: str, share: float | None, elapsed_s: float) -> None:
-        """Take in one step."""
+    def hear(self, note: str, share: float | None, elapsed_s: float, counted: str = "") -> None:
+        """Take in one step; `counted` names it by its number, where the job counts."""
         self.share = share if share is not None else self.share
-        stem, repeat = note.partition(":")[0], 1
+        self.before_s = self.before_s if self.share else elapsed_s
+        stem, repeat = counted or note.partition(":")[0], 1
         mark = stem
         while mark in self.marks:
             repeat += 1
@@ -77,7 +81,7 @@ class Pace:
             like_s = LIKE_LAST_TIME * self.profile.total_s
             return self.profile.total_s * (at_s + like_s) / (then_s + like_s)
         if self.share and self.share >= EARLY and self.marks:
-            return next(reversed(self.marks.values())) / self.share
+            return self.before_s + (next(reversed(self.marks.values())) - self.before_s) / self.share
         return None
 
     def left_s(self, elapsed_s: float) -> float | None:

@@ -52,6 +52,8 @@ export default {
       const { data, layout } = window.forNarrow(figure, this.width);
       this.$el.style.minHeight = `${layout.height}px`;
       await Plotly.react(this.$el, data, layout, figure.config);
+      // Drawings on buttons that have names, and plotly's ruler, are nothing to a screen reader.
+      document.querySelectorAll(".modebar svg, #js-plotly-tester").forEach((svg) => (svg.ariaHidden = "true"));
       if (first) this.$el.on("plotly_relayout", (change) => this.$emit("zoom", change));
       this.$el.dataset.drawn = 1 + Number(this.$el.dataset.drawn ?? 0);
       this.$emit("drawn");

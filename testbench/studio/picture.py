@@ -9,9 +9,12 @@ from contextlib import contextmanager
 from importlib.resources import files
 from typing import Any
 
+import numpy as np
 from nicegui import events, ui
 from nicegui.element import Element
+from numpy.typing import NDArray
 
+from gcode.support.errors import UserError
 from testbench.report import style
 from testbench.report.packing import PLOTLY_VERSION, plotly_path, to_json
 
@@ -104,7 +107,11 @@ Span = tuple[float | None, float | None]  # start and end in seconds; None: as f
 
 
 def zooming_plot(
-    drawn: Drawn, caption: str, span: Span = (None, None), on_span: Callable[[Span], None] = lambda span: None
+    drawn: Drawn,
+    caption: str,
+    time_s: NDArray[np.float64],
+    span: Span = (None, None),
+    on_span: Callable[[Span], None] = lambda span: None,
 ) -> ZoomingPlot:
     """A plot over time that is drawn again at full detail for the stretch that is zoomed into.
 
@@ -112,23 +119,44 @@ def zooming_plot(
     ----------
     drawn : callable
     caption : str
+    time_s : ndarray, shape (n,)
+        Times that there are.
     span : (start_s, end_s)
         What it opens on.
     on_span : callable
         Told of every stretch that is looked at, for the address.
+
+    Raises
+    ------
+    UserError
+        If it is to open on times that there are not.
     """
-    return ZoomingPlot(drawn, caption, span, on_span)
+    ends = float(time_s[0]), float(time_s[-1])
+    wrong = not_there(span, ends)
+    if wrong:
+        raise UserError(f"the address asks for times from {span[0]:g} to {span[1]:g} s; {wrong}")
+    return ZoomingPlot(drawn, caption, ends, span, on_span)
+
+
+def not_there(span: Span, ends: tuple[float, float]) -> str:
+    """Why nothing would be seen of a stretch; empty where something would."""
+    start_s, end_s = span
+    if start_s is None or end_s is None or (start_s < ends[1] and end_s > ends[0]):
+        return ""
+    return f"there is nothing before {ends[0]:.1f} s" if end_s <= ends[0] else f"it ends at {ends[1]:.1f} s"
 
 
 class ZoomingPlot:
     """The picture and the fields for its stretch."""
 
-    def __init__(self, drawn: Drawn, caption: str, span: Span, on_span: Callable[[Span], None]) -> None:
+    def __init__(
+        self, drawn: Drawn, caption: str, ends: tuple[float, float], span: Span, on_span: Callable[[Span], None]
+    ) -> None:
         self.drawn, self.span, self._on_span = drawn, span, on_span
         with _card(caption) as below:
             self.picture = Picture(looking_at(drawn(*span), span), caption)
         with below:
-            self._fields = _Stretch(self.look)
+            self._fields = _Stretch(self.look, ends)
         self._fields.tell(*span)
         self.picture.on("zoom", self._zoomed)
 
@@ -139,14 +167,18 @@ class ZoomingPlot:
     def draw(self, drawn: Drawn) -> None:
         """Draw something else over the same stretch."""
         self.drawn = drawn
-        self.picture.show(drawn(*self.span))
+        self._show()
+
+    def _show(self) -> None:
+        # The range goes with the figure: plotly keeps only a range that the mouse has set.
+        self.picture.show(looking_at(self.drawn(*self.span), self.span))
 
     def _zoomed(self, event: events.GenericEventArguments) -> None:
         span = zoomed_span(event.args)
         if span is not None:
             self.span = span
             self._fields.tell(*span)
-            self.picture.show(self.drawn(*span))
+            self._show()
             self._on_span(span)
 
 
@@ -161,36 +193,51 @@ def looking_at(figure: style.Figure, span: Span) -> style.Figure:
 class _Stretch:
     """Fields for the stretch that is looked at: a zoom without a mouse, and to the second."""
 
-    def __init__(self, look: Callable[[float | None, float | None], None]) -> None:
-        self.look = look
+    def __init__(self, look: Callable[[float | None, float | None], None], ends: tuple[float, float]) -> None:
+        self.look, self.ends = look, ends
         with ui.row().classes("items-center gap-2 stretch"):
             self.start = self._field("From / s")
             self.end = self._field("to / s")
             whole = ui.button("All", on_click=lambda: look(None, None))
             whole.props("flat dense").tooltip("The whole recording")
-        self.start.on("keydown.enter", self._go).on("blur", self._go)
-        self.end.on("keydown.enter", self._go).on("blur", self._go)
+        for field in (self.start, self.end):
+            field.on("keydown.enter", self._asked).on("blur", self._left)
         self._told: Span = (None, None)
 
     def _field(self, label: str) -> ui.number:
         return ui.number(label, format="%.6g").props("outlined dense hide-bottom-space").style("width:104px")
 
-    def _go(self) -> None:
+    def _left(self) -> None:
+        """A field was left: the other may not have been filled yet."""
+        if self.start.value is not None and self.end.value is not None:
+            self._asked()
+
+    def _asked(self) -> None:
         start_s, end_s = self.start.value, self.end.value
-        if (start_s, end_s) == self._told or start_s is None or end_s is None:
+        if (start_s, end_s) == self._told:
             return
-        if start_s >= end_s:
-            self.end.props(f'error error-message="before {start_s:g} s"')
-            return
-        self.end.props(remove="error error-message")
-        self.look(start_s, end_s)
+        self._mark(self.start, "from when?" if start_s is None else "")
+        self._mark(self.end, self._wrong_end(start_s, end_s))
+        if start_s is not None and end_s is not None and not self._wrong_end(start_s, end_s):
+            self.look(start_s, end_s)
+
+    def _wrong_end(self, start_s: float | None, end_s: float | None) -> str:
+        if end_s is None:
+            return "to when?"
+        if start_s is not None and start_s >= end_s:
+            return f"before {start_s:g} s"
+        return not_there((start_s, end_s), self.ends)
+
+    def _mark(self, field: ui.number, wrong: str) -> None:
+        field.props(f'error error-message="{wrong}"') if wrong else field.props(remove="error error-message")
 
     def tell(self, start_s: float | None, end_s: float | None) -> None:
         """Show the stretch that was chosen with the mouse; None: all."""
         self._told = (_rounded(start_s), _rounded(end_s))
         self.start.set_value(self._told[0])
         self.end.set_value(self._told[1])
-        self.end.props(remove="error error-message")
+        for field in (self.start, self.end):
+            self._mark(field, "")
 
 
 def _rounded(time_s: float | None) -> float | None:

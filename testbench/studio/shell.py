@@ -24,6 +24,7 @@ from testbench.studio.pages import (
     side,
 )
 from testbench.studio.picture import load_plotly
+from testbench.studio.running import running_now
 from testbench.studio.studio import Studio
 
 NAVIGATION = (
@@ -104,6 +105,7 @@ def _side(studio: Studio) -> None:
         for path, link in links.items():
             link.classes(add="here" if path == here else "", remove="" if path == here else "here")
 
+    running_now(studio)
     router = ui.context.client.sub_pages_router
     mark(router.current_path)
     router.on_path_changed(mark)

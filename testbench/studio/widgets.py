@@ -76,13 +76,13 @@ def span_of(start: str, end: str) -> tuple[float | None, float | None]:
     UserError
         If it is no stretch.
     """
-    if not start or not end:
+    if not start and not end:
         return None, None
     try:
         start_s, end_s = float(start), float(end)
     except ValueError:
-        raise UserError(f"the address asks for times from {start!r} to {end!r}; they must be seconds") from None
-    if start_s >= end_s:
+        raise UserError(f"the address asks for times from {start!r} to {end!r}; both must be seconds") from None
+    if not start_s < end_s:
         raise UserError(
             f"the address asks for times from {start_s:g} to {end_s:g} s; the end must come after the start"
         )
@@ -207,12 +207,12 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]], caption: str = "")
     under = f"<caption>{_text(caption)}</caption>" if caption else ""
     ui.html(
         f"<table>{under}<thead><tr>{names}</tr></thead><tbody>{body}</tbody></table>", sanitize=False, tag="div"
-    ).classes("table").props("tabindex=0")
+    ).classes("table wide" if len(head) > 3 else "table").props("tabindex=0")
 
 
 def campaign_head(name: str, here: str, show: str = "") -> None:
     """Title and tabs of one campaign; each tab is a deep link."""
-    with ui.row().classes("items-center gap-2"):
+    with ui.row().classes("crumbs gap-2"):
         ui.link("Campaigns", "/").classes("quiet")
         ui.icon("chevron_right").classes("quiet")
         ui.html(f"<h1>{_text(name)}</h1>", sanitize=False)
@@ -238,9 +238,12 @@ def later(build: Callable[[], Awaitable[None] | None]) -> None:
 
 
 def name_in_page(selector: str, name: str) -> None:
-    """Give a part that its component leaves nameless a name for screen readers."""
+    """Give a part that its component leaves nameless a name for screen readers, as soon as it is there."""
     ui.run_javascript(
-        f"document.querySelectorAll({json.dumps(selector)}).forEach(e => e.ariaLabel = {json.dumps(name)})"
+        f"const named = () => {{ const parts = document.querySelectorAll({json.dumps(selector)});"
+        f" parts.forEach(e => e.ariaLabel = {json.dumps(name)}); return parts.length; }};"
+        " if (!named()) { const waiting = new MutationObserver(() => named() && waiting.disconnect());"
+        " waiting.observe(document.body, { childList: true, subtree: true }); }"
     )
 
 

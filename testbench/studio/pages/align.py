@@ -17,6 +17,7 @@ from testbench.studio.memory import stamp
 from testbench.studio.picture import zooming_plot
 from testbench.studio.studio import Studio
 from testbench.studio.widgets import (
+    Address,
     address,
     aside,
     attempt,
@@ -24,6 +25,7 @@ from testbench.studio.widgets import (
     facts,
     guarded,
     job_card,
+    span_of,
     subheading,
     working,
 )
@@ -36,7 +38,7 @@ PROGRAM = "program.tap"
 
 
 @guarded
-async def page(studio: Studio, c: str = "") -> None:
+async def page(studio: Studio, c: str = "", start: str = "", end: str = "") -> None:
     """How the clocks of campaign `c` and of its program relate."""
     campaign_head(c, "/recording")
     subheading(
@@ -59,7 +61,9 @@ async def page(studio: Studio, c: str = "") -> None:
     from testbench.campaigns.alignment import PLANNED
 
     drawn = partial(alignment, on_plan.time_s, on_plan[DISPLACEMENT] - found.offset_mm, on_plan[PLANNED])
-    zooming_plot(drawn, "Both motions on the plan's clock, and what is left between them. Drag to zoom both rows.")
+    caption = "Both motions on the plan's clock, and what is left between them. Drag to zoom both rows."
+    where = Address("/align", c=c, start=start, end=end)
+    zooming_plot(drawn, caption, on_plan.time_s, span_of(start, end), where.note_span)
     _keep(studio, c)
 
 

@@ -1,11 +1,11 @@
-"""Compare: fit the baseline, lay the model over the measurement, say in words where it fails."""
+"""Compare: fit the baseline, lay the model over the measurement, a second one beside it, say where it fails."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from nicegui import ui
@@ -17,6 +17,8 @@ from testbench.report.document import Table
 from testbench.report.ladder_figures import UNITS
 from testbench.report.numbers import plain
 from testbench.report.places import Spot, noise_reached
+from testbench.report.words import spoken
+from testbench.studio.beside import Beside, beside_choices, beside_of, side_by_side
 from testbench.studio.memory import stamp
 from testbench.studio.models import LAST_THIRD, add_fit_form, held_out_of, model_path
 from testbench.studio.picture import Span, ZoomingPlot, plot, zooming_plot
@@ -36,6 +38,9 @@ from testbench.studio.widgets import (
     table,
 )
 
+if TYPE_CHECKING:
+    from testbench.fitting.model_file import ModelFile
+
 
 @dataclass(frozen=True)
 class View:
@@ -45,22 +50,27 @@ class View:
     comparison: Mapping[str, Any]
     spots: list[Spot]
     maps: Mapping[str, Any]
-    rms: Mapping[str, float]
+    rms: Mapping[str, Mapping[str, float]]  # by model as drawn, then by channel
     parameters: Table | None
 
 
 @guarded
-async def page(studio: Studio, c: str = "", on: str = "", show: str = "", start: str = "", end: str = "") -> None:
-    """Model of campaign `c` over the recording that it is judged on, or over that of campaign `on`."""
+async def page(
+    studio: Studio, c: str = "", on: str = "", show: str = "", start: str = "", end: str = "", beside: str = ""
+) -> None:
+    """Model of campaign `c` over the recording that it is judged on, or over that of campaign `on`.
+
+    `beside` is a second model: a step of its own ladder by number, or the name of another campaign.
+    """
     campaign_head(c, "/compare", show)
     if not model_path(studio, c).is_file():
         add_fit_form(studio, c)
         return
     asked, held = span_of(start, end), held_out_of(studio, c)
     on = on or (c if held == LAST_THIRD else held)
-    where = Address("/compare", c=c, on=on, show=show, start=start, end=end)
+    where = Address("/compare", c=c, on=on, show=show, start=start, end=end, beside=beside)
     _choose(studio, c, on, where, held)
-    view = await aside(view_of, studio, c, on)
+    view = await aside(view_of, studio, c, on, beside)
     shown = view.both.in_resistance() if show == RESISTANCE else view.both
     facts(_errors(view, shown))
     holder = ui.column().classes("w-full")
@@ -69,7 +79,7 @@ async def page(studio: Studio, c: str = "", on: str = "", show: str = "", start:
         "Drag to zoom all rows."
     )
     opened: Span = asked if asked[0] is not None or not view.spots else view.spots[0].span_s
-    seen = zooming_plot(partial(figures.overlay, shown), caption, opened, where.note_span)
+    seen = zooming_plot(partial(figures.overlay, shown), caption, shown.time_s, opened, where.note_span)
     with holder:
         _worst(view, seen)
     later(partial(_below, view, shown))
@@ -90,10 +100,15 @@ def _choose(studio: Studio, c: str, on: str, where: Address, held: str) -> None:
     own = studio.workspace.campaign(c)
     others = [other.name for other in studio.workspace.campaigns() if other.gauge_length_mm == own.gauge_length_mm]
     names = {name: f"{name} ({_role(name, c, held)})" if _role(name, c, held) else name for name in others}
+    models = {"": "(none)", **beside_choices(studio, c)}
+    beside = where.query["beside"] if where.query["beside"] in models else ""
     with ui.row().classes("items-center justify-between w-full"):
-        choice = ui.select(names, value=on, label="Compared with the recording of").props("outlined dense")
-        choice.style("width:min(320px, 84vw)")
-        choice.on_value_change(lambda event: where.go(on=event.value, start="", end=""))
+        with ui.row().classes("items-center gap-2"):
+            choice = ui.select(names, value=on, label="Compared with the recording of").props("outlined dense")
+            choice.style("width:min(320px, 84vw)")
+            choice.on_value_change(lambda event: where.go(on=event.value, start="", end=""))
+            second = ui.select(models, value=beside, label="A second model beside it").props("outlined dense")
+            second.style("width:min(240px, 84vw)").on_value_change(lambda event: where.go(beside=event.value))
         with ui.row().classes("items-center gap-2"):
             quantity_toggle(where)
             ask = ui.button("What is missing?", icon="search").props("unelevated")
@@ -106,19 +121,26 @@ def _role(name: str, c: str, held: str) -> str:
     return "held out" if name == held else ""
 
 
-def view_of(studio: Studio, c: str, on: str) -> View:
-    """The comparison, worked out anew when the model or the recording has changed."""
+def view_of(studio: Studio, c: str, on: str, beside: str = "") -> View:
+    """The comparison, worked out anew when a model or the recording has changed.
+
+    Raises
+    ------
+    UserError
+        If there is no such second model.
+    """
     recording = studio.workspace.campaign(on).folder / "recording.csv"
-    files = stamp(model_path(studio, c), recording, studio.effects_file)
-    return studio.memory.recall(("compare", c, on, files), lambda: _compare(studio, c, on))
+    second = beside_of(studio, c, beside) if beside else None
+    files = stamp(model_path(studio, c), recording, studio.effects_file, second.path if second else None)
+    return studio.memory.recall(("compare", c, on, beside, files), lambda: _compare(studio, c, on, second))
 
 
-def _compare(studio: Studio, c: str, on: str) -> View:
+def _compare(studio: Studio, c: str, on: str, second: Beside | None) -> View:
     """As `testbench compare` does it; a recording whose last third is held out is judged on that third."""
+    from testbench.fitting.errors import rms_errors
     from testbench.fitting.measurement import prepare, split
     from testbench.fitting.model_file import check_same_set_up, load_model_file
     from testbench.report.overlays import failings_of, overlay_of
-    from testbench.report.parameters import parameter_table
 
     path = model_path(studio, c)
     file = load_model_file(path, studio.catalogue())
@@ -127,18 +149,33 @@ def _compare(studio: Studio, c: str, on: str) -> View:
     on_its_third = on == c and held_out_of(studio, c) == LAST_THIRD
     measurement = split(recording, None)[1] if on_its_third else prepare(recording)
     elsewhere = on != c or on_its_third
-    label = str(file.history[-1]["step"]) if file.history else "model"
+    label = spoken(str(file.history[-1]["step"])) if file.history else "model"
+    drawn = ({second.label: second.model} if second else {}) | {label: file.model}
     from_s = float(measurement.grid_s[np.argmax(measurement.counts)]) if on_its_third else None
-    both = overlay_of(measurement, {label: file.model}, elsewhere, from_s)
+    both = overlay_of(measurement, drawn, elsewhere, from_s)
     found = failings_of(file.model, measurement, both, elsewhere)
-    kohm = both.in_resistance()
-    rms = {channel: _rms(view.residual(channel)[measurement.counts], elsewhere)
-           for view in (both, kohm) for channel in view.measured}  # fmt: skip
-    return View(both, found.comparison, found.spots, found.maps, rms, parameter_table(file.fit, file.model))
+    rms = {
+        one: rms_errors(model, measurement, elsewhere) | _kohm_error(both, one, measurement.counts, elsewhere)
+        for one, model in drawn.items()
+    }
+    return View(both, found.comparison, found.spots, found.maps, rms, _parameters(file, label, second))
 
 
-def _rms(residual: np.ndarray, free_offset: bool) -> float:
-    return float(np.std(residual) if free_offset else np.sqrt(np.mean(residual**2)))
+def _kohm_error(both: Overlay, label: str, counts: np.ndarray, free_offset: bool) -> dict[str, float]:
+    """RMS error of one model's resistance in kΩ; empty where none was measured."""
+    view = both.in_resistance()
+    if RESISTANCE not in view.measured:
+        return {}
+    residual = view.residual(RESISTANCE, label)[counts]
+    return {RESISTANCE: float(np.std(residual) if free_offset else np.sqrt(np.mean(residual**2)))}
+
+
+def _parameters(file: ModelFile, label: str, second: Beside | None) -> Table | None:
+    if second is not None:
+        return side_by_side(second, label, file.model, file.fit)
+    from testbench.report.parameters import parameter_table
+
+    return parameter_table(file.fit, file.model)
 
 
 def _errors(view: View, shown: Overlay) -> list[tuple[str, str]]:
@@ -146,8 +183,9 @@ def _errors(view: View, shown: Overlay) -> list[tuple[str, str]]:
     pairs = []
     for channel in shown.measured:
         source = channels["conductance" if channel == RESISTANCE else channel]
-        rms = view.rms[channel] if channel == RESISTANCE else source["rms"]
-        pairs.append((f"RMS error of the {channel}", f"{plain(rms)} {UNITS[channel]}"))
+        for label, rms in reversed(list(view.rms.items())):
+            whose = f" ({label})" if len(view.rms) > 1 else ""
+            pairs.append((f"RMS error of the {channel}{whose}", f"{plain(rms[channel])} {UNITS[channel]}"))
         pairs.append((f"times the noise floor of the {channel}", f"{source['over_noise']:.1f} x"))
     return pairs
 

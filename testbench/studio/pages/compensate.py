@@ -12,8 +12,8 @@ from gcode.support.errors import UserError
 from gcode.support.files import read_json
 from testbench.report import compensator_figures as figures
 from testbench.report.sections import short_name
-from testbench.studio.jobs import Job, State
-from testbench.studio.models import companions
+from testbench.studio.jobs import State
+from testbench.studio.models import companions, join_running, run_in_turn
 from testbench.studio.picture import plot
 from testbench.studio.studio import Studio
 from testbench.studio.widgets import address, attempt, campaign_head, facts, guarded, job_card, later, subheading
@@ -74,27 +74,24 @@ def _form(studio: Studio, c: str, target: str) -> None:
         aim.on_value_change(lambda event: ui.navigate.to(address("/compensate", c=c, target=event.value)))
         holder = ui.column().classes("w-full")
 
+        key = f"train:{c}:{target}"
+
         def start() -> None:
             argv = ["compensation", "train", str(studio.workspace.campaign(c).folder), "--target", target]
             argv += ["--method", TUNED] if network.value == TUNED else ["--hidden", network.value]
             argv += ["-o", str(compensator_path(studio, c, target))]
-            job = studio.jobs.start(f"train:{c}:{target}", f"Training on {c}", argv)
-            with holder:
-                holder.clear()
-                job_card(studio, job, lambda ended: _trained(studio, c, target, list(judged.value), ended, holder))
+            commands = [(f"Training on {c}", argv), ("Scoring", _scoring(studio, c, target, list(judged.value)))]
+            run_in_turn(studio, key, commands, holder, ui.navigate.reload)
 
         ui.button("Train", icon="model_training", on_click=lambda: attempt(start)).props("unelevated")
+        join_running(studio, key, holder, ui.navigate.reload)
 
 
-def _trained(studio: Studio, c: str, target: str, judged: list[str], job: Job, holder: ui.column) -> None:
-    if job.state is not State.DONE:
-        return
+def _scoring(studio: Studio, c: str, target: str, judged: list[str]) -> list[str]:
+    """The command that scores the compensator on what it learnt from and on others."""
     folders = [str(studio.workspace.campaign(name).folder) for name in [c, *judged]]
     argv = ["compensation", "score", str(compensator_path(studio, c, target)), *folders]
-    argv += ["-o", str(score_path(studio, c, target))]
-    scoring = studio.jobs.start(f"score:{c}:{target}", "Scoring", argv)
-    with holder:
-        job_card(studio, scoring, lambda ended: ui.navigate.reload() if ended.state is State.DONE else None)
+    return [*argv, "-o", str(score_path(studio, c, target))]
 
 
 def _show(studio: Studio, c: str, target: str, score: dict[str, Any]) -> None:

@@ -39,7 +39,7 @@ class _Editor:
                 self._button("Use this file", "folder_open", self._point).props("outline")
             self.text = ui.codemirror(_text(studio), language="Python", theme="basicLight")
             self.text.classes("w-full").style("height:440px;border:1px solid var(--rule);border-radius:9px")
-        ui.timer(0.5, lambda: name_in_page(".cm-content", "Python file of own effects"), once=True)
+        name_in_page(".cm-content", "Python file of own effects")
         self.result = ui.column().classes("w-full")
 
     def _button(self, label: str, icon: str, action: Callable[[], None]) -> ui.button:

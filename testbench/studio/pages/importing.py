@@ -56,7 +56,7 @@ def page(studio: Studio) -> None:
             ui.button("Read the file", on_click=lambda: attempt(lambda: form.read(Path(path.value or ""))))
         upload = ui.upload(label="or drop it here", auto_upload=True, max_files=1, max_file_size=LARGEST_BYTES)
         upload.props(f"flat bordered accept={KINDS}").classes("w-full")
-    ui.timer(0.5, lambda: name_in_page(".q-uploader .q-btn, .q-uploader__input", "Choose a file"), once=True)
+    name_in_page(".q-uploader .q-btn, .q-uploader__input", "Choose a file")
     form = _Form(studio)
     ui.context.client.on_delete(form.forget_upload)
     ui.context.client.sub_pages_router.on_path_changed(lambda _: form.left())

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -21,7 +22,6 @@ from testbench.report.sections import fall_in_words
 from testbench.report.story import GLANCE_S
 from testbench.report.words import ladder_notes, spoken, verdict_in_words
 from testbench.studio import models
-from testbench.studio.jobs import Job, State
 from testbench.studio.picture import plot
 from testbench.studio.studio import RESULTS_URL, Studio
 from testbench.studio.widgets import (
@@ -33,7 +33,6 @@ from testbench.studio.widgets import (
     campaign_head,
     facts,
     guarded,
-    job_card,
     quantity_toggle,
     subheading,
     table,
@@ -162,6 +161,8 @@ class _Ladder:
         holder = ui.column().classes("w-full")
         with holder:
             self._written()
+        models.join_running(self.studio, f"report:{self.c}", holder, partial(self._link_to_it, holder))
+        models.join_running(self.studio, f"model:{self.c}", holder, ui.navigate.reload)
         with ui.row():
             undo = ui.button("Undo the last step", icon="undo", on_click=lambda: attempt(lambda: self._undo(holder)))
             undo.props("outline").set_enabled(last > 0)
@@ -182,7 +183,7 @@ class _Ladder:
         when = time.strftime("%d %B %Y, %H:%M", time.localtime(path.stat().st_mtime))
         with ui.row().classes("items-center gap-3"):
             ui.icon("description").classes("quiet")
-            ui.link("Open the report", report_url(self.studio, path), new_tab=True)
+            ui.link("Open the report", report_url(self.studio, path), new_tab=True).classes("way")
             ui.label(f"of {when}").classes("quiet text-sm")
             name = f"{self.c.replace('/', '-')}-report.html"
             ui.button("Download", icon="download", on_click=lambda: ui.download(path, name)).props("flat dense")
@@ -203,18 +204,12 @@ class _Ladder:
             argv += ["--diagnosis", str(models.diagnosis_path(self.studio, self.c))]
         argv += _if_there("--compensator", folder / "force.score.json")
         argv += _if_there("--commands", self.studio.commands_path(self.c))
-        job = self.studio.jobs.start(
-            f"report:{self.c}", f"Writing the report of {self.c}", [*argv, "-o", str(output)]
-        )
+        command = (f"Writing the report of {self.c}", [*argv, "-o", str(output)])
+        models.run_in_turn(self.studio, f"report:{self.c}", [command], holder, partial(self._link_to_it, holder))
 
-        def ended(finished: Job) -> None:
-            if finished.state is State.DONE:
-                with holder:
-                    self._written()
-
-        holder.clear()
+    def _link_to_it(self, holder: ui.column) -> None:
         with holder:
-            job_card(self.studio, job, ended)
+            self._written()
 
 
 def report_url(studio: Studio, path: Path) -> str:

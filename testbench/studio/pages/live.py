@@ -73,15 +73,16 @@ class Live:
             self.limits = limits_of(self.folder)
         time_s, envelope = self.follower.channel(TIME), self.follower.envelope
         found = []
-        for name, title, colour in (
-            (DISPLACEMENT, "Displacement / mm", style.STRAIN),
-            (FORCE, "Force / N", style.FORCE),
-            (RESISTANCE, "Resistance / ohm", style.CONDUCTANCE),
+        for name, title, factor, colour in (
+            (DISPLACEMENT, "Displacement / mm", 1.0, style.STRAIN),
+            (FORCE, "Force / N", 1.0, style.FORCE),
+            (RESISTANCE, "Resistance / kΩ", 1e-3, style.CONDUCTANCE),
         ):
             values = self.follower.channel(name)
             if values is not None and time_s is not None and envelope is not None:
-                outline = envelope.outline(self.follower.names.index(name))
-                found.append(LiveChannel(title, colour, (time_s, values), outline, self.limits.get(name)))
+                whole_s, outline = envelope.outline(self.follower.names.index(name))
+                recent, whole = (time_s, factor * values), (whole_s, factor * outline)
+                found.append(LiveChannel(title, colour, recent, whole, self.limits.get(name)))
         return found
 
     def _ended(self) -> None:

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import numpy as np
 from nicegui import ui
+from numpy.typing import NDArray
 
 from testbench.report import diagnosis_figures as figures
 from testbench.report.build import read_diagnosis
+from testbench.report.kohm import residuals_kohm
 from testbench.report.words import (
     base_in_words,
     error_left,
@@ -21,30 +25,32 @@ from testbench.report.words import (
 from testbench.studio import models
 from testbench.studio.memory import stamp
 from testbench.studio.pages.effect_told import effect_told
-from testbench.studio.picture import plot, zooming_plot
+from testbench.studio.picture import Span, plot, zooming_plot
 from testbench.studio.studio import Studio
 from testbench.studio.widgets import (
+    RESISTANCE,
+    Address,
     address,
     aside,
     attempt,
     campaign_head,
     guarded,
     later,
+    quantity_toggle,
+    span_of,
     subheading,
     trouble,
     working,
 )
 
-if TYPE_CHECKING:
-    from testbench.fitting.contribution import Contribution
-
+FloatArray = NDArray[np.float64]
 SHOWN = 8
 
 
 @guarded
-async def page(studio: Studio, c: str = "", pick: str = "") -> None:
-    """The diagnosis of campaign `c`; `pick` is the candidate that is looked at."""
-    campaign_head(c, "/missing")
+async def page(studio: Studio, c: str = "", pick: str = "", show: str = "", start: str = "", end: str = "") -> None:
+    """The diagnosis of campaign `c`; `pick` is the candidate that is looked at, from `start` to `end` in seconds."""
+    campaign_head(c, "/missing", show)
     if not models.model_path(studio, c).is_file():
         models.add_fit_form(studio, c)
         return
@@ -54,7 +60,7 @@ async def page(studio: Studio, c: str = "", pick: str = "") -> None:
         diagnosis = read_diagnosis(str(path))
         if path.stat().st_mtime < models.model_path(studio, c).stat().st_mtime:
             trouble("The model has changed since this diagnosis.", "Ask again to see what is missing now.")
-        await _answer(studio, c, diagnosis, pick)
+        await _answer(studio, diagnosis, Address("/missing", c=c, pick=pick, show=show, start=start, end=end))
 
 
 def _ask(studio: Studio, c: str, known: bool) -> None:
@@ -74,7 +80,8 @@ def _ask(studio: Studio, c: str, known: bool) -> None:
     models.join_running(studio, key, holder, ui.navigate.reload)
 
 
-async def _answer(studio: Studio, c: str, diagnosis: Mapping[str, Any], pick: str) -> None:
+async def _answer(studio: Studio, diagnosis: Mapping[str, Any], where: Address) -> None:
+    c, pick = where.query["c"], where.query["pick"]
     nothing = diagnosis["verdict"] == "nothing_missing"
     with ui.column().classes("card gap-2"):
         ui.label(verdict_in_words(diagnosis)).classes("verdict")
@@ -94,7 +101,7 @@ async def _answer(studio: Studio, c: str, diagnosis: Mapping[str, Any], pick: st
         "over blocks of 60 s. In brackets: how probable it is that this effect is what is missing most.",
     )
     chosen = next((entry for entry in ranking if entry["form"] == pick), ranking[0])
-    candidates = _Candidates(studio, c, diagnosis)
+    candidates = _Candidates(studio, diagnosis, where)
     candidates.adopting()
     candidates.build(ranking, chosen)
 
@@ -124,8 +131,9 @@ def _experiment(c: str, diagnosis: Mapping[str, Any]) -> None:
 class _Candidates:
     """The list at the left, the one that is looked at on the right."""
 
-    def __init__(self, studio: Studio, c: str, diagnosis: Mapping[str, Any]) -> None:
-        self.studio, self.c, self.diagnosis = studio, c, diagnosis
+    def __init__(self, studio: Studio, diagnosis: Mapping[str, Any], where: Address) -> None:
+        self.studio, self.c, self.diagnosis, self.where = studio, where.query["c"], diagnosis, where
+        self.span = span_of(where.query["start"], where.query["end"])
         self.cards: dict[str, ui.element] = {}
 
     def adopting(self) -> None:
@@ -169,31 +177,39 @@ class _Candidates:
             card.classes(
                 add="chosen" if form == entry["form"] else "", remove="" if form == entry["form"] else "chosen"
             )
-        ui.navigate.history.replace(address("/missing", c=self.c, pick=entry["form"]))
+        self.where.note(pick=entry["form"])
         await attempt(lambda: self._show(entry))
 
     async def _show(self, entry: Mapping[str, Any]) -> None:
         self.detail.clear()
         with self.detail, working("Working out what it would add"):
-            look, shown = await aside(self._predicted, entry)
+            shown = await aside(self._predicted, entry)
+        shown = shown.in_resistance() if self.where.query["show"] == RESISTANCE else shown
         self.detail.clear()
         with self.detail:
             with ui.row().classes("items-center justify-between w-full"):
-                subheading(spoken(entry["form"]), look)
+                subheading(spoken(entry["form"]), shown.look)
                 if self.diagnosis["verdict"] != "nothing_missing":
                     add = ui.button(f"Add {spoken(entry['form'])}", icon="add").props("unelevated color=accent")
                     add.on_click(lambda: attempt(lambda: self._add(entry)))
             self.holder = ui.column().classes("w-full")
+            if shown.ln_S is not None:
+                quantity_toggle(self.where)
             caption = (
                 "Held-out samples, without what the base laws could take up: what the model leaves, and what "
                 "this effect would add."
             )
-            zooming_plot(partial(figures.prediction, shown.time_s, shown.residual, shown.added), caption)
+            drawn = partial(figures.prediction, shown.time_s, shown.residual, shown.added)
+            zooming_plot(drawn, caption, shown.time_s, self.span, self._zoomed)
             caption = "An effect that is really there predicts its own size: its points lie on the dashed line."
             plot(figures.slope(shown.residual, shown.added), caption)
             effect_told(self.diagnosis, entry, self.studio.catalogue())
 
-    def _predicted(self, entry: Mapping[str, Any]) -> tuple[str, Contribution]:
+    def _zoomed(self, span: Span) -> None:
+        self.span = span  # another candidate is looked at over the same stretch
+        self.where.note_span(span)
+
+    def _predicted(self, entry: Mapping[str, Any]) -> Shown:
         studio, c = self.studio, self.c
         files = stamp(models.diagnosis_path(studio, c), models.model_path(studio, c), studio.effects_file)
         make = partial(predicted, studio, c, self.diagnosis, entry)
@@ -224,9 +240,44 @@ class _Candidates:
         return found.is_file() and found.stat().st_mtime >= mine.stat().st_mtime
 
 
-def predicted(
-    studio: Studio, c: str, diagnosis: Mapping[str, Any], entry: Mapping[str, Any]
-) -> tuple[str, Contribution]:
+@dataclass(frozen=True, eq=False)
+class Shown:
+    """What a candidate would add on the held-out samples.
+
+    Attributes
+    ----------
+    look : str
+        What it looks like in data.
+    time_s : ndarray, shape (n,)
+    residual, added : mapping of channel to ndarray, shape (n,)
+        As in `testbench.fitting.contribution.Contribution`.
+    ln_S : ndarray, shape (n,), or None
+        The measured ln (G / S); None where none was recorded.
+    """
+
+    look: str
+    time_s: FloatArray
+    residual: Mapping[str, FloatArray]
+    added: Mapping[str, FloatArray]
+    ln_S: FloatArray | None
+
+    def in_resistance(self) -> Shown:
+        """The same with the resistance in kΩ instead of ln G."""
+        if self.ln_S is None:
+            return self
+        left, added = residuals_kohm(self.ln_S, self.residual["conductance"], self.added["conductance"])
+        return replace(
+            self,
+            residual={**_others(self.residual), RESISTANCE: left},
+            added={**_others(self.added), RESISTANCE: added},
+        )
+
+
+def _others(signals: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+    return {channel: values for channel, values in signals.items() if channel != "conductance"}
+
+
+def predicted(studio: Studio, c: str, diagnosis: Mapping[str, Any], entry: Mapping[str, Any]) -> Shown:
     """What a candidate looks like in data, and what it would add on the held-out samples.
 
     Raises
@@ -244,7 +295,9 @@ def predicted(
     _, judged = split(studio.workspace.recording(c), other)
     effect = catalogue[entry["form"]].model_validate(entry["start"])
     without = model_from_dict(_before(diagnosis), catalogue, "diagnosis")
-    return effect.look, contribution(without, effect, judged)
+    found = contribution(without, effect, judged)
+    ln_S = judged.measured["conductance"][judged.counts] if "conductance" in judged.measured else None
+    return Shown(effect.look, found.time_s, found.residual, found.added, ln_S)
 
 
 def _before(diagnosis: Mapping[str, Any]) -> Mapping[str, Any]:

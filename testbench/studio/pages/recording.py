@@ -56,7 +56,7 @@ async def page(studio: Studio, c: str = "", show: str = "", start: str = "", end
         quantity_toggle(where)
     caption = "Drag to zoom; double-click to see all again. A zoom draws every sample of its stretch."
     drawn = partial(figures.time_series, recording, resistance=kohm)
-    zooming_plot(drawn, caption, span_of(start, end), where.note_span)
+    zooming_plot(drawn, caption, recording.time_s, span_of(start, end), where.note_span)
     path = studio.workspace.campaign(c).folder / "recording.csv"
     later(partial(_below, c, recording, path, kohm))
     later(partial(provenance, studio, c))

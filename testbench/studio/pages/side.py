@@ -14,10 +14,11 @@ from testbench.recordings.recording import Recording
 from testbench.report import recording_figures as figures
 from testbench.report.build import read_diagnosis
 from testbench.report.ladder_figures import UNITS
-from testbench.report.numbers import plain, with_error
-from testbench.report.parameters import doubts, parameter_name
+from testbench.report.numbers import plain
+from testbench.report.parameters import parameter_name
 from testbench.report.words import spoken, with_probability
 from testbench.studio import models
+from testbench.studio.beside import fitted_value
 from testbench.studio.picture import plot
 from testbench.studio.studio import Studio
 from testbench.studio.widgets import RESISTANCE, Address, address, aside, guarded, heading, quantity_toggle, table
@@ -46,24 +47,16 @@ async def page(studio: Studio, a: str = "", b: str = "", show: str = "") -> None
     names = list(dict.fromkeys(key for side in sides for key in side.facts))
     with ui.row().classes("w-full gap-4"):
         for side in sides:
-            ui.link(side.name, address("/recording", c=side.name))
+            ui.link(side.name, address("/recording", c=side.name)).classes("way")
     table(("", a, b), [(name, *(side.facts.get(name, "") for side in sides)) for name in names])
     addresses = list(dict.fromkeys(key for side in sides for key in side.fit.get("parameters", {}) if "[" not in key))
     if addresses:
-        rows = [(parameter_name(key), *(_value(side.fit, key) for side in sides)) for key in addresses]
+        rows = [(parameter_name(key), *(fitted_value(side.fit, key) for side in sides)) for key in addresses]
         table(("Parameter", a, b), rows, "± is one standard error; a value in brackets should be doubted.")
     for side in sides:
         loops = figures.hysteresis_loops(side.recording, kohm)
         if loops:
             plot(loops, f"{side.name}: six half minutes, the first dark, the last light.")
-
-
-def _value(fit: Mapping[str, Any], key: str) -> str:
-    entry = fit.get("parameters", {}).get(key)
-    if entry is None:
-        return ""
-    text = with_error(float(entry["value"]), float(entry["standard_error"]), str(entry["unit"]))
-    return f"({text})" if doubts(key, fit) else text
 
 
 def _side(studio: Studio, name: str, kohm: bool) -> Side:

@@ -1,7 +1,8 @@
-"""A minute of one test as four testers, a logger, a spreadsheet and LabVIEW would export it; written by us."""
+"""One test (a minute of it, or any other) as four testers, a logger, a spreadsheet and LabVIEW would export it."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,19 @@ FORCE_N = np.round(0.2 + 1.1 * EXTENSION_MM + 0.02 * TIME_S / 60, 6)
 RESISTANCE_OHM = np.round(439_377.0 - 21_000.0 * EXTENSION_MM, 3)
 
 
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """What was measured at the gauge length of 40 mm; each array has shape (n,)."""
+
+    time_s: np.ndarray
+    extension_mm: np.ndarray
+    force_N: np.ndarray
+    resistance_ohm: np.ndarray
+
+
+MINUTE = Measured(TIME_S, EXTENSION_MM, FORCE_N, RESISTANCE_OHM)
+
+
 def _rows(*columns: np.ndarray, form: str = "%.9f", separator: str = ",", decimal: str = ".") -> str:
     lines = [
         separator.join((form % value).replace(".", decimal) for value in row) for row in zip(*columns, strict=True)
@@ -20,21 +34,23 @@ def _rows(*columns: np.ndarray, form: str = "%.9f", separator: str = ",", decima
     return "\n".join(lines) + "\n"
 
 
-def testxpert(folder: Path) -> Path:
+def testxpert(folder: Path, data: Measured = MINUTE) -> Path:  # noqa: PT028 (a tester, not a test)
     """testXpert: semicolons, decimal commas, a row of units; the force in kN, the resistance in kOhm, Latin-1."""
     head = "Prüfzeit;Standardweg;Standardkraft;Widerstand\ns;mm;kN;kOhm\n"
-    rows = _rows(TIME_S, EXTENSION_MM, FORCE_N / 1e3, RESISTANCE_OHM / 1e3, separator=";", decimal=",")
+    rows = _rows(
+        data.time_s, data.extension_mm, data.force_N / 1e3, data.resistance_ohm / 1e3, separator=";", decimal=","
+    )
     return _written(folder / "testxpert.txt", head + rows, "latin-1")
 
 
-def bluehill(folder: Path) -> Path:
+def bluehill(folder: Path, data: Measured = MINUTE) -> Path:
     """Bluehill: a title, quoted names, brackets in a row of their own, a table of results above the raw data."""
     head = (
         '"Results Table 1"\n"","Maximum Load","Tensile strain at Maximum Load"\n"","(N)","(%)"\n"1","6.82","15.0"\n\n'
         '"Specimen 1"\n\n"Time","Extension","Load","Corrected Position","Resistance"\n'
         '"(s)","(mm)","(N)","(mm)","(kOhm)"\n'
     )
-    columns = (TIME_S, EXTENSION_MM, FORCE_N, EXTENSION_MM + 0.01, RESISTANCE_OHM / 1e3)
+    columns = (data.time_s, data.extension_mm, data.force_N, data.extension_mm + 0.01, data.resistance_ohm / 1e3)
     quoted = "".join(",".join(f'"{value:.9f}"' for value in row) + "\n" for row in zip(*columns, strict=True))
     return _written(folder / "bluehill.csv", head + quoted, "utf-8-sig")
 
@@ -60,26 +76,33 @@ def electropuls(folder: Path) -> Path:
     )
 
 
-def headerless(folder: Path) -> Path:
+def headerless(folder: Path, data: Measured = MINUTE) -> Path:
     """A script's output: no header; resistance, time, position (falls with stretch), its time, force, its time."""
-    columns = (RESISTANCE_OHM, TIME_S, -EXTENSION_MM, TIME_S - 0.03, FORCE_N, TIME_S + 0.02)
+    columns = (
+        data.resistance_ohm,
+        data.time_s,
+        -data.extension_mm,
+        data.time_s - 0.03,
+        data.force_N,
+        data.time_s + 0.02,
+    )
     return _written(folder / "raw.csv", _rows(*columns), "utf-8")
 
 
-def workbook(folder: Path) -> Path:
+def workbook(folder: Path, data: Measured = MINUTE) -> Path:
     """An Excel workbook: a page of remarks, then the data; the strain is shown in %, so its cells hold ratios."""
     import openpyxl
 
     book = openpyxl.Workbook()
     book.active.title = "Remarks"
     book.active.append(["Knit 3, fourth washing"])
-    data = book.create_sheet("Data")
-    data.append(["Specimen: knit 3"])
-    data.append(["Time [ms]", "Strain [%]", "Force [cN]", "R [MΩ]"])
-    rows = zip(TIME_S * 1e3, EXTENSION_MM / 40, FORCE_N * 1e2, RESISTANCE_OHM / 1e6, strict=True)
+    sheet = book.create_sheet("Data")
+    sheet.append(["Specimen: knit 3"])
+    sheet.append(["Time [ms]", "Strain [%]", "Force [cN]", "R [MΩ]"])
+    rows = zip(data.time_s * 1e3, data.extension_mm / 40, data.force_N * 1e2, data.resistance_ohm / 1e6, strict=True)
     for values in rows:
-        data.append([float(value) for value in values])
-        data.cell(data.max_row, 2).number_format = "0.00%"
+        sheet.append([float(value) for value in values])
+        sheet.cell(sheet.max_row, 2).number_format = "0.00%"
     book.save(folder / "lab.xlsx")
     return folder / "lab.xlsx"
 

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import json
 import re
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
+import tests.testbench.report.samples as samples
+from compensation.cli import main as compensation
+from gcode.cli import main as gcode
+from testbench.cli import main as run_testbench
 from tests.testbench.studio.served import CHROMIUM, Served, served
 
 SHOTS = Path(__file__).parents[3] / "artifacts" / "studio"
@@ -47,7 +53,57 @@ def page(browser):
     tab.on("request", lambda request: _note_foreign(request.url, wrong))
     yield tab
     context.close()
-    assert not wrong
+    assert not wrong, "\n".join(wrong)
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A workspace in which every step of one campaign has been made."""
+    root = tmp_path_factory.mktemp("finished")
+    program, knit, results = root / "programs" / "short", root / "knit", root / "results" / "knit"
+    motion = ["--preset", "paper-1", "--seed", "7", "--gauge-length-mm", "25", "--duration-s", "240"]
+    assert gcode(["generate", *motion, "-o", str(program)]) == 0
+    sensor = ["--sensor", "pes", "--program", str(program / "program.tap"), "--seed", "1"]
+    assert run_testbench(["run", *sensor, "-o", str(knit)]) == 0
+    results.mkdir(parents=True)
+    model, compensator = results / "model.json", results / "force.compensator.json"
+    assert run_testbench(["fit", str(knit), "-o", str(model)]) == 0
+    history = json.loads(model.read_text())["history"]
+    (results / "diagnosis.json").write_text(json.dumps(samples.diagnosis() | {"history": history}))
+    training = ["train", str(knit), "--target", "force", "--hidden", "4,2,2", "-o", str(compensator)]
+    assert compensation(training) == 0
+    assert compensation(["score", str(compensator), str(knit), "-o", str(results / "force.score.json")]) == 0
+    return root
+
+
+@pytest.fixture(scope="module")
+def standing(finished: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+    """A studio over a copy of that workspace, for tests that only look: one for all of a module."""
+    root = tmp_path_factory.mktemp("standing") / "ws"
+    shutil.copytree(finished, root)
+    with served(root) as studio:
+        yield studio
+
+
+@pytest.fixture
+def full(running: Served, finished: Path) -> Served:
+    """A studio over a copy of that workspace."""
+    shutil.copytree(finished, running.root, dirs_exist_ok=True)
+    return running
+
+
+def opened(running, page, path: Path) -> None:
+    """The import page with a file read."""
+    page.goto(f"{running.address}/import")
+    page.get_by_label("File on this machine").fill(str(path))
+    page.get_by_role("button", name="Read the file").click()
+    page.get_by_text("Found: ").wait_for()
+
+
+def choose(page, label: str, option: str) -> None:
+    """Take an option of a select."""
+    page.get_by_role("combobox", name=label, exact=True).click()
+    page.get_by_role("option", name=option, exact=True).click()
 
 
 def _note_foreign(url: str, wrong: list[str]) -> None:

@@ -55,7 +55,7 @@ def served(root: Path, refresh_s: float = 0.5) -> Iterator[Served]:
         if process.poll() is not None:
             return  # the test has ended it
         process.send_signal(signal.SIGINT)
-        assert process.wait(30) in (0, 130)
+        assert process.wait(180) in (0, 130)
     finally:
         process.kill()
         process.wait()
@@ -67,14 +67,20 @@ def start_studio(root: Path, port: int, refresh_s: float = 0.5) -> subprocess.Po
     # NiceGUI behaves differently where it sees pytest in the environment.
     environment = {key: value for key, value in os.environ.items() if not key.startswith(("PYTEST", "NICEGUI"))}
     process = subprocess.Popen(argv, cwd=root.parent, env=environment)
-    _wait_for(port)
+    try:
+        _wait_for(port, process)
+    except BaseException:
+        process.kill()
+        process.wait()
+        raise
     return process
 
 
-def _wait_for(port: int) -> None:
-    for _ in range(900):
+def _wait_for(port: int, process: subprocess.Popen) -> None:
+    for _ in range(3000):
+        assert process.poll() is None, "the studio ended at its start; see its words above"
         with socket.socket() as probe:
             if probe.connect_ex(("127.0.0.1", port)) == 0:
                 return
         time.sleep(0.1)
-    raise AssertionError("the studio did not start within 90 s")
+    raise AssertionError("the studio did not start within 5 min")

@@ -11,22 +11,16 @@ from playwright.sync_api import expect
 
 from testbench.recordings.recording import read_recording
 from tests.testbench.importing import exports
-from tests.testbench.studio.browsing import IN_CHROMIUM, browser, page, running, shot
+from tests.testbench.studio.browsing import IN_CHROMIUM, browser, choose, opened, page, running, shot
+from tests.testbench.studio.seeing import nameless, unreadable
 
 pytestmark = IN_CHROMIUM
 __all__ = ["browser", "page", "running"]  # pytest finds its fixtures by name
 
 
-def opened(running, page, path: Path) -> None:
-    page.goto(f"{running.address}/import")
-    page.get_by_label("File on this machine").fill(str(path))
-    page.get_by_role("button", name="Read the file").click()
-    page.get_by_text("Found: ").wait_for()
-
-
-def choose(page, label: str, option: str) -> None:
-    page.get_by_role("combobox", name=label, exact=True).click()
-    page.get_by_role("option", name=option, exact=True).click()
+BEYOND_THE_EDGE = """[...document.querySelectorAll('.page *')].filter(e => !e.closest('.rawbox'))
+  .filter(e => e.checkVisibility() && e.getBoundingClientRect().right > innerWidth + 1)
+  .map(e => e.outerHTML.slice(0, 120))"""
 
 
 @pytest.mark.parametrize("export", [exports.testxpert, exports.bluehill, exports.workbook])
@@ -114,3 +108,17 @@ def test_a_row_that_cannot_be_used_is_said_with_the_pages_own_control(running, p
     page.get_by_role("checkbox", name="Leave out rows that cannot be used").click()
     page.get_by_role("button", name="Import", exact=True).click()
     page.wait_for_url(re.compile("recording"))
+
+
+def test_the_page_with_a_file_fits_a_phone(running, browser, tmp_path) -> None:
+    context = browser.new_context(viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True)
+    tab = context.new_page()
+    tab.set_default_timeout(120_000)
+    for export in (exports.testxpert, exports.bluehill, exports.headerless, exports.workbook):
+        opened(running, tab, export(tmp_path))
+        tab.get_by_role("combobox", name="Column of force").wait_for()
+        shot(tab, f"phone-import-{export.__name__}")
+        assert tab.evaluate("document.documentElement.scrollWidth") <= 390, export.__name__
+        assert tab.evaluate(BEYOND_THE_EDGE) == [], export.__name__
+        assert not unreadable(tab) + nameless(tab)
+    context.close()

@@ -12,15 +12,13 @@ from pathlib import Path
 
 import pytest
 
-import tests.testbench.report.samples as samples
-from compensation.cli import main as compensation
-from gcode.cli import main as gcode
 from testbench.cli import main as run_testbench
-from tests.testbench.studio.browsing import IN_CHROMIUM, browser, page, running, shot
+from tests.testbench.studio.browsing import IN_CHROMIUM, browser, finished, full, page, running, shot, standing
+from tests.testbench.studio.seeing import nameless, unreadable
 from tests.testbench.studio.served import Served
 
 pytestmark = IN_CHROMIUM
-__all__ = ["browser", "page", "running"]  # pytest finds its fixtures by name
+__all__ = ["browser", "finished", "full", "page", "running", "standing"]  # pytest finds its fixtures by name
 
 PAGES = {
     "/": "verified",
@@ -39,57 +37,30 @@ PAGES = {
 }
 
 
-@pytest.fixture(scope="module")
-def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A workspace in which every step of one campaign has been made."""
-    root = tmp_path_factory.mktemp("finished")
-    program, knit, results = root / "programs" / "short", root / "knit", root / "results" / "knit"
-    motion = ["--preset", "paper-1", "--seed", "7", "--gauge-length-mm", "25", "--duration-s", "240"]
-    assert gcode(["generate", *motion, "-o", str(program)]) == 0
-    sensor = ["--sensor", "pes", "--program", str(program / "program.tap"), "--seed", "1"]
-    assert run_testbench(["run", *sensor, "-o", str(knit)]) == 0
-    results.mkdir(parents=True)
-    model, compensator = results / "model.json", results / "force.compensator.json"
-    assert run_testbench(["fit", str(knit), "-o", str(model)]) == 0
-    history = json.loads(model.read_text())["history"]
-    (results / "diagnosis.json").write_text(json.dumps(samples.diagnosis() | {"history": history}))
-    training = ["train", str(knit), "--target", "force", "--hidden", "4,2,2", "-o", str(compensator)]
-    assert compensation(training) == 0
-    assert compensation(["score", str(compensator), str(knit), "-o", str(results / "force.score.json")]) == 0
-    return root
-
-
-@pytest.fixture
-def full(running: Served, finished: Path) -> Served:
-    """A studio over a copy of that workspace."""
-    shutil.copytree(finished, running.root, dirs_exist_ok=True)
-    return running
-
-
-def test_every_page_opens_by_its_address(full: Served, page) -> None:
+def test_every_page_opens_by_its_address(standing: Served, page) -> None:
     for path, words in PAGES.items():
-        page.goto(full.address + path)
+        page.goto(standing.address + path)
         page.get_by_text(words).first.wait_for()
         assert page.evaluate("document.documentElement.scrollWidth") <= 1280, path
         shot(page, f"page-{path.partition('?')[0].strip('/') or 'campaigns'}")
 
 
-def test_every_page_fits_a_tablet(full: Served, browser) -> None:
+def test_every_page_fits_a_tablet(standing: Served, browser) -> None:
     context = browser.new_context(viewport={"width": 820, "height": 1180}, has_touch=True)
     tab = context.new_page()
     for path, words in PAGES.items():
-        tab.goto(full.address + path)
+        tab.goto(standing.address + path)
         tab.get_by_text(words).first.wait_for(timeout=60_000)
         shot(tab, f"tablet-{path.partition('?')[0].strip('/') or 'campaigns'}")
         assert tab.evaluate("document.documentElement.scrollWidth") <= 820, path
     context.close()
 
 
-def test_every_page_fits_a_phone_and_names_itself(full: Served, browser) -> None:
+def test_every_page_fits_a_phone_and_names_itself(standing: Served, browser) -> None:
     context = browser.new_context(viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True)
     tab = context.new_page()
     for path, words in PAGES.items():
-        tab.goto(full.address + path)
+        tab.goto(standing.address + path)
         tab.get_by_text(words).first.wait_for(timeout=60_000)
         tab.wait_for_function("() => document.title.includes(' · knitbench')")
         shot(tab, f"phone-{path.partition('?')[0].strip('/') or 'campaigns'}")
@@ -105,14 +76,35 @@ IN_VIEW = """() => {
 }"""
 
 
-def test_panels_stack_on_a_phone_and_no_plot_overlaps_the_next(full: Served, browser) -> None:
-    context = browser.new_context(viewport={"width": 390, "height": 844})
+@pytest.mark.parametrize("width", [1280, 390])
+def test_everything_can_be_read_and_has_a_name(standing: Served, browser, width: int) -> None:
+    context = browser.new_context(viewport={"width": width, "height": 844})
     tab = context.new_page()
-    tab.goto(f"{full.address}/recording?c=knit")
-    tab.get_by_text("How often each value occurred").wait_for(timeout=60_000)
+    tab.set_default_timeout(120_000)
+    wrong: dict[str, list[str]] = {}
+    for path, words in PAGES.items():
+        tab.goto(standing.address + path)
+        tab.get_by_text(words).first.wait_for()
+        draw_all(tab)
+        found = unreadable(tab) + nameless(tab)
+        wrong |= {path: found} if found else {}
+    context.close()
+    assert not wrong
+
+
+def draw_all(tab) -> None:
+    """Bring every plot near the screen, and wait until it is drawn."""
     for plot in tab.locator(".js-plotly-plot").all():
         plot.scroll_into_view_if_needed()
         tab.wait_for_function("e => e.dataset.drawn", arg=plot.element_handle())
+
+
+def test_panels_stack_on_a_phone_and_no_plot_overlaps_the_next(standing: Served, browser) -> None:
+    context = browser.new_context(viewport={"width": 390, "height": 844})
+    tab = context.new_page()
+    tab.goto(f"{standing.address}/recording?c=knit")
+    tab.get_by_text("How often each value occurred").wait_for(timeout=60_000)
+    draw_all(tab)
     widths = tab.evaluate(
         "[...document.querySelectorAll('.js-plotly-plot')].map(e => [e.layout.xaxis.domain, e.layout.xaxis2?.domain])"
     )
@@ -156,8 +148,8 @@ def test_compare_opens_where_it_fails_and_every_place_is_a_link(full: Served, pa
     page.get_by_text("the end must come after the start").wait_for()
 
 
-def test_a_wrong_stretch_is_said_in_place(full: Served, page) -> None:
-    page.goto(f"{full.address}/recording?c=knit")
+def test_a_wrong_stretch_is_said_in_place(standing: Served, page) -> None:
+    page.goto(f"{standing.address}/recording?c=knit")
     page.wait_for_selector(".js-plotly-plot[data-drawn]")
     page.get_by_label("From / s").fill("130")
     page.get_by_label("to / s").fill("100")
@@ -165,9 +157,9 @@ def test_a_wrong_stretch_is_said_in_place(full: Served, page) -> None:
     page.get_by_text("before 130 s").wait_for()
 
 
-def test_the_parameter_table_stands_on_compare_and_ladder(full: Served, page) -> None:
+def test_the_parameter_table_stands_on_compare_and_ladder(standing: Served, page) -> None:
     for path in ("/compare", "/ladder"):
-        page.goto(f"{full.address}{path}?c=knit")
+        page.goto(f"{standing.address}{path}?c=knit")
         row = page.locator("tr", has_text="elasticity: stiffness")
         row.wait_for()
         assert "±" in row.inner_text()
@@ -236,8 +228,8 @@ def test_a_tie_leads_to_an_experiment_and_its_program(full: Served, page) -> Non
     page.get_by_text("Run it on the simulated rig").wait_for()
 
 
-def test_the_whole_way_by_keyboard(full: Served, page) -> None:
-    page.goto(full.address)
+def test_the_whole_way_by_keyboard(standing: Served, page) -> None:
+    page.goto(standing.address)
     page.get_by_text("verified").wait_for()
     _tab_to(page, "knit")
     page.keyboard.press("Enter")
@@ -254,7 +246,7 @@ def test_the_whole_way_by_keyboard(full: Served, page) -> None:
         "() => { const row = document.querySelector('.js-plotly-plot').calcdata[0];"
         " return row[0].x > 55 && row[row.length - 1].x < 95; }"
     )
-    page.goto(f"{full.address}/missing?c=knit")
+    page.goto(f"{standing.address}/missing?c=knit")
     page.get_by_text("lie on the dashed line").wait_for()
     _tab_to(page, "2. load cell creep")
     page.keyboard.press("Enter")

@@ -82,3 +82,27 @@ def test_jobs_use_this_very_interpreter() -> None:
     assert interpreter_argv(["compensation", "train", "x"]) == [
         sys.executable, "-c", "import sys; from compensation.cli import main; sys.exit(main())", "train", "x",
     ]  # fmt: skip
+
+
+@pytest.mark.asyncio
+async def test_what_comes_after_a_job_runs_without_a_page_that_looks() -> None:
+    board = JobBoard()
+    help_of = ["testbench", "fit", "--help"]
+    first = board.start("train:a", "Train", ["testbench", "--help"], [("Score", help_of), ("Export", help_of)])
+    await ended(first)
+    second = first.followed_by
+    assert second is not None
+    assert (second.title, board.running()) == ("Score", [second])
+    await ended(second)
+    assert second.followed_by is not None
+    assert (await ended(second.followed_by)).state is State.DONE
+    assert board.running() == []
+
+
+@pytest.mark.asyncio
+async def test_nothing_comes_after_a_job_that_failed(tmp_path: Path) -> None:
+    board = JobBoard()
+    failing = ["testbench", "verify", str(tmp_path)]
+    first = await ended(board.start("v", "Verify", failing, [("Help", ["testbench", "--help"])]))
+    assert first.followed_by is None
+    assert board.running() == []

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from testbench.commands.diagnose import CANDIDATES_OF_A_ROUND, Refits
 from testbench.studio.jobs import Job
 from testbench.studio.pace import Pace, Paces, Profile, duration_in_words, kind_of
 from testbench.studio.widgets import progress_in_words, spark_line
@@ -49,6 +50,30 @@ def test_a_job_never_seen_before_is_extrapolated_once_it_has_begun() -> None:
     pace.hear("two", 0.25, 10.0)
     assert pace.left_s(12.0) == pytest.approx(28.0)
     assert pace.left_s(50.0) is None, "it takes longer than was thought"
+
+
+def test_what_comes_before_the_first_counted_step_is_not_counted_for_every_step() -> None:
+    pace = Pace()
+    pace.hear("fitting the baseline", None, 30.0)
+    pace.hear("refitting with a", 0.125, 32.0, "candidate 3")
+    assert pace.total_s() == pytest.approx(30.0 + 2.0 / 0.125)
+
+
+def test_a_diagnosis_counts_its_candidates(capsys, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("KNITBENCH_PROGRESS", "json")
+    tell = Refits(rounds=1)
+    job = Job("diagnose:c", "t", ("testbench", "diagnose"))
+    said = []
+    for number in range(2 * CANDIDATES_OF_A_ROUND):
+        if number % CANDIDATES_OF_A_ROUND == 0:
+            tell("screening the catalogue")
+        tell("refitting with slack")
+    for line in capsys.readouterr().err.splitlines():
+        job.hear_error(line)
+        said.append(job.step)
+    assert said[:2] == ["", "candidate 1 of 12"]
+    assert said[-1] == "candidate 24 of 24"
+    assert list(job.pace.marks)[:2] == ["screening the catalogue", "candidate 1"], "whatever the candidates are"
 
 
 def test_profiles_are_kept_from_one_studio_to_the_next(tmp_path: Path) -> None:

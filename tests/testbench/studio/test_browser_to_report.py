@@ -1,0 +1,105 @@
+"""From the file of a tester, a script or a spreadsheet to a verdict and a report, by the page alone; timed."""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gcode.cli import main as gcode
+from testbench.cli import main as run_testbench
+from testbench.knit.catalogue import baseline, load_catalogue
+from testbench.recordings.recording import read_recording
+from tests.testbench.importing import exports
+from tests.testbench.studio.browsing import IN_CHROMIUM, SHOTS, browser, choose, page, running, shot
+
+pytestmark = IN_CHROMIUM
+__all__ = ["browser", "page", "running"]  # pytest finds its fixtures by name
+
+RATE_HZ = 20.0
+COLUMNS = (("time", "2", "s"), ("displacement", "3", "mm"), ("force", "5", "N"), ("resistance", "1", "Ω"))
+
+
+@pytest.fixture(scope="module")
+def measured(tmp_path_factory: pytest.TempPathFactory) -> exports.Measured:
+    """Four minutes of a sensor whose force relaxes, which the baseline does not know, as a tester samples it."""
+    folder = tmp_path_factory.mktemp("measured")
+    motion = ["--preset", "paper-1", "--seed", "7", "--gauge-length-mm", "40", "--duration-s", "240"]
+    assert gcode(["generate", *motion, "-o", str(folder / "program")]) == 0
+    model = baseline().plus(load_catalogue()["stress_relaxation"]().replaced(fraction=0.35, tau_s=12.0))
+    (folder / "truth.json").write_text(json.dumps(model.to_dict()))
+    argv = ["--model", str(folder / "truth.json"), "--program", str(folder / "program" / "program.tap")]
+    assert run_testbench(["run", *argv, "--seed", "1", "-o", str(folder / "knit")]) == 0
+    recording = read_recording(folder / "knit")
+    since_s = recording.time_s - recording.time_s[0]
+    time_s = np.arange(0.0, since_s[-1], 1 / RATE_HZ)
+    taken = (recording[name] for name in ("displacement_mm", "force_N", "resistance_ohm"))
+    return exports.Measured(time_s, *(np.interp(time_s, since_s, values) for values in taken))
+
+
+@pytest.mark.parametrize("export", [exports.testxpert, exports.bluehill, exports.headerless, exports.workbook])
+def test_from_a_file_to_verdict_and_report(
+    running, page, tmp_path: Path, measured: exports.Measured, export: Callable
+) -> None:
+    path = export(tmp_path, measured)
+    page.goto(running.address)
+    start_s = time.monotonic()
+    times = {}
+
+    def said(step: str) -> None:
+        times[step] = time.monotonic() - start_s
+
+    page.get_by_role("button", name="Import a CSV").click()
+    page.get_by_label("File on this machine").fill(str(path))
+    page.get_by_role("button", name="Read the file").click()
+    page.get_by_text("Found: ").wait_for()
+    if export is exports.headerless:
+        say_what_is_what(page)
+    page.get_by_label("Gauge length / mm").fill("40")
+    page.get_by_label("Campaign name").fill("knit")
+    page.get_by_role("button", name="Import", exact=True).click()
+    page.wait_for_url("**/recording?c=knit")
+    said("import")
+    page.get_by_role("link", name="Compare").click()
+    page.get_by_role("button", name="Fit the baseline").click()
+    page.get_by_text("Where it fails, the worst first").wait_for()
+    said("fit")
+    page.get_by_role("button", name="What is missing?").click()
+    page.get_by_role("button", name="Find what is missing").click()
+    page.locator(".verdict").wait_for(timeout=900_000)
+    said("verdict")
+    page.get_by_role("link", name="Error ladder").click()
+    page.get_by_role("button", name="Report").click()
+    with page.context.expect_page() as opened:
+        page.get_by_role("link", name="Open the report").click()
+    report = opened.value
+    report.wait_for_selector(".plot[data-drawn] .main-svg")
+    said("report")
+    shot(report, f"report-{export.__name__}")
+    assert "What is missing" in report.inner_text("main")
+    diagnosis = json.loads((running.root / "results" / "knit" / "diagnosis.json").read_text())
+    assert diagnosis["ranking"][0]["effect"] == "stress_relaxation"
+    note(export.__name__, times)
+
+
+def say_what_is_what(page) -> None:
+    """Without a header, the page asks; the position of this script falls with stretch."""
+    for role, column, unit in COLUMNS:
+        choose(page, f"Column of {role}", column)
+        page.get_by_text("the file does not say the unit: choose it").wait_for()
+        choose(page, f"Unit of {role}", unit)
+        page.get_by_text("the file does not say the unit: choose it").wait_for(state="detached")
+    page.get_by_role("checkbox", name="Turn the sign of the displacement").click()
+
+
+def note(name: str, times: dict[str, float]) -> None:
+    """Print the times, and keep them among CI's artefacts; a busy machine makes no test fail."""
+    words = f"{name}: " + ", ".join(f"{step} after {at_s:.0f} s" for step, at_s in times.items())
+    print(words, file=sys.stderr)
+    with (SHOTS / "times-to-report.txt").open("a") as stream:
+        stream.write(words + "\n")
