@@ -28,9 +28,9 @@ TRANSFERS = (
 
 def trajectories(folder: Path) -> str:
     """Speed and acceleration of the trajectories, as executed, at 20 Hz."""
-    from gcode.planner import play
-    from gcode.reader import read_program, read_text
-    from gcode.statistics import motion_statistics
+    from gcode.mach4.controller import play
+    from gcode.mach4.reader import read_program, read_text
+    from gcode.motion.statistics import motion_statistics
 
     lines = ["Trajectories: v (mm/s) and a (mm/s2), max / mean / SD at 20 Hz as executed; in brackets the paper's"]
     for name, (preset, _, _) in RUNS.items():

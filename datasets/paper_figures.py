@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gcode.generate import plan
-from gcode.presets import preset as trajectory
+from gcode.trajectories.planning import plan
+from gcode.trajectories.presets import preset as trajectory
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel, inputs
 from testbench.rig.past import DEFAULT_REST_S

@@ -247,9 +247,9 @@ def _planned(spec: DatasetSpec, base: Path, out: Path) -> list[Path]:
 
 
 def _programs(wish: TrajectoryWish, gauge_length_mm: float, base: Path, folder: Path) -> Iterator[Path]:
-    from gcode.output import make as make_program
-    from gcode.presets import preset as motion_preset
-    from gcode.toml_spec import read_spec
+    from gcode.programs.make import make as make_program
+    from gcode.trajectories.presets import preset as motion_preset
+    from gcode.trajectories.toml_spec import read_spec
 
     source = motion_preset(wish.preset) if wish.preset else read_spec(base / str(wish.spec))
     if wish.duration_s is not None:

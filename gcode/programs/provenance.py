@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from gcode.bounds import Limits
-from gcode.check import CheckResult, check_program
-from gcode.planner import Machine
-from gcode.program import Problem, Program
-from gcode.reader import parse_program
-from gcode.seal import seal_problem
+from gcode.mach4.check import CheckResult, check_program
+from gcode.mach4.controller import Machine
+from gcode.mach4.program import Problem, Program
+from gcode.mach4.reader import parse_program
+from gcode.mach4.seal import seal_problem
 from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError
+from gcode.trajectories.bounds import Limits
 
 MOST_SAMPLES = 20_000_000  # of a recipe that is made again; 48 h at 100 Hz
 FOREIGN = "nobody's recipe: judged by its motion alone"
@@ -47,7 +47,7 @@ def check_file(
     longest_dwell_s: float | None = None,
     as_foreign: bool = False,
 ) -> tuple[CheckResult, Provenance]:
-    """Check the text of a program: where it comes from, and what `gcode.check.check_program` finds in it.
+    """Check the text of a program: where it comes from, and what `gcode.mach4.check.check_program` finds in it.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ def check_file(
 
 def provenance(text: str, program: Program) -> Provenance:
     """Hold a program against its seal and its recipe; one without a header of ours is nobody's."""
-    from gcode.output import make_again
+    from gcode.programs.make import make_again
 
     keys = program.header
     if not any(key.startswith("spec.") for key in keys):

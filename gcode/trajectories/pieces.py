@@ -1,21 +1,13 @@
-"""What every piece of a protocol has in common."""
+"""What every piece of a protocol has in common, and pieces in a row."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Any
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, SerializeAsAny, model_validator
 
-from gcode.path import Frame, Path
-
-if TYPE_CHECKING:
-    from gcode.protocol import Protocol
-
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-Duration = Annotated[float, Field(gt=0, le=48 * 3600, allow_inf_nan=False)]
-Rest = Annotated[float, Field(ge=0, le=48 * 3600, allow_inf_nan=False)]
-Percent = Annotated[float, Field(ge=-100, le=1000, allow_inf_nan=False)]
-Count = Annotated[int, Field(ge=1, le=100_000)]
+from gcode.motion.path import Frame, Path
+from gcode.trajectories.quantities import Percent
 
 
 class Piece(BaseModel):
@@ -29,9 +21,19 @@ class Piece(BaseModel):
 
     def __add__(self, other: Piece | Protocol) -> Protocol:
         """Chain two pieces, or a piece and a protocol."""
-        from gcode.protocol import Protocol
-
         return Protocol(pieces=(self,)) + other
+
+
+class Protocol(BaseModel):
+    """Pieces in a row."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    pieces: tuple[SerializeAsAny[Piece], ...] = Field(min_length=1)
+
+    def __add__(self, other: Piece | Protocol) -> Protocol:
+        more = other.pieces if isinstance(other, Protocol) else (other,)
+        return Protocol(pieces=(*self.pieces, *more))
 
 
 class RangedPiece(Piece):

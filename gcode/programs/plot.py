@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from gcode.output import Made, executed
-from gcode.statistics import accelerations, speeds
+from gcode.motion.statistics import accelerations, speeds
+from gcode.programs.make import Made, executed
 from gcode.support import files
 
 BLUE, VERMILION, GREY = "#0072B2", "#D55E00", "#777777"

@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 from gcode.support.errors import UserError, first_problem
 from gcode.support.strict import read_toml
-from gcode.trajectory import TrajectorySpec
+from gcode.trajectories.trajectory import TrajectorySpec
 
 
 def read_spec(path: str | Path) -> TrajectorySpec:

@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from gcode.pieces import Positive
-from gcode.statistics import accelerations, jerks, speeds
+from gcode.motion.statistics import accelerations, jerks, speeds
+from gcode.trajectories.quantities import Positive
 
 
 class Limits(BaseModel):

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from gcode.presets import preset
 from gcode.support.errors import UserError
-from gcode.toml_spec import read_spec
-from gcode.trajectory import TrajectorySpec
+from gcode.trajectories.presets import preset
+from gcode.trajectories.toml_spec import read_spec
+from gcode.trajectories.trajectory import TrajectorySpec
 
 _LIMITS = {
     "v_max": "v_max_mm_per_s",

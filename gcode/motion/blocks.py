@@ -1,8 +1,8 @@
 """One-axis motion of constant-acceleration phases: the trapezoidal look-ahead rule, without loops.
 
 Both users of this file ask the same question: how fast can a chain of straight blocks be driven, if each block
-has a speed of its own and no speed change may exceed an acceleration? `gcode.limits` asks it to keep a plan within
-its limits, `gcode.planner` to predict what a controller does with a program.
+has a speed of its own and no speed change may exceed an acceleration? `gcode.motion.limits` asks it to keep a plan
+within its limits, `gcode.mach4.controller` to predict what a controller does with a program.
 """
 
 from __future__ import annotations

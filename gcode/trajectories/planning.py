@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcode.bounds import Limits, excesses
-from gcode.limits import drive_within, sampled_positions
-from gcode.path import Frame, Path, join, way
+from gcode.motion.limits import drive_within, sampled_positions
+from gcode.motion.path import Frame, Path, join, way
 from gcode.support.errors import UserError
-from gcode.trajectory import Trajectory, TrajectorySpec, position_decimals, sampled
+from gcode.trajectories.bounds import Limits, excesses
+from gcode.trajectories.trajectory import Trajectory, TrajectorySpec, position_decimals, sampled
 
 MAX_SAMPLES = 20_000_000
 # Finite differences of rounded positions, and the executed motion's own deviations, need some room.
@@ -21,7 +21,7 @@ def plan(spec: TrajectorySpec, seed: int, gauge_length_mm: float, *, reserve: fl
     Parameters
     ----------
     spec : TrajectorySpec
-        What is wanted; `gcode.presets.preset(name)` has the paper's.
+        What is wanted; `gcode.trajectories.presets.preset(name)` has the paper's.
     seed : int
         0 or more; other seeds give independent trajectories of the same statistics.
     gauge_length_mm : float

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from collections.abc import Mapping
+from typing import Annotated, Any, Protocol, Self, TypeVar
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from gcode.limits import drive_within
-from gcode.path import Frame
-from gcode.pieces import Positive
-from gcode.statistics import MotionStatistics, motion_statistics
+from gcode.motion.limits import drive_within
+from gcode.motion.path import Frame, Path
+from gcode.motion.statistics import MotionStatistics, motion_statistics
 from gcode.support.errors import UserError
-
-if TYPE_CHECKING:
-    from gcode.natural import Noise
+from gcode.trajectories.quantities import Positive
 
 NAMES = ("v_mean_mm_per_s", "v_sd_mm_per_s", "a_mean_mm_per_s2", "a_sd_mm_per_s2")
 TOO_FAR = 0.25  # a target missed by more than this cannot be met
@@ -45,7 +43,31 @@ class Target(BaseModel):
         return np.array([getattr(statistics, name) / getattr(self, name) - 1.0 for name in NAMES])
 
 
-def trial(noise: Noise, target: Target, frame: Frame) -> np.ndarray:
+class Tunable(Protocol):
+    """Motion whose shape can be tuned: a noise piece."""
+
+    @property
+    def cells_per_s(self) -> float: ...
+    @property
+    def level_at_end(self) -> float: ...
+    @property
+    def min_speed_mm_per_s(self) -> float: ...
+    @property
+    def pace_spread(self) -> float: ...
+
+    def executed_path(self, frame: Frame) -> Path:
+        """The path as executed within the frame's limits."""
+        ...
+
+    def model_copy(self, *, update: Mapping[str, Any]) -> Self:
+        """The same motion with other parameters."""
+        ...
+
+
+Shape = TypeVar("Shape", bound=Tunable)
+
+
+def trial(noise: Tunable, target: Target, frame: Frame) -> np.ndarray:
     """Deviations of the noise as executed within the frame's limits."""
     path = noise.executed_path(frame)
     motion = drive_within(path, frame.v_max_mm_per_s, frame.a_max_mm_per_s2)
@@ -53,7 +75,7 @@ def trial(noise: Noise, target: Target, frame: Frame) -> np.ndarray:
     return target.deviations(motion_statistics(position, target.rate_hz))
 
 
-def tuned(noise: Noise, target: Target, frame: Frame) -> Noise:
+def tuned(noise: Shape, target: Target, frame: Frame) -> Shape:
     """The noise with its shape adjusted until this seed's executed motion has the target's statistics.
 
     Damped Gauss-Newton steps with a fixed sensitivity; the best shape seen is returned. The means are met within
@@ -83,7 +105,7 @@ def tuned(noise: Noise, target: Target, frame: Frame) -> Noise:
     return best
 
 
-def _stepped(noise: Noise, change: np.ndarray, target: Target) -> Noise:
+def _stepped(noise: Shape, change: np.ndarray, target: Target) -> Shape:
     factor = np.exp(np.clip(change, -0.7, 0.7))
     return noise.model_copy(
         update={

@@ -8,21 +8,21 @@ from typing import Any
 
 import numpy as np
 
-from gcode.check import check_program
-from gcode.generate import plan
-from gcode.header import unflatten
-from gcode.mach4 import FeedMode, write_program
-from gcode.natural import Noise
-from gcode.planner import Machine, play
-from gcode.program import Problem, Program
-from gcode.reader import read_program
-from gcode.statistics import MotionStatistics
+from gcode.mach4.check import check_program
+from gcode.mach4.controller import Machine, play
+from gcode.mach4.header import unflatten
+from gcode.mach4.program import Problem, Program
+from gcode.mach4.reader import read_program
+from gcode.mach4.writer import FeedMode, write_program
+from gcode.motion.statistics import MotionStatistics
 from gcode.support import files
 from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError
 from gcode.support.strict import validated
-from gcode.target import NAMES
-from gcode.trajectory import Trajectory, TrajectorySpec
+from gcode.trajectories.natural import Noise
+from gcode.trajectories.planning import plan
+from gcode.trajectories.target import NAMES
+from gcode.trajectories.trajectory import Trajectory, TrajectorySpec
 
 MISSED = 0.05  # relative deviation from a target that is worth a note
 LITTLE_USED = 0.85

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcode.motion import Blocks, block_ends
+from gcode.motion.blocks import Blocks, block_ends
 
 ITERATIONS = 40
 _GAIN = 0.5  # part of a block's accumulated lateness that it tries to make up for

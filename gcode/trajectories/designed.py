@@ -5,7 +5,7 @@ Pieces speak of strain (percent of the gauge length) and of speed (mm/s). They a
     Hold(duration_s=5) + Triangle(high_percent=30, speed_mm_per_s=2, cycles=3) + Noise(duration_s=600)
 
 Each piece turns itself into a `Path`, a chain of straight segments that says where to be and how long to take; the
-limits of the machine are applied later, to the whole chain at once (`gcode.limits`).
+limits of the machine are applied later, to the whole chain at once (`gcode.motion.limits`).
 """
 
 from __future__ import annotations
@@ -13,11 +13,12 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
-from gcode.natural import Noise
-from gcode.path import Frame, Path, join, rest, way
-from gcode.pieces import Count, Duration, Percent, Piece, Positive, RangedPiece, Rest
+from gcode.motion.path import Frame, Path, join, rest, way
+from gcode.trajectories.natural import Noise
+from gcode.trajectories.pieces import Piece, Protocol, RangedPiece
+from gcode.trajectories.quantities import Count, Duration, Percent, Positive, Rest
 
 __all__ = [
     "AnyPiece",
@@ -140,15 +141,3 @@ class Multisine(RangedPiece):
 AnyPiece = Annotated[
     Noise | Hold | Ramp | ReturnToZero | Triangle | Staircase | RateSweep | Multisine, Field(discriminator="kind")
 ]
-
-
-class Protocol(BaseModel):
-    """Pieces in a row."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-    pieces: tuple[AnyPiece, ...] = Field(min_length=1)
-
-    def __add__(self, other: Piece | Protocol) -> Protocol:
-        more = other.pieces if isinstance(other, Protocol) else (other,)
-        return Protocol(pieces=(*self.pieces, *more))

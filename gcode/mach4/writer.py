@@ -1,4 +1,4 @@
-"""The Mach4 dialect, written. The reader is `gcode.reader`; nothing else knows the dialect.
+"""The Mach4 dialect, written. The reader is `gcode.mach4.reader`; nothing else knows the dialect.
 
 Every block carries a G1, a position and a feed: readers differ in what is modal, explicit words never hurt.
 Positions have at least 4 decimals (3 distort the acceleration), feeds at least 2 (0 would give F0).
@@ -11,12 +11,12 @@ from typing import Any, Literal
 
 import numpy as np
 
-from gcode.compensate import compensated_speeds, rounded_feeds
-from gcode.header import header_lines
-from gcode.reader import parse_program, read_program
-from gcode.seal import sealed
+from gcode.mach4.compensate import compensated_speeds, rounded_feeds
+from gcode.mach4.header import header_lines
+from gcode.mach4.reader import parse_program, read_program
+from gcode.mach4.seal import sealed
 from gcode.support.errors import UserError
-from gcode.trajectory import Trajectory, position_decimals
+from gcode.trajectories.trajectory import Trajectory, position_decimals
 
 __all__ = ["parse_program", "read_program", "write_program"]
 
@@ -75,7 +75,7 @@ def write_program(
     Returns
     -------
     str
-        The program; `gcode.reader.read_program` gives the trajectory back exactly.
+        The program; `gcode.mach4.reader.read_program` gives the trajectory back exactly.
 
     Raises
     ------

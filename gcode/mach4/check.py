@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from gcode.bounds import Limits, excesses
-from gcode.motion import Motion
-from gcode.planner import MAX_PLAYED_S, Machine, execute
-from gcode.program import Problem, Program
-from gcode.statistics import MotionStatistics, motion_statistics
+from gcode.mach4.controller import MAX_PLAYED_S, Machine, execute
+from gcode.mach4.program import Problem, Program
+from gcode.motion.blocks import Motion
+from gcode.motion.statistics import MotionStatistics, motion_statistics
 from gcode.support.errors import UserError
+from gcode.trajectories.bounds import Limits, excesses
 
 LONGEST_DWELL_S = 120.0  # in files that others made; a longer P is most likely milliseconds
 LONGEST_RUN_S = MAX_PLAYED_S  # what takes longer is not executed, and refused
@@ -60,7 +60,7 @@ def check_program(
     Parameters
     ----------
     program : Program
-        From `gcode.reader.parse_program`, with the faults it found.
+        From `gcode.mach4.reader.parse_program`, with the faults it found.
     limits : Limits
         What to hold it against.
     rate_hz : float
@@ -71,7 +71,7 @@ def check_program(
         Speed of G0 moves. None: unknown, so G0 moves are refused.
     longest_dwell_s : float or None
         None: 120 s. A program of ours that was made again from its recipe may dwell as long as it likes; see
-        `gcode.provenance`.
+        `gcode.programs.provenance`.
 
     Raises
     ------

@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from gcode.motion import Blocks
+from gcode.motion.blocks import Blocks
 from gcode.support.errors import UserError
-from gcode.trajectory import Trajectory, sampled
+from gcode.trajectories.trajectory import Trajectory, sampled
 
 MOST_HZ, MOST_STEPS = 10_000.0, 100_000_000  # of a plan; a week at 100 Hz has 60 million
 

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gcode.generate import plan
-from gcode.natural import Noise
-from gcode.path import Frame
+from gcode.motion.path import Frame
 from gcode.support.errors import UserError
-from gcode.target import NAMES, Target, trial
-from gcode.trajectory import Limits, TrajectorySpec
+from gcode.trajectories.natural import Noise
+from gcode.trajectories.planning import plan
+from gcode.trajectories.target import NAMES, Target, trial
+from gcode.trajectories.trajectory import Limits, TrajectorySpec
 
 SHAPES = ((2, 0.15), (2, 0.3), (1, 1.0), (3, 0.4))  # octaves, persistence; tried in turn
 _SEEDS = 4

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from gcode.program import Problem, Program
+from gcode.mach4.program import Problem, Program
 from gcode.support import strict
 from gcode.support.errors import UserError
 

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from gcode.motion import Blocks, Motion, drive
-from gcode.path import Path
+from gcode.motion.blocks import Blocks, Motion, drive
+from gcode.motion.path import Path
 from gcode.support.errors import UserError
 
 MAX_STRETCH = 2.0  # a plan that the limits make longer than this is no longer the plan that was asked for

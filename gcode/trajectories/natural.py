@@ -7,12 +7,13 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from gcode.limits import drive_within
-from gcode.path import Frame, Path
-from gcode.perlin import MAX_OCTAVES, perlin_signal, perlin_walk
-from gcode.pieces import Duration, Positive, RangedPiece
+from gcode.motion.limits import drive_within
+from gcode.motion.path import Frame, Path
+from gcode.motion.perlin import MAX_OCTAVES, perlin_signal, perlin_walk
 from gcode.support.errors import UserError
-from gcode.target import Target, tuned
+from gcode.trajectories.pieces import RangedPiece
+from gcode.trajectories.quantities import Duration, Positive
+from gcode.trajectories.target import Target, tuned
 
 OCTAVE_SD = 0.242  # standard deviation of one octave of noise, mean of 40 runs of 23 min
 OCTAVE_PEAK = 0.78  # what one octave reaches in about 23 min

@@ -9,13 +9,14 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from gcode.bounds import Limits
-from gcode.pieces import Piece, Positive
-from gcode.protocol import AnyPiece, Protocol
-from gcode.statistics import MotionStatistics, motion_statistics
+from gcode.motion.statistics import MotionStatistics, motion_statistics
 from gcode.support import files
 from gcode.support.errors import UserError
 from gcode.support.strict import check_plain
+from gcode.trajectories.bounds import Limits
+from gcode.trajectories.designed import AnyPiece, Protocol
+from gcode.trajectories.pieces import Piece
+from gcode.trajectories.quantities import Positive
 
 
 def position_decimals(rate_hz: float) -> int:
@@ -31,7 +32,7 @@ class TrajectorySpec(BaseModel):
     name : str
         Lower-case name, for headers and files.
     pieces : tuple of pieces
-        The protocol, see `gcode.protocol`.
+        The protocol, see `gcode.trajectories.designed`.
     limits : Limits
         Limits of the executed motion.
     rate_hz : float

@@ -12,11 +12,11 @@ from typing import Annotated
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from gcode.motion import Motion, drive
-from gcode.pieces import Positive
-from gcode.program import Program
+from gcode.mach4.program import Program
+from gcode.motion.blocks import Motion, drive
 from gcode.support.errors import UserError
-from gcode.trajectory import Trajectory, sampled
+from gcode.trajectories.quantities import Positive
+from gcode.trajectories.trajectory import Trajectory, sampled
 
 DEFAULT_ACCELERATION_MM_PER_S2 = 100.0
 MAX_PLAYED_S = 7 * 24 * 3600.0
@@ -75,7 +75,7 @@ def play(program: Program, rate_hz: float = 20.0, machine: Machine | None = None
     Parameters
     ----------
     program : Program
-        From `gcode.mach4.read_program`.
+        From `gcode.mach4.writer.read_program`.
     rate_hz : float
         Sample rate of the result.
     machine : Machine or None

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from gcode.natural import Noise
 from gcode.support.errors import UserError
-from gcode.target import NAMES, Target
-from gcode.trajectory import Limits, TrajectorySpec
+from gcode.trajectories.natural import Noise
+from gcode.trajectories.target import NAMES, Target
+from gcode.trajectories.trajectory import Limits, TrajectorySpec
 
 
 def _spec(
