@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,18 +18,24 @@ from gcode.motion.statistics import MotionStatistics
 from gcode.support import files
 from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError
+from gcode.support.figures import outline, panels
+from gcode.support.html import card, strips
 from gcode.support.strict import validated
 from gcode.trajectories.natural import Noise
 from gcode.trajectories.planning import plan
 from gcode.trajectories.target import NAMES
 from gcode.trajectories.trajectory import Trajectory, TrajectorySpec
 
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+
 MISSED = 0.05  # relative deviation from a target that is worth a note
 LITTLE_USED = 0.85
 _RESERVES = (1.0, 0.85, 0.7, 0.5)  # tried in turn when the controller's deviations pass a limit
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Made:
     """A planned trajectory and its checked program."""
 
@@ -40,6 +46,35 @@ class Made:
     trajectory: Trajectory
     program: str
     statistics: MotionStatistics
+
+    def __repr__(self) -> str:
+        found = self.statistics
+        moved = f"{found.x_min_mm + 0.0:.3g} to {found.x_max_mm:.3g} mm"
+        return f"<Made {self.spec.name}, seed {self.seed}: {found.duration_s:.1f} s, {moved}>"
+
+    def _repr_html_(self) -> str:
+        thin = outline(self.trajectory.time_s, self.trajectory.position_mm, 300)
+        title = f"{self.spec.name}, seed {self.seed}, gauge length {self.gauge_length_mm:g} mm, as executed"
+        return card(title, [*self.statistics.lines(), *self.notes()], strips(thin[0], {"position / mm": thin[1]}))
+
+    def plot(self, axes: Axes | None = None) -> Axes:
+        """Draw the planned position over time on `axes` (default: of a new figure); returns them."""
+        (axis,) = panels(axes, 1)
+        axis.plot(self.trajectory.time_s, self.trajectory.position_mm, linewidth=0.8)
+        axis.set_xlabel("time / s")
+        axis.set_ylabel("position / mm")
+        axis.margins(x=0)
+        return axis
+
+    def to_frame(self) -> pd.DataFrame:
+        """The planned trajectory as a table: ``time_s``, ``position_mm``."""
+        import pandas as pd
+
+        return pd.DataFrame({"time_s": self.trajectory.time_s, "position_mm": self.trajectory.position_mm})
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready form: the recipe and the statistics of the motion as executed."""
+        return {**self.recipe(), "statistics": self.statistics.model_dump()}
 
     def notes(self) -> list[str]:
         """What a user should know: a target that is missed, a strain range that is hardly used."""
@@ -75,7 +110,7 @@ class Made:
         paths = [folder / name for name in ("trajectory.csv", "program.tap", "trajectory.json")]
         self.trajectory.write_csv(paths[0])
         files.write_text(paths[1], self.program)
-        files.write_json(paths[2], {**self.recipe(), "statistics": self.statistics.model_dump()})
+        files.write_json(paths[2], self.to_dict())
         return paths
 
 
