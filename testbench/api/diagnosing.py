@@ -178,7 +178,7 @@ def diagnose(
     Examples
     --------
     >>> import testbench as tb
-    >>> recording = tb.example(tb.effects.StressRelaxation(fraction=0.3))
+    >>> recording = tb.example(tb.effects.StressRelaxation(fraction=0.3), duration_s=90)
     >>> d = tb.diagnose(recording, most=1, progress=False)
     >>> d.effect
     'stress_relaxation'
