@@ -6,3 +6,4 @@ pin() { "$1" pip compile --universal --generate-hashes --no-emit-index-url --pyt
 pin "$1" requirements/bootstrap.in -o requirements/bootstrap.lock
 pin "$1" pyproject.toml -o requirements/run.lock
 pin "$1" pyproject.toml --extra dev --extra bench -c requirements/run.lock -o requirements/dev.lock
+pin "$1" pyproject.toml --extra docs -c requirements/run.lock -c requirements/dev.lock -o requirements/docs.lock

@@ -137,6 +137,10 @@ class _Search:
         for _ in range(iterations):
             normal, robust = self.normal()
             evidence = maximised(normal, iterations=3, scale=self.scale)
+            if quiet:
+                # What was switched off on the way may be needed where the search has come to.
+                again = maximised(normal, iterations=12, scale=opened(self.scale))
+                evidence = max(evidence, again, key=lambda one: one.value)
             self.scale, self.sigma = evidence.scale, dict(evidence.sigma)
             gain, damping = self.move(normal, damping)
             if gain is None and fresh:
@@ -154,7 +158,8 @@ class _Search:
             self.linearise(self.all)
         for _ in range(FINAL_WEIGHTS):  # until the weights of outliers and the noise agree
             normal, robust = self.normal()
-            evidence = maximised(normal, scale=self.scale, iterations=8)
+            tried = (maximised(normal, scale=one, iterations=12) for one in (self.scale, opened(self.scale)))
+            evidence = max(tried, key=lambda one: one.value)
             self.scale, self.sigma = evidence.scale, dict(evidence.sigma)
         return Hypothesis(
             self.model, self.priors, normal, evidence, self.tails(robust, evidence.sigma), self.columns, robust

@@ -164,6 +164,24 @@ def bspline(x: FloatArray, weights: FloatArray) -> FloatArray:
     return out
 
 
+@njit("float64[:](float64[:], float64, float64)", cache=True, nogil=True)
+def follower(x: FloatArray, up: float, down: float) -> FloatArray:
+    """Follows `x` by closing its gap over a length of travel, `up` when `x` rises and `down` when it falls.
+
+    dq = (x - q) |dx| / travel, exact over each monotonic step.
+    """
+    out = np.empty_like(x)
+    gap = 0.0
+    out[0] = x[0]
+    for i in range(1, len(x)):
+        step = x[i] - x[i - 1]
+        travel = up if step > 0.0 else down
+        kept = math.exp(-abs(step) / travel)
+        gap = gap * kept + math.copysign(travel, step) * (1.0 - kept)
+        out[i] = x[i] - gap
+    return out
+
+
 # NaN never reaches the stops, and the order of their sum is free: only so can the processor take several at once.
 _ANY_ORDER = {"reassoc", "nnan", "nsz", "contract"}
 
