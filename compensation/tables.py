@@ -17,7 +17,7 @@ from testbench.recordings.recording import Recording
 # Of each kind of sensor, one or more specimens, each with its recordings by name.
 Specimens = Mapping[str, Sequence[Mapping[str, Recording]]]
 TESTS = ("T", "A", "B")
-# The paper does not say which it did: docs/decisions/0180-scaler-of-the-paper.md.
+# The paper does not say which it did: docs/decisions/0015-scaler-of-the-paper.md.
 SCALERS = {"each by its own scaler": True, "all by T's scaler": False}
 TRANSFERS = (
     ("trained on 0-30 %, a = 2.5", "T", 2.5),
