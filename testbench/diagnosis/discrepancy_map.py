@@ -24,7 +24,7 @@ class Map:
     Attributes
     ----------
     log_z : float
-        Log evidence of the model with the map.
+        Log evidence of the model with the map, as models are compared.
     gains : dict of (channel, coordinate) to float
         Share of the residual's squares that the map explains by each group of coordinates.
     left : dict of channel to ndarray, shape (k,)
@@ -59,7 +59,7 @@ class Map:
             for g, name in enumerate(names):
                 inside = np.flatnonzero(np.asarray(groups) == g) + place * count
                 self.gains[c, name] = float(np.mean((amounts[inside] @ rows[c][inside]) ** 2) / np.mean(residual**2))
-        self.log_z = found.value + tails
+        self.log_z = likelihood.judged(found.value + tails, found.sigma)
 
 
 @lru_cache(maxsize=2)

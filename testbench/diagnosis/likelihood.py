@@ -56,6 +56,36 @@ class Likelihood:
         """What no model can be expected to leave less than: half of the white noise, for that is estimated."""
         return {channel: 0.5 * floor for channel, floor in self.floor.items()}
 
+    def judged(self, log_z: float, sigma: Mapping[str, float]) -> float:
+        """Log evidence of a model as it is compared with other models, none of which is quite true.
+
+        What lies below the least misfit of a law is no merit, and the errors of a law go on for longer than those of
+        a sample: the log evidence counts `INDEPENDENT` pieces of a recording (a power posterior; Grunwald & van
+        Ommen, Bayesian Anal. 12 (2017) 1069).
+
+        Parameters
+        ----------
+        log_z : float
+            At `sigma`, the noise that was found in each channel.
+        """
+        for channel, found in sigma.items():
+            least = max(constants.LEAST_MISFIT * self.floor[channel], found)
+            log_z += self.counts[channel] * (np.log(found / least) + 0.5 * (1 - (found / least) ** 2))
+        return log_z / self.temperature
+
+    def surplus(self, sigma: Mapping[str, float]) -> float:
+        """Log evidence that is lost, as models are compared, if the noise is known and not what was found."""
+        total = 0.0
+        for channel, found in sigma.items():
+            ratio = max(found / (constants.LEAST_MISFIT * self.floor[channel]), 1.0) ** 2
+            total += 0.5 * self.counts[channel] * (ratio - 1 - np.log(ratio))
+        return float(total / self.temperature)
+
+    @property
+    def temperature(self) -> float:
+        """Independent samples for each independent piece."""
+        return max(float(np.mean(list(self.counts.values()))) / constants.INDEPENDENT, 1.0)
+
     def picked(self, values: FloatArray, channel: str) -> FloatArray:
         """The samples that enter, over their relative noise; along the last axis."""
         return values[..., self.rows] * self.weight[channel]

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from testbench.diagnosis.evidence import LogEvidence, NormalEquations, maximised
+from testbench.diagnosis.evidence import LogEvidence, NormalEquations, maximised, opened
 from testbench.diagnosis.laplace import Hypothesis
 from testbench.diagnosis.likelihood import Likelihood
 from testbench.diagnosis.priors import typical
@@ -19,6 +19,7 @@ from testbench.knit.effect import Effect, FloatArray
 from testbench.knit.model import SimulationCache
 
 Rows = Mapping[str, FloatArray]  # channel -> columns at the samples that count, shape (m, k)
+WEAK = 0.1  # of the strength that the data ask for to first order
 POINTS = 2  # points of a law's grid whose evidence is computed with all scales free
 
 
@@ -50,6 +51,14 @@ class Proposal:
     effect: Effect
     gain: float
     believed: tuple[float, float] | None = None
+
+    @property
+    def first(self) -> Effect:
+        """The law where a fit may start: weak, while the model without it does not make room yet."""
+        strength = getattr(self.effect, self.effect.strength)
+        if self.believed is not None or isinstance(strength, tuple):
+            return self.effect
+        return self.effect.near(**{self.effect.strength: WEAK * strength})
 
 
 def laws_of(hypothesis: Hypothesis, likelihood: Likelihood, catalogue: Catalogue, pool: Executor) -> list[Law]:
@@ -138,7 +147,7 @@ class Screen:
     def _vector(self, law: Law, rows: Rows) -> Proposal:
         """A law with a vector of weights: all its columns at once, their scale found by evidence."""
         first, count = law.candidates[0], len(law.candidates)
-        found = self.evidence(rows, 0.0, 1e-4, 0)
+        found = self.evidence(rows, 0.0, 1e-4, 0, iterations=12)
         weights = tuple(float(a) * first.strength for a in found.coefficients[-count:])
         effect = first.effect.near(**{first.effect.strength: weights})
         gain = found.value - self.hypothesis.evidence.value
@@ -150,7 +159,7 @@ class Screen:
         start = self.hypothesis.evidence
         number = -1 if group < 0 else len(start.scale)
         bigger = self.extended(rows, [mean] * count, [precision] * count, [number] * count)
-        scale = start.scale if group < 0 else np.r_[start.scale, 1.0]
+        scale = start.scale if group < 0 else np.r_[opened(start.scale), 1.0]
         return maximised(bigger, scale=scale, iterations=iterations, start=start)
 
     def extended(self, rows: Rows, mean, precision, group) -> NormalEquations:

@@ -36,20 +36,18 @@ class Entry:
     ----------
     mechanism, law, name : str
         Of the catalogue; `name` is its name in the model.
+    log_z : float
+        Log evidence of the model, as models are compared.
     excess : float
-        Squared error above the noise, in noise floors, summed over the channels.
+        Squared error above the least that a law leaves, in units of it, summed over the channels.
     """
 
     mechanism: str
     law: str
     name: str
     hypothesis: Hypothesis
+    log_z: float
     excess: float
-
-    @property
-    def log_z(self) -> float:
-        """Log evidence of the model."""
-        return self.hypothesis.log_z
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +59,7 @@ class Round:
     before : Entry
         The model so far, at its best.
     log_z_unknown : float
-        Log evidence of the model so far beside a free-form map of what it leaves.
+        Log evidence of the model so far beside what it leaves: noise of any size, or a free-form map.
     entries : tuple of Entry
         What was refitted, the best first.
     proposals : tuple of Proposal
@@ -79,13 +77,13 @@ class Round:
     likelihood: Likelihood
 
     @property
-    def log_z_complete(self) -> float:
-        """Log evidence that nothing is missing: slow noise of an instrument is of the size of its quick noise."""
-        return self.before.log_z - 0.5 * self.before.excess / constants.SLOW_NOISE**2
+    def log_z_nothing(self) -> float:
+        """Log evidence that nothing is missing: what is left is then noise, whose size is known."""
+        return self.before.log_z - self.likelihood.surplus(self.before.hypothesis.evidence.sigma)
 
     def left(self, entry: Entry) -> float:
-        """Share of the error above the noise that an entry leaves."""
-        return float(np.sqrt(entry.excess / max(self.before.excess, 1e-9)))
+        """Share of the error above the least misfit that an entry leaves; an error of that size is none."""
+        return float(np.sqrt(entry.excess / (self.before.excess + 1.0)))
 
     def probabilities(self, left: float | None = None) -> dict[str, float]:
         """Of nothing, of unknown and of each mechanism to be what is missing most; they sum to 1.
@@ -97,7 +95,7 @@ class Round:
         """
         u = constants.PRIOR_UNKNOWN
         logs = {
-            NOTHING: np.log(constants.PRIOR_NOTHING * (1 - u)) + self.log_z_complete,
+            NOTHING: np.log(constants.PRIOR_NOTHING * (1 - u)) + self.log_z_nothing,
             UNKNOWN: np.log(constants.PRIOR_NOTHING * u) + self.log_z_unknown,
             **{mechanism: self._log_posterior(mechanism) for mechanism in self.laws},
         }
@@ -124,7 +122,9 @@ class Round:
         prior = np.log((1 - constants.PRIOR_NOTHING) / len(self.laws) / self.laws[mechanism])
         own = [e.log_z for e in self.entries if e.mechanism == mechanism]
         if not own:
-            own = [self.before.log_z + p.gain for p in self.proposals if p.mechanism == mechanism]
+            gains = (p.gain for p in self.proposals if p.mechanism == mechanism)
+            # What the data do not ask for has nothing but its Occam factor, which no samples made.
+            own = [self.before.log_z + min(gain, gain / self.likelihood.temperature) for gain in gains]
         return float(prior + logsumexp(own))
 
     @cached_property
@@ -134,7 +134,7 @@ class Round:
         if not speakers:
             return None
         mechanism = max(speakers, key=self._log_posterior)
-        if self._log_posterior(mechanism) < np.log(constants.PRIOR_NOTHING) + self.log_z_complete:
+        if self._log_posterior(mechanism) < np.log(constants.PRIOR_NOTHING) + self.log_z_nothing:
             return None
         return speakers[mechanism]
 
@@ -207,14 +207,14 @@ class Search:
                 fitted(best.hypothesis.model.without(best.name), likelihood, self.reference, best.hypothesis)
             )
         bare = max(
-            (self.entry("", under(h, likelihood), likelihood) for h in before if np.isfinite(h.log_z)),
+            (self.entry("", under(h, likelihood), likelihood) for h in before),
             key=lambda e: e.log_z,
         )
         entries = [
             self.entry(e.mechanism, under(e.hypothesis, likelihood), likelihood, e.law, e.name) for e in entries
         ]
         entries.sort(key=lambda e: -e.log_z)
-        unknown = Map(bare.hypothesis, likelihood).log_z
+        unknown = float(np.logaddexp(Map(bare.hypothesis, likelihood).log_z, bare.log_z) - np.log(2))
         return Round(bare, unknown, tuple(entries), tuple(proposals), counted, likelihood)
 
     def other_laws(self, current: Hypothesis) -> list[Effect]:
@@ -238,9 +238,8 @@ class Search:
 
     def contest(self, current: Hypothesis, proposals: Sequence[Proposal], likelihood: Likelihood) -> list[Entry]:
         """The best mechanisms refitted: all quickly, then the best of them in full, then its other laws."""
-        least = -np.log((1 - constants.PRIOR_NOTHING) / constants.PRIOR_NOTHING / 30)
         likely = [p for p in proposals if p.gain > 0]
-        if not likely or likely[0].gain < least - 2:
+        if not likely or likely[0].gain < likelihood.temperature:
             return []
         mechanisms = list(dict.fromkeys(p.mechanism for p in likely))
         chosen = []
@@ -274,7 +273,7 @@ class Search:
 
     def entered(self, current: Hypothesis, proposals: Sequence[Proposal], likelihood: Likelihood) -> list[Entry]:
         def enter(p: Proposal) -> Entry:
-            model = current.model.plus(p.effect)
+            model = current.model.plus(p.first)
             name = next(n for n in model if n not in current.model)
             self.tell(f"refitting with {p.law}")
             address = f"{name}.{p.effect.strength}"
@@ -285,7 +284,8 @@ class Search:
         return list(self.pool.map(enter, proposals))
 
     def entry(self, mechanism: str, h: Hypothesis, likelihood: Likelihood, law: str = "", name: str = "") -> Entry:
-        return Entry(mechanism, law, name, h, excess(h, likelihood))
+        log_z = likelihood.judged(h.log_z, h.evidence.sigma)
+        return Entry(mechanism, law, name, h, log_z, excess(h, likelihood))
 
 
 def _named(share_left: float) -> float:
@@ -294,5 +294,6 @@ def _named(share_left: float) -> float:
 
 
 def excess(h: Hypothesis, likelihood: Likelihood) -> float:
-    """Squared error above the noise, in noise floors, summed over the channels."""
-    return sum(max((sigma / likelihood.floor[c]) ** 2 - 1, 0.0) for c, sigma in h.evidence.sigma.items())
+    """Squared error above the least that a law leaves, in units of it, summed over the channels."""
+    least = {c: constants.LEAST_MISFIT * floor for c, floor in likelihood.floor.items()}
+    return sum(max((sigma / least[c]) ** 2 - 1, 0.0) for c, sigma in h.evidence.sigma.items())

@@ -28,6 +28,9 @@ BUILT_IN = {
     "drift_exponential": "testbench.knit.electrical:DriftExponential",
     "drift_power": "testbench.knit.electrical:DriftPower",
     "coating_wear": "testbench.knit.electrical:CoatingWear",
+    "coating_wear_running_in": "testbench.knit.electrical:CoatingWearRunningIn",
+    "coating_wear_through": "testbench.knit.electrical:CoatingWearThrough",
+    "coating_wear_load": "testbench.knit.electrical:CoatingWearLoad",
     "coating_cracks": "testbench.knit.electrical:CoatingCracks",
     "electrical_hysteresis": "testbench.knit.electrical:ElectricalHysteresis",
     # kinematics
@@ -93,6 +96,8 @@ BUILT_IN = {
     "electrical_overshoot_turn": "testbench.knit.turning:ElectricalOvershootTurn",
     "electrical_overshoot_anew": "testbench.knit.turning:ElectricalOvershootAnew",
     "shoulder_peak": "testbench.knit.transient:ShoulderPeak",
+    "shoulder_peak_anywhere": "testbench.knit.transient:ShoulderPeakAnywhere",
+    "shoulder_peak_after_turn": "testbench.knit.transient:ShoulderPeakAfterTurn",
     "rate_resistance": "testbench.knit.transient:RateResistance",
     "rate_resistance_magnitude": "testbench.knit.transient:RateResistanceMagnitude",
     "self_heating": "testbench.knit.heat:SelfHeating",
@@ -102,6 +107,7 @@ BUILT_IN = {
     "temperature_drift": "testbench.knit.heat:TemperatureDrift",
     "temperature_drift_trend": "testbench.knit.heat:TemperatureDriftTrend",
     "temperature_drift_wander": "testbench.knit.heat:TemperatureDriftWander",
+    "thermal_softening_wander": "testbench.knit.heat:ThermalSofteningWander",
     "thermal_softening": "testbench.knit.heat:ThermalSoftening",
     # read-out
     "channel_lag": "testbench.knit.channel_lag:ChannelLag",

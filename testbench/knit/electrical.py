@@ -107,6 +107,79 @@ class CoatingWear(Effect):
         return {"conductance_S": shifted(signals["conductance_S"], -self.loss * worn)}
 
 
+class CoatingWearThrough(Effect):
+    """The coating gets thinner by the same amount on every path, until it is worn through.
+
+    ln G += ln(1 - loss * path / 100),   path = integral of |de|
+
+    Source: Archard, J. Appl. Phys. 24 (1953) 981; the conductance of a film is in proportion to its thickness.
+    Valid: constant load; at least 1 % of the coating is left.
+    """
+
+    name = "coating_wear_through"
+    idea = "coating_wear"
+    stage = Stage.ELECTRICAL
+    reads, writes = ("strain", "conductance_S"), ("conductance_S",)
+    strength = "loss"
+    look = "conductance falls with every cycle, ever faster, not in a rest"
+
+    loss: float = parameter(
+        0.05, unit="1", low=0, high=20, doc="share of the coating lost in 100 units of strain path"
+    )
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        left = np.maximum(1 - self.loss * cycled_strain(signals) / 100, 0.01)
+        return {"conductance_S": shifted(signals["conductance_S"], np.log(left))}
+
+
+class CoatingWearRunningIn(Effect):
+    """The coating wears most at first: what stands out is rubbed off, the rest is pressed flat.
+
+    ln G -= loss * ln(1 + path / running_in),   path = integral of |de|
+
+    Source: running-in after Archard, J. Appl. Phys. 24 (1953) 981, with a wear rate that falls with the path; Blau,
+    Tribol. Int. 38 (2005) 1007. Valid: constant load.
+    """
+
+    name = "coating_wear_running_in"
+    idea = "coating_wear"
+    stage = Stage.ELECTRICAL
+    reads, writes = ("strain", "conductance_S"), ("conductance_S",)
+    strength = "loss"
+    look = "conductance falls with the first cycles, ever less with each, not in a rest"
+
+    loss: float = parameter(0.05, unit="1", low=0, high=20, doc="fall of ln G in each e-fold of the path")
+    running_in: float = parameter(5.0, unit="1", low=0.1, high=1000, scale="log", doc="strain path of the running-in")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        worn = np.log1p(cycled_strain(signals) / self.running_in)
+        return {"conductance_S": shifted(signals["conductance_S"], -self.loss * worn)}
+
+
+class CoatingWearLoad(Effect):
+    """Rubbing under load wears the coating: wear is load times path.
+
+    ln G -= loss * integral (P / 1 N)^exponent |de| / 100
+
+    Source: Archard, J. Appl. Phys. 24 (1953) 981. Valid: thick coating.
+    """
+
+    name = "coating_wear_load"
+    idea = "coating_wear"
+    stage = Stage.ELECTRICAL
+    reads, writes = ("strain", "conductance_S", "contact_force_N"), ("conductance_S",)
+    strength = "loss"
+    look = "conductance falls with every cycle, the more the higher it goes, not in a rest"
+
+    loss: float = parameter(0.05, unit="1", low=0, high=20, doc="fall of ln G in 100 units of strain path at 1 N")
+    exponent: float = parameter(1.0, unit="1", low=0.5, high=3, doc="growth of the wear with the load")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        path = np.diff(cycled_strain(signals), prepend=0.0)
+        worn = np.cumsum(path * np.maximum(signals["contact_force_N"], 0.0) ** self.exponent) / 100
+        return {"conductance_S": shifted(signals["conductance_S"], -self.loss * worn)}
+
+
 class CoatingCracks(Effect):
     """Each new largest stretch cracks the coating further; the cracks stay.
 

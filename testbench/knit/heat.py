@@ -246,3 +246,30 @@ class ThermalSoftening(Effect):
             return {"force_N": signals["force_N"].copy()}
         factor = np.maximum(1 - self.softening_per_K * (measured - measured[0]), 0.0)
         return {"force_N": signals["force_N"] * factor}
+
+
+class ThermalSofteningWander(Effect):
+    """An unmeasured room that warms and cools the yarn: the force wanders slowly, in its own way in each recording.
+
+    F *= max(1 + sum_j w_j B_j(t / duration), 0)
+
+    Source: as `thermal_softening`; penalised splines, Eilers & Marx, Statist. Sci. 11 (1996) 89.
+    Valid: wandering slower than a tenth of the recording. It can imitate any slow loss: measure the temperature.
+    """
+
+    name = "thermal_softening_wander"
+    idea = "temperature_drift"
+    stage = Stage.MECHANICS
+    reads, writes = ("time_s", "force_N"), ("force_N",)
+    strength = "weights"
+    per_recording = ("weights",)
+    look = "force swells and sinks slowly, differently in every recording, whatever the motion"
+
+    weights: tuple[float, ...] = parameter((0.0,) * 10, unit="1", low=-1, high=1, doc="height of each bump over time")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        from testbench.knit.kernels import bspline
+
+        t = signals["time_s"]
+        factor = 1 + bspline(t / max(t[-1], dt_s), np.asarray(self.weights))
+        return {"force_N": signals["force_N"] * np.maximum(factor, 0.0)}

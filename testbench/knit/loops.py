@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
-from testbench.knit.curves import Recent
 from testbench.knit.effect import FloatArray
 
 # All in parts of the span of the strain.
@@ -13,6 +14,9 @@ SMOOTH = tuple(np.geomspace(0.01, 0.4, 4))  # travel over which a Bouc-Wen varia
 SKEWS = (0.0, 0.5)
 ONE_SIDED = ((0.05, 0.1), (0.1, 0.3), (0.1, 0.05), (0.3, 0.1))  # travel upwards, downwards
 LOOPS = len(STOPS) + len(SMOOTH) * len(SKEWS) + len(ONE_SIDED)
+
+
+KEPT = 8  # newest tables of operators
 
 
 def loops(e: FloatArray, span: float, weights: tuple[float, ...], growth: tuple[float, ...]) -> FloatArray:
@@ -33,6 +37,23 @@ def loops(e: FloatArray, span: float, weights: tuple[float, ...], growth: tuple[
         linear, square = np.reshape(growth, (2, LOOPS)) @ _operators(e, span)
         total += (linear + square * (e / span)) * (e / span)
     return total
+
+
+class Recent:
+    """The newest results of a function of one array and a few numbers; the array is known by its identity."""
+
+    def __init__(self, function: Callable[..., FloatArray]) -> None:
+        self.function = function
+        self.seen: list[tuple[FloatArray, tuple[float, ...], FloatArray]] = []
+
+    def __call__(self, x: FloatArray, *numbers: float) -> FloatArray:
+        for array, then, result in tuple(self.seen):
+            if array is x and then == numbers:
+                return result
+        result = self.function(x, *numbers)
+        self.seen.append((x, numbers, result))
+        del self.seen[:-KEPT]
+        return result
 
 
 @Recent

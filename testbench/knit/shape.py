@@ -13,6 +13,7 @@ import numpy as np
 
 from testbench.knit.curves import CURVE_TERMS, curve
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
+from testbench.knit.filters import shifted
 from testbench.knit.loops import LOOPS, loops
 
 DRIFT_TAUS_S = (3.0, 30.0, 300.0)
@@ -109,7 +110,7 @@ class ContactShape(Effect):
         log_change = curve(signals["strain"], 0.0, self.span, self.strain_weights)
         if "contact_force_N" in signals:
             log_change = log_change + curve(signals["contact_force_N"], self.low_N, self.span_N, self.force_weights)
-        return {"conductance_S": signals["conductance_S"] * np.exp(log_change)}
+        return {"conductance_S": shifted(signals["conductance_S"], log_change)}
 
 
 class DriftShape(Effect):
@@ -135,7 +136,7 @@ class DriftShape(Effect):
         t = signals["time_s"]
         settled = _settled(float(t[0]), float(t[-1]), len(t))
         log_change = np.asarray(self.weights) @ settled + self.slope_per_ks * t / 1000
-        return {"conductance_S": signals["conductance_S"] * np.exp(log_change)}
+        return {"conductance_S": shifted(signals["conductance_S"], log_change)}
 
 
 class ContactDriftShape(Effect):
@@ -173,7 +174,7 @@ class ContactDriftShape(Effect):
             load = (signals["contact_force_N"] - self.low_N) / self.span_N
         weights = np.reshape(self.weights, (DRIFT_BUMPS, -1))
         drifts = (bspline(load, weights[:, k].copy()) * one for k, one in enumerate(times) if weights[:, k].any())
-        return {"conductance_S": signals["conductance_S"] * np.exp(sum(drifts, np.zeros_like(t)))}
+        return {"conductance_S": shifted(signals["conductance_S"], sum(drifts, np.zeros_like(t)))}
 
 
 class ContactLoopsShape(Effect):
@@ -198,4 +199,4 @@ class ContactLoopsShape(Effect):
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         log_change = loops(signals["strain"], self.span, self.weights, self.growth)
-        return {"conductance_S": signals["conductance_S"] * np.exp(log_change)}
+        return {"conductance_S": shifted(signals["conductance_S"], log_change)}

@@ -9,6 +9,8 @@ import numpy as np
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 from testbench.knit.filters import highpass, lagging_rate, log_conductance, lowpass, rate, shifted
 
+SMALLEST_TURN = 2e-3  # strain; wobbles below are no turns
+
 
 class ElectricalOvershoot(Effect):
     """After each change of strain the conductance overshoots and comes back.
@@ -136,6 +138,71 @@ class ShoulderPeak(Effect):
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         lag = np.maximum(-highpass(signals["strain"], self.tau_s, dt_s), 0.0)
         return {"conductance_S": shifted(signals["conductance_S"], self.gain * lag)}
+
+
+class ShoulderPeakAnywhere(Effect):
+    """Peaks of the resistance at some strains on the way back, none on the way out.
+
+    ln G += (1 - z) / 2 * sum_j w_j B_j(e / span),   dz/de = (sgn(de) - z) / travel
+
+    Source: Flandin, Hiltner & Baer, Polymer 42 (2001) 827; penalised splines, Eilers & Marx, Statist. Sci. 11 (1996)
+    89. Valid: inside the strain seen in the fit.
+    """
+
+    name = "shoulder_peak_anywhere"
+    idea = "shoulder_peak"
+    stage = Stage.ELECTRICAL
+    reads, writes = ("strain", "conductance_S"), ("conductance_S",)
+    strength = "weights"
+    look = "a second peak of the resistance at one strain on the way back, at any speed"
+
+    weights: tuple[float, ...] = parameter(
+        (0.0,) * 14, unit="1", low=-5, high=5, doc="height of each bump over strain"
+    )
+    travel: float = parameter(0.02, unit="1", low=1e-4, high=0.5, scale="log", doc="strain until a turn is forgotten")
+    span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain covered by the bumps")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        from testbench.knit.kernels import bspline, dahl
+
+        e = signals["strain"]
+        back = 0.5 * (1 - dahl(e, self.travel))
+        return {
+            "conductance_S": shifted(signals["conductance_S"], back * bspline(e / self.span, np.array(self.weights)))
+        }
+
+
+class ShoulderPeakAfterTurn(Effect):
+    """Peaks of the resistance on the way back, at some shares of the stretch from which the knit came back.
+
+    ln G += (1 - z) / 2 * sum_j w_j B_j(e / e_turn),   dz/de = (sgn(de) - z) / travel
+
+    e_turn is the strain of the last turn.
+
+    Source: Flandin, Hiltner & Baer, Polymer 42 (2001) 827; penalised splines, Eilers & Marx, Statist. Sci. 11 (1996)
+    89. Valid: turns far above the rest length.
+    """
+
+    name = "shoulder_peak_after_turn"
+    idea = "shoulder_peak"
+    stage = Stage.ELECTRICAL
+    reads, writes = ("strain", "conductance_S"), ("conductance_S",)
+    strength = "weights"
+    look = "a second peak of the resistance on the way back, later after a higher turn, at any speed"
+
+    weights: tuple[float, ...] = parameter(
+        (0.0,) * 14, unit="1", low=-5, high=5, doc="height of each bump over the share of the last turn"
+    )
+    travel: float = parameter(0.02, unit="1", low=1e-4, high=0.5, scale="log", doc="strain until a turn is forgotten")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        from testbench.knit.kernels import bspline, dahl, turns
+
+        e = signals["strain"]
+        turned = e[turns(e, SMALLEST_TURN)[0].astype(int)]
+        share = e / np.maximum(turned, SMALLEST_TURN)
+        peaks = 0.5 * (1 - dahl(e, self.travel)) * bspline(share, np.array(self.weights))
+        return {"conductance_S": shifted(signals["conductance_S"], peaks)}
 
 
 class RateResistance(Effect):
