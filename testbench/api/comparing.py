@@ -162,6 +162,6 @@ def compare(
     given = recording_of(recording, gauge_length_mm or file.gauge_length_mm or None)
     check_same_set_up(file, given, "model" if not isinstance(model, str | Path) else model)
     measurement = prepare(given)
-    elsewhere = bool(file.fitted_on) and given.source != file.fitted_on
+    elsewhere = not isinstance(model, KnitModel) and given.source != file.fitted_on
     found = comparing.compare(file.model, measurement, free_offset=elsewhere)
     return ComparisonResult(found, file.model, measurement)

@@ -11,10 +11,10 @@ from gcode.programs.api import generate
 from gcode.programs.make import Made
 from gcode.support.errors import UserError
 from gcode.support.files import write_text
-from testbench.api.arguments import AnyModel, model_file_of
+from testbench.api.arguments import AnyModel, Effects, catalogue_of, model_file_of
 from testbench.campaigns.campaign import simulate_campaign
 from testbench.campaigns.plan import Plan
-from testbench.knit.catalogue import Catalogue, baseline
+from testbench.knit.catalogue import baseline
 from testbench.knit.effect import Effect
 from testbench.knit.presets import preset
 from testbench.recordings.instruments import Instruments
@@ -34,6 +34,7 @@ def simulate(
     instruments: Instruments | None = None,
     after: Iterable[str | Path] = (),
     rest_s: float = DEFAULT_REST_S,
+    effects: Effects = None,
 ) -> Recording:
     """Play a program on the simulated rig, whose sensor is `model`, and read what it records.
 
@@ -55,6 +56,8 @@ def simulate(
     after : iterable of path, optional
         Programs that the same sensor went through before, each with `rest_s` after it. It remembers them.
     rest_s : float
+    effects : path, Catalogue or effect classes, optional
+        The user's own effects that a model file uses.
 
     Returns
     -------
@@ -75,7 +78,7 @@ def simulate(
     """
     if seed < 0:
         raise UserError(f"seed: must be a whole number, 0 or more, got {seed}")
-    sensor = model_file_of(model, Catalogue()).model
+    sensor = model_file_of(model, catalogue_of(effects)).model
     with TemporaryDirectory(prefix="knitbench-") as temporary:
         path = Path(temporary) / "program.tap"
         if isinstance(program, Made):

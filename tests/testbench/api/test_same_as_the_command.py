@@ -62,6 +62,8 @@ def test_simulate_reads_what_the_command_records(tmp_path):
     for name, values in recorded.channels.items():
         assert np.array_equal(values, simulated[name])
     assert np.array_equal(tb.simulate(tb.preset("pes"), program, seed=7)["force_N"], recorded["force_N"])
+    (tmp_path / "pes.json").write_text(json.dumps(tb.preset("pes").to_dict()))
+    assert np.array_equal(tb.simulate(tmp_path / "pes.json", program, seed=7)["force_N"], recorded["force_N"])
 
 
 @pytest.mark.slow
