@@ -8,7 +8,7 @@ DEMO   ?= demo-output
 UV     := $(BIN)/uv --no-progress -q
 PYTEST := $(BIN)/python -m pytest
 
-.PHONY: help setup setup-dev demo test test-slow lint bench lock clean check-host
+.PHONY: help setup setup-dev demo test test-slow lint docs bench lock clean check-host
 
 help: ## what can be made
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 14
@@ -33,6 +33,11 @@ $(VENV)/.dev: $(VENV)/.run requirements/dev.lock
 	@VIRTUAL_ENV=$(VENV) $(UV) pip install --require-hashes --no-build-isolation-package noise -r requirements/dev.lock
 	@touch $@
 
+$(VENV)/.docs: $(VENV)/.dev requirements/docs.lock
+	@echo "setup: installing what the documentation is built with"
+	@VIRTUAL_ENV=$(VENV) $(UV) pip install --require-hashes --no-build-isolation-package noise -r requirements/docs.lock
+	@touch $@
+
 setup: $(VENV)/.run ## the environment alone (.venv)
 
 setup-dev: $(VENV)/.dev
@@ -49,6 +54,10 @@ test-slow: $(VENV)/.dev ## the long tests
 lint: $(VENV)/.dev ## ruff, mypy, import-linter
 	@$(BIN)/ruff check . && $(BIN)/ruff format --check . && $(BIN)/mypy && $(BIN)/lint-imports
 
+docs: $(VENV)/.docs ## the documentation as pages, strict; notebooks are executed (docs/_build/html/index.html)
+	@OMP_NUM_THREADS=1 $(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html
+	@echo "docs: docs/_build/html/index.html"
+
 bench: $(VENV)/.dev ## the benchmarks; each prints its own table
 	@for b in benchmarks/bench_*.py; do \
 	  case $$b in *bench_twin*) few="--trials 2";; *) few="";; esac; \
@@ -58,4 +67,4 @@ lock: $(VENV)/.boot ## pin the dependencies again (hashes, no host names)
 	@bash requirements/lock.sh "$(BIN)/uv"
 
 clean: ## remove the environment and the demo's output
-	rm -rf $(VENV) $(DEMO)
+	rm -rf $(VENV) $(DEMO) docs/_build

@@ -12,15 +12,15 @@ import time
 
 import numpy as np
 
-from gcode.generate import plan
-from gcode.limits import drive_within
-from gcode.natural import Noise
-from gcode.output import make
-from gcode.path import Path
-from gcode.planner import Machine, execute
-from gcode.presets import preset
-from gcode.reader import read_program
-from gcode.trajectory import Limits, TrajectorySpec
+from gcode.mach4.controller import Machine, execute
+from gcode.mach4.reader import read_program
+from gcode.motion.limits import drive_within
+from gcode.motion.path import Path
+from gcode.programs.make import make
+from gcode.trajectories.natural import Noise
+from gcode.trajectories.planning import plan
+from gcode.trajectories.presets import preset
+from gcode.trajectories.trajectory import Limits, TrajectorySpec
 
 V_MAX, A_MAX = 4.0, 20.0
 

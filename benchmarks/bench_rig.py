@@ -13,8 +13,8 @@ from pathlib import Path
 
 import numpy as np
 
-from gcode.output import make
-from gcode.presets import preset as trajectory_preset
+from gcode.programs.make import make
+from gcode.trajectories.presets import preset as trajectory_preset
 from testbench.campaigns.campaign import simulate_campaign
 from testbench.campaigns.plan import Plan
 from testbench.importing.from_file import Wish, import_csv

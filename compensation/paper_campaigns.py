@@ -67,8 +67,8 @@ def campaigns(
 
 def program_of(folder: Path, name: str, number: int = 0) -> Path:
     """The run's Mach4 program, written where it is missing."""
-    from gcode.output import make
-    from gcode.presets import preset
+    from gcode.programs.make import make
+    from gcode.trajectories.presets import preset
 
     trajectory, seed, _ = RUNS[name]
     target = folder / f"trajectory-{name}{_suffix(number)}"

@@ -17,7 +17,7 @@ from testbench.recordings.recording import Recording
 # Of each kind of sensor, one or more specimens, each with its recordings by name.
 Specimens = Mapping[str, Sequence[Mapping[str, Recording]]]
 TESTS = ("T", "A", "B")
-# The paper does not say which it did: docs/decisions/0180-scaler-of-the-paper.md.
+# The paper does not say which it did: docs/decisions/0015-scaler-of-the-paper.md.
 SCALERS = {"each by its own scaler": True, "all by T's scaler": False}
 TRANSFERS = (
     ("trained on 0-30 %, a = 2.5", "T", 2.5),
@@ -28,9 +28,9 @@ TRANSFERS = (
 
 def trajectories(folder: Path) -> str:
     """Speed and acceleration of the trajectories, as executed, at 20 Hz."""
-    from gcode.planner import play
-    from gcode.reader import read_program, read_text
-    from gcode.statistics import motion_statistics
+    from gcode.mach4.controller import play
+    from gcode.mach4.reader import read_program, read_text
+    from gcode.motion.statistics import motion_statistics
 
     lines = ["Trajectories: v (mm/s) and a (mm/s2), max / mean / SD at 20 Hz as executed; in brackets the paper's"]
     for name, (preset, _, _) in RUNS.items():

@@ -46,10 +46,10 @@ def simulated(
     UserError
         If a model makes no conductance, or no force where that is the target.
     """
-    from gcode.output import make
-    from gcode.planner import play
-    from gcode.presets import preset
-    from gcode.reader import read_program
+    from gcode.mach4.controller import play
+    from gcode.mach4.reader import read_program
+    from gcode.programs.make import make
+    from gcode.trajectories.presets import preset
     from testbench.knit.model import inputs
 
     found = []

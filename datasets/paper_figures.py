@@ -2,7 +2,7 @@
 
 Aigner and Stöckl, "Machine Learning Based Compensation for Inconsistencies in Knitted Force Sensors" (2023,
 arXiv:2306.12129). A campaign is five recordings of one sensor, one after another: T to train on, A and B to judge on,
-then two of the fast set. Each is standardised by itself (docs/decisions/0180-scaler-of-the-paper.md).
+then two of the fast set. Each is standardised by itself (docs/decisions/0015-scaler-of-the-paper.md).
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gcode.generate import plan
-from gcode.presets import preset as trajectory
+from gcode.trajectories.planning import plan
+from gcode.trajectories.presets import preset as trajectory
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel, inputs
 from testbench.rig.past import DEFAULT_REST_S

@@ -1,0 +1,65 @@
+"""Simulate, record, fit, compare and diagnose knitted strain sensors.
+
+Examples
+--------
+>>> import gcode
+>>> import testbench as tb
+>>> a = tb.example(tb.effects.StressRelaxation(fraction=0.3))
+>>> fit = tb.fit(a, progress=False)
+>>> where = tb.compare(a, fit.model)
+>>> model = fit.model + tb.effects.StressRelaxation(fraction=0.3)
+>>> sim = tb.simulate(model, gcode.generate("paper-1", seed=3, duration_s=60))
+>>> sim.gauge_length_mm
+25.0
+"""
+
+from typing import TYPE_CHECKING
+
+from gcode.support.lazy import lazy_exports
+
+if TYPE_CHECKING:
+    from gcode.support.errors import UserError as UserError
+    from testbench import effects as effects
+    from testbench.api.adding import add as add
+    from testbench.api.arguments import read as read
+    from testbench.api.comparing import ComparisonResult as ComparisonResult
+    from testbench.api.comparing import compare as compare
+    from testbench.api.designing import ProposalResult as ProposalResult
+    from testbench.api.designing import propose as propose
+    from testbench.api.diagnosing import DiagnosisResult as DiagnosisResult
+    from testbench.api.diagnosing import diagnose as diagnose
+    from testbench.api.fitting import FitResult as FitResult
+    from testbench.api.fitting import fit as fit
+    from testbench.api.ladder import Ladder as Ladder
+    from testbench.api.ladder import ladder as ladder
+    from testbench.api.simulating import baseline as baseline
+    from testbench.api.simulating import example as example
+    from testbench.api.simulating import preset as preset
+    from testbench.api.simulating import simulate as simulate
+    from testbench.design.protocols import Bounds as Bounds
+    from testbench.knit.effect import Effect as Effect
+    from testbench.knit.effect import Stage as Stage
+    from testbench.knit.effect import parameter as parameter
+    from testbench.knit.model import KnitModel as KnitModel
+    from testbench.recordings.instruments import Instruments as Instruments
+    from testbench.recordings.recording import Recording as Recording
+
+_HOMES = {
+    "gcode.support.errors": ["UserError"],
+    "testbench": ["effects"],
+    "testbench.api.adding": ["add"],
+    "testbench.api.arguments": ["read"],
+    "testbench.api.comparing": ["ComparisonResult", "compare"],
+    "testbench.api.designing": ["ProposalResult", "propose"],
+    "testbench.api.diagnosing": ["DiagnosisResult", "diagnose"],
+    "testbench.api.fitting": ["FitResult", "fit"],
+    "testbench.api.ladder": ["Ladder", "ladder"],
+    "testbench.api.simulating": ["baseline", "example", "preset", "simulate"],
+    "testbench.design.protocols": ["Bounds"],
+    "testbench.knit.effect": ["Effect", "Stage", "parameter"],
+    "testbench.knit.model": ["KnitModel"],
+    "testbench.recordings.instruments": ["Instruments"],
+    "testbench.recordings.recording": ["Recording"],
+}
+__all__ = [name for names in _HOMES.values() for name in names]  # pyright: ignore[reportUnsupportedDunderAll]
+__getattr__, __dir__ = lazy_exports(__name__, _HOMES)

@@ -37,10 +37,10 @@ def run(args: argparse.Namespace) -> int:
     """Print problems and statistics; 1 if there are problems."""
     import json
 
-    from gcode.planner import Machine
-    from gcode.provenance import check_file
-    from gcode.reader import read_text
-    from gcode.trajectory import Limits
+    from gcode.mach4.controller import Machine
+    from gcode.mach4.reader import read_text
+    from gcode.programs.provenance import check_file
+    from gcode.trajectories.trajectory import Limits
 
     limits = Limits(
         v_max_mm_per_s=args.v_max,

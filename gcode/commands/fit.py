@@ -25,12 +25,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> None:
     """Fit, print how near it came, and write the spec."""
-    from gcode.fit import SHAPES, fit
     from gcode.support import files
     from gcode.support.console import Progress
-    from gcode.target import Target
-    from gcode.toml_spec import spec_to_toml
-    from gcode.trajectory import Limits
+    from gcode.trajectories.noise_fit import SHAPES, fit
+    from gcode.trajectories.target import Target
+    from gcode.trajectories.toml_spec import spec_to_toml
+    from gcode.trajectories.trajectory import Limits
 
     target = Target(
         v_mean_mm_per_s=args.v_mean,

@@ -30,9 +30,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> None:
     """Make, check and write; nothing is written when the check fails."""
-    from gcode.output import make, make_again
-    from gcode.reader import read_program, read_text
-    from gcode.request import spec_from
+    from gcode.mach4.reader import read_program, read_text
+    from gcode.programs.make import make, make_again
+    from gcode.programs.request import spec_from
     from gcode.support.errors import UserError
 
     if args.again:
@@ -45,7 +45,7 @@ def run(args: argparse.Namespace) -> None:
         made = make(spec_from(args), args.seed, args.gauge_length_mm, args.feed_mode or "G94")
     paths = made.write(args.output)
     if args.plot:
-        from gcode.plot import write_plot
+        from gcode.programs.plot import write_plot
 
         paths.append(write_plot(made, paths[0].with_suffix(".png")))
     print(f"{made.spec.name}, seed {made.seed}, gauge length {made.gauge_length_mm:g} mm, as executed:")

@@ -29,8 +29,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> None:
     """Play and write."""
-    from gcode.planner import Machine, machine_for, play
-    from gcode.reader import read_program, read_text
+    from gcode.mach4.controller import Machine, machine_for, play
+    from gcode.mach4.reader import read_program, read_text
 
     program = read_program(read_text(args.program))
     machine = Machine(

@@ -24,6 +24,7 @@ from testbench.campaigns.campaign import matches, simulate_campaign, vacant
 from testbench.campaigns.dataset_index import write_entries
 from testbench.campaigns.dataset_spec import MOST_CAMPAIGNS, DatasetSpec, TrajectoryWish
 from testbench.campaigns.plan import Plan
+from testbench.campaigns.splits import SPLITS, split_of
 from testbench.knit.catalogue import Catalogue, load_catalogue, model_from_dict
 from testbench.knit.model import KnitModel
 from testbench.knit.presets import preset
@@ -52,6 +53,7 @@ class Task:
     past: tuple[Path, ...] = ()
     rest_s: float = DEFAULT_REST_S
     effects: Path | None = None
+    specimen: str = ""
 
     def plan(self) -> Plan:
         """As the campaign's manifest will say it."""
@@ -91,7 +93,10 @@ def tasks_of(spec: DatasetSpec, base: Path, out: Path, effects: Path | None = No
         drawn = varied(model, spec.vary, seed).to_dict()
         folder = out.absolute() / name
         gauge = spec.gauge_length_mm
-        made.append(Task(folder, program, sensor, drawn, gauge, seed, spec.instruments, past, spec.rest_s, own))
+        # Where parameters are drawn by the seed, each seed is a specimen of its own.
+        specimen = f"{Path(sensor).stem}#{seed}" if spec.vary else Path(sensor).stem
+        tools = spec.instruments
+        made.append(Task(folder, program, sensor, drawn, gauge, seed, tools, past, spec.rest_s, own, specimen))
     if len({task.folder for task in made}) < len(made):
         raise UserError("two campaigns would have the same folder; give sensors and programs different file names")
     return made
@@ -155,6 +160,7 @@ def write_index(out: Path, spec: Path, tasks: Sequence[Task]) -> None:
     """Copy the spec and list the campaigns, with the checksum of each one's manifest."""
     write_text(out / "dataset.toml", spec.read_text(encoding="utf-8"))
     entries = []
+    splits = split_of(task.specimen for task in tasks)
     for task in tasks:
         campaign, _ = manifest.read_manifest(task.folder)
         entries.append(
@@ -163,11 +169,28 @@ def write_index(out: Path, spec: Path, tasks: Sequence[Task]) -> None:
                 "sensor": task.sensor,
                 "program": task.program.name,
                 "seed": task.seed,
+                "specimen": task.specimen,
+                "split": splits[task.specimen],
                 "samples": campaign.counts["samples"],
                 "manifest_sha256": sha256_of(task.folder / manifest.NAME),
             }
         )
     write_entries(out, entries)
+
+
+def write_parquet(out: Path, tasks: Sequence[Task], workers: int = -1) -> int:
+    """Write the campaigns as Parquet beside their folders, split by specimen, with Croissant metadata; how many.
+
+    What is there already, of the same campaign, is left as it is.
+    """
+    from testbench.campaigns.croissant import write_croissant
+    from testbench.campaigns.parquet import columns_of, parts_of, write_parts
+
+    parts = parts_of(out, [(task.folder, task.specimen) for task in tasks])
+    written = write_parts(parts, workers)
+    splits = [split for split in SPLITS if any(part.split == split for part in parts)]
+    write_croissant(out, out.absolute().name, splits, columns_of(parts[0]))
+    return written
 
 
 class OneAtATime:
@@ -247,9 +270,9 @@ def _planned(spec: DatasetSpec, base: Path, out: Path) -> list[Path]:
 
 
 def _programs(wish: TrajectoryWish, gauge_length_mm: float, base: Path, folder: Path) -> Iterator[Path]:
-    from gcode.output import make as make_program
-    from gcode.presets import preset as motion_preset
-    from gcode.toml_spec import read_spec
+    from gcode.programs.make import make as make_program
+    from gcode.trajectories.presets import preset as motion_preset
+    from gcode.trajectories.toml_spec import read_spec
 
     source = motion_preset(wish.preset) if wish.preset else read_spec(base / str(wish.spec))
     if wish.duration_s is not None:

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import argparse
+from typing import TYPE_CHECKING
 
-from testbench.commands._arguments import add_effects, add_held_out, load_split
-from testbench.commands._telling import Telling
+from testbench.commands._arguments import add_effects, add_held_out
+
+if TYPE_CHECKING:
+    from testbench.fitting.model_file import ModelFile
+    from testbench.knit.catalogue import Catalogue
 
 SUMMARY = "add an effect to a model, refit, and put the step on the ladder; --undo takes it back"
 EXAMPLE = "testbench add stress_relaxation --model model.json --fit campaign-1 --held-out campaign-2 -o model2.json"
@@ -25,11 +29,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Add or undo, write, and show the ladder."""
     from gcode.support.errors import UserError
-    from testbench.comparing.ladder import idle_effects, undo
+    from testbench.comparing.ladder import undo
     from testbench.comparing.tables import ladder_table
-    from testbench.diagnosis.adding import add_effect
-    from testbench.fitting.model_file import check_same_set_up, load_model_file
-    from testbench.knit.catalogue import BASELINE, load_catalogue
+    from testbench.fitting.model_file import load_model_file
+    from testbench.knit.catalogue import load_catalogue
 
     catalogue = load_catalogue(args.effects)
     file = load_model_file(args.model, catalogue)
@@ -38,17 +41,29 @@ def run(args: argparse.Namespace) -> int:
     elif not args.effect or not args.fit:
         raise UserError("add needs the name of an EFFECT and --fit RECORDING (or --undo)")
     else:
-        args.gauge_length_mm = args.gauge_length_mm or file.gauge_length_mm or None
-        calibration, held = load_split(args, args.fit)
-        check_same_set_up(file, calibration.recording, args.model)
-        file = add_effect(file, args.effect, calibration, held, catalogue, Telling())
-        Telling()("")
-        # A law without a strength (piezoresistance in place of contact) makes a signal that others need.
-        laws = {name for name in file.model if not file.model[name].strength}
-        optional = set(file.model) - set(BASELINE) - laws - {args.effect}
-        for name in idle_effects(file, calibration, held, optional):
-            print(f"{name} no longer pays now that {args.effect} is in: without it the held-out error hardly rises")
+        file = _added(args, catalogue)
     file.save(args.output)
     print(ladder_table(file))
     print(f"wrote {args.output}")
     return 0
+
+
+def _added(args: argparse.Namespace, catalogue: Catalogue) -> ModelFile:
+    """The model with the effect in it; notes and effects that no longer pay are told."""
+    import sys
+
+    from testbench.api.adding import add
+    from testbench.comparing.ladder import idle_effects
+    from testbench.knit.catalogue import BASELINE
+
+    found = add(
+        args.model, args.effect, args.fit, args.held_out, effects=catalogue, gauge_length_mm=args.gauge_length_mm
+    )
+    for note in found.notes:
+        print(f"note: {note}", file=sys.stderr)
+    # A law without a strength (piezoresistance in place of contact) makes a signal that others need.
+    laws = {name for name in found.model if not found.model[name].strength}
+    optional = set(found.model) - set(BASELINE) - laws - {args.effect}
+    for name in idle_effects(found.file, found.calibration, found.held_out, optional):
+        print(f"{name} no longer pays now that {args.effect} is in: without it the held-out error hardly rises")
+    return found.file

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from testbench.commands._arguments import add_effects, load_recording
+from testbench.commands._arguments import add_effects
 
 SUMMARY = "show a model over a measurement and say where it fails"
 EXAMPLE = "testbench compare campaign-2 --model model.json --json"
@@ -23,17 +23,8 @@ def run(args: argparse.Namespace) -> int:
     """Compare and print."""
     import json
 
-    from testbench.comparing.compare import compare
-    from testbench.comparing.tables import comparison_table
-    from testbench.fitting.measurement import prepare
-    from testbench.fitting.model_file import check_same_set_up, load_model_file
-    from testbench.knit.catalogue import load_catalogue
+    from testbench.api.comparing import compare
 
-    file = load_model_file(args.model, load_catalogue(args.effects))
-    recording = load_recording(args.recording, args.gauge_length_mm or file.gauge_length_mm or None)
-    check_same_set_up(file, recording, args.model)
-    measurement = prepare(recording)
-    elsewhere = recording.source != file.fitted_on
-    result = compare(file.model, measurement, free_offset=elsewhere)
-    print(json.dumps(result.to_dict(), indent=2) if args.json else comparison_table(result))
+    found = compare(args.recording, args.model, effects=args.effects, gauge_length_mm=args.gauge_length_mm)
+    print(json.dumps(found.to_dict(), indent=2) if args.json else found)
     return 0

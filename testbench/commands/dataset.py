@@ -19,6 +19,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--workers", type=int, default=-1, metavar="N", help="processes (default: one a core)")
     parser.add_argument("--effects", metavar="FILE", help=f"the effects that the spec names. {EFFECTS_HELP}")
+    parser.add_argument(
+        "--format",
+        choices=["csv", "parquet"],
+        default="csv",
+        help="campaign folders with a CSV each (default); parquet: beside them Parquet files, split by specimen, "
+        "with Croissant metadata",
+    )
     parser.add_argument("--scheduler", metavar="ADDRESS", help="of the Dask cluster, e.g. tcp://10.0.0.5:8786")
 
 
@@ -29,7 +36,7 @@ def run(args: argparse.Namespace) -> int:
     from gcode.support.errors import UserError
     from gcode.support.files import make_folder
     from testbench.campaigns.cluster import cluster
-    from testbench.campaigns.dataset import OneAtATime, run, tasks_of, write_index
+    from testbench.campaigns.dataset import OneAtATime, run, tasks_of, write_index, write_parquet
     from testbench.campaigns.dataset_spec import read_spec
 
     if (args.backend == "dask") != bool(args.scheduler):
@@ -44,5 +51,7 @@ def run(args: argparse.Namespace) -> int:
         with cluster(args.scheduler):
             made, there = run(tasks, args.backend, args.workers, progress.step)
         write_index(out, spec_path, tasks)
+        if args.format == "parquet":
+            print(f"{out / 'parquet'}: {write_parquet(out, tasks, args.workers)} files written")
     print(f"{out}: {len(tasks)} campaigns: {made} made, {there} there already, {time.monotonic() - start_s:.1f} s")
     return 0

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import argparse
 
-from testbench.commands._arguments import add_effects, add_recording, load_recording
-from testbench.commands._telling import Telling
+from testbench.commands._arguments import add_effects, add_recording
+from testbench.api.progress import Telling
 
 SUMMARY = "say which physical effect the model is missing, with the evidence"
 EXAMPLE = "testbench diagnose campaign-1 --held-out campaign-2 --json diagnosis.json"
@@ -32,32 +32,30 @@ def run(args: argparse.Namespace) -> int:
 
     from gcode.support.errors import UserError
     from gcode.support.files import write_json
-    from testbench.diagnosis import diagnose
-    from testbench.diagnosis.words import diagnosis_table
-    from testbench.fitting.model_file import check_same_set_up, load_model_file
-    from testbench.knit.catalogue import load_catalogue
+    from testbench.api.diagnosing import diagnose
 
     if args.repeat < 1:
         raise UserError(f"--repeat: must be 1 or more, got {args.repeat}")
-    catalogue = load_catalogue(args.effects)
-    file = load_model_file(args.model, catalogue) if args.model else None
-    gauge_length_mm = args.gauge_length_mm or (file.gauge_length_mm if file else None) or None
-    recording = load_recording(args.recording, gauge_length_mm)
-    held = load_recording(args.held_out, gauge_length_mm) if args.held_out else None
-    if file is not None:
-        check_same_set_up(file, recording, args.model)
-    tell = None if args.quiet else Refits(min(args.repeat, USUAL_ROUNDS))
-    found = diagnose(recording, held, file.model if file else None, catalogue, tell, args.repeat)
+    tell = False if args.quiet else Refits(min(args.repeat, USUAL_ROUNDS))
+    found = diagnose(
+        args.recording,
+        args.held_out,
+        model=args.model,
+        effects=args.effects,
+        most=args.repeat,
+        gauge_length_mm=args.gauge_length_mm,
+        progress=tell,
+    )
     if tell and sys.stderr.isatty():
         print("\r\x1b[K", end="", file=sys.stderr)
     if args.output:
-        found.after.save(args.output)
+        found.save(args.output)
     if args.json == "-":
         print(json.dumps(found.to_dict(), indent=2))
         return 0
     if args.json:
         write_json(args.json, found.to_dict())
-    print(diagnosis_table(found))
+    print(found)
     return 0
 
 

@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 import argparse
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from testbench.commands._arguments import add_effects, add_held_out, load_recording, load_split
-from testbench.commands._telling import Telling
+from testbench.commands._arguments import add_effects, add_held_out
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from testbench.design.experiment import Option, Rival
-    from testbench.knit.effect import FloatArray
+    from testbench.api.designing import ProposalResult
 
 SUMMARY = "propose the next trajectory: the one that separates two rival models best"
 EXAMPLE = "testbench experiment creep.json relaxation.json --strain-max 30 -o next-run --plot next-run.png"
@@ -38,76 +34,52 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Weigh the protocols, print the ranking, write the winner."""
+    from gcode.support.errors import UserError
     from gcode.support.files import write_json
-    from testbench.design.experiment import propose
-    from testbench.design.experiment_words import experiment_table
+    from testbench.api.designing import propose
+    from testbench.api.progress import Telling
     from testbench.design.protocols import Bounds, menu
 
-    rivals, noise, gauge_length_mm, temperature = _rivals(args)
-    bounds = Bounds(args.v_max, args.a_max, args.strain_max, args.duration_s, gauge_length_mm)
-    tell = Telling("motion", len(menu(bounds)), "imitating on")
-    options = propose(rivals, noise, bounds, args.seed, temperature, tell)
-    Telling()("")
-    print(experiment_table(rivals, options))
+    if args.diagnosis and (args.models or not args.fit):
+        raise UserError("experiment: --diagnosis goes with --fit RECORDING and without MODEL files")
+    if not args.diagnosis and len(args.models) < 2:
+        raise UserError("experiment: give two rival MODEL files, or --diagnosis JSON --fit RECORDING")
+    bounds = {
+        "v_max_mm_per_s": args.v_max,
+        "a_max_mm_per_s2": args.a_max,
+        "strain_max_percent": args.strain_max,
+        "duration_s": args.duration_s,
+    }
+    tell = Telling("motion", len(menu(Bounds(**bounds))), "imitating on")
+    found = propose(
+        args.diagnosis or args.models,
+        args.fit if args.diagnosis else None,
+        args.held_out if args.diagnosis else None,
+        bounds=bounds,
+        seed=args.seed,
+        temperature=args.temperature,
+        effects=args.effects,
+        gauge_length_mm=args.gauge_length_mm,
+        progress=tell,
+    )
+    tell("")
+    print(found)
     if args.json:
-        write_json(args.json, _as_json(rivals, options, gauge_length_mm))
+        write_json(args.json, found.to_dict())
     if args.plot:
-        _draw(options, gauge_length_mm, args.plot)
+        _draw(found, args.plot)
     if args.output:
-        for path in options[0].made.write(args.output):
+        for path in found.program.write(args.output):
             print(path)
     return 0
 
 
-def _draw(options: list[Option], gauge_length_mm: float, path: str) -> None:
+def _draw(found: ProposalResult, path: str) -> None:
     from testbench.report.experiment_figures import experiment
     from testbench.report.static import write_figure
 
-    made = options[0].made.trajectory
-    strain = 100 * made.position_mm / gauge_length_mm
-    evidence = [(option.name, option.hardest.log_odds) for option in options]
-    write_figure(experiment(evidence, made.time_s, strain, _left(options[0])), path)
+    made = found.program.trajectory
+    strain = 100 * made.position_mm / found.gauge_length_mm
+    evidence = [(option.name, option.hardest.log_odds) for option in found.options]
+    write_figure(experiment(evidence, made.time_s, strain, found.left()), path)
     print(f"picture: {path}")
-
-
-def _left(option: Option) -> dict[str, tuple[FloatArray, FloatArray]]:
-    """What the wrong model cannot imitate, by channel: time and misfit over the noise floor, from the burn-in on."""
-    time_s = option.made.trajectory.time_s
-    return {channel: (time_s[-len(values) :], values) for channel, values in option.hardest.left.items()}
-
-
-def _as_json(rivals: Sequence[Rival], options: Sequence[Option], gauge_length_mm: float) -> dict[str, Any]:
-    """The ranking, and what the winner would show, thinned to what a screen can draw."""
-    from testbench.report.downsample import rows_to_draw
-
-    left = {}
-    for channel, (time_s, values) in _left(options[0]).items():
-        rows = rows_to_draw(values)
-        left[channel] = {"time_s": time_s[rows].round(3).tolist(), "over_noise": values[rows].round(4).tolist()}
-    return {
-        "rivals": [rival.name for rival in rivals],
-        "gauge_length_mm": gauge_length_mm,
-        "options": [option.to_dict() for option in options],
-        "left": left,
-    }
-
-
-def _rivals(args: argparse.Namespace):
-    """Rivals, noise floors, gauge length and whether the temperature is measured."""
-    from gcode.support.errors import UserError
-    from testbench.design.rivals import rivals_from_diagnosis, rivals_from_files
-    from testbench.knit.catalogue import load_catalogue
-    from testbench.recordings.recording import TEMPERATURE
-
-    catalogue = load_catalogue(args.effects)
-    if args.diagnosis:
-        if args.models or not args.fit:
-            raise UserError("experiment: --diagnosis goes with --fit RECORDING and without MODEL files")
-        recording = load_recording(args.fit, args.gauge_length_mm)
-        calibration, held = load_split(args, args.fit)
-        rivals, noise = rivals_from_diagnosis(args.diagnosis, calibration, held, catalogue, Telling())
-        return rivals, noise, recording.gauge_length_mm, args.temperature or recording.has(TEMPERATURE)
-    if len(args.models) < 2:
-        raise UserError("experiment: give two rival MODEL files, or --diagnosis JSON --fit RECORDING")
-    rivals, noise, gauge_length_mm = rivals_from_files(args.models, catalogue)
-    return rivals, noise, args.gauge_length_mm or gauge_length_mm, args.temperature

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from testbench.commands._arguments import add_effects, add_recording, load_split
-from testbench.commands._telling import Telling
+from testbench.commands._arguments import add_effects, add_recording
 
 SUMMARY = "calibrate the baseline (or a given model) on a recording; write model.json"
 EXAMPLE = "testbench fit campaign-1 --held-out campaign-2 -o model.json"
@@ -21,19 +20,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Fit, write, and say what was found."""
-    from testbench.comparing.ladder import fitted_file
-    from testbench.comparing.tables import errors_line, fit_table
-    from testbench.fitting.baseline import starting_baseline
-    from testbench.fitting.model_file import load_model_file
-    from testbench.knit.catalogue import load_catalogue
+    import sys
 
-    catalogue = load_catalogue(args.effects)
-    calibration, held = load_split(args)
-    start = load_model_file(args.model, catalogue).model if args.model else starting_baseline(calibration, catalogue)
-    file = fitted_file(start, calibration, held, "given model" if args.model else "baseline", progress=Telling())
-    Telling()("")
-    file.save(args.output)
-    print(fit_table(file))
-    print(errors_line(file.history[-1]))
+    from testbench.api.fitting import fit
+
+    found = fit(
+        args.recording,
+        args.held_out,
+        model=args.model,
+        effects=args.effects,
+        gauge_length_mm=args.gauge_length_mm,
+    )
+    for note in found.notes:
+        print(f"note: {note}", file=sys.stderr)
+    found.save(args.output)
+    print(found)
     print(f"wrote {args.output}")
     return 0

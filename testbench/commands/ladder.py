@@ -21,13 +21,8 @@ def run(args: argparse.Namespace) -> int:
     """Print the ladder."""
     import json
 
-    from testbench.comparing.tables import ladder_table
-    from testbench.fitting.model_file import load_model_file
-    from testbench.knit.catalogue import load_catalogue
+    from testbench.api.ladder import ladder
 
-    file = load_model_file(args.model, load_catalogue(args.effects))
-    if args.json:
-        print(json.dumps([dict(step) for step in file.history], indent=2))
-    else:
-        print(ladder_table(file))
+    found = ladder(args.model, args.effects)
+    print(json.dumps(found.to_dict(), indent=2) if args.json else found)
     return 0

@@ -16,9 +16,9 @@ from typing import Any
 
 import numpy as np
 
-from gcode.output import Made, make
+from gcode.programs.make import Made, make
 from gcode.support.errors import UserError
-from gcode.trajectory import Trajectory
+from gcode.trajectories.trajectory import Trajectory
 from testbench.design.imitation import imitate
 from testbench.design.protocols import NOISE, Bounds, menu
 from testbench.fitting.fit import independent_share

@@ -7,10 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gcode.natural import Noise
-from gcode.path import Frame, join
-from gcode.pieces import Piece
-from gcode.protocol import (
+from gcode.motion.path import Frame, join
+from gcode.support.errors import UserError
+from gcode.trajectories.designed import (
     Hold,
     Multisine,
     Protocol,
@@ -20,8 +19,9 @@ from gcode.protocol import (
     Staircase,
     Triangle,
 )
-from gcode.support.errors import UserError
-from gcode.trajectory import Limits, TrajectorySpec
+from gcode.trajectories.natural import Noise
+from gcode.trajectories.pieces import Piece
+from gcode.trajectories.trajectory import Limits, TrajectorySpec
 
 RATE_HZ = 20.0
 MIN_DURATION_S = 120.0

@@ -7,37 +7,37 @@ from pathlib import Path
 from typing import Any
 
 from gcode.support.errors import UserError
-from gcode.support.files import read_json
 from testbench.design.experiment import Rival
 from testbench.diagnosis.adding import add_effect
 from testbench.fitting.measurement import Measurement
-from testbench.fitting.model_file import ModelFile, load_model_file
+from testbench.fitting.model_file import ModelFile
 from testbench.knit.catalogue import Catalogue, model_from_dict
 
 MOST = 3  # tied effects that are weighed against each other
 
 
-def rivals_from_files(paths: Sequence[str], catalogue: Catalogue) -> tuple[list[Rival], dict[str, float], float]:
-    """Rivals, noise floors and gauge length [mm] from model files.
+def rivals_of(files: Mapping[str, ModelFile]) -> tuple[list[Rival], dict[str, float], float]:
+    """Rivals, noise floors and gauge length [mm] from fitted models, by the name of the file or the variable.
 
     Raises
     ------
     UserError
-        If a file is unusable, or they were fitted at different gauge lengths or on different channels.
+        If they were fitted at different gauge lengths or on different channels.
     """
-    files = [load_model_file(path, catalogue) for path in paths]
-    first = files[0]
-    for path, file in zip(paths[1:], files[1:], strict=True):
+    (name, first), *others = files.items()
+    for path, file in others:
         if abs(file.gauge_length_mm - first.gauge_length_mm) > 1e-3 * first.gauge_length_mm:
             raise UserError(
-                f"{path}: fitted at a gauge length of {file.gauge_length_mm:g} mm, but {paths[0]} at "
+                f"{path}: fitted at a gauge length of {file.gauge_length_mm:g} mm, but {name} at "
                 f"{first.gauge_length_mm:g} mm; rivals must be fitted on recordings of one set-up"
             )
-    return _named(files, [Path(path).stem for path in paths]), shared_noise(files), first.gauge_length_mm
+    stems = [Path(path).stem for path in files]
+    return _named(list(files.values()), stems), shared_noise(list(files.values())), first.gauge_length_mm
 
 
 def rivals_from_diagnosis(
-    path: str | Path,
+    data: Any,
+    source: str,
     calibration: Measurement,
     held: Measurement,
     catalogue: Catalogue,
@@ -45,20 +45,26 @@ def rivals_from_diagnosis(
 ) -> tuple[list[Rival], dict[str, float]]:
     """Put each tied effect (or the first two) into the model before it, refit, and let them be rivals.
 
+    Parameters
+    ----------
+    data : mapping
+        A diagnosis as ``testbench diagnose --json`` writes it.
+    source : str
+        Where it came from, for messages.
+
     Raises
     ------
     UserError
-        If the file is no diagnosis, or ranks fewer than two effects.
+        If it is no diagnosis, or ranks fewer than two effects.
     """
-    data = read_json(path, "diagnosis")
     try:
-        base = _base(data, catalogue, str(path), calibration.recording.gauge_length_mm)
+        base = _base(data, catalogue, source, calibration.recording.gauge_length_mm)
         forms = {entry["effect"]: entry["form"] for entry in data["ranking"]}
         names = list(data["tied"]) or list(forms)[:2]
     except (KeyError, TypeError) as error:
-        raise UserError(f"{path}: not a diagnosis ({error}); write one with `testbench diagnose --json`") from None
+        raise UserError(f"{source}: not a diagnosis ({error}); write one with `testbench diagnose --json`") from None
     if len(names) < 2:
-        raise UserError(f"{path}: it ranks {len(names)} effects; an experiment needs two rivals")
+        raise UserError(f"{source}: it ranks {len(names)} effects; an experiment needs two rivals")
     files = []
     for name in names[:MOST]:
         progress(f"putting in {forms[name]} and refitting")

@@ -7,28 +7,47 @@ where both are there, ``displacement_mm`` may be.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gcode.support.errors import UserError
+from testbench.recordings.channels import (
+    DISPLACEMENT,
+    FORCE,
+    RESISTANCE,
+    TEMPERATURE,
+    TIME,
+    UNITS,
+    FloatArray,
+)
 
-FloatArray = NDArray[Any]
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+
 GAP_S, GAP_STEPS = 1.0, 10.0
 MOST_POINTS, MOST_MADE_UP = 20_000_000, 1_000_000
 
-TIME, DISPLACEMENT, FORCE, RESISTANCE = "time_s", "displacement_mm", "force_N", "resistance_ohm"
-TEMPERATURE = "temperature_C"
-UNITS = {TIME: "s", DISPLACEMENT: "mm", FORCE: "N", RESISTANCE: "ohm", TEMPERATURE: "degC"}
+__all__ = [
+    "DISPLACEMENT",
+    "FORCE",
+    "RESISTANCE",
+    "TEMPERATURE",
+    "TIME",
+    "UNITS",
+    "FloatArray",
+    "Recording",
+    "read_recording",
+]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Recording:
     """Time and named channels of one run.
 
@@ -60,6 +79,56 @@ class Recording:
 
     def __len__(self) -> int:
         return len(self.time_s)
+
+    def __repr__(self) -> str:
+        known = f"gauge length {self.gauge_length_mm:g} mm, " if np.isfinite(self.gauge_length_mm) else ""
+        return f"<Recording {self.source}: {self._size}, {known}{', '.join(self.channels)}>"
+
+    @property
+    def _size(self) -> str:
+        return f"{len(self)} samples in {self.duration_s:.1f} s"
+
+    def _repr_html_(self) -> str:
+        from testbench.recordings.showing import as_html, titled
+
+        lines = [f"{self._size}, {self.mean_rate_hz:.3g} Hz on average", *self._notes()]
+        return as_html(self.source, lines, self.time_s, titled(self.channels, self.gauge_length_mm))
+
+    def _notes(self) -> list[str]:
+        gauge = [f"gauge length {self.gauge_length_mm:g} mm"] if np.isfinite(self.gauge_length_mm) else []
+        return gauge + [f"nothing was recorded from {start:.4g} to {end:.4g} s" for start, end in self.gaps]
+
+    def plot(self, axes: Axes | Sequence[Axes] | None = None) -> Any:
+        """Draw every channel over time, one panel a channel.
+
+        Parameters
+        ----------
+        axes : Axes or sequence of Axes, optional
+            Where to draw; default: a new figure.
+
+        Returns
+        -------
+        ndarray of Axes, shape (channels,)
+        """
+        from testbench.recordings.showing import plot, titled
+
+        return plot(self.time_s, titled(self.channels, self.gauge_length_mm), axes)
+
+    def to_frame(self) -> pd.DataFrame:
+        """Samples as a table: a row a sample, ``time_s`` and every channel a column."""
+        import pandas as pd
+
+        return pd.DataFrame({TIME: self.time_s, **self.channels})
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready form: where it came from, the gauge length in mm (None if unknown), and every column."""
+        columns = {TIME: self.time_s, **self.channels}
+        gauge = self.gauge_length_mm if np.isfinite(self.gauge_length_mm) else None
+        return {
+            "source": self.source,
+            "gauge_length_mm": gauge,
+            "columns": {name: values.tolist() for name, values in columns.items()},
+        }
 
     def __getitem__(self, name: str) -> FloatArray:
         try:

@@ -188,6 +188,8 @@ class IndexEntry(StrictModel):
     sensor: Label
     program: Label
     seed: Annotated[int, Field(ge=0, lt=1 << 64)]
+    specimen: Annotated[str, Field(max_length=400)] = ""
+    split: Literal["", "train", "validation", "test"] = ""
     samples: Count
     manifest_sha256: Sha256
 

@@ -8,12 +8,20 @@ from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 
-import gcode
-import testbench
 from gcode.support.console import knitbench_version
 
 # A simulated byte may depend on the planner and on everything between the knit and the file, on no screen or fit.
-_ROOMS = ("knit", "rig", ".")
+_ROOMS = (
+    "gcode/motion",
+    "gcode/trajectories",
+    "gcode/mach4",
+    "gcode/programs",
+    "testbench/knit",
+    "testbench/rig",
+    "testbench/recordings",
+    "testbench/campaigns",
+)
+_ROOT = Path(__file__).parents[2]
 
 
 def software_versions() -> dict[str, str]:
@@ -36,11 +44,10 @@ def _software_versions() -> dict[str, str]:
 
 def code_fingerprint() -> str:
     """First twelve hex digits of the SHA-256 of the source that simulates, names and bytes."""
-    bench, planner = Path(testbench.__file__).parent, Path(gcode.__file__).parent
-    files = [planner, *(bench / room for room in _ROOMS)]
     digest = hashlib.sha256()
-    for path in sorted(path for folder in files for path in folder.glob("*.py")):
-        digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
+    for room in _ROOMS:
+        for path in sorted((_ROOT / room).rglob("*.py")):
+            digest.update(path.relative_to(_ROOT).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
     return digest.hexdigest()[:12]
 
 

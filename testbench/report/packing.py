@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-PLOTLY = "plotly/plotly-cartesian.min.js"  # lines, bars, boxes, heat maps: a third of the whole (docs/decisions/0070)
+PLOTLY = "plotly/plotly-cartesian.min.js"  # lines, bars, boxes, heat maps: a third of the whole (docs/decisions/0014)
 PLOTLY_VERSION = "3.7.0"
 
 

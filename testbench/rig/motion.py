@@ -27,8 +27,8 @@ def played(path: Path, gauge_length_mm: float | None = None) -> tuple[Motion, fl
     UserError
         If the file is not a program that the planner can play.
     """
-    from gcode.planner import play
-    from gcode.reader import read_program, read_text
+    from gcode.mach4.controller import play
+    from gcode.mach4.reader import read_program, read_text
 
     try:
         program = read_program(read_text(path))

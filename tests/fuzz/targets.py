@@ -14,17 +14,17 @@ from typing import Any
 from hypothesis import strategies as st
 
 from compensation.compensator_files import load as load_compensator
-from gcode.bounds import Limits
-from gcode.output import make
-from gcode.planner import play
-from gcode.protocol import Hold, Ramp, ReturnToZero
-from gcode.provenance import check_file
-from gcode.reader import parse_program, read_program, read_text
+from gcode.mach4.controller import play
+from gcode.mach4.reader import parse_program, read_program, read_text
+from gcode.programs.make import make
+from gcode.programs.provenance import check_file
 from gcode.support.errors import UserError
-from gcode.toml_spec import read_spec as read_trajectory_spec
-from gcode.toml_spec import spec_to_toml
-from gcode.trajectory import TrajectorySpec
-from gcode.trajectory import read_csv as read_trajectory
+from gcode.trajectories.bounds import Limits
+from gcode.trajectories.designed import Hold, Ramp, ReturnToZero
+from gcode.trajectories.toml_spec import read_spec as read_trajectory_spec
+from gcode.trajectories.toml_spec import spec_to_toml
+from gcode.trajectories.trajectory import TrajectorySpec
+from gcode.trajectories.trajectory import read_csv as read_trajectory
 from testbench.campaigns.campaign import simulate_campaign
 from testbench.campaigns.dataset import tasks_of
 from testbench.campaigns.dataset_index import index_problems

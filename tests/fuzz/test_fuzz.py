@@ -16,10 +16,10 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from gcode.reader import read_text
+from gcode.mach4.reader import read_text
 from gcode.support.errors import UserError
-from gcode.toml_spec import read_spec as read_trajectory_spec
-from gcode.trajectory import read_csv as read_trajectory
+from gcode.trajectories.toml_spec import read_spec as read_trajectory_spec
+from gcode.trajectories.trajectory import read_csv as read_trajectory
 from testbench.campaigns.dataset_spec import read_spec as read_dataset_spec
 from testbench.fitting.model_file import load_model_file
 from testbench.importing.from_file import Wish, import_csv

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from gcode.cli import main
-from gcode.trajectory import read_csv
+from gcode.trajectories.trajectory import read_csv
 
 GENERATE = ["generate", "--preset", "paper-1", "--seed", "3", "--gauge-length-mm", "25"]
 

@@ -8,15 +8,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from gcode.bounds import Limits, excesses
-from gcode.generate import plan
-from gcode.output import make
-from gcode.planner import Machine, play
-from gcode.presets import PRESETS, preset
-from gcode.protocol import Hold, Multisine, Noise, Ramp, RateSweep, ReturnToZero, Staircase, Triangle
-from gcode.reader import read_program
+from gcode.mach4.controller import Machine, play
+from gcode.mach4.reader import read_program
+from gcode.programs.make import make
 from gcode.support.errors import UserError
-from gcode.trajectory import TrajectorySpec
+from gcode.trajectories.bounds import Limits, excesses
+from gcode.trajectories.designed import Hold, Multisine, Noise, Ramp, RateSweep, ReturnToZero, Staircase, Triangle
+from gcode.trajectories.planning import plan
+from gcode.trajectories.presets import PRESETS, preset
+from gcode.trajectories.trajectory import TrajectorySpec
 
 speed = st.floats(0.05, 4.0)
 percent = st.floats(1.0, 60.0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gcode.motion import Blocks, block_ends, drive, junction_speeds
+from gcode.motion.blocks import Blocks, block_ends, drive, junction_speeds
 
 
 def blocks_of(lengths, speeds, dwells=None) -> Blocks:

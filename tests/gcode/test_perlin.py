@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from noise import pnoise1
 
-from gcode.perlin import perlin_signal
+from gcode.motion.perlin import perlin_signal
 from gcode.support.errors import UserError
 
 CELLS_PER_S = 0.32

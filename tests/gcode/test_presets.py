@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gcode.generate import plan
-from gcode.output import make
-from gcode.presets import PRESETS, preset
+from gcode.programs.make import make
 from gcode.support.errors import UserError
+from gcode.trajectories.planning import plan
+from gcode.trajectories.presets import PRESETS, preset
 
 V_MAX = {"paper-1": 4.142, "paper-2": 4.93, "paper-3": 4.039, "fast": 14.0}
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gcode.generate import plan
-from gcode.mach4 import read_program, write_program
-from gcode.output import make, make_again
-from gcode.planner import play
-from gcode.presets import PRESETS, preset
+from gcode.mach4.controller import play
+from gcode.mach4.writer import read_program, write_program
+from gcode.programs.make import make, make_again
+from gcode.trajectories.planning import plan
+from gcode.trajectories.presets import PRESETS, preset
 
 SHORT = 60.0
 

@@ -6,13 +6,23 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from gcode.generate import plan
-from gcode.header import flatten, header_lines, unflatten
-from gcode.presets import PRESETS, preset
-from gcode.protocol import Hold, Multisine, Noise, Protocol, Ramp, RateSweep, ReturnToZero, Staircase, Triangle
+from gcode.mach4.header import flatten, header_lines, unflatten
 from gcode.support.errors import UserError
-from gcode.toml_spec import read_spec, spec_to_toml
-from gcode.trajectory import Limits, TrajectorySpec
+from gcode.trajectories.designed import (
+    Hold,
+    Multisine,
+    Noise,
+    Protocol,
+    Ramp,
+    RateSweep,
+    ReturnToZero,
+    Staircase,
+    Triangle,
+)
+from gcode.trajectories.planning import plan
+from gcode.trajectories.presets import PRESETS, preset
+from gcode.trajectories.toml_spec import read_spec, spec_to_toml
+from gcode.trajectories.trajectory import Limits, TrajectorySpec
 
 ALL = (
     Hold(duration_s=2)

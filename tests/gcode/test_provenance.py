@@ -6,15 +6,15 @@ import re
 
 import pytest
 
-from gcode.bounds import Limits
 from gcode.cli import main
-from gcode.natural import Noise
-from gcode.output import make
-from gcode.presets import preset
-from gcode.protocol import Hold, Ramp, ReturnToZero
-from gcode.provenance import check_file
-from gcode.seal import seal_problem, sealed
-from gcode.trajectory import TrajectorySpec
+from gcode.mach4.seal import seal_problem, sealed
+from gcode.programs.make import make
+from gcode.programs.provenance import check_file
+from gcode.trajectories.bounds import Limits
+from gcode.trajectories.designed import Hold, Ramp, ReturnToZero
+from gcode.trajectories.natural import Noise
+from gcode.trajectories.presets import preset
+from gcode.trajectories.trajectory import TrajectorySpec
 
 LIMITS = Limits(v_max_mm_per_s=5, a_max_mm_per_s2=20, x_min_mm=-1, x_max_mm=10)
 
@@ -122,7 +122,7 @@ def test_a_file_may_not_say_what_the_controller_is():
 
 def test_a_program_for_another_controller_says_how_to_be_judged():
     text = make(short_spec(machine_acceleration_mm_per_s2=20.0), 51, 25.0).program
-    from gcode.planner import Machine
+    from gcode.mach4.controller import Machine
 
     assert found(text, machine=Machine(acceleration_mm_per_s2=20.0)) == []
 

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from gcodeparser import parse_gcode_lines
 
-from gcode.output import make
-from gcode.presets import PRESETS, preset
-from gcode.protocol import Hold, Multisine, Noise, Ramp, RateSweep, ReturnToZero, Staircase, Triangle
-from gcode.trajectory import TrajectorySpec
+from gcode.programs.make import make
+from gcode.trajectories.designed import Hold, Multisine, Noise, Ramp, RateSweep, ReturnToZero, Staircase, Triangle
+from gcode.trajectories.presets import PRESETS, preset
+from gcode.trajectories.trajectory import TrajectorySpec
 
 PROTOCOLS = {
     "designed": Hold(duration_s=1)
@@ -62,7 +62,7 @@ def test_linuxcnc_reads_every_move(name, mode, tmp_path):
 @pytest.mark.skipif(shutil.which("rs274") is None, reason="rs274 is not installed (Debian: linuxcnc-uspace)")
 @pytest.mark.parametrize("fault", ["G1 X1", "G1 X1 F0", "G1 X1E-1 F6", "G1 XNAN F6", "(open", "G0 G1 X1 F6"])
 def test_what_linuxcnc_refuses_we_refuse(fault, tmp_path):
-    from gcode.reader import parse_program
+    from gcode.mach4.reader import parse_program
 
     text = f"G21 G90 G94\n{fault}\nG1 X2 F60\nM30\n"
     path = tmp_path / "fault.ngc"

@@ -86,7 +86,7 @@ def _ask(studio: Studio, c: str, diagnosis: Mapping[str, Any]) -> None:
 
 
 async def _answer(studio: Studio, c: str, found: Mapping[str, Any]) -> None:
-    from gcode.trajectory import read_csv
+    from gcode.trajectories.trajectory import read_csv
 
     folder = studio.workspace.root / PROGRAMS / program_name(c)
     ui.label(experiment_in_words(found)).classes("verdict")

@@ -78,7 +78,7 @@ def _planned(job: Job) -> None:
 
 def _say_which_hold(fields: Mapping[str, ui.number], preset: str) -> None:
     """Under each empty field, the limit that holds then."""
-    from gcode.presets import PRESETS as SPECS
+    from gcode.trajectories.presets import PRESETS as SPECS
 
     limits = SPECS[preset].limits
     values = (limits.v_max_mm_per_s, limits.a_max_mm_per_s2, limits.x_min_mm, limits.x_max_mm)
@@ -119,7 +119,7 @@ def _figures(statistics: dict[str, Any]) -> list[tuple[str, str]]:
 
 
 def _picture(folder: Path, limits: dict[str, float]) -> None:
-    from gcode.trajectory import read_csv
+    from gcode.trajectories.trajectory import read_csv
 
     holder = ui.column().classes("w-full")
 

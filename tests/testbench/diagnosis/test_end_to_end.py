@@ -94,10 +94,11 @@ def test_the_json_comes_back_as_it_was_and_its_model_can_be_built():
     assert CATALOGUE[start["form"]].model_validate(start["start"]).model_dump(mode="json") == start["start"]
 
 
-def test_the_first_two_of_a_diagnosis_become_rivals(tmp_path):
-    path = tmp_path / "diagnosis.json"
-    path.write_text(json.dumps(relaxed().to_dict()))
-    rivals, noise = rivals_from_diagnosis(path, *split(*pair("stress_relaxation")), CATALOGUE, lambda text: None)
+def test_the_first_two_of_a_diagnosis_become_rivals():
+    told = json.loads(json.dumps(relaxed().to_dict()))
+    rivals, noise = rivals_from_diagnosis(
+        told, "diagnosis", *split(*pair("stress_relaxation")), CATALOGUE, lambda text: None
+    )
     assert [one.name for one in rivals] == (list(relaxed().tied) or [e.effect for e in relaxed().ranking])[:2]
     assert set(noise) == {"force", "conductance"}
 

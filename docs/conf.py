@@ -1,0 +1,28 @@
+"""Sphinx settings: built without network (no intersphinx, no remote fonts or scripts), strict, notebooks executed."""
+
+import os
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+project = "knitbench"
+author = "the knitbench authors"
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx.ext.viewcode"]
+exclude_patterns = ["_build"]
+html_theme = "furo"
+html_title = "knitbench"
+
+myst_enable_extensions = ["deflist"]
+myst_heading_anchors = 3
+
+nb_execution_mode = os.environ.get("KNITBENCH_NOTEBOOKS", "cache")
+nb_execution_timeout = 600
+nb_execution_raise_on_error = True
+nb_mime_priority_overrides = [("html", "text/html", 0)]
+
+autodoc_typehints = "none"  # they are in the docstrings, with shapes and units
+autodoc_member_order = "bysource"
+napoleon_google_docstring = False
+napoleon_use_rtype = False
+napoleon_use_ivar = True
+napoleon_custom_sections = [("Class attributes", "params_style")]
+default_role = "literal"

@@ -1,0 +1,1 @@
+"""Mach4 programs: written, read, played as the controller will, and checked."""

@@ -1,0 +1,209 @@
+"""Checks a program, ours or another's, before a machine sees it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from gcode.mach4.controller import MAX_PLAYED_S, Machine, execute
+from gcode.mach4.program import Problem, Program
+from gcode.motion.blocks import Motion
+from gcode.motion.statistics import MotionStatistics, motion_statistics
+from gcode.support.errors import UserError
+from gcode.trajectories.bounds import Limits, excesses
+
+LONGEST_DWELL_S = 120.0  # in files that others made; a longer P is most likely milliseconds
+LONGEST_RUN_S = MAX_PLAYED_S  # what takes longer is not executed, and refused
+MOST_SAMPLES = 50_000_000
+TOLERANCE_MM = 1e-6
+ACCELERATION_FACTOR = 5.0  # a controller faster than the limit shows whether the program itself asks for too much
+
+
+@dataclass(frozen=True)
+class CheckResult:
+    """What was found: problems (none: the program may run) and the statistics of the executed motion."""
+
+    problems: list[Problem]
+    statistics: MotionStatistics | None
+
+    @property
+    def ok(self) -> bool:
+        """Whether nothing was found."""
+        return not self.problems
+
+    def as_json(self) -> dict[str, Any]:
+        """For ``gcode check --json``."""
+        return {
+            "ok": self.ok,
+            "problems": [{"line": problem.line, "reason": problem.reason} for problem in self.problems],
+            "statistics": self.statistics.model_dump() if self.statistics else None,
+        }
+
+
+def check_program(
+    program: Program,
+    limits: Limits,
+    rate_hz: float = 20.0,
+    machine: Machine | None = None,
+    *,
+    rapid_mm_per_s: float | None = None,
+    longest_dwell_s: float | None = None,
+) -> CheckResult:
+    """Check a program against limits.
+
+    Positions, feeds and dwells are checked as programmed. Speed, acceleration and jerk are checked as executed: the
+    program is played and differentiated at `rate_hz`.
+
+    Parameters
+    ----------
+    program : Program
+        From `gcode.mach4.reader.parse_program`, with the faults it found.
+    limits : Limits
+        What to hold it against.
+    rate_hz : float
+        Rate of the finite differences.
+    machine : Machine or None
+        The controller. None: five times the limit; what the file says of the controller counts for nothing.
+    rapid_mm_per_s : float or None
+        Speed of G0 moves. None: unknown, so G0 moves are refused.
+    longest_dwell_s : float or None
+        None: 120 s. A program of ours that was made again from its recipe may dwell as long as it likes; see
+        `gcode.programs.provenance`.
+
+    Raises
+    ------
+    UserError
+        If `rate_hz` or `longest_dwell_s` is not above zero.
+    """
+    if not (np.isfinite(rate_hz) and 0 < rate_hz <= 10_000):
+        raise UserError(f"rate_hz must be above 0 and at most 10000, got {rate_hz:g}")
+    longest_dwell_s = LONGEST_DWELL_S if longest_dwell_s is None else longest_dwell_s
+    if not longest_dwell_s > 0:
+        raise UserError(f"the longest dwell must be a number of seconds above 0, got {longest_dwell_s:g}")
+    problems = [
+        *program.problems,
+        *_modes(program),
+        *_positions(program, limits),
+        *_feeds(program, limits, rapid_mm_per_s),
+        *_dwells(program, longest_dwell_s),
+    ]
+    statistics = None
+    if not (program.length_mm != 0).any():
+        problems.append(Problem(1, "the program moves nothing"))
+    elif unplayed := _unplayed(program, rate_hz):
+        problems.append(Problem(1, unplayed))
+    else:
+        motion = execute(program, machine or _machine(limits, rapid_mm_per_s))
+        samples = max(int(np.ceil(motion.end_s * rate_hz - 1e-6)) + 1, 2)
+        position = motion.position_at(np.arange(samples) / rate_hz)
+        statistics = motion_statistics(position, rate_hz)
+        hint = "" if machine else _other_controller(program, limits)
+        problems += [
+            Problem(one.line, one.reason + hint) for one in _executed(program, motion, position, rate_hz, limits)
+        ]
+    return CheckResult(sorted(problems, key=lambda problem: problem.line), statistics)
+
+
+def _modes(program: Program) -> list[Problem]:
+    """What the file leaves to the controller's last job."""
+    if not len(program.line):
+        return []
+    line = int(program.line[0])
+    return [
+        Problem(line, f"moves before {mode} is said: it would mean whatever the machine did last")
+        for mode in program.unsaid
+    ]
+
+
+def _other_controller(program: Program, limits: Limits) -> str:
+    """A hint where the file was written for a controller of another acceleration than it is judged with."""
+    stated, used = (
+        program.header_number("machine_acceleration_mm_per_s2"),
+        ACCELERATION_FACTOR * limits.a_max_mm_per_s2,
+    )
+    if not stated or abs(stated - used) < 1e-9 * used:
+        return ""
+    return (
+        f" (judged with a controller of {used:g} mm/s2; the file was written for {stated:g}: if yours is set so, say "
+        f"--machine-acceleration {stated:g})"
+    )
+
+
+def _machine(limits: Limits, rapid_mm_per_s: float | None) -> Machine:
+    acceleration = ACCELERATION_FACTOR * limits.a_max_mm_per_s2
+    # The planner must not hide a feed that is too high behind its own rapid speed.
+    rapid = rapid_mm_per_s or max(50.0, 10.0 * limits.v_max_mm_per_s)
+    return Machine(acceleration_mm_per_s2=acceleration, rapid_mm_per_s=rapid)
+
+
+def _unplayed(program: Program, rate_hz: float) -> str:
+    """Why the program cannot be executed here; empty if it can."""
+    moving = program.length_mm != 0
+    feed = np.minimum(program.feed_mm_per_s[moving], 1e3)
+    if not (feed > 0).all():
+        return "not executed, since it has moves of no feed: nothing is known of its motion"
+    seconds = float(np.abs(program.length_mm[moving] / feed).sum() + program.dwell_s.sum())
+    if seconds > LONGEST_RUN_S:
+        return f"not executed, since it would take {_long(seconds)}: more than {_long(LONGEST_RUN_S)} is refused"
+    if seconds * rate_hz > MOST_SAMPLES:
+        return f"not executed, since {_long(seconds)} at {rate_hz:g} Hz are too many samples; lower --rate-hz"
+    return ""
+
+
+def _long(seconds: float) -> str:
+    for unit, length in (("years", 365.25 * 86400.0), ("days", 86400.0)):
+        if seconds >= 2 * length:
+            return f"{seconds / length:.3g} {unit}"
+    return f"{seconds:.4g} s"
+
+
+def _first(mask: np.ndarray, program: Program, reason: Callable[[int], str]) -> list[Problem]:
+    """One problem for the first line of a kind, saying how many more there are."""
+    hits = np.flatnonzero(mask)
+    if not len(hits):
+        return []
+    more = f" (and {len(hits) - 1} more lines)" if len(hits) > 1 else ""
+    return [Problem(int(program.line[hits[0]]), reason(int(hits[0])) + more)]
+
+
+def _positions(program: Program, limits: Limits) -> list[Problem]:
+    x = program.position_mm
+    outside = (x < limits.x_min_mm - TOLERANCE_MM) | (x > limits.x_max_mm + TOLERANCE_MM)
+    between = f"{limits.x_min_mm:g} to {limits.x_max_mm:g} mm"
+    return _first(outside, program, lambda i: f"X{x[i]:.4f} leaves the soft limits {between}")
+
+
+def _feeds(program: Program, limits: Limits, rapid_mm_per_s: float | None) -> list[Problem]:
+    moving = program.length_mm != 0
+    feed, limit = program.feed_mm_per_s, limits.v_max_mm_per_s
+    rapid = np.isinf(feed) & moving
+    fast = np.isfinite(feed) & moving & (feed > limit * 1.001)
+    found = _first(fast, program, lambda i: f"feed {feed[i]:.4g} mm/s is above v max {limit:g} mm/s")
+    if rapid_mm_per_s is None:
+        found += _first(rapid, program, lambda i: "a G0 move has no known speed; use G1, or state --rapid")
+    elif rapid_mm_per_s > limit:
+        text = f"a G0 move at {rapid_mm_per_s:g} mm/s is above v max {limit:g} mm/s"
+        found += _first(rapid, program, lambda i: text)
+    return found
+
+
+def _dwells(program: Program, longest_s: float) -> list[Problem]:
+    dwell = program.dwell_s
+    text = f"longer than {longest_s:g} s; P is in seconds, is this milliseconds? (--max-dwell-s)"
+    return _first(dwell > longest_s, program, lambda i: f"G4 P{dwell[i]:g} dwells {text}")
+
+
+def _executed(
+    program: Program, motion: Motion, position_mm: np.ndarray, rate_hz: float, limits: Limits
+) -> list[Problem]:
+    """What the executed motion passes; positions are left to the programmed check."""
+    problems = []
+    for excess in excesses(position_mm, rate_hz, limits):
+        if excess.name == "position":
+            continue
+        block = min(int(np.searchsorted(motion.block_end_s, (excess.sample + 1) / rate_hz)), len(program.line) - 1)
+        problems.append(Problem(int(program.line[block]), f"executed {excess.at(rate_hz)}"))
+    return problems

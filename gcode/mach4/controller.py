@@ -1,0 +1,95 @@
+"""Plays a program as a look-ahead controller would: executed position over time.
+
+The model is a one-axis trapezoidal planner: every change of speed happens at the axis' acceleration, the speed at a
+block's end is at most the lower of both feeds, a reversal is a stop, and the controller can always stop within the
+blocks it sees. A model of this kind matched LinuxCNC's real motion to 0.1 % in time over 6,000 segments.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+from gcode.mach4.program import Program
+from gcode.motion.blocks import Motion, drive
+from gcode.support.errors import UserError
+from gcode.trajectories.quantities import Positive
+from gcode.trajectories.trajectory import Trajectory, sampled
+
+DEFAULT_ACCELERATION_MM_PER_S2 = 100.0
+MAX_PLAYED_S = 7 * 24 * 3600.0
+
+
+class Machine(BaseModel):
+    """What the planner must know of a controller and its axis.
+
+    Attributes
+    ----------
+    acceleration_mm_per_s2 : float
+        The axis' acceleration ("motor tuning" in Mach4).
+    rapid_mm_per_s : float
+        Speed of G0 moves, and the most any move reaches.
+    look_ahead_blocks : int
+        Blocks the controller sees ahead; Mach4's default is 20.
+    corner_mm_per_s : float
+        Speed step taken at a reversal without stopping; 0 is a full stop.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    acceleration_mm_per_s2: Positive = DEFAULT_ACCELERATION_MM_PER_S2
+    rapid_mm_per_s: Positive = 50.0
+    look_ahead_blocks: Annotated[int, Field(ge=1, le=100_000)] = 20
+    corner_mm_per_s: float = Field(0.0, ge=0, allow_inf_nan=False)
+
+
+def machine_for(program: Program, acceleration_mm_per_s2: float | None = None) -> Machine:
+    """The machine a program was written for: the given acceleration, else its header's, else 100 mm/s2."""
+    stated = acceleration_mm_per_s2 or program.header_number("machine_acceleration_mm_per_s2")
+    return Machine(acceleration_mm_per_s2=stated or DEFAULT_ACCELERATION_MM_PER_S2)
+
+
+def execute(program: Program, machine: Machine) -> Motion:
+    """The executed motion of a program, as phases of constant acceleration."""
+    blocks = program.blocks(machine.rapid_mm_per_s)
+    if not len(blocks.length_mm):
+        raise UserError("program: it holds no move, there is nothing to play")
+    unfed = (blocks.length_mm != 0) & ~(blocks.speed_mm_per_s > 0)
+    if unfed.any():
+        raise UserError(f"program: line {program.line[unfed.argmax()]} moves without a feed above 0; see gcode check")
+    return drive(
+        blocks,
+        machine.acceleration_mm_per_s2,
+        start_mm=program.start_mm,
+        look_ahead=machine.look_ahead_blocks,
+        corner_mm_per_s=machine.corner_mm_per_s,
+        stop_after=program.exact_stop if program.exact_stop.any() else None,
+    )
+
+
+def play(program: Program, rate_hz: float = 20.0, machine: Machine | None = None) -> Trajectory:
+    """Executed position over time.
+
+    Parameters
+    ----------
+    program : Program
+        From `gcode.mach4.writer.read_program`.
+    rate_hz : float
+        Sample rate of the result.
+    machine : Machine or None
+        The controller; None takes the one that the program's header names.
+
+    Returns
+    -------
+    Trajectory
+        From the program's start to its end.
+    """
+    if not (np.isfinite(rate_hz) and 0 < rate_hz <= 100_000):
+        raise UserError(f"rate_hz must be above 0 and at most 100000, got {rate_hz:g}")
+    motion = execute(program, machine or machine_for(program))
+    if motion.end_s > MAX_PLAYED_S:
+        raise UserError(f"program: it would take {motion.end_s:.3g} s; more than a week is not played")
+    samples = int(np.ceil(motion.end_s * rate_hz - 1e-6)) + 1
+    return sampled(motion.position_at(np.arange(max(samples, 2)) / rate_hz), rate_hz)

@@ -1,0 +1,165 @@
+"""The public functions of `gcode`; the command line is a thin user of the same."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from gcode.mach4.check import CheckResult
+from gcode.mach4.controller import Machine
+from gcode.mach4.controller import play as played
+from gcode.mach4.program import Program
+from gcode.mach4.reader import parse_program, read_program, read_text
+from gcode.mach4.writer import FeedMode
+from gcode.programs.make import Made, make
+from gcode.programs.provenance import check_file
+from gcode.programs.request import changed
+from gcode.support.errors import UserError, first_problem
+from gcode.trajectories.bounds import Limits
+from gcode.trajectories.pieces import Piece, Protocol
+from gcode.trajectories.presets import preset
+from gcode.trajectories.toml_spec import read_spec
+from gcode.trajectories.trajectory import Trajectory, TrajectorySpec
+
+
+def generate(
+    spec: str | Path | TrajectorySpec | Protocol | Piece,
+    seed: int,
+    gauge_length_mm: float = 25.0,
+    *,
+    duration_s: float | None = None,
+    feed_mode: FeedMode = "G94",
+    machine_acceleration_mm_per_s2: float | None = None,
+    **limits: float,
+) -> Made:
+    """Plan a trajectory, write its Mach4 program and check it.
+
+    Parameters
+    ----------
+    spec : str, path, TrajectorySpec, Protocol or Piece
+        A preset (``"paper-1"``, ``"paper-2"``, ``"paper-3"``, ``"fast"``), a TOML file, or pieces:
+        ``gcode.Hold(duration_s=5) + gcode.Noise(duration_s=600)``.
+    seed : int
+        0 or more; other seeds give independent trajectories of the same statistics.
+    gauge_length_mm : float
+        Length of the sample between the grips.
+    duration_s : float, optional
+        Of the one noise piece of the spec.
+    feed_mode : {"G94", "G93"}
+        Feed per minute, or inverse time.
+    machine_acceleration_mm_per_s2 : float, optional
+        The controller's; default: the spec's, or five times the limit.
+    **limits
+        Fields of `gcode.Limits`: ``v_max_mm_per_s``, ``a_max_mm_per_s2``, ``x_max_mm``, ...
+
+    Returns
+    -------
+    Made
+        ``.trajectory``, ``.program`` (the text), ``.statistics`` of the motion as executed, ``.write(folder)``.
+
+    Raises
+    ------
+    UserError
+        If the request cannot be planned within its limits.
+
+    Examples
+    --------
+    >>> import gcode
+    >>> made = gcode.generate("paper-1", seed=3, duration_s=60)
+    >>> made
+    <Made paper-1, seed 3: 66.0 s, 0 to 6.3 mm>
+    >>> triangles = gcode.Triangle(high_percent=20, speed_mm_per_s=1, cycles=3) + gcode.Hold(duration_s=10)
+    >>> round(gcode.generate(triangles, seed=0).statistics.x_max_mm, 1)
+    5.0
+    """
+    try:
+        wanted = changed(_spec(spec), limits, duration_s, machine_acceleration_mm_per_s2)
+    except UserError:
+        raise
+    except ValueError as error:
+        raise UserError(f"generate: {first_problem(error)}") from None
+    return make(wanted, seed, gauge_length_mm, feed_mode)
+
+
+def read(path: str | Path) -> Program:
+    """Read a Mach4 program, or a plain RS274/NGC program that moves one axis.
+
+    Raises
+    ------
+    UserError
+        If it cannot be read; the message names the first line that is refused.
+    """
+    return read_program(read_text(path))
+
+
+def check(program: str | Path | Program, limits: Limits | None = None, **options: Any) -> CheckResult:
+    """Check a program against limits, as programmed and as executed.
+
+    Parameters
+    ----------
+    program : str, path or Program
+        The text of a program, its file, or a program that was read.
+    limits : Limits, optional
+        Of speed, acceleration, jerk and travel; default: `gcode.Limits()`.
+    **options
+        As `gcode.programs.provenance.check_file`: ``rate_hz``, ``machine``, ``rapid_mm_per_s``, ``longest_dwell_s``;
+        for a text or a file also ``as_foreign``.
+
+    Returns
+    -------
+    CheckResult
+        ``.ok``, ``.problems`` (line and reason), ``.statistics`` of the motion as executed.
+
+    Examples
+    --------
+    >>> import gcode
+    >>> made = gcode.generate("paper-1", seed=3, duration_s=60)
+    >>> gcode.check(made.program, gcode.Limits(v_max_mm_per_s=1.0)).ok
+    False
+    """
+    allowed = limits or Limits()
+    if isinstance(program, Program):
+        from gcode.mach4.check import check_program
+
+        return check_program(program, allowed, **options)
+    text = program if isinstance(program, str) and "\n" in program else read_text(program)
+    return check_file(text, allowed, **options)[0]
+
+
+def play(program: str | Path | Program | Made, rate_hz: float = 20.0, machine: Machine | None = None) -> Trajectory:
+    """What a look-ahead controller makes of a program.
+
+    Parameters
+    ----------
+    program : str, path, Program or Made
+        The text of a program, its file, a program that was read, or one that was generated.
+    rate_hz : float
+        Sample rate of the result.
+    machine : Machine, optional
+        The controller; default: as the program's header says.
+
+    Returns
+    -------
+    Trajectory
+        ``.time_s`` and ``.position_mm``, each shape (n,).
+
+    Examples
+    --------
+    >>> import gcode
+    >>> gcode.play(gcode.generate("paper-1", seed=3, duration_s=60)).position_mm[0].item()
+    0.0
+    """
+    if isinstance(program, Made):
+        program = program.program
+    if not isinstance(program, Program):
+        text = program if isinstance(program, str) and "\n" in program else read_text(program)
+        program = parse_program(text)
+    return played(program, rate_hz, machine)
+
+
+def _spec(spec: str | Path | TrajectorySpec | Protocol | Piece) -> TrajectorySpec:
+    if isinstance(spec, TrajectorySpec):
+        return spec
+    if isinstance(spec, Protocol | Piece):
+        return TrajectorySpec.of(spec)
+    return read_spec(spec) if isinstance(spec, Path) or str(spec).endswith(".toml") else preset(spec)

@@ -1,0 +1,185 @@
+"""make(): the whole way from a spec to a checked program, and the three files it is written to."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from gcode.mach4.check import check_program
+from gcode.mach4.controller import Machine, play
+from gcode.mach4.header import unflatten
+from gcode.mach4.program import Problem, Program
+from gcode.mach4.reader import read_program
+from gcode.mach4.writer import FeedMode, write_program
+from gcode.motion.statistics import MotionStatistics
+from gcode.support import files
+from gcode.support.console import knitbench_version
+from gcode.support.errors import UserError
+from gcode.support.figures import outline, panels
+from gcode.support.html import card, strips
+from gcode.support.strict import validated
+from gcode.trajectories.natural import Noise
+from gcode.trajectories.planning import plan
+from gcode.trajectories.target import NAMES
+from gcode.trajectories.trajectory import Trajectory, TrajectorySpec
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+
+MISSED = 0.05  # relative deviation from a target that is worth a note
+LITTLE_USED = 0.85
+_RESERVES = (1.0, 0.85, 0.7, 0.5)  # tried in turn when the controller's deviations pass a limit
+
+
+@dataclass(frozen=True, repr=False)
+class Made:
+    """A planned trajectory and its checked program."""
+
+    spec: TrajectorySpec
+    seed: int
+    gauge_length_mm: float
+    feed_mode: FeedMode
+    trajectory: Trajectory
+    program: str
+    statistics: MotionStatistics
+
+    def __repr__(self) -> str:
+        found = self.statistics
+        moved = f"{found.x_min_mm + 0.0:.3g} to {found.x_max_mm:.3g} mm"
+        return f"<Made {self.spec.name}, seed {self.seed}: {found.duration_s:.1f} s, {moved}>"
+
+    def _repr_html_(self) -> str:
+        thin = outline(self.trajectory.time_s, self.trajectory.position_mm, 300)
+        title = f"{self.spec.name}, seed {self.seed}, gauge length {self.gauge_length_mm:g} mm, as executed"
+        return card(title, [*self.statistics.lines(), *self.notes()], strips(thin[0], {"position / mm": thin[1]}))
+
+    def plot(self, axes: Axes | None = None) -> Axes:
+        """Draw the planned position over time on `axes` (default: of a new figure); returns them."""
+        (axis,) = panels(axes, 1)
+        axis.plot(self.trajectory.time_s, self.trajectory.position_mm, linewidth=0.8)
+        axis.set_xlabel("time / s")
+        axis.set_ylabel("position / mm")
+        axis.margins(x=0)
+        return axis
+
+    def to_frame(self) -> pd.DataFrame:
+        """The planned trajectory as a table: ``time_s``, ``position_mm``."""
+        import pandas as pd
+
+        return pd.DataFrame({"time_s": self.trajectory.time_s, "position_mm": self.trajectory.position_mm})
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready form: the recipe and the statistics of the motion as executed."""
+        return {**self.recipe(), "statistics": self.statistics.model_dump()}
+
+    def notes(self) -> list[str]:
+        """What a user should know: a target that is missed, a strain range that is hardly used."""
+        notes = []
+        for piece in self.spec.pieces:
+            if not isinstance(piece, Noise) or piece.target is None:
+                continue
+            if len(self.spec.pieces) == 1:
+                off = zip(NAMES, piece.target.deviations(self.statistics).tolist(), strict=True)
+                missed = ", ".join(f"{name} {value:+.0%}" for name, value in off if abs(value) > MISSED)
+                notes += [f"the target is missed at this gauge length and range: {missed}"] if missed else []
+            reached = (self.statistics.x_max_mm - self.spec.offset_mm) / self.gauge_length_mm * 100.0
+            if reached < LITTLE_USED * piece.high_percent:
+                notes.append(
+                    f"strain reaches {reached:.0f} % of {piece.high_percent:g} %: such speeds and accelerations need "
+                    "a smaller stroke; gcode fit finds others for this gauge length"
+                )
+        return notes
+
+    def recipe(self) -> dict[str, Any]:
+        """What `make` was called with, and the version that did it."""
+        return {
+            "version": knitbench_version(),
+            "seed": self.seed,
+            "gauge_length_mm": self.gauge_length_mm,
+            "feed_mode": self.feed_mode,
+            "spec": self.spec.model_dump(mode="json", exclude_none=True),
+        }
+
+    def write(self, folder: str | Path) -> list[Path]:
+        """Write trajectory.csv, program.tap and trajectory.json into `folder`."""
+        folder = files.make_folder(folder)
+        paths = [folder / name for name in ("trajectory.csv", "program.tap", "trajectory.json")]
+        self.trajectory.write_csv(paths[0])
+        files.write_text(paths[1], self.program)
+        files.write_json(paths[2], self.to_dict())
+        return paths
+
+
+def make(spec: TrajectorySpec, seed: int, gauge_length_mm: float, feed_mode: FeedMode = "G94") -> Made:
+    """Plan, write and check a program.
+
+    Returns
+    -------
+    Made
+        ``.trajectory`` is the plan, ``.program`` the text, ``.statistics`` those of the motion as executed by the
+        controller that the spec names, sampled at the spec's rate.
+
+    Raises
+    ------
+    UserError
+        If the request cannot be planned, or the program does not pass its own check.
+    """
+    for reserve in _RESERVES:
+        made, problems = _attempt(spec, seed, gauge_length_mm, feed_mode, reserve)
+        if not problems:
+            return made
+    raise UserError(f"limits: the program did not pass its own check, nothing was written: {problems[0]}")
+
+
+def _attempt(
+    spec: TrajectorySpec, seed: int, gauge_length_mm: float, feed_mode: FeedMode, reserve: float
+) -> tuple[Made, list[Problem]]:
+    """Plan and write once; what the check of the program finds."""
+    trajectory = plan(spec, seed, gauge_length_mm, reserve=reserve)
+    planned = trajectory.statistics()
+    acceleration = spec.controller_acceleration_mm_per_s2
+    draft = Made(spec, seed, gauge_length_mm, feed_mode, trajectory, "", planned)
+    text = write_program(
+        trajectory,
+        header={"program": spec.name, **draft.recipe(), "statistics": _rounded(planned)},
+        feed_mode=feed_mode,
+        machine_acceleration_mm_per_s2=acceleration,
+        v_max_mm_per_s=spec.limits.v_max_mm_per_s,
+    )
+    machine = Machine(acceleration_mm_per_s2=acceleration)
+    result = check_program(read_program(text), spec.limits, spec.rate_hz, machine, longest_dwell_s=np.inf)
+    statistics = result.statistics or planned
+    return Made(spec, seed, gauge_length_mm, feed_mode, trajectory, text, statistics), result.problems
+
+
+def make_again(program: Program) -> Made:
+    """Make one of our own programs again from its header comments.
+
+    Raises
+    ------
+    UserError
+        If the header does not hold a spec, a seed and a gauge length.
+    """
+    spec = unflatten(program.header, "spec")
+    seed, gauge = program.header_number("seed"), program.header_number("gauge_length_mm")
+    if not spec or seed is None or gauge is None:
+        raise UserError(
+            "program: its header holds no spec, seed and gauge length; only our own files can be made again"
+        )
+    mode: FeedMode = "G93" if program.header.get("feed_mode") == "g93" else "G94"
+    if not (seed == int(seed) and 0 <= seed < 1 << 53):
+        raise UserError(f"program: its header's seed must be a whole number, 0 or more, got {seed:g}")
+    return make(validated(spec, TrajectorySpec, "program", "recipe in its header"), int(seed), gauge, mode)
+
+
+def _rounded(statistics: MotionStatistics) -> dict[str, float]:
+    return {key: round(value, 4) for key, value in statistics.model_dump().items()}
+
+
+def executed(made: Made) -> Trajectory:
+    """The executed motion of a made program, on the controller it was written for."""
+    return play(read_program(made.program), made.spec.rate_hz)

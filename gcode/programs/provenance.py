@@ -1,0 +1,125 @@
+"""Where a program comes from: ours are made again from the recipe in their header and compared, line by line."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from gcode.mach4.check import CheckResult, check_program
+from gcode.mach4.controller import Machine
+from gcode.mach4.program import Problem, Program
+from gcode.mach4.reader import parse_program
+from gcode.mach4.seal import seal_problem
+from gcode.support.console import knitbench_version
+from gcode.support.errors import UserError
+from gcode.trajectories.bounds import Limits
+
+MOST_SAMPLES = 20_000_000  # of a recipe that is made again; 48 h at 100 Hz
+FOREIGN = "nobody's recipe: judged by its motion alone"
+GENUINE = "made again from its recipe, line by line the same"
+
+
+@dataclass(frozen=True)
+class Provenance:
+    """What is known of a program's origin.
+
+    Attributes
+    ----------
+    words : str
+        For the person who checks.
+    genuine : bool
+        Whether the recipe in its header gives this very program.
+    problems : list of Problem
+        What speaks against running it.
+    """
+
+    words: str
+    genuine: bool = False
+    problems: list[Problem] = field(default_factory=list)
+
+
+def check_file(
+    text: str,
+    limits: Limits,
+    rate_hz: float = 20.0,
+    machine: Machine | None = None,
+    *,
+    rapid_mm_per_s: float | None = None,
+    longest_dwell_s: float | None = None,
+    as_foreign: bool = False,
+) -> tuple[CheckResult, Provenance]:
+    """Check the text of a program: where it comes from, and what `gcode.mach4.check.check_program` finds in it.
+
+    Parameters
+    ----------
+    text : str
+    as_foreign : bool
+        Do not hold a program of ours against the recipe in its header.
+    """
+    program = parse_program(text)
+    origin = Provenance(FOREIGN) if as_foreign else provenance(text, program)
+    if longest_dwell_s is None and origin.genuine:
+        longest_dwell_s = float("inf")
+    result = check_program(
+        program, limits, rate_hz, machine, rapid_mm_per_s=rapid_mm_per_s, longest_dwell_s=longest_dwell_s
+    )
+    problems = sorted([*result.problems, *origin.problems], key=lambda problem: problem.line)
+    return CheckResult(problems, result.statistics), origin
+
+
+def provenance(text: str, program: Program) -> Provenance:
+    """Hold a program against its seal and its recipe; one without a header of ours is nobody's."""
+    from gcode.programs.make import make_again
+
+    keys = program.header
+    if not any(key.startswith("spec.") for key in keys):
+        # A header that states a rate but no recipe proves nothing: the file is judged as anybody's.
+        return Provenance(FOREIGN)
+    if program.problems:
+        return Provenance("its recipe was not tried", problems=[])
+    broken = seal_problem(text)
+    try:
+        _check_length(program)
+        again = make_again(program).program
+    except (UserError, ValueError, ArithmeticError) as error:
+        return _refused(1, f"the recipe in its header cannot be made again ({error}); {REMEDY}")
+    lines, wanted = text.replace("\r\n", "\n").split("\n"), again.split("\n")
+    if lines == wanted:
+        return Provenance(GENUINE, genuine=True)
+    if broken and _unsealed(lines) == _unsealed(wanted):
+        return Provenance(f"{GENUINE}, but without a seal", genuine=True)
+    return _different(lines, wanted, broken, keys.get("version", ""))
+
+
+REMEDY = "make it again with `gcode generate`, or judge it as anybody's with --as-foreign"
+
+
+def _different(lines: list[str], wanted: list[str], broken: str, version: str) -> Provenance:
+    number = next(
+        (n for n, (came, due) in enumerate(zip(lines, wanted, strict=False)) if came != due),
+        min(len(lines), len(wanted)),
+    )
+    came = lines[number][:60] if number < len(lines) else "nothing"
+    due = wanted[number][:60] if number < len(wanted) else "nothing"
+    other = f", made by version {version}" if version and version != knitbench_version() else ""
+    reason = f"is not what the recipe in its header gives{other}: {due!r} is due, {came!r} came; {REMEDY}"
+    return _refused(number + 1, f"{broken}; {reason}" if broken else reason)
+
+
+def _refused(line: int, reason: str) -> Provenance:
+    return Provenance("not the program that its header promises", problems=[Problem(line, reason)])
+
+
+def _unsealed(lines: list[str]) -> list[str]:
+    return [line for line in lines if not line.startswith("(SHA256: ")]
+
+
+def _check_length(program: Program) -> None:
+    """A recipe of years would be planned for hours: refuse it before."""
+    rate_hz = program.header_number("rate_hz") or 0.0
+    seconds = sum(
+        program.header_number(key) or 0.0
+        for key in program.header
+        if key.startswith("spec.pieces.") and key.endswith(("duration_s", "rest_s", "hold_s"))
+    )
+    if not 0 < rate_hz <= 1000 or seconds * rate_hz > MOST_SAMPLES:
+        raise UserError(f"{seconds:g} s at {rate_hz:g} Hz are more than is made again")

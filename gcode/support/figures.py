@@ -1,0 +1,60 @@
+"""Matplotlib axes in, axes out: the panels that results draw themselves on."""
+
+from __future__ import annotations
+
+import base64
+import io
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from gcode.support.errors import UserError
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+WIDTH_IN, PANEL_IN, DOTS_PER_INCH = 8.0, 2.3, 90
+
+
+def panels(axes: Axes | Sequence[Axes] | None, count: int) -> list[Axes]:
+    """`count` axes to draw on: those given, or those of a new figure, one above the other.
+
+    Raises
+    ------
+    UserError
+        If another number of axes was given.
+    """
+    if axes is None:
+        from matplotlib import pyplot
+
+        size = (WIDTH_IN, PANEL_IN * max(count, 1.4))
+        return list(pyplot.subplots(count, 1, squeeze=False, figsize=size, layout="constrained")[1][:, 0])
+    given = list(np.ravel(np.asarray(axes, dtype=object)))
+    if len(given) != count:
+        raise UserError(f"plot: needs {count} axes, one a panel, got {len(given)}")
+    return given
+
+
+def picture(draw: Callable[[Any], Any], count: int) -> str:
+    """An ``<img>`` of what `draw` makes of `count` axes; no window, no pyplot."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(WIDTH_IN, PANEL_IN * max(count, 1.4)), layout="constrained")
+    FigureCanvasAgg(figure)
+    draw(list(figure.subplots(count, 1, squeeze=False)[:, 0]))
+    data = io.BytesIO()
+    figure.savefig(data, format="png", dpi=DOTS_PER_INCH, metadata={"Software": None})
+    return f'<img alt="" src="data:image/png;base64,{base64.b64encode(data.getvalue()).decode("ascii")}">'
+
+
+def outline(x: np.ndarray, y: np.ndarray, stretches: int = 400) -> tuple[np.ndarray, np.ndarray]:
+    """Fewer points, the same picture: the lowest and the highest of each stretch, in order of time."""
+    if len(x) <= 2 * stretches:
+        return x, y
+    edges = np.linspace(0, len(x), stretches + 1).astype(int)[:-1]
+    size = np.diff([*edges, len(x)])
+    low = np.minimum.reduceat(y, edges)
+    high = np.maximum.reduceat(y, edges)
+    return np.column_stack([x[edges], x[edges + size // 2]]).ravel(), np.column_stack([low, high]).ravel()

@@ -1,0 +1,68 @@
+"""Limits of a motion, and the sampled quantities that are held against them."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from gcode.motion.statistics import accelerations, jerks, speeds
+from gcode.trajectories.quantities import Positive
+
+
+class Limits(BaseModel):
+    """What the executed motion must not exceed, by finite differences at the trajectory's sample rate."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    v_max_mm_per_s: Positive = 10.0
+    a_max_mm_per_s2: Positive = 20.0
+    j_max_mm_per_s3: Positive | None = None
+    x_min_mm: float = Field(-1000.0, allow_inf_nan=False)
+    x_max_mm: float = Field(1000.0, allow_inf_nan=False)
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Any:
+        if not self.x_min_mm < self.x_max_mm:
+            raise ValueError(f"x_min_mm must be below x_max_mm, got {self.x_min_mm:g} and {self.x_max_mm:g}")
+        return self
+
+
+class Excess(NamedTuple):
+    """A limit that a sampled motion passes: which, by what, and at which sample it is worst."""
+
+    name: str
+    unit: str
+    value: float
+    limit: float
+    sample: int
+    samples: int
+
+    def at(self, rate_hz: float) -> str:
+        """One clause for a message."""
+        more = f" (and at {self.samples - 1} more samples)" if self.samples > 1 else ""
+        where = f"{self.name} {self.value:.4g} {self.unit} at {self.sample / rate_hz:.2f} s"
+        return f"{where} is beyond {self.limit:g} {self.unit}{more}"
+
+
+def excesses(position_mm: np.ndarray, rate_hz: float, limits: Limits, slack: float = 1e-6) -> list[Excess]:
+    """Every limit that positions sampled at `rate_hz` pass by more than the relative `slack`."""
+    checks = [
+        ("speed", "mm/s", np.abs(speeds(position_mm, rate_hz)), limits.v_max_mm_per_s),
+        ("acceleration", "mm/s2", np.abs(accelerations(position_mm, rate_hz)), limits.a_max_mm_per_s2),
+    ]
+    if limits.j_max_mm_per_s3 is not None:
+        checks.append(("jerk", "mm/s3", np.abs(jerks(position_mm, rate_hz)), limits.j_max_mm_per_s3))
+    found = []
+    for name, unit, values, limit in checks:
+        beyond = values > limit * (1 + slack) + 1e-9
+        if beyond.any():
+            worst = int(values.argmax())
+            found.append(Excess(name, unit, float(values[worst]), limit, worst, int(beyond.sum())))
+    for sign, limit in ((1.0, limits.x_max_mm), (-1.0, limits.x_min_mm)):
+        beyond = sign * (position_mm - limit) > 1e-6
+        if beyond.any():
+            worst = int((sign * position_mm).argmax())
+            found.append(Excess("position", "mm", float(position_mm[worst]), limit, worst, int(beyond.sum())))
+    return found

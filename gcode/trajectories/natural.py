@@ -1,0 +1,149 @@
+"""Noise: the pseudo-natural piece, Perlin noise shaped to speeds and accelerations that were asked for."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from gcode.motion.limits import drive_within
+from gcode.motion.path import Frame, Path
+from gcode.motion.perlin import MAX_OCTAVES, perlin_signal, perlin_walk
+from gcode.support.errors import UserError
+from gcode.trajectories.pieces import RangedPiece
+from gcode.trajectories.quantities import Duration, Positive
+from gcode.trajectories.target import Target, tuned
+
+OCTAVE_SD = 0.242  # standard deviation of one octave of noise, mean of 40 runs of 23 min
+OCTAVE_PEAK = 0.78  # what one octave reaches in about 23 min
+SOFT_FROM = 0.9  # noise beyond this part of the half range is bent smoothly, so that it never passes the end
+PACE_RATIO = 0.2  # the pace changes this much slower than the noise itself
+SPRINT_HALF_WIDTH_S = 2.0
+
+
+class Noise(RangedPiece):
+    """Pseudo-natural motion: Perlin noise over a strain range.
+
+    Attributes
+    ----------
+    duration_s : float
+        Executed duration, the approach not counted.
+    cells_per_s : float
+        Noise cells per second of the slowest octave: how often the direction changes.
+    octaves, persistence
+        How many octaves, and the amplitude of each relative to the one before.
+    peak : float or None
+        Noise level at the ends of the strain range; a smaller one uses the range more. None: what 23 min reach.
+    min_speed_mm_per_s : float
+        Least feed between two points, as in the paper's point-to-point programs: where the noise is slower the next
+        point is reached early. It turns the soft reversals of the noise into brisk ones.
+    pace_spread : float
+        How much the pace comes and goes (log-normal, in units of the noise); widens the spread of the speeds.
+    target : Target or None
+        If given, the shape is adjusted for each seed until the executed motion has these statistics.
+    sprint_mm_per_s : float or None
+        If given, the fastest stroke of the run is brought up to this speed.
+    """
+
+    kind: Literal["noise"] = "noise"
+    duration_s: Duration = 1380.0
+    cells_per_s: Positive = 0.32
+    octaves: int = Field(2, ge=1, le=MAX_OCTAVES)
+    persistence: float = Field(0.3, gt=0, le=1)
+    peak: float | None = Field(None, ge=0.1, le=2.0)
+    min_speed_mm_per_s: float = Field(0.0, ge=0, allow_inf_nan=False)
+    pace_spread: float = Field(0.0, ge=0, le=3)
+    target: Target | None = None
+    sprint_mm_per_s: Positive | None = None
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Any:
+        if self.target is not None and self.min_speed_mm_per_s >= self.target.v_mean_mm_per_s:
+            raise ValueError(
+                f"min_speed_mm_per_s must be below the target's v_mean_mm_per_s ({self.target.v_mean_mm_per_s:g}), "
+                f"got {self.min_speed_mm_per_s:g}"
+            )
+        return self
+
+    @property
+    def level_at_end(self) -> float:
+        """The noise level that is mapped to the ends of the range."""
+        if self.peak is not None:
+            return self.peak
+        amplitudes = self.persistence ** np.arange(self.octaves)
+        return float(OCTAVE_PEAK * np.sqrt((amplitudes**2).sum()) / amplitudes.sum())
+
+    def path(self, start_mm: float, frame: Frame) -> Path:
+        """The path that takes `duration_s` once the limits are applied."""
+        shape = self if self.target is None else tuned(self, self.target, frame)
+        return shape.executed_path(frame)
+
+    def _check_pace(self, cells_per_s: float, frame: Frame) -> None:
+        fastest = cells_per_s * 2.0 ** (self.octaves - 1)
+        if fastest > frame.rate_hz / 2:
+            raise UserError(
+                f"noise: {fastest:.3g} cells/s are too fast for a sample rate of {frame.rate_hz:g} Hz (at most half "
+                "of it); lower cells_per_s or octaves"
+            )
+
+    def executed_path(self, frame: Frame) -> Path:
+        """The path with these very parameters, cut to its executed duration."""
+        self._check_pace(self.cells_per_s, frame)
+        source_s, path = self.duration_s, None
+        while path is None or path.duration_s.sum() < self.duration_s:
+            # The minimum speed shortens the run, so the source is longer than asked for.
+            source_s *= 1.15
+            path = self._whole(source_s, frame)
+        motion = drive_within(path, frame.v_max_mm_per_s, frame.a_max_mm_per_s2)
+        segments = np.flatnonzero(path.duration_s > 0)
+        kept = max(int(np.searchsorted(motion.block_end_s, self.duration_s + 1e-9)), 1)
+        last = int(segments[min(kept, len(segments)) - 1]) + 1
+        return Path(path.position_mm[: last + 1], path.duration_s[:last])
+
+    def _whole(self, source_s: float, frame: Frame) -> Path:
+        """The noise as a path, with points at the sample rate and the minimum speed applied."""
+        time_s = np.arange(int(np.ceil(source_s * frame.rate_hz)) + 1) / frame.rate_hz
+        pace = self._pace(time_s, frame) * (self.cells_per_s / frame.rate_hz)
+        position = self._position(np.cumsum(pace), frame)
+        if self.sprint_mm_per_s is not None:
+            window = self._sprint(position, frame)
+            begin = int(np.argmax(window > 1.0))
+            # What lies before the sprint stays; the costly noise is walked again from there on only.
+            position[begin:] = self._position(np.cumsum(pace * window)[begin:], frame)
+        step = np.abs(np.diff(position))
+        duration = np.full(len(step), 1.0 / frame.rate_hz)
+        if self.min_speed_mm_per_s > 0:
+            with np.errstate(over="ignore"):  # a tiny least speed allows any duration
+                duration = np.minimum(duration, step / self.min_speed_mm_per_s)
+        return Path(position, duration)
+
+    def _position(self, cells: np.ndarray, frame: Frame) -> np.ndarray:
+        level = perlin_walk(cells, frame.seed, self.octaves, self.persistence) / self.level_at_end
+        middle, half = (self.low_percent + self.high_percent) / 2, (self.high_percent - self.low_percent) / 2
+        return frame.mm(middle + half * bend(level))
+
+    def _pace(self, time_s: np.ndarray, frame: Frame) -> np.ndarray:
+        """How fast time goes for the noise, about one on average."""
+        if self.pace_spread == 0:
+            return np.ones_like(time_s)
+        mood = perlin_signal(time_s, [*frame.seed, 1], self.cells_per_s * PACE_RATIO)
+        return np.exp(self.pace_spread * mood - 0.5 * (self.pace_spread * OCTAVE_SD) ** 2)
+
+    def _sprint(self, position_mm: np.ndarray, frame: Frame) -> np.ndarray:
+        """A factor on the pace that lifts the fastest stroke to the sprint's speed; one everywhere else."""
+        # Only what lies within the duration counts, the source is longer.
+        inside = position_mm[: int(self.duration_s * frame.rate_hz)]
+        speed = np.abs(np.diff(inside)) * frame.rate_hz
+        at = int(speed.argmax()) if len(speed) else 0
+        lift = (self.sprint_mm_per_s or 0.0) / max(float(speed[at]), 1e-9) if len(speed) else 1.0
+        away = (np.arange(len(position_mm)) - at) / (frame.rate_hz * SPRINT_HALF_WIDTH_S)
+        window = np.where(np.abs(away) < 1, 0.5 + 0.5 * np.cos(np.pi * away), 0.0)
+        return 1.0 + (min(max(lift, 1.0), 2.5) - 1.0) * window
+
+
+def bend(level: np.ndarray) -> np.ndarray:
+    """Keep a level within -1 to 1: unchanged up to SOFT_FROM, then smoothly (C2) towards the end."""
+    size, room = np.abs(level), 1.0 - SOFT_FROM
+    beyond = SOFT_FROM + room * np.tanh(np.maximum(size - SOFT_FROM, 0.0) / room)
+    return np.sign(level) * np.minimum(size, beyond)

@@ -1,0 +1,102 @@
+"""plan(): from a spec, a seed and a gauge length to a trajectory within its limits."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gcode.motion.limits import drive_within, sampled_positions
+from gcode.motion.path import Frame, Path, join, way
+from gcode.support.errors import UserError
+from gcode.trajectories.bounds import Limits, excesses
+from gcode.trajectories.trajectory import Trajectory, TrajectorySpec, position_decimals, sampled
+
+MAX_SAMPLES = 20_000_000
+# Finite differences of rounded positions, and the executed motion's own deviations, need some room.
+_MARGINS = (0.95, 0.9, 0.8, 0.6)
+
+
+def plan(spec: TrajectorySpec, seed: int, gauge_length_mm: float, *, reserve: float = 1.0) -> Trajectory:
+    """Plan a trajectory.
+
+    Parameters
+    ----------
+    spec : TrajectorySpec
+        What is wanted; `gcode.trajectories.presets.preset(name)` has the paper's.
+    seed : int
+        0 or more; other seeds give independent trajectories of the same statistics.
+    gauge_length_mm : float
+        Length of the sample between the grips; strains are relative to it.
+    reserve : float
+        Part of the acceleration limit that the plan may use, at most 1; the rest is for the controller's deviations.
+
+    Returns
+    -------
+    Trajectory
+        Starts and ends at machine position 0, sampled at ``spec.rate_hz``, rounded to the program's decimals.
+
+    Raises
+    ------
+    UserError
+        If the gauge length or the seed is unusable, or the limits cannot be met.
+    """
+    check_request(spec, seed, gauge_length_mm)
+    for margin in _MARGINS:
+        trajectory = _within(spec, seed, gauge_length_mm, margin * reserve)
+        beyond = excesses(trajectory.position_mm, spec.rate_hz, spec.limits)
+        if not beyond:
+            return trajectory
+    raise UserError(f"limits: {beyond[0].at(spec.rate_hz)}; raise the limit or ask for a slower motion")
+
+
+def _within(spec: TrajectorySpec, seed: int, gauge_length_mm: float, margin: float) -> Trajectory:
+    decimals = position_decimals(spec.rate_hz)
+    v_max = max(spec.limits.v_max_mm_per_s - 10.0**-decimals * spec.rate_hz, 0.9 * spec.limits.v_max_mm_per_s)
+    a_max = spec.limits.a_max_mm_per_s2 * margin
+    path = whole_path(spec, seed, gauge_length_mm, v_max, a_max)
+    check_travel(path, spec.limits)
+    if not np.diff(np.round(path.position_mm, decimals)).any():
+        raise UserError(f"{spec.name}: this protocol never moves; add a piece that does")
+    motion = drive_within(path, v_max, a_max)
+    j_max = None if spec.limits.j_max_mm_per_s3 is None else spec.limits.j_max_mm_per_s3 * margin
+    position = sampled_positions(motion, spec.rate_hz, a_max, j_max)
+    return sampled(np.round(position, decimals) + 0.0, spec.rate_hz)
+
+
+def whole_path(
+    spec: TrajectorySpec, seed: int, gauge_length_mm: float, v_max_mm_per_s: float, a_max_mm_per_s2: float
+) -> Path:
+    """All pieces from machine position 0 and back to it, with an approach to each piece that starts elsewhere."""
+    paths, here = [Path(np.zeros(1), np.zeros(0))], 0.0
+    for index, piece in enumerate(spec.pieces):
+        frame = Frame(gauge_length_mm, spec.offset_mm, spec.rate_hz, (seed, index), v_max_mm_per_s, a_max_mm_per_s2)
+        if index == 0 and spec.offset_mm:
+            paths.append(way([here, spec.offset_mm], spec.approach_mm_per_s))
+            here = spec.offset_mm
+        part = piece.path(here, frame)
+        paths += [way([here, float(part.position_mm[0])], spec.approach_mm_per_s), part]
+        here = float(part.position_mm[-1])
+    return join(*paths, way([here, 0.0], spec.approach_mm_per_s))
+
+
+def check_request(spec: TrajectorySpec, seed: int, gauge_length_mm: float) -> None:
+    """Refuse a gauge length, a seed or a length of run that cannot be planned."""
+    if not (np.isfinite(gauge_length_mm) and 0 < gauge_length_mm <= 10_000):
+        raise UserError(f"gauge length must be above 0 and at most 10000 mm, got {gauge_length_mm:g} mm")
+    if seed != int(seed) or not 0 <= seed < 2**63:
+        raise UserError(f"seed must be a whole number of 0 or more, got {seed}")
+    samples = sum(getattr(piece, "duration_s", 0.0) for piece in spec.pieces) * spec.rate_hz
+    if samples > MAX_SAMPLES:
+        raise UserError(
+            f"a trajectory may have {MAX_SAMPLES} samples, this one would have {samples:.3g}; "
+            "lower rate_hz or the durations"
+        )
+
+
+def check_travel(path: Path, limits: Limits) -> None:
+    """Refuse a path that leaves the machine's travel."""
+    low, high = float(path.position_mm.min()), float(path.position_mm.max())
+    if low < limits.x_min_mm - 1e-9 or high > limits.x_max_mm + 1e-9:
+        raise UserError(
+            f"travel: this motion needs {low:.4g} to {high:.4g} mm, the machine allows {limits.x_min_mm:g} to "
+            f"{limits.x_max_mm:g} mm; lower the strain, the gauge length or the offset"
+        )

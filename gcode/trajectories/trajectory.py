@@ -1,0 +1,129 @@
+"""TrajectorySpec (what is wanted) and Trajectory (position over time)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path as FilePath
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+from gcode.motion.statistics import MotionStatistics, motion_statistics
+from gcode.support import files
+from gcode.support.errors import UserError
+from gcode.support.strict import check_plain
+from gcode.trajectories.bounds import Limits
+from gcode.trajectories.designed import AnyPiece, Protocol
+from gcode.trajectories.pieces import Piece
+from gcode.trajectories.quantities import Positive
+
+
+def position_decimals(rate_hz: float) -> int:
+    """Decimals of a position: 4 up to 50 Hz; more at higher rates, where rounding would look like acceleration."""
+    return 4 if rate_hz <= 50 else 5 if rate_hz <= 150 else 6
+
+
+class TrajectorySpec(BaseModel):
+    """Everything but the seed and the gauge length that decides a trajectory.
+
+    Attributes
+    ----------
+    name : str
+        Lower-case name, for headers and files.
+    pieces : tuple of pieces
+        The protocol, see `gcode.trajectories.designed`.
+    limits : Limits
+        Limits of the executed motion.
+    rate_hz : float
+        Sample rate of the trajectory; each sample becomes a block of the program.
+    offset_mm : float
+        Pre-tension offset: the machine position of zero strain.
+    approach_mm_per_s : float
+        Speed of the moves to a piece's first position and back to zero at the end.
+    machine_acceleration_mm_per_s2 : float or None
+        Acceleration set in the controller, for the feed pre-compensation; None means five times the limit.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    name: str = Field("trajectory", pattern=r"^[a-z0-9][a-z0-9._-]{0,40}$")
+    pieces: tuple[AnyPiece, ...] = Field(min_length=1)
+    limits: Limits = Limits()
+    rate_hz: Annotated[float, Field(ge=1, le=1000, allow_inf_nan=False)] = 20.0
+    offset_mm: float = Field(0.0, allow_inf_nan=False)
+    approach_mm_per_s: Positive = 1.0
+    machine_acceleration_mm_per_s2: Positive | None = None
+
+    @property
+    def controller_acceleration_mm_per_s2(self) -> float:
+        """The controller's acceleration, stated or five times the limit."""
+        return self.machine_acceleration_mm_per_s2 or 5.0 * self.limits.a_max_mm_per_s2
+
+    @classmethod
+    def of(cls, protocol: Protocol | Piece, **settings: Any) -> TrajectorySpec:
+        """A spec from a piece or a chain of them: ``TrajectorySpec.of(Hold(...) + Noise(...), name="mine")``."""
+        pieces: tuple[Any, ...] = protocol.pieces if isinstance(protocol, Protocol) else (protocol,)
+        return cls(pieces=pieces, **settings)
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """Position over time, uniformly sampled.
+
+    Attributes
+    ----------
+    time_s : array (n,)
+        Times from zero, in steps of 1/rate.
+    position_mm : array (n,)
+        Machine position.
+    """
+
+    time_s: np.ndarray
+    position_mm: np.ndarray
+
+    @property
+    def rate_hz(self) -> float:
+        """Sample rate."""
+        return float((len(self.time_s) - 1) / (self.time_s[-1] - self.time_s[0]))
+
+    @property
+    def duration_s(self) -> float:
+        """From the first sample to the last."""
+        return float(self.time_s[-1] - self.time_s[0])
+
+    def statistics(self) -> MotionStatistics:
+        """Finite-difference statistics at the trajectory's own rate."""
+        return motion_statistics(self.position_mm, self.rate_hz)
+
+    def write_csv(self, path: str | FilePath) -> None:
+        """Write ``time_s,position_mm`` atomically."""
+        columns = np.column_stack((self.time_s, self.position_mm))
+        with files.atomic_path(path) as temporary, temporary.open("w", encoding="ascii", newline="\n") as out:
+            out.write("time_s,position_mm\n")
+            np.savetxt(out, columns, fmt=("%.4f", f"%.{position_decimals(self.rate_hz)}f"), delimiter=",")
+
+
+def read_csv(path: str | FilePath) -> Trajectory:
+    """Read a ``time_s,position_mm`` file; what cannot be read is a `UserError` that names it."""
+    check_plain(path, "trajectory")
+    try:
+        with FilePath(path).open(encoding="utf-8") as stream:
+            header = stream.readline(4096).strip().split(",")
+            if header[:2] != ["time_s", "position_mm"]:
+                raise UserError(f"{path}: the header must begin with time_s,position_mm, got {','.join(header)[:60]}")
+            columns = np.loadtxt(stream, delimiter=",", usecols=(0, 1), ndmin=2)
+    except (OSError, UnicodeDecodeError) as error:
+        raise UserError(f"{path}: cannot read this trajectory: {getattr(error, 'strerror', error)}") from error
+    except UserError:
+        raise
+    except ValueError as error:
+        raise UserError(f"{path}: not a trajectory: {error}") from error
+    if len(columns) < 2 or not np.isfinite(columns).all():
+        raise UserError(f"{path}: a trajectory needs at least two rows of finite numbers")
+    return Trajectory(columns[:, 0], columns[:, 1])
+
+
+def sampled(position_mm: np.ndarray, rate_hz: float) -> Trajectory:
+    """Positions at a uniform rate, from time zero."""
+    return Trajectory(np.arange(len(position_mm)) / rate_hz, np.asarray(position_mm, dtype=float))

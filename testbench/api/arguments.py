@@ -1,0 +1,105 @@
+"""What the public functions accept: paths or objects, turned into objects."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+
+from gcode.support.errors import UserError
+from testbench.fitting.model_file import ModelFile, load_model_file
+from testbench.knit.catalogue import Catalogue, load_catalogue
+from testbench.knit.effect import Effect
+from testbench.knit.model import KnitModel
+from testbench.recordings.checks import check_displacement
+from testbench.recordings.recording import TIME, Recording, read_recording
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+class WithModel(Protocol):
+    """A result that a model can be taken from: of `fit`, of `diagnose`."""
+
+    @property
+    def file(self) -> ModelFile:
+        """The model with what is known of it."""
+        ...
+
+
+Source = str | Path | Recording
+AnyModel = KnitModel | ModelFile | WithModel | str | Path
+Effects = Catalogue | Iterable[type[Effect]] | str | Path | None
+
+
+def read(source: str | Path | pd.DataFrame | Mapping[str, Any], gauge_length_mm: float | None = None) -> Recording:
+    """Read a recording from a CSV, a campaign folder, a data frame or a mapping of columns.
+
+    Parameters
+    ----------
+    source : path, DataFrame or mapping of str to array, each shape (n,)
+        Columns ``time_s``, ``displacement_mm``, ``force_N``, ``resistance_ohm``; force or resistance may be missing.
+    gauge_length_mm : float, optional
+        Length of the unstretched sensor between the clamps; a campaign knows its own.
+
+    Raises
+    ------
+    UserError
+        If it is missing or malformed; the message names the file, the row and the remedy.
+
+    Examples
+    --------
+    >>> import testbench as tb
+    >>> tb.read({"time_s": [0, 1, 2], "displacement_mm": [0, 1, 0], "force_N": [0, 2, 1]}, gauge_length_mm=25)
+    <Recording columns: 3 samples in 2.0 s, gauge length 25 mm, displacement_mm, force_N>
+    """
+    if isinstance(source, str | Path):
+        return read_recording(source, gauge_length_mm)
+    columns = {str(name): np.array(values, dtype=np.float64) for name, values in source.items()}
+    if TIME not in columns:
+        raise UserError(f"read: no column {TIME} (found: {', '.join(columns)}); rename yours")
+    time_s = columns.pop(TIME)
+    return Recording(time_s, columns, float("nan") if gauge_length_mm is None else gauge_length_mm, "columns")
+
+
+def recording_of(source: Source, gauge_length_mm: float | None = None) -> Recording:
+    """A recording with its displacement, which every model needs."""
+    recording = source if isinstance(source, Recording) else read_recording(source, gauge_length_mm)
+    check_displacement(recording)
+    return recording
+
+
+def catalogue_of(effects: Effects) -> Catalogue:
+    """The catalogue, with a user's own effects: from a file, or classes.
+
+    Raises
+    ------
+    UserError
+        If one of them has the name of another effect.
+    """
+    if isinstance(effects, Catalogue):
+        return effects
+    if effects is None or isinstance(effects, str | Path):
+        return load_catalogue(effects)
+    catalogue = load_catalogue()
+    for effect in effects:
+        if effect.name in catalogue.effects:
+            raise UserError(f"effects: there is an effect called {effect.name} already; give yours another name")
+        catalogue.effects[effect.name] = effect
+    return catalogue
+
+
+def model_file_of(model: AnyModel, catalogue: Catalogue) -> ModelFile:
+    """A model with what is known of it; of a bare one nothing is."""
+    if isinstance(model, ModelFile):
+        return model
+    if isinstance(model, KnitModel):
+        return ModelFile(model, 0.0)
+    if isinstance(model, str | Path):
+        return load_model_file(model, catalogue)
+    file = getattr(model, "file", None)
+    if not isinstance(file, ModelFile):
+        raise UserError(f"model: must be a KnitModel, a result of fit or diagnose, or a model.json; got {model!r}")
+    return file

@@ -1,0 +1,167 @@
+"""`compare`: where a model fails."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from gcode.support.figures import panels, picture
+from gcode.support.html import card, table
+from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, recording_of
+from testbench.comparing import compare as comparing
+from testbench.comparing.compare import Cell, Comparison
+from testbench.comparing.coordinates import LABELS
+from testbench.comparing.tables import comparison_table
+from testbench.fitting.errors import channel_name
+from testbench.fitting.measurement import UNIT_OF, Measurement, prepare
+from testbench.fitting.model_file import check_same_set_up
+from testbench.knit.model import KnitModel
+from testbench.report import style
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+
+WAYS = {1: ("stretching", style.BLUE), -1: ("releasing", style.VERMILION), 0: ("", style.INK)}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ComparisonResult:
+    """Where a model fails.
+
+    Attributes
+    ----------
+    comparison : Comparison
+        Errors, noise floors, and the mean residual over every coordinate.
+    model : KnitModel
+    measurement : Measurement
+    """
+
+    comparison: Comparison
+    model: KnitModel
+    measurement: Measurement
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """The worst places, at most three, one sentence each; empty where none stands out from the noise."""
+        return tuple(place.words for place in self.comparison.worst)
+
+    def __repr__(self) -> str:
+        return f"<ComparisonResult {'; '.join(self.words) or 'no place stands out from the noise'}>"
+
+    def __str__(self) -> str:
+        return comparison_table(self.comparison)
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready form; the shape is documented in docs/diagnosis.md."""
+        return self.comparison.to_dict()
+
+    def to_frame(self) -> pd.DataFrame:
+        """A row a bin: channel, coordinate, low, high, direction, mean, standard_error, share, t.
+
+        The mean is of measured minus modelled, in N or ln S.
+        """
+        import pandas as pd
+
+        return pd.DataFrame(
+            {"channel": channel, "coordinate": coordinate, **vars(cell), "t": cell.t}
+            for channel, maps in self.comparison.maps.items()
+            for coordinate, cells in maps.items()
+            for cell in cells
+        )
+
+    def plot(self, axes: Axes | Sequence[Axes] | None = None, coordinate: str | None = None) -> Any:
+        """Draw the mean residual with two standard errors over a coordinate, one panel a channel.
+
+        Parameters
+        ----------
+        axes : Axes or sequence of Axes, optional
+            Default: of a new figure.
+        coordinate : str, optional
+            ``strain``, ``elapsed_s``, ``since_reversal_s``, ...; default: that of each channel's worst place.
+
+        Returns
+        -------
+        ndarray of Axes, shape (channels,)
+        """
+        on = panels(axes, len(self.comparison.maps))
+        for axis, (channel, maps) in zip(on, self.comparison.maps.items(), strict=True):
+            name = coordinate or self._worst_coordinate(channel)
+            _profile(axis, maps[name])
+            axis.axhline(0, color=style.FAINT, linewidth=0.8)
+            axis.set_xlabel(LABELS[name])
+            axis.set_ylabel(f"{channel_name(channel)} residual / {UNIT_OF[channel]}")
+        return np.array(on)
+
+    def _worst_coordinate(self, channel: str) -> str:
+        return next((place.coordinate for place in self.comparison.worst if place.channel == channel), "strain")
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (channel_name(c), f"{rms:.4g} {UNIT_OF[c]}", f"{self.comparison.noise_floor[c]:.2g} {UNIT_OF[c]}")
+            for c, rms in self.comparison.rms.items()
+        ]
+        parts = table(("channel", "RMS error", "noise floor"), rows), picture(self.plot, len(rows))
+        return card("Where the model fails", self.words or ["no place stands out from the noise"], *parts)
+
+
+def _profile(axis: Axes, cells: Sequence[Cell]) -> None:
+    for direction, (label, colour) in WAYS.items():
+        mine = [cell for cell in cells if cell.direction == direction]
+        if mine:
+            x, y = [(cell.low + cell.high) / 2 for cell in mine], [cell.mean for cell in mine]
+            error = [2 * cell.standard_error for cell in mine]
+            axis.errorbar(x, y, yerr=error, color=colour, marker="o", markersize=4, linewidth=1, label=label or None)
+    if axis.get_legend_handles_labels()[1]:
+        axis.legend(frameon=False)
+
+
+def compare(
+    recording: Source,
+    model: AnyModel,
+    *,
+    effects: Effects = None,
+    gauge_length_mm: float | None = None,
+) -> ComparisonResult:
+    """Find the places where a model fails on a recording.
+
+    On another recording than the model was fitted on, the zero of force and the gain of the conductance are free:
+    they belong to the mounting. Of a bare `KnitModel` nobody knows what it was fitted on; they are held then.
+
+    Parameters
+    ----------
+    recording : Recording or path
+    model : KnitModel, result or path
+    effects : path, Catalogue or effect classes, optional
+        The user's own effects that the model uses.
+    gauge_length_mm : float, optional
+        In mm, for the path of a bare CSV; default: the model's.
+
+    Returns
+    -------
+    ComparisonResult
+
+    Raises
+    ------
+    UserError
+        If the recording is too short or still, or its gauge length is not the model's.
+
+    Examples
+    --------
+    >>> import testbench as tb
+    >>> recording = tb.example(tb.effects.StressRelaxation(fraction=0.3))
+    >>> where = tb.compare(recording, tb.baseline())
+    >>> where.words[0].startswith("modelled force is")
+    True
+    """
+    file = model_file_of(model, catalogue_of(effects))
+    given = recording_of(recording, gauge_length_mm or file.gauge_length_mm or None)
+    check_same_set_up(file, given, "model" if not isinstance(model, str | Path) else model)
+    measurement = prepare(given)
+    elsewhere = not isinstance(model, KnitModel) and given.source != file.fitted_on
+    found = comparing.compare(file.model, measurement, free_offset=elsewhere)
+    return ComparisonResult(found, file.model, measurement)

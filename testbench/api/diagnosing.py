@@ -1,0 +1,198 @@
+"""`diagnose`: which physical effect a model is missing."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from gcode.support.errors import UserError
+from gcode.support.figures import panels, picture
+from gcode.support.html import card, frame_table
+from testbench import diagnosis as core
+from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, recording_of
+from testbench.api.ladder import Ladder
+from testbench.api.progress import Tell, telling
+from testbench.diagnosis.diagnosis import Diagnosis
+from testbench.diagnosis.words import diagnosis_table, first_line
+from testbench.fitting.model_file import ModelFile, check_same_set_up
+from testbench.knit.model import KnitModel
+from testbench.report import style
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+
+SHOWN = 8
+MOST = 4  # effects that are looked for, one after the other
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class DiagnosisResult:
+    """What a model is missing, how sure that is, and the model with it put in.
+
+    Attributes
+    ----------
+    diagnosis : Diagnosis
+        Everything that was found; see `testbench.diagnosis.Diagnosis`.
+    """
+
+    diagnosis: Diagnosis
+
+    @property
+    def verdict(self) -> str:
+        """``missing``, ``nothing_missing`` or ``unknown``."""
+        return self.diagnosis.verdict
+
+    @property
+    def effect(self) -> str | None:
+        """Name of the mechanism that is missing most; None where none is named."""
+        return self.diagnosis.found[0].effect if self.diagnosis.found else None
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """Names of all mechanisms that were put in, the most telling first."""
+        return tuple(one.effect for one in self.diagnosis.found)
+
+    @property
+    def probabilities(self) -> Mapping[str, float]:
+        """Of ``nothing``, ``unknown`` and every mechanism: what is missing most. They sum to 1."""
+        return self.diagnosis.probabilities
+
+    @property
+    def words(self) -> str:
+        """What was found, how sure that is and what is left, in one line."""
+        return first_line(self.diagnosis)
+
+    @property
+    def file(self) -> ModelFile:
+        """The model with what was found put in and refitted, as ``model.json`` holds it."""
+        return self.diagnosis.after
+
+    @property
+    def model(self) -> KnitModel:
+        """The model with what was found put in and refitted."""
+        return self.file.model
+
+    @property
+    def ladder(self) -> Ladder:
+        """The errors from the baseline to what was found."""
+        return Ladder(self.file)
+
+    def __repr__(self) -> str:
+        return f"<DiagnosisResult {self.words}>"
+
+    def __str__(self) -> str:
+        return diagnosis_table(self.diagnosis)
+
+    def save(self, path: str | Path) -> None:
+        """Write the model with what was found as ``model.json``."""
+        self.file.save(path)
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready form, the same as ``testbench diagnose --json``; documented in docs/diagnosis.md."""
+        return self.diagnosis.to_dict()
+
+    def to_frame(self) -> pd.DataFrame:
+        """A row a mechanism, the most probable first: effect, law, probability, log_evidence in nats, tied."""
+        import pandas as pd
+
+        return pd.DataFrame(
+            {
+                "effect": one.effect,
+                "law": one.form,
+                "probability": one.probability,
+                "log_evidence": one.log_evidence,
+                "tied": one.effect in self.diagnosis.tied,
+            }
+            for one in self.diagnosis.ranking
+        )
+
+    def plot(self, axes: Axes | None = None) -> Axes:
+        """Draw the probabilities of what may be missing, the largest on top.
+
+        Parameters
+        ----------
+        axes : Axes, optional
+            Where to draw; default: a new figure.
+
+        Returns
+        -------
+        Axes
+        """
+        (axis,) = panels(axes, 1)
+        shown = sorted(self.probabilities.items(), key=lambda one: -one[1])[:SHOWN]
+        found = self.effects
+        colours = [style.VERMILION if name in found else style.SKY for name, _ in shown]
+        axis.barh(range(len(shown)), [100 * chance for _, chance in shown], color=colours)
+        axis.set_yticks(range(len(shown)), [name.replace("_", " ") for name, _ in shown])
+        axis.invert_yaxis()
+        axis.set_xlim(0, 100)
+        axis.set_xlabel("probability that it is what is missing most / %")
+        return axis
+
+    def _repr_html_(self) -> str:
+        frame = frame_table(self.to_frame().head(SHOWN))
+        return card(self.words, [], picture(lambda axes: self.plot(axes), 1), frame)
+
+
+def diagnose(
+    recording: Source,
+    held_out: Source | None = None,
+    *,
+    model: AnyModel | None = None,
+    effects: Effects = None,
+    most: int = MOST,
+    gauge_length_mm: float | None = None,
+    progress: Tell | bool | None = None,
+) -> DiagnosisResult:
+    """Find out which physical effects a model is missing.
+
+    Parameters
+    ----------
+    recording : Recording or path
+        To calibrate on; everything is selected on it.
+    held_out : Recording or path, optional
+        For the final errors; default: the last third of `recording`.
+    model : KnitModel, result or path, optional
+        Diagnose this one instead of the baseline.
+    effects : path, Catalogue or effect classes, optional
+        The user's own effects, which take part in everything.
+    most : int
+        Effects to find at most, one after the other.
+    gauge_length_mm : float, optional
+        In mm, for paths of bare CSV files; default: the model's.
+    progress : callable or bool, optional
+        See `testbench.api.progress.telling`.
+
+    Returns
+    -------
+    DiagnosisResult
+
+    Raises
+    ------
+    UserError
+        If the recordings are too short or still, have a constant channel, or do not fit together.
+
+    Examples
+    --------
+    >>> import testbench as tb
+    >>> recording = tb.example(tb.effects.StressRelaxation(fraction=0.3), duration_s=90)
+    >>> d = tb.diagnose(recording, most=1, progress=False)
+    >>> d.effect
+    'stress_relaxation'
+    >>> round(sum(d.probabilities.values()), 6)
+    1.0
+    """
+    if most < 1:
+        raise UserError(f"most: effects to find must be 1 or more, got {most}")
+    catalogue = catalogue_of(effects)
+    given = None if model is None else model_file_of(model, catalogue)
+    gauge_length_mm = gauge_length_mm or (given.gauge_length_mm if given else None) or None
+    first = recording_of(recording, gauge_length_mm)
+    held = None if held_out is None else recording_of(held_out, gauge_length_mm)
+    if given is not None:
+        check_same_set_up(given, first, "model" if not isinstance(model, str | Path) else model)
+    with telling(progress) as tell:
+        return DiagnosisResult(core.diagnose(first, held, given.model if given else None, catalogue, tell, most))

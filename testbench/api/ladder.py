@@ -1,0 +1,118 @@
+"""The ladder: the errors of a model, step by step, down to the noise floor."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from gcode.support.errors import UserError
+from gcode.support.figures import panels, picture
+from gcode.support.html import card, frame_table
+from testbench.api.arguments import AnyModel, Effects, catalogue_of, model_file_of
+from testbench.comparing.tables import ladder_table
+from testbench.fitting.errors import channel_name
+from testbench.fitting.measurement import UNIT_OF
+from testbench.fitting.model_file import ModelFile
+from testbench.report import style
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Ladder:
+    """Models one effect apart, and what each step did to the errors.
+
+    Attributes
+    ----------
+    file : ModelFile
+        The last model, with the history of all.
+    """
+
+    file: ModelFile
+
+    @property
+    def steps(self) -> tuple[str, ...]:
+        """What each step did, the first one first: ``baseline``, ``+ stress_relaxation``."""
+        return tuple(step["step"] for step in self.file.history)
+
+    def __len__(self) -> int:
+        return len(self.file.history)
+
+    def __repr__(self) -> str:
+        return f"<Ladder {' '.join(self.steps)}>"
+
+    def __str__(self) -> str:
+        return ladder_table(self.file)
+
+    def to_dict(self) -> list[dict[str, Any]]:
+        """The history, JSON-ready: step, model, errors in N and in ln S, noise floor."""
+        return [dict(step) for step in self.file.history]
+
+    def to_frame(self) -> pd.DataFrame:
+        """A row a step and channel: ``step``, ``channel``, ``unit``, three errors and ``fall`` (a share)."""
+        import pandas as pd
+
+        first: dict[str, float] = {}
+        rows = []
+        for step in self.file.history:
+            for channel, held in step["errors"]["held_out"].items():
+                top = first.setdefault(channel, held)
+                row = {"step": step["step"], "channel": channel_name(channel), "unit": UNIT_OF[channel]}
+                row |= {"calibration": step["errors"]["calibration"][channel], "held_out": held}
+                rows.append(row | {"noise_floor": step["noise_floor"][channel], "fall": 1 - held / top})
+        return pd.DataFrame(rows)
+
+    def plot(self, axes: Axes | Sequence[Axes] | None = None) -> Any:
+        """Draw the held-out error after each step over the noise floor, one panel a channel.
+
+        Returns
+        -------
+        ndarray of Axes, shape (channels,)
+        """
+        channels = list(self.file.history[0]["errors"]["held_out"])
+        on = panels(axes, len(channels))
+        for axis, channel in zip(on, channels, strict=True):
+            held = [step["errors"]["held_out"][channel] for step in self.file.history]
+            colours = [style.ORANGE] * (len(held) - 1) + [style.VERMILION]
+            axis.bar(range(len(held)), held, color=colours, width=0.6)
+            floor = self.file.history[-1]["noise_floor"][channel]
+            axis.axhline(floor, color=style.INK, linestyle="--", linewidth=1.2, label="noise floor")
+            axis.set_xticks(range(len(held)), [step.replace("_", " ") for step in self.steps])
+            axis.set_ylabel(f"held-out {channel_name(channel)} error / {UNIT_OF[channel]}")
+        on[0].legend(frameon=False)
+        return np.array(on)
+
+    def _repr_html_(self) -> str:
+        count = len(self.file.history[0]["errors"]["held_out"])
+        return card("Ladder", [], frame_table(self.to_frame()), picture(self.plot, count))
+
+
+def ladder(model: AnyModel, effects: Effects = None) -> Ladder:
+    """The ladder of a model: what each step did to its errors.
+
+    Parameters
+    ----------
+    model : path or result of `fit` or `diagnose`
+    effects : path, Catalogue or effect classes, optional
+        The user's own effects that it uses.
+
+    Raises
+    ------
+    UserError
+        If the model has no history: it was never fitted to a recording.
+
+    Examples
+    --------
+    >>> import testbench as tb
+    >>> tb.ladder(tb.fit(tb.example(), progress=False))
+    <Ladder baseline>
+    """
+    file = model_file_of(model, catalogue_of(effects))
+    if not file.history:
+        raise UserError("ladder: this model has no history; fit it to a recording first")
+    return Ladder(file)

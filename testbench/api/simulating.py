@@ -1,0 +1,121 @@
+"""`simulate`: what the rig would record of a sensor that a model describes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from gcode.programs.api import generate
+from gcode.programs.make import Made
+from gcode.support.errors import UserError
+from gcode.support.files import write_text
+from testbench.api.arguments import AnyModel, Effects, catalogue_of, model_file_of
+from testbench.campaigns.campaign import simulate_campaign
+from testbench.campaigns.plan import Plan
+from testbench.knit.catalogue import baseline
+from testbench.knit.effect import Effect
+from testbench.knit.presets import preset
+from testbench.recordings.instruments import Instruments
+from testbench.recordings.recording import Recording, read_recording
+from testbench.rig.motion import played
+from testbench.rig.past import DEFAULT_REST_S
+
+EXAMPLE_S = 180.0
+
+
+def simulate(
+    model: AnyModel,
+    program: Made | str | Path,
+    *,
+    seed: int = 1,
+    gauge_length_mm: float | None = None,
+    instruments: Instruments | None = None,
+    after: Iterable[str | Path] = (),
+    rest_s: float = DEFAULT_REST_S,
+    effects: Effects = None,
+) -> Recording:
+    """Play a program on the simulated rig, whose sensor is `model`, and read what it records.
+
+    The same as ``testbench run`` followed by `read`: jittered sampling times, noise and resolution of the
+    instruments included.
+
+    Parameters
+    ----------
+    model : KnitModel, result or path
+        The sensor; `testbench.preset` has two that behave like published ones.
+    program : Made or path
+        From `gcode.generate`, or a Mach4 program.
+    seed : int
+        Of noise and sampling times.
+    gauge_length_mm : float, optional
+        Default: the program's.
+    instruments : Instruments, optional
+        Default: those of the paper's bench.
+    after : iterable of path, optional
+        Programs that the same sensor went through before, each with `rest_s` after it. It remembers them.
+    rest_s : float
+    effects : path, Catalogue or effect classes, optional
+        The user's own effects that a model file uses.
+
+    Returns
+    -------
+    Recording
+        ``displacement_mm``, ``force_N`` and ``resistance_ohm``, as far as the model makes them.
+
+    Raises
+    ------
+    UserError
+        If the program cannot be played, or the model makes values that are not finite.
+
+    Examples
+    --------
+    >>> import gcode
+    >>> import testbench as tb
+    >>> tb.simulate(tb.preset("pes"), gcode.generate("paper-1", seed=3, duration_s=60)).has("resistance_ohm")
+    True
+    """
+    if seed < 0:
+        raise UserError(f"seed: must be a whole number, 0 or more, got {seed}")
+    sensor = model_file_of(model, catalogue_of(effects)).model
+    with TemporaryDirectory(prefix="knitbench-") as temporary:
+        path = Path(temporary) / "program.tap"
+        if isinstance(program, Made):
+            write_text(path, program.program)
+        else:
+            path = Path(program)
+        motion, gauge = played(path, gauge_length_mm)
+        tools, past = instruments or Instruments(), tuple(Path(one) for one in after)
+        plan = Plan(path, sensor, gauge, seed, "model", tools, past, rest_s)
+        simulate_campaign(plan, Path(temporary) / "campaign", motion)
+        recording = read_recording(Path(temporary) / "campaign")
+    name = program.spec.name if isinstance(program, Made) else Path(program).name
+    return replace(recording, source=f"simulated {name}, seed {seed}")
+
+
+def example(*effects: Effect, seed: int = 1, duration_s: float = EXAMPLE_S) -> Recording:
+    """Three minutes of a simulated sensor to try things on: the baseline with `effects` put in.
+
+    Parameters
+    ----------
+    *effects : Effect
+        What a diagnosis should find to be missing.
+    seed : int
+        Of motion, noise and sampling times: another seed is another recording of the same sensor.
+    duration_s : float
+
+    Examples
+    --------
+    >>> import testbench as tb
+    >>> tb.example(seed=2).gauge_length_mm
+    25.0
+    """
+    model = baseline()
+    for effect in effects:
+        model = model + effect
+    program = generate("paper-1", seed=seed, duration_s=duration_s)
+    return replace(simulate(model, program, seed=seed), source=f"example-{seed}")
+
+
+__all__ = ["baseline", "example", "preset", "simulate"]

@@ -1,0 +1,117 @@
+"""A data set as Parquet files, one a campaign, in a folder a split: what tools that never heard of us can load."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence, Set
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from gcode.support.errors import UserError
+from gcode.support.files import atomic_path, make_folder, sha256_of
+from testbench.campaigns.splits import SPLITS, split_of
+from testbench.recordings import manifest
+from testbench.recordings.recording import TIME, read_recording
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+PARQUET = "parquet"
+FINGERPRINT = b"knitbench_manifest_sha256"
+
+
+@dataclass(frozen=True)
+class Part:
+    """One campaign of a data set on its way to Parquet."""
+
+    campaign: Path
+    specimen: str
+    split: str
+    file: Path
+
+
+def parts_of(out: Path, campaigns: Sequence[tuple[Path, str]]) -> list[Part]:
+    """Where each campaign goes: ``parquet/SPLIT/CAMPAIGN.parquet``, split by specimen.
+
+    Parameters
+    ----------
+    out : Path
+        Folder of the data set.
+    campaigns : sequence of (Path, str)
+        Folder and specimen of each.
+    """
+    splits = split_of(specimen for _, specimen in campaigns)
+    root = out / PARQUET
+    return [
+        Part(folder, specimen, splits[specimen], root / splits[specimen] / f"{folder.name}.parquet")
+        for folder, specimen in campaigns
+    ]
+
+
+def write_parts(parts: Sequence[Part], workers: int = -1) -> int:
+    """Write all parts that are not there yet, each whole or not at all; how many were written.
+
+    Raises
+    ------
+    UserError
+        If pyarrow is not installed.
+    """
+    from joblib import Parallel, delayed
+
+    _pyarrow()
+    for folder in {part.file.parent for part in parts}:
+        make_folder(folder)
+    for root in {part.file.parent.parent for part in parts}:
+        _clear_stale(root, {part.file for part in parts})
+    with_one_thread = {"inner_max_num_threads": 1}
+    written = Parallel(n_jobs=workers, backend="loky", **with_one_thread)(delayed(write_part)(one) for one in parts)
+    return sum(written)
+
+
+def _clear_stale(root: Path, wanted: Set[Path]) -> None:
+    """Remove the files of campaigns that are no longer of this data set, or now of another split."""
+    for split in SPLITS:
+        for path in (root / split).glob("*.parquet"):
+            if path not in wanted:
+                path.unlink()
+
+
+def columns_of(part: Part) -> list[str]:
+    """Columns of a file that is there."""
+    from pyarrow import parquet
+
+    return parquet.read_schema(part.file).names
+
+
+def write_part(part: Part) -> bool:
+    """Write one campaign; False if it was there already, made of this very campaign."""
+    from pyarrow import parquet
+
+    digest = sha256_of(part.campaign / manifest.NAME)
+    if part.file.is_file() and parquet.read_schema(part.file).metadata.get(FINGERPRINT) == digest.encode():
+        return False
+    with atomic_path(part.file) as temporary:
+        parquet.write_table(table_of(part, digest), temporary, compression="zstd")
+    return True
+
+
+def table_of(part: Part, digest: str) -> pa.Table:
+    """``campaign``, ``specimen``, then the columns of the recording as float64; a row a sample."""
+    pa = _pyarrow()
+    recording = read_recording(part.campaign)
+    count = len(recording)
+    said = {
+        name: pa.DictionaryArray.from_arrays(pa.array([0] * count, pa.int32()), pa.array([value]))
+        for name, value in (("campaign", part.campaign.name), ("specimen", part.specimen))
+    }
+    table = pa.table({**said, TIME: recording.time_s, **recording.channels})
+    told = {FINGERPRINT: digest.encode(), b"gauge_length_mm": f"{recording.gauge_length_mm:g}".encode()}
+    return table.replace_schema_metadata(told)
+
+
+def _pyarrow():
+    try:
+        import pyarrow
+    except ImportError:
+        raise UserError("Parquet needs pyarrow; install it with: pip install 'knitbench[parquet]'") from None
+    return pyarrow

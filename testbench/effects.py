@@ -1,0 +1,39 @@
+"""Every effect of the catalogue by its class name: ``testbench.effects.StressRelaxation(fraction=0.2)``.
+
+Examples
+--------
+>>> from testbench import effects
+>>> effects.StressRelaxation(fraction=0.2).fraction
+0.2
+>>> "MullinsSoftening" in dir(effects)
+True
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from gcode.support.lazy import lazy_exports
+from testbench.knit.catalogue import BUILT_IN
+
+
+def _homes() -> dict[str, list[str]]:
+    homes: dict[str, list[str]] = {}
+    for target in BUILT_IN.values():
+        module, _, name = target.partition(":")
+        homes.setdefault(module, []).append(name)
+    return homes
+
+
+_get, _names = lazy_exports(__name__, _homes())
+
+
+def __getattr__(name: str) -> Any:
+    try:
+        return _get(name)
+    except AttributeError as error:
+        raise AttributeError(f"{error}; `testbench effects` lists them all") from None
+
+
+def __dir__() -> list[str]:
+    return _names()

@@ -1,0 +1,37 @@
+"""Pages that promise to be complete are."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+DOCS = Path(__file__).parents[2] / "docs"
+
+
+def test_decisions_have_numbers_without_gaps_and_a_line_in_the_index():
+    pages = sorted((DOCS / "decisions").glob("0*.md"))
+    assert [int(page.name[:4]) for page in pages] == list(range(1, len(pages) + 1))
+    index = (DOCS / "decisions" / "index.md").read_text(encoding="utf-8")
+    for page in pages:
+        number, title = re.match(r"# (\d{4}): (.+)", page.read_text(encoding="utf-8")).groups()
+        assert number == page.name[:4]
+        assert f"| {number} | [{title}]({page.name}) |" in index
+
+
+def test_the_map_names_every_room_that_the_contracts_name():
+    told = (DOCS / "architecture.md").read_text(encoding="utf-8")
+    rooms = {
+        path.parent.name
+        for package in ("testbench", "gcode")
+        for path in (DOCS.parent / package).glob("*/__init__.py")
+    }
+    missing = {room for room in rooms if room not in told and not room.startswith("worlds_")}
+    assert not missing
+
+
+def test_every_public_function_of_testbench_is_in_the_reference():
+    import testbench
+
+    told = (DOCS / "reference" / "testbench.md").read_text(encoding="utf-8")
+    names = [name for name in testbench.__all__ if name.islower() and name != "effects"]
+    assert [name for name in names if f".{name}\n" not in told] == []

@@ -1,0 +1,171 @@
+"""Results show themselves: axes in and out, frames, dictionaries, HTML that quotes nothing unescaped."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+
+import gcode
+import testbench as tb
+from tests.testbench.api.samples import diagnosed, fitted, relaxed
+
+mpl.use("Agg")
+
+
+def axes(count: int):
+    """Axes of a figure that no window knows."""
+    from matplotlib.figure import Figure
+
+    return list(Figure().subplots(count, 1, squeeze=False)[:, 0])
+
+
+def test_a_recording_tells_and_draws_itself():
+    recording = relaxed()
+    assert repr(recording).startswith(f"<Recording example-1: {len(recording)} samples in 9")
+    assert recording._repr_html_().count("<polyline") == len(recording.channels) == 3
+    on = axes(3)
+    assert list(recording.plot(on)) == on
+    assert [axis.get_ylabel() for axis in on] == ["strain / %", "force / N", "resistance / ohm"]
+    assert on[1].lines[0].get_ydata().max() == recording["force_N"].max()
+    assert list(recording.to_frame().columns) == ["time_s", *recording.channels]
+    again = json.loads(json.dumps(recording.to_dict()))
+    assert again["columns"]["force_N"] == recording["force_N"].tolist()
+    assert again["gauge_length_mm"] == 25.0
+
+
+def test_a_recording_can_be_read_from_a_frame_that_it_gave():
+    recording = relaxed()
+    again = tb.read(recording.to_frame(), gauge_length_mm=25)
+    assert np.array_equal(again["resistance_ohm"], recording["resistance_ohm"])
+
+
+def test_what_a_file_is_called_is_escaped_in_html():
+    assert "<script>" not in replace(relaxed(), source="<script>")._repr_html_()
+
+
+def test_a_fit_has_a_row_for_every_parameter_with_its_error():
+    fit = fitted()
+    frame = fit.parameters
+    assert frame.loc["elasticity.stiffness_N", "unit"] == "N"
+    assert frame.loc["elasticity.stiffness_N", "value"] == fit.model["elasticity"].stiffness_N
+    assert (frame["standard_error"] >= 0).all()
+    on = axes(2)
+    assert list(fit.plot(on)) == on
+    assert [line.get_label() for line in on[0].lines] == ["measured", "modelled"]
+    assert "elasticity.stiffness_N" in fit._repr_html_()
+    assert fit.errors["held_out"].keys() == {"force", "conductance"}
+
+
+def test_a_model_with_an_effect_more_is_another_model():
+    more = fitted().model + tb.effects.StressRelaxation(fraction=0.2)
+    assert more["stress_relaxation"].fraction == 0.2
+    assert "stress_relaxation" not in fitted().model
+
+
+def test_a_comparison_says_where_in_words_and_draws_the_residual_there():
+    where = tb.compare(relaxed(), fitted())
+    assert where.words == tuple(place["words"] for place in where.to_dict()["worst"])
+    frame = where.to_frame()
+    worst = where.to_dict()["worst"][0]
+    cells = frame[(frame.channel == worst["channel"]) & (frame.coordinate == worst["coordinate"])]
+    assert worst["cell"]["mean"] in set(cells["mean"])
+    on = where.plot(axes(2), coordinate="strain")
+    assert [axis.get_xlabel() for axis in on] == ["strain", "strain"]
+    assert "noise floor" in where._repr_html_()
+
+
+def test_the_zero_of_another_recording_is_not_blamed_on_the_model():
+    other = relaxed(seed=2)
+    shifted = replace(other, channels={**other.channels, "force_N": other["force_N"] + 1.0})
+    by_result, by_model = tb.compare(shifted, fitted()), tb.compare(shifted, fitted().model)
+    assert by_result.comparison.rms["force"] < 0.5 < by_model.comparison.rms["force"]
+
+
+def test_a_ladder_falls_from_step_to_step_and_draws_the_floor():
+    ladder = tb.add(fitted(), "stress_relaxation", relaxed(), progress=False).ladder
+    assert ladder.steps == ("baseline", "+ stress_relaxation")
+    frame = ladder.to_frame()
+    force = frame[frame.channel == "force"]
+    assert force.fall.tolist()[0] == 0
+    assert force.fall.tolist()[1] > 0.3
+    on = axes(2)
+    assert list(ladder.plot(on)) == on
+    assert [bar.get_height() for bar in on[0].patches] == force.held_out.tolist()
+    assert on[0].lines[0].get_ydata()[0] == force.noise_floor.tolist()[-1]
+
+
+def test_a_generated_program_shows_itself():
+    made = gcode.generate("paper-1", seed=3, duration_s=60)
+    (axis,) = axes(1)
+    assert made.plot(axis) is axis
+    assert made.to_frame()["position_mm"].iloc[0] == 0
+    assert json.loads(json.dumps(made.to_dict()))["seed"] == 3
+    assert "<polyline" in made._repr_html_()
+
+
+def test_too_few_axes_are_refused():
+    with pytest.raises(tb.UserError, match="needs 3 axes, one a panel, got 1"):
+        relaxed().plot(axes(1))
+
+
+def test_mistakes_are_one_sentence():
+    with pytest.raises(tb.UserError, match=r"nowhere\.csv: no such recording"):
+        tb.fit("nowhere.csv")
+    with pytest.raises(tb.UserError, match="no column time_s"):
+        tb.read({"force_N": [1, 2]})
+    with pytest.raises(tb.UserError, match="must be a KnitModel, a result of fit or diagnose"):
+        tb.compare(relaxed(), 3)  # type: ignore[arg-type]
+    with pytest.raises(tb.UserError, match="must be 1 or more, got 0"):
+        tb.diagnose(relaxed(), most=0)
+    with pytest.raises(tb.UserError, match="bounds: allowed are v_max_mm_per_s"):
+        tb.propose([fitted(), fitted()], bounds={"speed": 3})
+    with pytest.raises(tb.UserError, match="give two or more rival models, got 1"):
+        tb.propose([fitted()])
+    with pytest.raises(tb.UserError, match="has no history"):
+        tb.ladder(tb.baseline())
+    with pytest.raises(tb.UserError, match="preset must be one of"):
+        gcode.generate("paper-9", seed=1)
+    with pytest.raises(tb.UserError, match="duration_s"):
+        gcode.generate("paper-1", seed=1, duration_s=-3)
+    assert issubclass(tb.UserError, ValueError)
+
+
+def test_an_effect_of_ones_own_takes_part(tmp_path):
+    class Loose(tb.Effect):
+        """The force grows with the square of the strain more than it should."""
+
+        name = "loose"
+        stage = tb.Stage.MECHANICS
+        reads, writes = ("strain", "force_N"), ("force_N",)
+        strength = "gain_N"
+
+        gain_N: float = tb.parameter(0.1, unit="N", low=0, high=10, doc="force at a strain of one")
+
+        def apply(self, signals, dt_s):
+            return {"force_N": signals["force_N"] + self.gain_N * signals["strain"] ** 2}
+
+    fit = tb.fit(relaxed(), model=fitted().model + Loose(gain_N=1.0), effects=[Loose], progress=False)
+    assert "loose.gain_N" in fit.parameters.index
+    fit.save(tmp_path / "model.json")
+    assert tb.ladder(tmp_path / "model.json", effects=[Loose]).steps == ("given model",)
+    with pytest.raises(tb.UserError, match="an effect called stress_relaxation already"):
+        tb.fit(relaxed(), effects=[tb.effects.StressRelaxation])
+
+
+def test_a_diagnosis_has_probabilities_a_picture_and_a_ladder():
+    d = diagnosed()
+    assert d.effect == "stress_relaxation"
+    assert sum(d.probabilities.values()) == pytest.approx(1)
+    frame = d.to_frame()
+    assert frame.effect[0] == "stress_relaxation"
+    assert frame.probability[0] == d.probabilities["stress_relaxation"]
+    (axis,) = axes(1)
+    assert d.plot(axis) is axis
+    assert axis.get_yticklabels()[0].get_text() == "stress relaxation"
+    assert d.ladder.steps[0] == "baseline"
+    assert any(effect.name.startswith("stress_relaxation") for effect in d.model.effects.values())
+    assert d.words in d._repr_html_().replace("&gt;", ">").replace("&lt;", "<")
