@@ -78,11 +78,17 @@ def relay(x: FloatArray, on_above: float, off_below: float) -> FloatArray:
 
 @njit("float64[:](float64[:], float64)", cache=True, nogil=True)
 def held(x: FloatArray, width: float) -> FloatArray:
-    """The last value that was shown, until `x` is farther from it than `width` (a dead band)."""
+    """The last value that was shown, until `x` is farther from it than `width` (a dead band).
+
+    What is shown anew is `x` at that very moment, between the samples.
+    """
     out = np.empty_like(x)
     shown = x[0]
     for i in range(len(x)):
-        if abs(x[i] - shown) > width:
+        off = x[i] - shown
+        if abs(off) > width > 0.0:
+            shown += width * (math.floor(off / width) if off > 0.0 else math.ceil(off / width))
+        elif width <= 0.0:
             shown = x[i]
         out[i] = shown
     return out
@@ -94,10 +100,9 @@ def stuck(x: FloatArray, grip: float) -> FloatArray:
     out = np.empty_like(x)
     anchor = x[0]
     for i in range(len(x)):
-        if abs(x[i] - anchor) > grip:
-            anchor += grip if x[i] > anchor else -grip
-            if abs(x[i] - anchor) > grip:
-                anchor = x[i]
+        off = x[i] - anchor
+        if abs(off) > grip > 0.0:
+            anchor += grip * (math.floor(off / grip) if off > 0.0 else math.ceil(off / grip))
         out[i] = x[i] - anchor
     return out
 

@@ -139,16 +139,17 @@ _EDGE = Slot("edge", "e_1", "strain beyond which it forms", "strain")
 _FORMS = {
     "with time": (r"\frac{1}{\tau_1}", "np.full_like(e, 1.0 / self.form_s)", (Slot("form_s", r"\tau_1", "time in which it forms"),), "forms with time"),
     "under stretch": (r"\frac{(e - e_1)^+}{s\,\tau_1}", "over(e, self.edge) / ({span} * self.form_s)", (_EDGE, Slot("form_s", r"\tau_1", "time in which it forms, a span beyond the edge")), "forms beyond a strain"),
+    "steeply": (r"\frac{((e - e_1)^+)^2}{s^2\,\tau_1}", "over(e, self.edge) ** 2 / ({span}**2 * self.form_s)", (_EDGE, Slot("form_s", r"\tau_1", "time in which it forms, a span beyond the edge")), "forms ever quicker beyond a strain"),
     "with motion": (r"\frac{|\dot e|}{l_1}", "np.abs(rate(e, dt_s)) / self.reach", (Slot("reach", "l_1", "path in which it forms", "path"),), "forms with motion"),
     "while stretching": (r"\frac{\dot e^+}{l_1}", "over(rate(e, dt_s), 0.0) / self.reach", (Slot("reach", "l_1", "path in which it forms", "path"),), "forms while stretching"),
 }  # fmt: skip
 _ENDS = {
     "with time": (r"\frac{1}{\tau_2}", "np.full_like(e, 1.0 / self.end_s)", (Slot("end_s", r"\tau_2", "time in which it goes"),), "goes with time"),
     "with motion": (r"\frac{|\dot e|}{l_2}", "np.abs(rate(e, dt_s)) / self.wipe", (Slot("wipe", "l_2", "path that wipes it out", "path"),), "is wiped out by motion"),
-    "when short": (r"\frac{(e_2 - e)^+}{s\,\tau_2}", "over(self.low - e, 0.0) / ({span} * self.end_s)", (Slot("low", "e_2", "strain below which it goes", "strain"), Slot("end_s", r"\tau_2", "time in which it goes, a span below")), "goes only near rest"),
+    "when short": (r"\frac{(e_1 - e)^+}{s\,\tau_2}", "over(self.edge - e, 0.0) / ({span} * self.end_s)", (Slot("end_s", r"\tau_2", "time in which it goes, a span below"),), "goes only below it"),
 }  # fmt: skip
 _SENSIBLE = (
-    ("with time", "with motion"), ("under stretch", "with time"), ("under stretch", "with motion"),
+    ("with time", "with motion"), ("under stretch", "with time"), ("under stretch", "with motion"), ("steeply", "with time"),
     ("with motion", "with time"), ("while stretching", "with time"), ("under stretch", "when short"),
 )  # fmt: skip
 
@@ -156,8 +157,6 @@ _SENSIBLE = (
 def _kinetic(forms: str, ends: str) -> Coordinate:
     gain, gain_code, gain_slots, gain_words = _FORMS[forms]
     loss, loss_code, loss_slots, loss_words = _ENDS[ends]
-    scaled = "s" if r"s\," in gain + loss else ""
-    where = (r"s = \text{largest strain of the recording}",) if scaled else ()
     return Coordinate(
         f"state that {gain_words} and {loss_words}",
         f"kinetics({gain_code}, {loss_code}, dt_s)",
@@ -166,7 +165,7 @@ def _kinetic(forms: str, ends: str) -> Coordinate:
         ONE,
         STRAIN,
         gain_slots + loss_slots,
-        (rf"\dot n = {gain}\,(1 - n) - {loss}\,n", *where),
+        (rf"\dot n = {gain}\,(1 - n) - {loss}\,n",),
         signed=False,
     )
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import cholesky
+from scipy.linalg import cho_solve, cholesky, solve_triangular
 
 from testbench.diagnosis.laplace import Hypothesis
 from testbench.diagnosis.likelihood import Likelihood
@@ -19,6 +19,7 @@ from testbench.proposing.places import Place
 
 MOST_ROWS = 1800  # samples of a channel that the search looks at; a refit looks at all
 MOST = 3.0  # typical corrections: what is larger than that is no effect beside a base law, but the base law itself
+ABSORBED = 1e-3  # of a trace's squares: a base that can do all but this of a law cannot be told from it
 IDLE = 1e-3  # share of a direction's variance that the base knows: below, it takes nothing off
 
 
@@ -50,11 +51,16 @@ class Projector:
             self.weight[c] = (likelihood.weight[c] * hypothesis.robust[c] * unit)[::every]
             base.append((hypothesis.columns[c] * hypothesis.robust[c] * unit)[:, ::every])
         stacked = np.hstack(base)
-        self.residual = stacked[0] - evidence.coefficients @ stacked[1:]
-        half = cholesky(evidence.covariance + 1e-12 * np.diag(np.diag(evidence.covariance)), lower=True)
-        known, directions = np.linalg.eigh(np.cov(half.T @ stacked[1:], bias=True) * stacked.shape[1])
+        # The optimum anew on these rows: of another one the residual would not be free of what the base can do.
+        prior = hypothesis.priors.scaled(evidence.scale)
+        jacobian = stacked[1:]
+        half = cholesky(jacobian @ jacobian.T + np.diag(prior), lower=True)
+        goal = jacobian @ stacked[0] + prior * hypothesis.normal.mean
+        self.residual = stacked[0] - cho_solve((half, True), goal) @ jacobian
+        spread = solve_triangular(half, jacobian, lower=True)
+        known, directions = np.linalg.eigh(spread @ spread.T)
         kept = known > IDLE
-        self.base = directions[:, kept].T @ (half.T @ stacked[1:])
+        self.base = directions[:, kept].T @ spread
         scales = shape_scales(measurement)
         self.typical = {c: scales["N" if c == FORCE_CHANNEL else "1"] for c in self.channels}
         self.slopes = {p.name: {c: s[self.rows] for c, s in chain.slopes(p).items()} for p in chain.places}
@@ -86,7 +92,7 @@ class Projector:
         f = self.trace(place, picked)
         sd = self.prior_sd(place, picked)
         size = float(f @ f)
-        left = max(size - float(np.sum((self.base @ f) ** 2)), 1e-6 * size) + sd**-2
+        left = max(size - float(np.sum((self.base @ f) ** 2)), ABSORBED * size) + sd**-2
         goal = float(f @ self.residual)
         amount = float(np.clip(goal / left, -MOST * sd, MOST * sd))
         gain = goal * amount - 0.5 * left * amount**2 - 0.5 * np.log(left * sd**2)
@@ -100,6 +106,18 @@ class Projector:
     def of_law(self, law: Law) -> Score:
         """A law with its parameters."""
         return self.of_term(law.place, law.term, law.values)
+
+    def projected(self, law: Law) -> FloatArray:
+        """Trace of a law over its typical amount, without what the base can do of it."""
+        z = law.term.evaluated(self.chain.readable(law.place), law.values, self.chain.measurement.dt_s)[self.rows]
+        z = z - z.mean() if law.place.stage >= 3 else z
+        f = self.trace(law.place, z) * self.prior_sd(law.place, z)
+        return f - (self.base @ f) @ self.base
+
+    def law_prior_sd(self, law: Law) -> float:
+        """Typical strength of a law."""
+        z = law.term.evaluated(self.chain.readable(law.place), law.values, self.chain.measurement.dt_s)[self.rows]
+        return self.prior_sd(law.place, z)
 
 
 def _spread(x: FloatArray) -> float:
