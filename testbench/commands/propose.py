@@ -24,9 +24,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--model", metavar="M", help="the best model.json so far (default: the baseline)")
     add_effects(parser)
     parser.add_argument(
-        "-o", "--output", metavar="FILE.py", required=True, help="write the effect here; its name becomes the effect's"
+        "-o",
+        "--output",
+        metavar="FILE.py",
+        required=True,
+        help="write the effect here; its name becomes the effect's",
     )
-    parser.add_argument("--laws", type=int, default=2, metavar="N", help="at most N laws, one after the other (default 2)")
+    parser.add_argument(
+        "--laws", type=int, default=2, metavar="N", help="at most N laws, one after the other (default 2)"
+    )
     parser.add_argument("--plot", metavar="FILE.png", help="the picture (default: beside the effect)")
     parser.add_argument("--save-model", metavar="MODEL", help="write the model with the law put in")
     parser.add_argument("--json", metavar="OUT", help="write the whole result here ('-' prints it)")

@@ -113,7 +113,7 @@ def seconds_near(x: FloatArray, width: float, dt_s: float) -> FloatArray:
     out = np.empty_like(x)
     anchor, since = x[0], 0
     for i in range(len(x)):
-        if abs(x[i] - anchor) > width:
+        if abs(x[i] - anchor) > width * (1.0 + 1e-9):
             anchor = x[i] - width if x[i] > anchor else x[i] + width
             since = i
         out[i] = (i - since) * dt_s

@@ -17,10 +17,10 @@ from testbench.proposing.places import Place
 from testbench.proposing.screening import Projector
 
 WIDTH, PER_FAMILY = 14, 3  # laws that grow on; of them, with the same place and coordinate
-LEVELS, POLISHED = 2, 8  # times that they grow; how many have their numbers optimised each time
+LEVELS, POLISHED = 2, 10  # times that they grow; how many have their numbers optimised each time
 PRICE_OF_PIECE, PRICE_OF_PARAMETER = 2.0, 2.0  # nats: so many more laws have one piece, or one number, more
 EVALUATIONS = 60
-INSTRUMENT = {"force", "conductance", "time", "temperature", "heating power", "force rate"}
+INSTRUMENT = {"conductance rate", "force", "conductance", "time", "temperature", "heating power", "force rate"}
 OF_STRAIN = {"strain", "largest strain", "below the largest strain", "past the last top", "path", "turns", "time",
              "direction", "strain rate", "speed", "time since reversal", "temperature"}  # fmt: skip
 OF_CONTACTS = {"contact force", "strain", "largest strain", "path", "time", "temperature", "time since reversal"}
@@ -75,7 +75,7 @@ class Beam:
                     if coordinate.name in KINETICS:
                         continue
                     x = plain.evaluated(self.signals[place.name], values, self.grid.dt_s)
-                    yield from self.sized(place, plain, values)
+                    yield from self.bent(place, plain, values, x)
                     for term, more in self.remembering(plain, x):
                         yield place, term, values | more
                         yield from self.sized(place, term, values | more)
@@ -101,6 +101,13 @@ class Beam:
                 for values in self.grid.points(one.slots, x):
                     yield self.with_operator(term, one, len(term.operators), x), values
 
+    def bent(self, place: Place, plain: Term, values: dict[str, float], x: FloatArray):
+        """A coordinate through every bend: what is even, or sharp, leaves no trace in its straight line."""
+        for one in OPERATORS.values():
+            if one.kind == "bend" and self.fits(plain, one, 0, x):
+                for more in self.grid.points(one.slots, x, one.name):
+                    yield place, self.with_operator(plain, one, 0, x), values | more
+
     def sized(self, place: Place, term: Term, values: Mapping[str, float]):
         """The same without its sign, where it has one."""
         if term.coordinate.signed and term.memory not in ("dead band",):
@@ -110,24 +117,41 @@ class Beam:
     # --- growth ---
 
     def children(self, law: Law) -> Iterator[tuple[Place, Term, dict[str, float]]]:
-        """The law with one piece more, at every place in its chain where it makes sense."""
-        term, readable = law.term, set(self.signals[law.place.name])
-        has = {one.name for one in term.operators}
-        for at in range(len(term.operators) + 1):
+        """The law with one piece more, or one in the place of another, wherever that makes sense."""
+        term = law.term
+        yield from self.widened(law, term, None)
+        for at, one in enumerate(term.operators):
+            less = replace(
+                term,
+                operators=term.operators[:at] + term.operators[at + 1 :],
+                sizes=term.sizes[:at] + term.sizes[at + 1 :],
+            )
+            yield from self.widened(law, less, at, one.name)
+
+    def widened(self, law: Law, term: Term, only: int | None, not_this: str = ""):
+        """The term with one operator put in, at one place of its chain or at any."""
+        readable = set(self.signals[law.place.name])
+        has = {one.name for one in term.operators} | {not_this}
+        values = {slot.key: law.values[slot.key] for slot in term.slots}
+        for at in range(len(term.operators) + 1) if only is None else (only,):
             inner = Term(term.coordinate, term.operators[:at], term.span, term.sizes[:at])
-            x = None
+            x = inner.evaluated(self.signals[law.place.name], values, self.grid.dt_s)
             for one in OPERATORS.values():
-                if one.name in has or not set(one.reads) <= readable or not _fits(term, one, at):
-                    continue
-                if len(term.slots) + len(one.slots) + 1 > MOST_PARAMETERS:
-                    continue
-                if x is None:
-                    x = inner.evaluated(self.signals[law.place.name], law.values, self.grid.dt_s)
-                if one.name == "size" and not np.min(x) < 0 < np.max(x):
+                if one.name in has or not set(one.reads) <= readable or not self.fits(term, one, at, x):
                     continue
                 grown = self.with_operator(term, one, at, x)
-                for values in self.grid.points(one.slots, x, one.name):
-                    yield law.place, grown, dict(law.values) | values
+                for more in self.grid.points(one.slots, x, one.name):
+                    yield law.place, grown, values | more
+
+    @staticmethod
+    def fits(term: Term, one: Operator, at: int, x: FloatArray) -> bool:
+        """Whether an operator makes sense there, and leaves few enough numbers with names of their own."""
+        keys = [slot.key for slot in (*term.slots, *one.slots)]
+        if len(keys) + 1 > MOST_PARAMETERS or len(set(keys)) < len(keys) or not np.ptp(x):
+            return False
+        if one.name == "size" and not np.min(x) < 0 < np.max(x):
+            return False
+        return _fits(term, one, at)
 
     def with_operator(self, term: Term, one: Operator, at: int, x: FloatArray | None) -> Term:
         """The term with an operator put in."""
@@ -225,7 +249,7 @@ def _fits(term: Term, one: Operator, at: int) -> bool:
     if {one.name, *(o.name for o in term.operators)} >= {"square", "power"}:
         return False
     if one.kind == "factor":
-        return "factor" not in kinds and at == len(kinds)
+        return kinds.count("factor") < 2 and at == len(kinds)
     if one.name == "log":
         return name in KINETICS and at == 0
     if one.only_positive and term.coordinate.signed and "size" not in [o.name for o in term.operators[:at]]:
@@ -248,9 +272,7 @@ def _step(slot: Slot, value: float, grid: Grid) -> float:
     return 0.15 * abs(value) + 0.01 * grid.span
 
 
-def _outward(
-    slots: Sequence[Slot], point: FloatArray, around: Mapping[str, float], grid: Grid
-) -> dict[str, float]:
+def _outward(slots: Sequence[Slot], point: FloatArray, around: Mapping[str, float], grid: Grid) -> dict[str, float]:
     values = {}
     for slot, x in zip(slots, point, strict=True):
         low, high, log = grid.bounds(slot, around[slot.key])

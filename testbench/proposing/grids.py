@@ -13,6 +13,8 @@ from testbench.proposing.pieces import Slot
 
 LEVELS = (0.1, 0.3, 0.5, 0.7, 0.9)  # quantiles
 SIZES = (0.03, 0.1, 0.3, 1.0, 3.0)  # of the usual size
+EDGES = tuple(np.linspace(0.06, 0.94, 12))  # quantiles at which a switch is tried: a sharp thing is found only nearby
+GRIPS = np.geomspace(0.02, 0.5, 24)  # of the range, where something may stick
 STRAINS = (0.1, 0.25, 0.4, 0.55, 0.7, 0.85)  # of the span
 PATHS = (0.3, 1.0, 4.0, 16.0)  # spans
 TIMES, FEWER_TIMES = 8, 4
@@ -44,6 +46,15 @@ class Grid:
         """Start points of the parameters of one piece whose input is `x`."""
         if name == "wave" and x is not None:
             yield from self._waves(x)
+            return
+        if name == "switch" and x is not None:
+            for level in np.unique(np.quantile(x, EDGES)):
+                for share in (0.02, 0.2, 0.6, 1.5):
+                    yield {"on": float(level), "gap": share * usual_size(x)}
+            return
+        if name == "stick" and x is not None:
+            for share in GRIPS:
+                yield {"grip": float(share * max(np.ptp(x), 1e-9))}
             return
         few = len(slots) > 1
         axes = [self._axis(slot, x, few) for slot in slots]

@@ -129,7 +129,9 @@ class Term:
             found += [line.replace("{x}", text) for line in one.definitions]
             size = self.sizes[place] if place < len(self.sizes) else 1.0
             text = one.latex.replace("{x}", text).replace("x_0", f"{size:g}")
-        return text, tuple(dict.fromkeys(re.sub(r"(?<![\w\\])s(?=\\,|\^2\\,)", f"{self.span:g}", line) for line in found))
+        return text, tuple(
+            dict.fromkeys(re.sub(r"(?<![\w\\])s(?=\\,|\^2\\,)", f"{self.span:g}", line) for line in found)
+        )
 
     @property
     def words(self) -> str:

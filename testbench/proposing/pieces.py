@@ -102,6 +102,7 @@ COORDINATES = {
         Coordinate("force rate", "rate(F, dt_s)", r"\dot F", "the rate of the force", NEWTON / SECOND, FORCE),
         Coordinate("contact force", "P", "P", "the force on the contacts", NEWTON, PRESSING),
         Coordinate("conductance", "ln_g", r"\ln\frac{G}{G_0}", "the change of ln G since the start", ONE, LN_G),
+        Coordinate("conductance rate", "rate(ln_g, dt_s)", r"\tfrac{d}{dt}\ln G", "the rate of ln G", PER_SECOND, LN_G),
         Coordinate(
             "heating power", "np.expm1(np.clip(ln_g, -30.0, 30.0))", r"\tfrac{G}{G_0} - 1",
             "the electrical power in the sensor", ONE, LN_G,
@@ -176,7 +177,7 @@ OPERATORS = {
     o.name: o
     for o in (
         # memories
-        Operator("lag", "lowpass(x, self.tau_s, dt_s)", "y", "{x} as remembered", "memory",
+        Operator("lag", "lowpass(x, self.tau_s, dt_s)", "y", "the memory of {x}", "memory",
                  (Slot("tau_s", r"\tau", "time of the memory"),), (r"\tau\,\dot y = {x} - y",)),
         Operator("sudden", "highpass(x, self.tau_s, dt_s)", r"({x} - y)", "what is sudden in {x}", "memory",
                  (Slot("tau_s", r"\tau", "time of the memory"),), (r"\tau\,\dot y = {x} - y",)),
@@ -204,10 +205,10 @@ OPERATORS = {
                  (Slot("edge_x", "x_1", "threshold", "level"),)),
         Operator("below", "over(self.edge_x - x, 0.0)", r"(x_1 - {x})^+", "{x} below a threshold", "bend",
                  (Slot("edge_x", "x_1", "threshold", "level"),)),
-        Operator("saturation", "np.tanh(x / self.scale)", r"\tanh\frac{{x}}{x_s}", "{x}, saturating", "bend",
+        Operator("saturation", "np.tanh(x / self.scale)", r"\tanh\frac{{x}}{x_s}", "{x}, which saturates", "bend",
                  (Slot("scale", "x_s", "where it saturates", "size"),), unit=ONE),
         Operator("settling", "-np.expm1(-np.maximum(x, 0.0) / self.scale)", r"\left(1 - e^{-{x}/x_s}\right)",
-                 "{x}, settling", "bend", (Slot("scale", "x_s", "in which it settles", "size"),), unit=ONE,
+                 "{x}, which settles", "bend", (Slot("scale", "x_s", "in which it settles", "size"),), unit=ONE,
                  only_positive=True),
         Operator("logarithm", "np.log1p(np.maximum(x, 0.0) / self.scale)", r"\ln\left(1 + \frac{{x}}{x_s}\right)",
                  "the logarithm of {x}", "bend", (Slot("scale", "x_s", "where it sets in", "size"),), unit=ONE,
@@ -237,7 +238,8 @@ OPERATORS = {
         Operator("while stretching", "x * 0.5 * (1.0 + heading(e, {span}))", r"{x}\,\frac{1 + d}{2}",
                  "{x} while stretching", "factor",
                  definitions=(r"d = \pm 1 \text{ while stretching / releasing}",), reads=STRAIN),
-        Operator("fading", "x * np.exp(-t / self.fade_s)", r"{x}\,e^{-t/\tau_f}", "{x}, fading", "factor",
+        Operator("growing", "x * t", r"{x}\,t", "{x}, which grows with time", "factor", reads=TIME, times=SECOND),
+        Operator("fading", "x * np.exp(-t / self.fade_s)", r"{x}\,e^{-t/\tau_f}", "{x}, which fades with time", "factor",
                  (Slot("fade_s", r"\tau_f", "time in which it fades"),), reads=TIME),
     )
 }  # fmt: skip

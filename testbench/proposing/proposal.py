@@ -226,7 +226,9 @@ class Hunt:
         for k, trial in zip(order, self.pool.map(self.carried, [trials[k] for k in order[:SETTLED]]), strict=False):
             trials[k] = trial
         order.sort(key=lambda k: -trials[k].log_z)
-        options = [Option(t.law, t.log_z - current.log_z, float(holds[k]), float(wins[k])) for k, t in enumerate(trials)]
+        options = [
+            Option(t.law, t.log_z - current.log_z, float(holds[k]), float(wins[k])) for k, t in enumerate(trials)
+        ]
         paying = [k for k in order if self.pays(options[k], trials[k], current)]
         if not paying:
             return None
@@ -262,7 +264,9 @@ class Hunt:
         )
         return max(done, again, key=lambda one: one.log_z)
 
-    def dependence(self, law: Law, before: Hypothesis, after: Hypothesis) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def dependence(
+        self, law: Law, before: Hypothesis, after: Hypothesis
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """z of a law, and what the channel lacks without and with it, at samples that count."""
         m, rows = self.measurement, self.likelihood.rows
         chain = OpenChain(after.model, m)

@@ -12,7 +12,7 @@ from testbench.diagnosis.laplace import Hypothesis
 from testbench.diagnosis.likelihood import Likelihood
 from testbench.fitting.fit import shape_scales
 from testbench.fitting.measurement import FORCE_CHANNEL
-from testbench.knit.effect import FloatArray
+from testbench.knit.effect import FloatArray, Stage
 from testbench.proposing.chain import OpenChain
 from testbench.proposing.law import Law, Term
 from testbench.proposing.places import Place
@@ -64,18 +64,17 @@ class Projector:
         scales = shape_scales(measurement)
         self.typical = {c: scales["N" if c == FORCE_CHANNEL else "1"] for c in self.channels}
         self.slopes = {p.name: {c: s[self.rows] for c, s in chain.slopes(p).items()} for p in chain.places}
-        self.size = {c: max(float(np.std(w)), 1e-300) for c, w in self.weight.items()}
+        # A law of one channel is weighed on its samples alone.
+        count, self.parts = len(self.rows), dict[str, tuple[FloatArray, FloatArray]]()
+        for place in chain.places:
+            own = [k for k, c in enumerate(self.channels) if c in self.slopes[place.name]]
+            picked = np.concatenate([np.arange(k * count, (k + 1) * count) for k in own])
+            self.parts[place.name] = np.ascontiguousarray(self.base[:, picked]), self.residual[picked]
 
     def trace(self, place: Place, z: FloatArray) -> FloatArray:
-        """What z changes at a place, over the noise, all channels in one row; z at the rows of the search."""
+        """What z changes at a place, over the noise, its channels in one row; z at the rows of the search."""
         slopes = self.slopes[place.name]
-        return np.concatenate(
-            [
-                z * slopes[c] * self.weight[c] if c in slopes else np.zeros(z.shape)
-                for c in self.channels
-            ],
-            axis=-1,
-        )
+        return np.concatenate([z * slopes[c] * self.weight[c] for c in self.channels if c in slopes])
 
     def prior_sd(self, place: Place, z: FloatArray) -> float:
         """Typical amount: what changes a channel by its typical correction, offsets not counted."""
@@ -86,14 +85,16 @@ class Projector:
         """One candidate, from z on the whole grid."""
         picked = z[self.rows]
         # What stands still is an offset, which every base has.
-        picked = picked - picked.mean() if place.stage >= 3 else picked
+        picked = picked - picked.mean() if place.stage >= Stage.CONTACT else picked
         if not np.all(np.isfinite(picked)) or not np.any(picked):
             return Score(-np.inf, 0.0)
         f = self.trace(place, picked)
         sd = self.prior_sd(place, picked)
         size = float(f @ f)
-        left = max(size - float(np.sum((self.base @ f) ** 2)), ABSORBED * size) + sd**-2
-        goal = float(f @ self.residual)
+        base, residual = self.parts[place.name]
+        absorbed = base @ f
+        left = max(size - float(absorbed @ absorbed), ABSORBED * size) + sd**-2
+        goal = float(f @ residual)
         amount = float(np.clip(goal / left, -MOST * sd, MOST * sd))
         gain = goal * amount - 0.5 * left * amount**2 - 0.5 * np.log(left * sd**2)
         return Score(float(gain), amount)
@@ -108,10 +109,11 @@ class Projector:
         return self.of_term(law.place, law.term, law.values)
 
     def projected(self, law: Law) -> FloatArray:
-        """Trace of a law over its typical amount, without what the base can do of it."""
+        """Trace of a law over its typical amount, without what the base can do of it, all channels in one row."""
         z = law.term.evaluated(self.chain.readable(law.place), law.values, self.chain.measurement.dt_s)[self.rows]
-        z = z - z.mean() if law.place.stage >= 3 else z
-        f = self.trace(law.place, z) * self.prior_sd(law.place, z)
+        z = z - z.mean() if law.place.stage >= Stage.CONTACT else z
+        slopes, sd = self.slopes[law.place.name], self.prior_sd(law.place, z)
+        f = np.concatenate([sd * z * slopes.get(c, np.zeros_like(z)) * self.weight[c] for c in self.channels])
         return f - (self.base @ f) @ self.base
 
     def law_prior_sd(self, law: Law) -> float:

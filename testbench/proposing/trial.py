@@ -68,9 +68,7 @@ class Bench:
         law = replace(law, values=values, strength=float(getattr(effect, strength_key(law))))
         return Trial(law, name, h, h.log_z - PRICE_OF_PIECE * len(law.term.operators))
 
-    def believed(
-        self, law: Law, effect: Effect, name: str, prior_sd: float
-    ) -> Mapping[str, tuple[float, float]]:
+    def believed(self, law: Law, effect: Effect, name: str, prior_sd: float) -> Mapping[str, tuple[float, float]]:
         """Priors of a law's parameters: wide, and not where its own search has ended but for a level's scale."""
         found = {f"{name}.{strength_key(law)}": (0.0, prior_sd)}
         for slot in law.term.slots:

@@ -84,7 +84,9 @@ def story(proposed: Proposed) -> str:
     for c, before in proposed.error_before.items():
         unit, after, floor = UNIT_OF[c], proposed.error_after[c], proposed.noise_floor[c]
         parts.append(f"{channel_name(c)} {before:.3g} -> {after:.3g} {unit} (noise floor {floor:.2g})")
-    found = f"Found on {_safe(proposed.calibration.recording.source)}, judged on {_safe(proposed.held.recording.source)}"
+    found = (
+        f"Found on {_safe(proposed.calibration.recording.source)}, judged on {_safe(proposed.held.recording.source)}"
+    )
     return f"{found}: held-out error of {', '.join(parts)}."
 
 

@@ -83,7 +83,7 @@ def effect_class(law: Law, name: str, grid: Grid) -> type[Effect]:
 def file_text(laws: Sequence[tuple[Law, str]], grid: Grid, story: str, file: str) -> str:
     """A whole effect file."""
     classes = "".join(class_text(law, name, grid) for law, name in laws)
-    title = "; ".join(_sentence(in_words(law)) for law, _ in laws)
+    title = _sentence("; ".join(in_words(law) for law, _ in laws))
     head = HEAD.format(title=_folded(title, 0), story=_folded(story or "Proposed.", 0), file=file, name=laws[0][1])
     return head + _imports(classes) + classes
 
@@ -159,12 +159,16 @@ def _mentions(code: str, name: str) -> bool:
 def _parameters(law: Law, grid: Grid) -> list[str]:
     reach = rounded(REACH * max(abs(law.strength), 1e-12))
     unit = str(law.unit)
-    doc = f"change of {plain(law.place.latex)} for each unit of z"
+    doc = f"a: change of {plain(law.place.latex)} for each unit of z"
     lines = [_parameter(strength_key(law), law.strength, unit, -reach, reach, False, doc)]
     for slot in law.term.slots:
         value = law.values[slot.key]
         low, high, log = grid.bounds(slot, value)
-        lines.append(_parameter(slot.key, value, str(law.term.unit_of(slot)), low, high, log, slot.doc))
+        lines.append(
+            _parameter(
+                slot.key, value, str(law.term.unit_of(slot)), low, high, log, f"{plain(slot.symbol)}: {slot.doc}"
+            )
+        )
     return lines
 
 

@@ -36,7 +36,10 @@ def proposal(proposed: Proposed) -> style.Figure:
         text = f"<b>{numbered(proposed.name, index)}</b>: {in_words(step.option.law)}"
         notes.append(style.note(text, 0, tops[index], xanchor="left", yanchor="bottom"))
     for index, channel in enumerate(after):
-        floor, (low, high) = proposed.noise_floor[channel], (proposed.error_after[channel], proposed.error_before[channel])
+        floor, (low, high) = (
+            proposed.noise_floor[channel],
+            (proposed.error_after[channel], proposed.error_before[channel]),
+        )
         text = f"<b>held out</b>: {high:.3g} → {low:.3g} {UNIT_OF[channel]}, noise floor {floor:.2g}"
         notes.append(style.note(text, 0, tops[len(proposed.steps) + index], xanchor="left", yanchor="bottom"))
     height = ROW_PX * len(panels) + 60
