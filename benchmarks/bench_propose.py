@@ -1,4 +1,4 @@
-"""Hide effects that no catalogue has, and effects of the catalogue that is left out, and let a law be proposed.
+"""Hide effects that no catalogue has, or effects of the catalogue that the search never sees; have a law proposed.
 
     python benchmarks/bench_propose.py                            every unknown kind once, at 5x and 15x
     python benchmarks/bench_propose.py --rediscover               effects of the catalogue, which the search never sees

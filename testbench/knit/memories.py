@@ -12,6 +12,7 @@ import numpy as np
 from numba import njit
 
 from testbench.knit.effect import FloatArray
+from testbench.knit.filters import rate
 from testbench.knit.kernels import running_max, travelled, turns
 
 BACK = 0.02  # of the span: a turn is known once the strain has come back so far
@@ -134,6 +135,13 @@ def upper_turn(x: FloatArray, back: float) -> FloatArray:
             heading, extreme = -heading, x[i]
         out[i] = last
     return out
+
+
+def moving(x: FloatArray, dt_s: float) -> FloatArray:
+    """Rate of `x` per second, zero at the start: it was at rest before."""
+    speed = rate(x, dt_s)
+    speed[0] = 0.0
+    return speed
 
 
 def heading(x: FloatArray, span: float) -> FloatArray:

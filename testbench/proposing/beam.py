@@ -258,7 +258,7 @@ def _fits(term: Term, one: Operator, at: int) -> bool:
 
 
 def _inward(slot: Slot, value: float, grid: Grid) -> float:
-    low, high, log = grid.bounds(slot, value)
+    low, _, log = grid.bounds(slot, value)
     return float(np.log(max(value, low, 1e-12))) if log else value
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from scipy.signal import periodogram
@@ -137,8 +137,3 @@ def _strongest_periods(residual: Sequence[FloatArray], dt_s: float) -> list[floa
             found.append(1 / float(hz[top]))
             power[max(top - 12, 0) : top + 13] = 0.0
     return found
-
-
-def with_defaults(slots: Sequence[Slot], values: Mapping[str, float]) -> dict[str, float]:
-    """The values of these parameters alone."""
-    return {slot.key: values[slot.key] for slot in slots}

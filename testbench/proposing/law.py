@@ -25,7 +25,7 @@ TOOLS: dict[str, Any] = {
     **{
         name: getattr(memories, name)
         for name in (
-            "kinetics", "oscillator", "relay", "held", "stuck", "seconds_near", "heading", "since_turn",
+            "kinetics", "moving", "oscillator", "relay", "held", "stuck", "seconds_near", "heading", "since_turn",
             "turns_so_far", "last_top", "largest", "path", "work", "delayed", "stop", "power_of", "over", "bump",
         )
     },

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -19,7 +19,7 @@ from testbench.fitting.fit import Fit
 from testbench.fitting.measurement import Measurement, split
 from testbench.fitting.model_file import ModelFile
 from testbench.knit.catalogue import Catalogue, load_catalogue
-from testbench.knit.effect import FloatArray, Stage
+from testbench.knit.effect import FloatArray
 from testbench.knit.laws import check
 from testbench.knit.model import KnitModel
 from testbench.proposing.beam import Beam, Found
@@ -238,7 +238,7 @@ class Hunt:
         rest = tuple(options[k] for k in order if k != best)
         tied = sum(abs(one.log_evidence - options[best].log_evidence) < TIED for one in rest)
         h = trials[best].hypothesis
-        return Step(options[best], rest, tied, self.dependence(options[best].law, current, h)), h
+        return Step(options[best], rest, tied, self.dependence(options[best].law, h)), h
 
     def pays(self, option: Option, trial: Trial, current: Hypothesis) -> bool:
         """Whether a law gains in evidence and in error, on nearly every part, and obeys the laws of all effects."""
@@ -362,15 +362,3 @@ def _held(file: ModelFile) -> Mapping[str, float]:
 def _as_fit(h: Hypothesis) -> Fit:
     """A hypothesis as a fit, for the ladder."""
     return Fit(h.model, h.priors.parameters, h.vector, h.evidence.covariance, dict(h.evidence.sigma), 0)
-
-
-def stage_of(law: Law) -> Stage:
-    """Where in the chain."""
-    return law.place.stage
-
-
-def summary(proposed: Proposed) -> dict[str, Any]:
-    """JSON-ready; the shape is documented in docs/propose.md."""
-    from testbench.proposing.words import as_json
-
-    return as_json(proposed)

@@ -1,4 +1,4 @@
-"""A law as an effect: the text of its class, with docstring, formula, units and bounds, and the class of that text."""
+"""A law as an effect: the text of its class, with formula, units and bounds, and the class of that text."""
 
 from __future__ import annotations
 
@@ -13,11 +13,9 @@ from testbench.knit.catalogue import BUILT_IN
 from testbench.knit.effect import Effect
 from testbench.proposing.grids import Grid, rounded
 from testbench.proposing.law import NAMES, SINCE_START, STRENGTH, TOOLS, Law
-from testbench.proposing.pieces import Slot
 
 MODULE = "knitbench_proposed"
 REACH = 30  # bounds of the strength, over what was found
-SHORTER = {"np": "import numpy as np"}
 HEAD = '''"""{title}
 
 {story}
@@ -36,7 +34,8 @@ class {cls}(Effect):
 {definitions}
     In LaTeX:  {latex}
 
-    Source: proposed by `testbench propose` from what a model left of a measured recording; no theory stands behind it.
+    Source: proposed by `testbench propose` from what a model left of a recording; no theory
+    stands behind it.
     Valid: inside the strain, the speed and the duration of that recording.
     """
 
@@ -181,11 +180,6 @@ def _parameter(key: str, value: float, unit: str, low: float, high: float, log: 
     )
 
 
-def bounds_of_slot(slot: Slot, value: float, grid: Grid) -> tuple[float, float, bool]:
-    """Bounds of a parameter in the file."""
-    return grid.bounds(slot, value)
-
-
 # --- words and formulas ---
 
 
@@ -202,12 +196,34 @@ def latex_of(law: Law) -> str:
 
 
 PLAIN = {
-    r"\ln\frac{G}{G_0}": "ln(G/G0)", r"\tfrac{G}{G_0}": "G/G0", r"\frac": "", r"\text": "", r"\left": "", r"\right": "",
-    r"\dot e": "e'", r"\dot F": "F'", r"\dot y": "y'", r"\dot n": "n'", r"\ddot y": "y''", r"\tau": "tau", r"\,": " ",
-    r"\int": "int", r"\Delta": "Delta", r"\sigma": "s", r"\delta": "delta", r"\varphi": "phi", r"\zeta": "zeta",
-    r"\lambda": "lambda", r"\pi": "pi", r"\pm": "+-", r"\exp": "exp", r"\ln": "ln", r"\sin": "sin", r"\tanh": "tanh ",
+    r"\ln\frac{G}{G_0}": "ln(G/G0)",
+    r"\tfrac{G}{G_0}": "G/G0",
+    r"\frac": "",
+    r"\text": "",
+    r"\left": "",
+    r"\right": "",
+    r"\dot e": "e'",
+    r"\dot F": "F'",
+    r"\dot y": "y'",
+    r"\dot n": "n'",
+    r"\ddot y": "y''",
+    r"\tau": "tau",
+    r"\,": " ",
+    r"\int": "int",
+    r"\Delta": "Delta",
+    r"\sigma": "s",
+    r"\delta": "delta",
+    r"\varphi": "phi",
+    r"\zeta": "zeta",
+    r"\lambda": "lambda",
+    r"\pi": "pi",
+    r"\pm": "+-",
+    r"\exp": "exp",
+    r"\ln": "ln",
+    r"\sin": "sin",
+    r"\tanh": "tanh ",
     r"e_{\max}": "e_max",
-}  # fmt: skip
+}
 
 
 def plain(latex: str) -> str:

@@ -18,6 +18,7 @@ from testbench.report import style
 FloatArray = NDArray[np.float64]
 BINS, POINTS, DOTS = 24, 1500, 800
 ROW_PX = 270
+LEGEND = {"orientation": "h", "x": 1, "xanchor": "right", "y": 1.0, "yanchor": "bottom"}
 
 
 def proposal(proposed: Proposed) -> style.Figure:
@@ -43,7 +44,7 @@ def proposal(proposed: Proposed) -> style.Figure:
         text = f"<b>held out</b>: {high:.3g} → {low:.3g} {UNIT_OF[channel]}, noise floor {floor:.2g}"
         notes.append(style.note(text, 0, tops[len(proposed.steps) + index], xanchor="left", yanchor="bottom"))
     height = ROW_PX * len(panels) + 60
-    return style.figure(traces, height=height, annotations=notes, **axes)
+    return style.figure(traces, height=height, annotations=notes, legend=LEGEND, **axes)
 
 
 def _lacks(step: Step) -> str:
