@@ -1,7 +1,7 @@
 """Hide effects that no catalogue has, or effects of the catalogue that the search never sees; have a law proposed.
 
     python benchmarks/bench_propose.py                            every unknown kind once, at 5x and 15x
-    python benchmarks/bench_propose.py --rediscover               effects of the catalogue, which the search never sees
+    python benchmarks/bench_propose.py --rediscover               effects of the catalogue
     python benchmarks/bench_propose.py --results r.jsonl -j 2     resumes where it stopped
     python benchmarks/bench_propose.py --results r.jsonl --report only the tables of what is there
 
