@@ -46,6 +46,8 @@ class Measurement:
         Time of the first grid point after the recording's first sample.
     strain_noise : float
         Standard deviation of the noise of the strain reading, at a grid point.
+    averaged : float
+        Samples whose mean is as noisy as a grid point.
     """
 
     signals: Mapping[str, FloatArray]
@@ -55,6 +57,7 @@ class Measurement:
     recording: Recording
     start_s: float = 0.0
     strain_noise: float = 0.0
+    averaged: float = 1.0
 
     @property
     def grid_s(self) -> FloatArray:
@@ -111,7 +114,7 @@ def prepare(
     time_s = recording.time_s - recording.time_s[0]
     rate_hz = rate_hz or min(MAX_GRID_HZ, _usual_rate_hz(time_s))
     binned = _Bins(time_s, rate_hz)
-    grid_s, count = binned.grid_s, len(binned.grid_s)
+    grid_s = binned.grid_s
     measured = {}
     if recording.has(FORCE):
         measured[FORCE_CHANNEL] = binned(recording[FORCE])
@@ -121,11 +124,9 @@ def prepare(
     start_s, end_s = span or (0.0, np.inf)
     counts = (grid_s >= max(start_s, BURN_IN_S)) & (grid_s < end_s)
     # Times far apart, as in a hold of hours, tell little of the noise between them: the lower estimate is meant.
-    noise = min(reading_noise(time_s, recording.strain), noise_floor(recording.strain)) / np.sqrt(
-        max(len(time_s) / count, 1.0)
-    )
+    noise = min(reading_noise(time_s, recording.strain), noise_floor(recording.strain)) / np.sqrt(binned.averaged)
     signals = inputs(grid_s, without_reading_noise(binned(recording.strain), noise), temperature)
-    return Measurement(signals, 1.0 / rate_hz, measured, counts, recording, float(grid_s[0]), noise)
+    return Measurement(signals, 1.0 / rate_hz, measured, counts, recording, float(grid_s[0]), noise, binned.averaged)
 
 
 def _usual_rate_hz(time_s: FloatArray) -> float:
@@ -148,6 +149,11 @@ class _Bins:
         self._average = bool(np.mean(self._filled == 0) < 0.2 and len(time_s) > 1.5 * count)
         self.grid_s = (np.arange(count) + (0.5 if self._average else 0.0)) / rate_hz
         self._off_s = self._means(time_s) - self.grid_s if self._average else np.zeros(count)
+
+    @property
+    def averaged(self) -> float:
+        """Samples whose mean is as noisy as a grid point: the harmonic mean over the bins."""
+        return 1 / float(np.mean(1 / np.maximum(self._filled, 1))) if self._average else 1.0
 
     def __call__(self, values: FloatArray) -> FloatArray:
         if not self._average:
