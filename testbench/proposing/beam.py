@@ -10,9 +10,11 @@ import numpy as np
 from scipy.optimize import minimize
 
 from testbench.knit.effect import FloatArray, Stage
+from testbench.proposing.coordinates import COORDINATES, KINETICS
 from testbench.proposing.grids import Grid, rounded, usual_size
 from testbench.proposing.law import MOST_PARAMETERS, Law, Term
-from testbench.proposing.pieces import COORDINATES, KINETICS, OPERATORS, Coordinate, Operator, Slot
+from testbench.proposing.operators import OPERATORS
+from testbench.proposing.pieces import Coordinate, Operator, Slot
 from testbench.proposing.places import Place
 from testbench.proposing.screening import Projector
 

@@ -264,9 +264,7 @@ class Hunt:
         )
         return max(done, again, key=lambda one: one.log_z)
 
-    def dependence(
-        self, law: Law, before: Hypothesis, after: Hypothesis
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def dependence(self, law: Law, after: Hypothesis) -> tuple[FloatArray, FloatArray, FloatArray]:
         """z of a law, and what the channel lacks without and with it, at samples that count."""
         m, rows = self.measurement, self.likelihood.rows
         chain = OpenChain(after.model, m)
