@@ -197,7 +197,8 @@ class Beam:
     @staticmethod
     def diverse(found: Sequence[Found]) -> list[Found]:
         """The best, few of one family, so that no family is alone in the beam."""
-        kept, count = [], dict[tuple[str, str], int]()
+        kept: list[Found] = []
+        count: dict[tuple[str, str], int] = {}
         for one in found:
             family = (one.law.place.name, one.law.term.coordinate.name)
             if count.get(family, 0) < PER_FAMILY:

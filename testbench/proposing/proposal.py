@@ -309,7 +309,9 @@ def _judged(
     elif not before.history or before.history[-1].get("held_out") != held.recording.source:
         before = on_the_ladder(_as_fit(hunt.base), before, "refitted", calibration, held)
     floors = noise_floors(held)
-    after, kept, rejected = before, [], None
+    after = before
+    rejected: Step | None = None
+    kept: list[Step] = []
     for index, (step, h) in enumerate(found):
         step = replace(step, option=replace(step.option, law=at_its_instrument(step.option.law)))
         tried = on_the_ladder(

@@ -24,7 +24,8 @@ LEGEND = {"orientation": "h", "x": 1, "xanchor": "right", "y": 1.0, "yanchor": "
 def proposal(proposed: Proposed) -> style.Figure:
     """One row for each law (partial dependence), and one for each channel (held-out residual before and after)."""
     traces: list[dict[str, Any]] = []
-    notes, panels = [], []
+    notes: list[dict[str, Any]] = []
+    panels: list[tuple[str, str]] = []
     for step in proposed.steps:
         traces += _dependence(step, len(panels))
         panels.append((f"z = {plain(step.option.law.term.latex)}", _lacks(step)))
@@ -106,7 +107,9 @@ def _over_time(before: FloatArray, after: FloatArray, held: Measurement, index: 
 
 def _rows(panels: list[tuple[str, str]]) -> tuple[dict[str, Any], list[float]]:
     """Axes of panels below each other, each with an axis of its own, and where their tops are."""
-    gap, axes, tops = 0.32 / len(panels), {}, []
+    gap = 0.32 / len(panels)
+    axes: dict[str, Any] = {}
+    tops: list[float] = []
     height = (1 - gap * (len(panels) - 1)) / len(panels)
     for index, (x_title, y_title) in enumerate(panels):
         top = 1 - index * (height + gap)
