@@ -57,9 +57,9 @@ def run(args: argparse.Namespace) -> int:
     output = free_path(args.output)
     if output.suffix != ".py":
         raise UserError(f"{output}: an effect is a Python file; give a name like my_effect.py")
-    check_name(output.stem, str(output))
     picture = free_path(args.plot or output.with_suffix(".png"))
     catalogue = load_catalogue(args.effects)
+    check_name(output.stem, str(output), catalogue.effects)
     file = load_model_file(args.model, catalogue) if args.model else None
     gauge_length_mm = args.gauge_length_mm or (file.gauge_length_mm if file else None) or None
     recording = load_recording(args.recording, gauge_length_mm)

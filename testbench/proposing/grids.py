@@ -23,6 +23,7 @@ DAMPINGS = (0.03, 0.15, 0.5)
 NUMBERS = (0.5, 1.5, 2.0, 3.0)
 DELAYS_S = (0.1, 0.3, 1.0)
 LINES = 4  # strongest frequencies of a residual that are tried
+LEAST_LEVEL = 1e-3  # a threshold near zero may still be moved
 PERIODS = 1.0 / np.geomspace(2.0, 40.0, 14)  # of the range
 
 
@@ -107,7 +108,7 @@ class Grid:
         if slot.kind == "angle":
             return -20.0, 20.0, False
         if slot.kind == "level":
-            reach = rounded(10 * max(abs(value), 1e-9))
+            reach = rounded(10 * max(abs(value), LEAST_LEVEL))
             return -reach, reach, False
         if slot.kind == "strain":
             return 0.0, rounded(10 * max(value, 1e-6)), False

@@ -30,7 +30,7 @@ from testbench.proposing.law import Law
 from testbench.proposing.places import PLACES
 from testbench.proposing.screening import Projector
 from testbench.proposing.stability import SURE, stability
-from testbench.proposing.trial import Bench, Trial
+from testbench.proposing.trial import Bench, Trial, as_fitted
 from testbench.proposing.writing import effect_class
 from testbench.recordings.recording import Recording
 
@@ -304,10 +304,8 @@ def _judged(
     hunt.tell("judging on the held-out recording")
     given = any(name in SHAPES for name in (file.model if file else ()))
     before = file or on_the_ladder(_as_fit(hunt.search.baseline), None, "baseline", calibration, held)
-    if not given:
-        before = on_the_ladder(_as_fit(hunt.base), before, "+ shape freedom", calibration, held)
-    elif not before.history or before.history[-1].get("held_out") != held.recording.source:
-        before = on_the_ladder(_as_fit(hunt.base), before, "refitted", calibration, held)
+    step_name = "refitted" if given else "+ shape freedom"
+    before = on_the_ladder(_as_fit(hunt.base), before, step_name, calibration, held)
     floors = noise_floors(held)
     after = before
     rejected: Step | None = None
@@ -323,6 +321,8 @@ def _judged(
             break
         after = tried
         kept.append(step)
+    # A law that came later has moved the numbers of those before it.
+    kept = [_as_in(after.model, step, numbered(hunt.name, k)) for k, step in enumerate(kept)]
     verdict: Verdict = "proposed" if kept else "does_not_hold" if rejected else "no_law"
     if hunt.said_nothing_left:
         verdict = "nothing_left"
@@ -330,6 +330,10 @@ def _judged(
         verdict, hunt.name, tuple(kept), rejected, tuple(not_judged(calibration)), before, after,
         _held(before), _held(after), floors, calibration, held, hunt.grid,
     )  # fmt: skip
+
+
+def _as_in(model: KnitModel, step: Step, name: str) -> Step:
+    return replace(step, option=replace(step.option, law=as_fitted(step.option.law, model[name])))
 
 
 def with_class(h: Hypothesis, law: Law, name: str, grid: Grid) -> Hypothesis:

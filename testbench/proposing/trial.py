@@ -63,9 +63,7 @@ class Bench:
 
     def trial(self, law: Law, name: str, h: Hypothesis) -> Trial:
         """A law with the numbers that it has in a fitted model."""
-        effect = h.model[name]
-        values = {slot.key: float(getattr(effect, slot.key)) for slot in law.term.slots}
-        law = replace(law, values=values, strength=float(getattr(effect, strength_key(law))))
+        law = as_fitted(law, h.model[name])
         return Trial(law, name, h, h.log_z - PRICE_OF_PIECE * len(law.term.operators))
 
     def believed(self, law: Law, effect: Effect, name: str, prior_sd: float) -> Mapping[str, tuple[float, float]]:
@@ -84,3 +82,9 @@ class Bench:
                 reach = {"angle": np.pi, "delay": 1.0, "strain": 0.5 * self.grid.span}.get(slot.kind)
                 found[f"{name}.{slot.key}"] = (value, reach or max(abs(value), 1e-6))
         return found
+
+
+def as_fitted(law: Law, effect: Effect) -> Law:
+    """The law with the numbers of its effect in a fitted model."""
+    values = {slot.key: float(getattr(effect, slot.key)) for slot in law.term.slots}
+    return replace(law, values=values, strength=float(getattr(effect, strength_key(law))))

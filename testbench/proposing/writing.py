@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import keyword
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -52,7 +52,7 @@ class {cls}(Effect):
 '''
 
 
-def check_name(name: str, source: str) -> None:
+def check_name(name: str, source: str, taken: Collection[str] = BUILT_IN) -> None:
     """Refuse a file whose name is no name for an effect.
 
     Raises
@@ -63,7 +63,7 @@ def check_name(name: str, source: str) -> None:
         raise UserError(
             f"{source}: the effect is named after its file, which must be like my_effect.py (lower case, digits, _)"
         )
-    if name in BUILT_IN:
+    if name in taken:
         raise UserError(f"{source}: there is an effect called {name} already; choose another name")
 
 
@@ -111,6 +111,8 @@ def class_text(law: Law, name: str, grid: Grid) -> str:
     definitions = "".join(f"    {plain(line)}\n" for line in term.definitions)
     optional = '    optional_reads = ("temperature_C",)\n' if "temperature_C" in term.reads else ""
     optional += "    nonlinear = True\n" if any(o.name == "dead band" for o in term.operators) else ""
+    if term.coordinate.name == "time" and any(o.name == "wave" for o in term.operators):
+        optional += '    per_recording = ("phase",)\n'  # a hum knows nothing of when a recording began
     return CLASS.format(
         cls="".join(part.capitalize() for part in name.split("_")),
         summary=_folded(_sentence(in_words(law)), 4),
@@ -165,7 +167,13 @@ def _parameters(law: Law, grid: Grid) -> list[str]:
         low, high, log = grid.bounds(slot, value)
         lines.append(
             _parameter(
-                slot.key, value, str(law.term.unit_of(slot)), low, high, log, f"{plain(slot.symbol)}: {slot.doc}"
+                slot.key,
+                value,
+                "rad" if slot.kind == "angle" else str(law.term.unit_of(slot)),
+                low,
+                high,
+                log,
+                f"{plain(slot.symbol)}: {slot.doc}",
             )
         )
     return lines
