@@ -199,7 +199,8 @@ class Hunt:
 
     def run(self, most: int) -> list[tuple[Step, Hypothesis]]:
         """Laws that each gain, with the model that has them all so far."""
-        current, steps = self.base, []
+        current = self.base
+        steps: list[tuple[Step, Hypothesis]] = []
         while len(steps) < most and excess(current, self.likelihood) >= NOTHING_LEFT:
             found = self.round(current, numbered(self.name, len(steps)))
             if found is None:

@@ -58,7 +58,7 @@ def _dependence(step: Step, index: int) -> list[dict[str, Any]]:
     z, without, left = step.dependence
     every = max(1, len(z) // DOTS)
     axes = {"xaxis": style.x_ref(index), "yaxis": style.y_ref(index)}
-    dots = {
+    dots: dict[str, Any] = {
         "type": "scatter", "mode": "markers", "x": z[::every], "y": without[::every],
         "marker": {"size": 3, "color": style.FAINT}, **axes,
     }  # fmt: skip
