@@ -19,6 +19,7 @@ COMMANDS: tuple[str, ...] = (
     "compare",
     "hide",
     "diagnose",
+    "propose",
     "add",
     "ladder",
     "experiment",

@@ -1,0 +1,211 @@
+"""What a knit can remember: the operators that a proposed law is made of.
+
+Each takes a whole signal and returns a whole signal of shape (n,), started at rest; none looks ahead. Linear memory
+lies in `testbench.knit.filters`, play operators and running maxima in `testbench.knit.kernels`.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from testbench.knit.effect import FloatArray
+from testbench.knit.filters import rate
+from testbench.knit.kernels import running_max, travelled, turns
+
+BACK = 0.02  # of the span: a turn is known once the strain has come back so far
+WIGGLE = 0.005  # of the span: motion below this wears nothing
+
+
+@njit("float64[:](float64[:], float64[:], float64)", cache=True, nogil=True)
+def kinetics(gain_per_s: FloatArray, loss_per_s: FloatArray, dt_s: float) -> FloatArray:
+    """Share n in 0..1 with ``dn/dt = gain (1 - n) - loss n``, in equilibrium at the start.
+
+    Exact for rates that stand still at their mean over each step, however quick they are.
+
+    Parameters
+    ----------
+    gain_per_s, loss_per_s : ndarray, shape (n,)
+        Not negative, in 1/s. Where both are zero at the start, n starts at zero.
+    """
+    out = np.empty_like(gain_per_s)
+    total = gain_per_s[0] + loss_per_s[0]
+    n = gain_per_s[0] / total if total > 0.0 else 0.0
+    out[0] = n
+    for i in range(1, len(out)):
+        gain = 0.5 * (gain_per_s[i - 1] + gain_per_s[i])
+        total = gain + 0.5 * (loss_per_s[i - 1] + loss_per_s[i])
+        if total > 0.0:
+            level = gain / total
+            n = level + (n - level) * math.exp(-total * dt_s)
+        out[i] = n
+    return out
+
+
+@njit("float64[:](float64[:], float64, float64, float64)", cache=True, nogil=True)
+def oscillator(x: FloatArray, frequency_hz: float, damping: float, dt_s: float) -> FloatArray:
+    """Damped oscillator of unit gain at rest, driven by `x`: exact for `x` held at its mean over each step."""
+    out = np.empty_like(x)
+    w = 2.0 * math.pi * frequency_hz
+    wd = w * math.sqrt(max(1.0 - damping * damping, 1e-6))
+    decay = math.exp(-damping * w * dt_s)
+    c, s = math.cos(wd * dt_s), math.sin(wd * dt_s)
+    position, velocity = x[0], 0.0
+    out[0] = position
+    for i in range(1, len(x)):
+        held = 0.5 * (x[i] + x[i - 1])
+        u = position - held
+        position = held + decay * (u * (c + damping * w / wd * s) + velocity / wd * s)
+        velocity = decay * (velocity * (c - damping * w / wd * s) - u * w * w / wd * s)
+        out[i] = position
+    return out
+
+
+@njit("float64[:](float64[:], float64, float64)", cache=True, nogil=True)
+def relay(x: FloatArray, on_above: float, off_below: float) -> FloatArray:
+    """1 from where `x` rises above one level until it falls below the other, else 0 (Preisach's relay)."""
+    out = np.empty_like(x)
+    state = 1.0 if x[0] > on_above else 0.0
+    for i in range(len(x)):
+        if x[i] > on_above:
+            state = 1.0
+        elif x[i] < off_below:
+            state = 0.0
+        out[i] = state
+    return out
+
+
+@njit("float64[:](float64[:], float64)", cache=True, nogil=True)
+def held(x: FloatArray, width: float) -> FloatArray:
+    """The last value that was shown, until `x` is farther from it than `width` (a dead band).
+
+    What is shown anew is `x` at that very moment, between the samples.
+    """
+    out = np.empty_like(x)
+    shown = x[0]
+    for i in range(len(x)):
+        off = x[i] - shown
+        if abs(off) > width > 0.0:
+            shown += width * (math.floor(off / width) if off > 0.0 else math.ceil(off / width))
+        elif width <= 0.0:
+            shown = x[i]
+        out[i] = shown
+    return out
+
+
+@njit("float64[:](float64[:], float64)", cache=True, nogil=True)
+def stuck(x: FloatArray, grip: float) -> FloatArray:
+    """How far `x` has gone since it last stuck; it lets go, and sticks anew, beyond `grip` either way."""
+    out = np.empty_like(x)
+    anchor = x[0]
+    for i in range(len(x)):
+        off = x[i] - anchor
+        if abs(off) > grip > 0.0:
+            anchor += grip * (math.floor(off / grip) if off > 0.0 else math.ceil(off / grip))
+        out[i] = x[i] - anchor
+    return out
+
+
+@njit("float64[:](float64[:], float64, float64)", cache=True, nogil=True)
+def seconds_near(x: FloatArray, width: float, dt_s: float) -> FloatArray:
+    """For how many seconds `x` has stayed within `width` of where it settled."""
+    out = np.empty_like(x)
+    anchor, since = x[0], 0
+    for i in range(len(x)):
+        if abs(x[i] - anchor) > width * (1.0 + 1e-9):
+            anchor = x[i] - width if x[i] > anchor else x[i] + width
+            since = i
+        out[i] = (i - since) * dt_s
+    return out
+
+
+@njit("float64[:](float64[:], float64)", cache=True, nogil=True)
+def upper_turn(x: FloatArray, back: float) -> FloatArray:
+    """Where `x` last turned downwards, known once it has come back by `back`; its start before that."""
+    out = np.empty_like(x)
+    heading, extreme, last = 1.0, x[0], x[0]
+    for i in range(len(x)):
+        if (x[i] - extreme) * heading > 0.0:
+            extreme = x[i]
+        elif (extreme - x[i]) * heading > back:
+            if heading > 0.0:
+                last = extreme
+            heading, extreme = -heading, x[i]
+        out[i] = last
+    return out
+
+
+def moving(x: FloatArray, dt_s: float) -> FloatArray:
+    """Rate of `x` per second, zero at the start: it was at rest before."""
+    speed = rate(x, dt_s)
+    speed[0] = 0.0
+    return speed
+
+
+def heading(x: FloatArray, span: float) -> FloatArray:
+    """+1 while `x` goes up, -1 while it comes down, turning over within `BACK` of the span."""
+    from testbench.knit.kernels import bouc_wen
+
+    return bouc_wen(np.ascontiguousarray(x), BACK * span, 0.5)
+
+
+def since_turn(x: FloatArray, span: float, dt_s: float) -> FloatArray:
+    """Seconds since `x` last turned by more than `BACK` of the span."""
+    turned, _, _ = turns(np.ascontiguousarray(x), BACK * span)
+    return (np.arange(len(x)) - turned) * dt_s
+
+
+def turns_so_far(x: FloatArray, span: float) -> FloatArray:
+    """How often `x` has turned by more than `BACK` of the span."""
+    return turns(np.ascontiguousarray(x), BACK * span)[2]
+
+
+def last_top(x: FloatArray, span: float) -> FloatArray:
+    """Where `x` last turned downwards."""
+    return upper_turn(np.ascontiguousarray(x), BACK * span)
+
+
+def largest(x: FloatArray) -> FloatArray:
+    """Largest value so far."""
+    return running_max(np.ascontiguousarray(x))
+
+
+def path(x: FloatArray, span: float) -> FloatArray:
+    """Path of `x` so far, without its wiggles."""
+    return travelled(np.ascontiguousarray(x), WIGGLE * span)
+
+
+def work(force_N: FloatArray, strain: FloatArray) -> FloatArray:
+    """Work done so far, back and forth, over the gauge length, in N: integral of \\|F de\\|."""
+    middle = 0.5 * np.abs(force_N[1:] + force_N[:-1])
+    return np.concatenate([np.zeros(1), np.cumsum(middle * np.abs(np.diff(strain)))])
+
+
+def delayed(x: FloatArray, delay_s: float, dt_s: float) -> FloatArray:
+    """`x` as it was `delay_s` ago; its first value before that."""
+    at = np.arange(len(x)) - delay_s / dt_s
+    return np.interp(at, np.arange(len(x)), x)
+
+
+def stop(x: FloatArray, reach: float) -> FloatArray:
+    """What a slip element of this reach carries, -reach to reach: `x` less its play."""
+    from testbench.knit.kernels import play
+
+    return x - play(np.ascontiguousarray(x), np.array([reach]))[0]
+
+
+def power_of(x: FloatArray, exponent: float) -> FloatArray:
+    """A power that keeps the sign."""
+    return np.sign(x) * np.abs(x) ** exponent
+
+
+def over(x: FloatArray, edge: float) -> FloatArray:
+    """How far `x` lies above an edge, else 0."""
+    return np.maximum(x - edge, 0.0)
+
+
+def bump(x: FloatArray, centre: float, width: float) -> FloatArray:
+    """A bell of height 1 at `centre`."""
+    return np.exp(-0.5 * np.minimum(((x - centre) / width) ** 2, 1400.0))

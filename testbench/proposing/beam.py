@@ -1,0 +1,283 @@
+"""The search for a law: seeds are coordinates with a memory, and the best grow a bend, a factor or another memory."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import minimize
+
+from testbench.knit.effect import FloatArray, Stage
+from testbench.proposing.coordinates import COORDINATES, KINETICS
+from testbench.proposing.grids import Grid, rounded, usual_size
+from testbench.proposing.law import MOST_PARAMETERS, Law, Term
+from testbench.proposing.operators import OPERATORS
+from testbench.proposing.pieces import Coordinate, Operator, Slot
+from testbench.proposing.places import Place
+from testbench.proposing.screening import Projector
+
+WIDTH, PER_FAMILY = 14, 3  # laws that grow on; of them, with the same place and coordinate
+LEVELS, POLISHED = 2, 10  # times that they grow; how many have their numbers optimised each time
+PRICE_OF_PIECE, PRICE_OF_PARAMETER = 2.0, 2.0  # nats: so many more laws have one piece, or one number, more
+EVALUATIONS = 60
+INSTRUMENT = {"conductance rate", "force", "conductance", "time", "temperature", "heating power", "force rate"}
+OF_STRAIN = {"strain", "largest strain", "below the largest strain", "past the last top", "path", "turns", "time",
+             "direction", "strain rate", "speed", "time since reversal", "temperature"}  # fmt: skip
+OF_CONTACTS = {"contact force", "strain", "largest strain", "path", "time", "temperature", "time since reversal"}
+SIGNAL_ONLY = {  # memories that make sense of some coordinates alone
+    "slip": {"strain", "force", "contact force", "conductance"},
+    "ring": {"strain", "force", "contact force", "conductance"},
+    "late": {"force", "conductance", "strain"},
+    "dead band": {"force", "conductance", "strain"},
+    "stick": {"strain", "force"},
+}
+NO_MEMORY = {"time", "direction", "turns", "path", "work"}  # what only grows has all of its past already
+
+
+@dataclass(frozen=True)
+class Found:
+    """A law at its best point, and its gain in ln Z to first order, its price taken off."""
+
+    law: Law
+    gain: float
+
+
+class Beam:
+    """One search beside one fitted model."""
+
+    def __init__(self, projector: Projector, grid: Grid, tell: Callable[[str], None], pool: Executor) -> None:
+        self.projector, self.grid, self.tell, self.pool = projector, grid, tell, pool
+        self.chain = projector.chain
+        self.signals = {p.name: self.chain.readable(p) for p in self.chain.places}
+        self.tried = 0
+
+    def run(self) -> list[Found]:
+        """The best laws, the best first, of different structures."""
+        self.tell("seeds: every coordinate with every memory")
+        found = self.best_of_each(self.scored(self.seeds()))
+        for level in range(LEVELS):
+            chosen = self.polished(self.diverse(found))
+            self.tell(f"growing the best laws, round {level + 1} of {LEVELS}")
+            grown = self.scored([one for parent in chosen for one in self.children(parent.law)])
+            found = self.best_of_each([*chosen, *found, *grown])
+        return self.polished(self.diverse(found))
+
+    # --- seeds ---
+
+    def seeds(self) -> Iterator[tuple[Place, Term, dict[str, float]]]:
+        for place in self.chain.places:
+            if place.name == "conductance reading":
+                continue  # the same trace as the conductance's; which it is, is decided in the end
+            for coordinate in self.coordinates(place):
+                plain = Term(coordinate, (), self.grid.span)
+                for values in self.grid.points(coordinate.slots, None):
+                    yield place, plain, values
+                    if coordinate.name in KINETICS:
+                        continue
+                    x = plain.evaluated(self.signals[place.name], values, self.grid.dt_s)
+                    yield from self.bent(place, plain, values, x)
+                    for term, more in self.remembering(plain, x):
+                        yield place, term, values | more
+                        yield from self.sized(place, term, values | more)
+
+    def coordinates(self, place: Place) -> list[Coordinate]:
+        readable = set(self.signals[place.name])
+        allowed = None
+        if place.stage == Stage.READOUT:
+            allowed = INSTRUMENT
+        elif place.stage == Stage.KINEMATICS:
+            allowed = OF_STRAIN
+        elif place.stage == Stage.PRESSURE:
+            allowed = OF_CONTACTS
+        kinds = [*COORDINATES.values(), *(KINETICS.values() if place.stage in (1, 4) else ())]
+        return [c for c in kinds if set(c.reads) <= readable and (allowed is None or c.name in allowed)]
+
+    def remembering(self, term: Term, x: FloatArray) -> Iterator[tuple[Term, dict[str, float]]]:
+        name = term.coordinate.name
+        if name in NO_MEMORY:
+            return
+        for one in OPERATORS.values():
+            if one.kind == "memory" and name in SIGNAL_ONLY.get(one.name, {name}):
+                for values in self.grid.points(one.slots, x):
+                    yield self.with_operator(term, one, len(term.operators), x), values
+
+    def bent(self, place: Place, plain: Term, values: dict[str, float], x: FloatArray):
+        """A coordinate through every bend: what is even, or sharp, leaves no trace in its straight line."""
+        for one in OPERATORS.values():
+            if one.kind == "bend" and self.fits(plain, one, 0, x):
+                for more in self.grid.points(one.slots, x, one.name):
+                    yield place, self.with_operator(plain, one, 0, x), values | more
+
+    def sized(self, place: Place, term: Term, values: Mapping[str, float]):
+        """The same without its sign, where it has one."""
+        if term.coordinate.signed and term.memory not in ("dead band",):
+            yield place, self.with_operator(term, OPERATORS["size"], len(term.operators), None), values
+            yield place, self.with_operator(term, OPERATORS["square"], len(term.operators), None), values
+
+    # --- growth ---
+
+    def children(self, law: Law) -> Iterator[tuple[Place, Term, dict[str, float]]]:
+        """The law with one piece more, or one in the place of another, wherever that makes sense."""
+        term = law.term
+        yield from self.widened(law, term, None)
+        for at, one in enumerate(term.operators):
+            less = replace(
+                term,
+                operators=term.operators[:at] + term.operators[at + 1 :],
+                sizes=term.sizes[:at] + term.sizes[at + 1 :],
+            )
+            yield from self.widened(law, less, at, one.name)
+
+    def widened(self, law: Law, term: Term, only: int | None, not_this: str = ""):
+        """The term with one operator put in, at one place of its chain or at any."""
+        readable = set(self.signals[law.place.name])
+        has = {one.name for one in term.operators} | {not_this}
+        values = {slot.key: law.values[slot.key] for slot in term.slots}
+        for at in range(len(term.operators) + 1) if only is None else (only,):
+            inner = Term(term.coordinate, term.operators[:at], term.span, term.sizes[:at])
+            x = inner.evaluated(self.signals[law.place.name], values, self.grid.dt_s)
+            for one in OPERATORS.values():
+                if one.name in has or not set(one.reads) <= readable or not self.fits(term, one, at, x):
+                    continue
+                grown = self.with_operator(term, one, at, x)
+                for more in self.grid.points(one.slots, x, one.name):
+                    yield law.place, grown, values | more
+
+    @staticmethod
+    def fits(term: Term, one: Operator, at: int, x: FloatArray) -> bool:
+        """Whether an operator makes sense there, and leaves few enough numbers with names of their own."""
+        keys = [slot.key for slot in (*term.slots, *one.slots)]
+        if len(keys) + 1 > MOST_PARAMETERS or len(set(keys)) < len(keys) or not np.ptp(x):
+            return False
+        if one.name == "size" and not np.min(x) < 0 < np.max(x):
+            return False
+        return _fits(term, one, at)
+
+    def with_operator(self, term: Term, one: Operator, at: int, x: FloatArray | None) -> Term:
+        """The term with an operator put in."""
+        size = rounded(usual_size(x)) if x is not None and "{size}" in one.code else 1.0
+        operators = (*term.operators[:at], one, *term.operators[at:])
+        sizes = (*term.sizes[:at], size, *term.sizes[at:])
+        return replace(term, operators=operators, sizes=sizes)
+
+    # --- scores ---
+
+    def scored(self, points: Iterable[tuple[Place, Term, dict[str, float]]]) -> list[Found]:
+        """First-order evidence of every point."""
+        todo = list(points)
+        self.tried += len(todo)
+        parts = [todo[k::4] for k in range(4)]
+        return [one for part in self.pool.map(self._scored, parts) for one in part]
+
+    def _scored(self, todo: Sequence[tuple[Place, Term, dict[str, float]]]) -> list[Found]:
+        return [self.at(place, term, values) for place, term, values in todo]
+
+    def at(self, place: Place, term: Term, values: Mapping[str, float]) -> Found:
+        """One law at one point."""
+        z = term.evaluated(self.signals[place.name], values, self.grid.dt_s)
+        score = self.projector.score(place, z)
+        law = Law(place, term, values, score.strength)
+        return Found(law, score.gain - price_of(term))
+
+    @staticmethod
+    def best_of_each(found: Sequence[Found]) -> list[Found]:
+        """The best point of each structure, the best first."""
+        best: dict[str, Found] = {}
+        for one in found:
+            key = one.law.key
+            if np.isfinite(one.gain) and (key not in best or one.gain > best[key].gain):
+                best[key] = one
+        kept: dict[tuple[str, float], Found] = {}  # two spellings of one z have one gain before their price
+        for one in sorted(best.values(), key=lambda one: -one.gain):
+            kept.setdefault((one.law.place.name, round(one.gain + price_of(one.law.term), 4)), one)
+        return list(kept.values())
+
+    @staticmethod
+    def diverse(found: Sequence[Found]) -> list[Found]:
+        """The best, few of one family, so that no family is alone in the beam."""
+        kept: list[Found] = []
+        count: dict[tuple[str, str], int] = {}
+        for one in found:
+            family = (one.law.place.name, one.law.term.coordinate.name)
+            if count.get(family, 0) < PER_FAMILY:
+                kept.append(one)
+                count[family] = count.get(family, 0) + 1
+            if len(kept) == WIDTH:
+                break
+        return kept
+
+    def polished(self, found: Sequence[Found]) -> list[Found]:
+        """The numbers of the best optimised."""
+        better = list(self.pool.map(self.polish, found[:POLISHED]))
+        return sorted([*better, *found[POLISHED:]], key=lambda one: -one.gain)
+
+    def polish(self, found: Found) -> Found:
+        law = found.law
+        slots = law.term.slots
+        if not slots:
+            return found
+        start = np.array([_inward(slot, law.values[slot.key], self.grid) for slot in slots])
+
+        def cost(point: FloatArray) -> float:
+            try:
+                return -self.at(law.place, law.term, _outward(slots, point, law.values, self.grid)).gain
+            except (ValueError, OverflowError, ZeroDivisionError):
+                return np.inf
+
+        steps = np.array([_step(slot, law.values[slot.key], self.grid) for slot in slots])
+        simplex = np.vstack([start, start + np.diag(steps)])
+        options = {"initial_simplex": simplex, "maxfev": EVALUATIONS * len(slots), "xatol": 1e-3, "fatol": 0.1}
+        best = minimize(cost, start, method="Nelder-Mead", options=options)
+        then = self.at(law.place, law.term, _outward(slots, best.x, law.values, self.grid))
+        return max(found, then, key=lambda one: one.gain)
+
+
+def price_of(term: Term) -> float:
+    """What a law costs for being one of so many, in nats."""
+    return PRICE_OF_PIECE * len(term.operators) + PRICE_OF_PARAMETER * len(term.slots)
+
+
+def _fits(term: Term, one: Operator, at: int) -> bool:
+    """Whether an operator makes sense there: one memory, one factor, two bends; what is positive for logarithms."""
+    kinds = [o.kind for o in term.operators]
+    name = term.coordinate.name
+    if one.kind == "memory":
+        if "memory" in kinds or name in NO_MEMORY or name in KINETICS:
+            return False
+        if one.name in SIGNAL_ONLY:
+            return at == 0 and name in SIGNAL_ONLY[one.name]
+        return True
+    if {one.name, *(o.name for o in term.operators)} >= {"square", "power"}:
+        return False
+    if one.kind == "factor":
+        return kinds.count("factor") < 2 and at == len(kinds)
+    if one.name == "log":
+        return name in KINETICS and at == 0
+    if one.only_positive and term.coordinate.signed and "size" not in [o.name for o in term.operators[:at]]:
+        return False
+    return kinds.count("bend") < 2
+
+
+def _inward(slot: Slot, value: float, grid: Grid) -> float:
+    low, _, log = grid.bounds(slot, value)
+    return float(np.log(max(value, low, 1e-12))) if log else value
+
+
+def _step(slot: Slot, value: float, grid: Grid) -> float:
+    if grid.bounds(slot, value)[2]:
+        return 0.02 if slot.key == "period" else 0.35
+    if slot.kind == "angle":
+        return 0.5
+    if slot.kind == "delay":
+        return 0.1
+    return 0.15 * abs(value) + 0.01 * grid.span
+
+
+def _outward(slots: Sequence[Slot], point: FloatArray, around: Mapping[str, float], grid: Grid) -> dict[str, float]:
+    values = {}
+    for slot, x in zip(slots, point, strict=True):
+        low, high, log = grid.bounds(slot, around[slot.key])
+        values[slot.key] = float(np.clip(np.exp(min(x, 60.0)) if log else x, low, high))
+    return values

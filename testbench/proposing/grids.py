@@ -1,0 +1,140 @@
+"""Where the parameters of a law may lie, and where its search starts: what this recording can show."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from scipy.signal import periodogram
+
+from testbench.knit.effect import FloatArray
+from testbench.proposing.pieces import Slot
+
+LEVELS = (0.1, 0.3, 0.5, 0.7, 0.9)  # quantiles
+SIZES = (0.03, 0.1, 0.3, 1.0, 3.0)  # of the usual size
+EDGES = tuple(np.linspace(0.06, 0.94, 12))  # quantiles at which a switch is tried: a sharp thing is found only nearby
+GRIPS = np.geomspace(0.02, 0.5, 24)  # of the range, where something may stick
+STRAINS = (0.1, 0.25, 0.4, 0.55, 0.7, 0.85)  # of the span
+PATHS = (0.3, 1.0, 4.0, 16.0)  # spans
+TIMES, FEWER_TIMES = 8, 4
+HERTZ = np.geomspace(0.15, 3.0, 12)
+DAMPINGS = (0.03, 0.15, 0.5)
+NUMBERS = (0.5, 1.5, 2.0, 3.0)
+DELAYS_S = (0.1, 0.3, 1.0)
+LINES = 4  # strongest frequencies of a residual that are tried
+LEAST_LEVEL = 1e-3  # a threshold near zero may still be moved
+PERIODS = 1.0 / np.geomspace(2.0, 40.0, 14)  # of the range
+
+
+class Grid:
+    """Start values of every kind of parameter, and its bounds.
+
+    Parameters
+    ----------
+    span : float
+        Largest strain of the recording.
+    dt_s, duration_s : float
+    residual : sequence of ndarray
+        What is left of each channel on the whole grid: for its strongest frequencies.
+    """
+
+    def __init__(self, span: float, dt_s: float, duration_s: float, residual: Sequence[FloatArray]) -> None:
+        self.span, self.dt_s, self.duration_s = span, dt_s, duration_s
+        self.periods_s = _strongest_periods(residual, dt_s)
+
+    def points(self, slots: Sequence[Slot], x: FloatArray | None, name: str = "") -> Iterator[dict[str, float]]:
+        """Start points of the parameters of one piece whose input is `x`."""
+        if name == "wave" and x is not None:
+            yield from self._waves(x)
+            return
+        if name == "switch" and x is not None:
+            for level in np.unique(np.quantile(x, EDGES)):
+                for share in (0.02, 0.2, 0.6, 1.5):
+                    yield {"on": float(level), "gap": share * usual_size(x)}
+            return
+        if name == "stick" and x is not None:
+            for share in GRIPS:
+                yield {"grip": float(share * max(np.ptp(x), 1e-9))}
+            return
+        few = len(slots) > 1
+        axes = [self._axis(slot, x, few) for slot in slots]
+        for values in itertools.product(*axes):
+            yield {slot.key: float(v) for slot, v in zip(slots, values, strict=True)}
+
+    def _axis(self, slot: Slot, x: FloatArray | None, few: bool) -> Sequence[float]:
+        if slot.kind == "time":
+            return self.times_s(FEWER_TIMES if few else TIMES)
+        if slot.kind == "delay":
+            return DELAYS_S
+        if slot.kind == "frequency":
+            return [hz for hz in HERTZ if hz < 0.3 / self.dt_s]
+        if slot.kind == "strain":
+            return [share * self.span for share in (STRAINS[1::2] if few else STRAINS)]
+        if slot.kind == "path":
+            return [share * self.span for share in PATHS]
+        if slot.kind == "number":
+            return DAMPINGS if slot.key == "damping" else NUMBERS
+        if x is None:  # a size of a strain
+            return [share * self.span for share in (0.03, 0.1, 0.2)]
+        if slot.kind == "level":
+            return list(np.unique(np.quantile(x, LEVELS)))
+        return [share * usual_size(x) for share in (SIZES[1:4] if few else SIZES)]
+
+    def times_s(self, count: int = TIMES) -> Sequence[float]:
+        """Time constants that this recording can show: from a few samples to half its length."""
+        return list(np.geomspace(max(3 * self.dt_s, 0.25), 0.5 * self.duration_s, count))
+
+    def _waves(self, x: FloatArray) -> Iterator[dict[str, float]]:
+        straight = abs(len(x) * float(np.mean(np.diff(x))) / max(float(np.ptp(x)), 1e-12)) > 0.99
+        if straight and float(np.ptp(x)) > 0.9 * self.duration_s:  # the time itself
+            periods = self.periods_s
+        else:
+            periods = [share * max(float(np.ptp(x)), 1e-9) for share in PERIODS]
+        for period in periods:
+            for phase in (0.0, np.pi / 2):
+                yield {"period": float(period), "phase": phase}
+
+    def bounds(self, slot: Slot, value: float) -> tuple[float, float, bool]:
+        """Least and largest value around one that was found, and whether its scale is logarithmic."""
+        if slot.kind == "time":
+            return min(0.05, value), max(1e5, value), True
+        if slot.kind == "delay":
+            return 0.0, 10.0, False
+        if slot.kind == "frequency":
+            return 0.01, 50.0, True
+        if slot.kind == "number":
+            return slot.low, slot.high, True
+        if slot.kind == "angle":
+            return -20.0, 20.0, False
+        if slot.kind == "level":
+            reach = rounded(10 * max(abs(value), LEAST_LEVEL))
+            return -reach, reach, False
+        if slot.kind == "strain":
+            return 0.0, rounded(10 * max(value, 1e-6)), False
+        return rounded(value / 100), rounded(value * 100), True
+
+
+def usual_size(x: FloatArray) -> float:
+    """What a signal usually measures: its spread, or its mean where that is larger."""
+    return max(float(np.std(x)), 0.5 * abs(float(np.mean(x))), 1e-9)
+
+
+def rounded(value: float, digits: int = 2) -> float:
+    """To so many digits that say something."""
+    return float(f"{value:.{digits - 1}e}")
+
+
+def _strongest_periods(residual: Sequence[FloatArray], dt_s: float) -> list[float]:
+    """Periods of the strongest lines of what is left, those of each channel."""
+    found: list[float] = []
+    for values in residual:
+        hz, power = periodogram(values - values.mean(), 1 / dt_s, window="hann", nfft=4 * len(values))
+        power[hz < 3 / (len(values) * dt_s)] = 0.0
+        for _ in range(LINES):
+            top = int(np.argmax(power))
+            if power[top] <= 0:
+                break
+            found.append(1 / float(hz[top]))
+            power[max(top - 12, 0) : top + 13] = 0.0
+    return found

@@ -1,0 +1,90 @@
+"""A law put into the model and refitted with all of the base: its evidence, and its numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from testbench.diagnosis.laplace import Hypothesis, fitted
+from testbench.diagnosis.likelihood import Likelihood
+from testbench.knit.effect import Effect, bounds_of
+from testbench.knit.model import KnitModel
+from testbench.proposing.beam import PRICE_OF_PIECE, Found
+from testbench.proposing.grids import Grid
+from testbench.proposing.law import Law
+from testbench.proposing.writing import effect_class, strength_key
+
+QUICK = 6
+WIDTHS = {"time": 2.0, "size": 1.5, "path": 1.5, "number": 0.7, "frequency": 1.0}  # e-folds, before seeing data
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A law in the model.
+
+    Attributes
+    ----------
+    law : Law
+        With its numbers as refitted.
+    name : str
+        In the model.
+    hypothesis : Hypothesis
+    log_z : float
+        Log evidence, the price of its pieces taken off.
+    """
+
+    law: Law
+    name: str
+    hypothesis: Hypothesis
+    log_z: float
+
+
+class Bench:
+    """Where laws are tried: a likelihood, and the model around which the base laws are believed."""
+
+    def __init__(self, likelihood: Likelihood, reference: KnitModel, grid: Grid) -> None:
+        self.likelihood, self.reference, self.grid = likelihood, reference, grid
+
+    def tried(self, found: Found, name: str, current: Hypothesis, prior_sd: float) -> Trial:
+        """A law refitted quickly beside a fitted model."""
+        law = found.law
+        effect = effect_class(law, name, self.grid)()
+        model = current.model.plus(effect, name)
+        believed = self.believed(law, effect, name, prior_sd)
+        h = fitted(model, self.likelihood, self.reference, current, QUICK, True, believed)
+        return self.trial(law, name, h)
+
+    def settled(self, trial: Trial) -> Trial:
+        """The same carried to its end."""
+        h = fitted(trial.hypothesis.model, self.likelihood, self.reference, trial.hypothesis)
+        return self.trial(trial.law, trial.name, h)
+
+    def trial(self, law: Law, name: str, h: Hypothesis) -> Trial:
+        """A law with the numbers that it has in a fitted model."""
+        law = as_fitted(law, h.model[name])
+        return Trial(law, name, h, h.log_z - PRICE_OF_PIECE * len(law.term.operators))
+
+    def believed(self, law: Law, effect: Effect, name: str, prior_sd: float) -> Mapping[str, tuple[float, float]]:
+        """Priors of a law's parameters: wide, and not where its own search has ended but for a level's scale."""
+        found = {f"{name}.{strength_key(law)}": (0.0, prior_sd)}
+        for slot in law.term.slots:
+            value = law.values[slot.key]
+            log = bounds_of(type(effect).model_fields[slot.key])["scale"] == "log"
+            if slot.kind == "time":
+                times = self.grid.times_s(2)
+                centre = float(np.mean(np.log(np.asarray(times))))
+                found[f"{name}.{slot.key}"] = (centre, max(WIDTHS["time"], abs(np.log(value) - centre)))
+            elif log:
+                found[f"{name}.{slot.key}"] = (float(np.log(value)), WIDTHS.get(slot.kind, 1.0))
+            else:
+                reach = {"angle": np.pi, "delay": 1.0, "strain": 0.5 * self.grid.span}.get(slot.kind)
+                found[f"{name}.{slot.key}"] = (value, reach or max(abs(value), 1e-6))
+        return found
+
+
+def as_fitted(law: Law, effect: Effect) -> Law:
+    """The law with the numbers of its effect in a fitted model."""
+    values = {slot.key: float(getattr(effect, slot.key)) for slot in law.term.slots}
+    return replace(law, values=values, strength=float(getattr(effect, strength_key(law))))

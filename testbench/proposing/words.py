@@ -1,0 +1,128 @@
+"""A proposed law as text for the terminal, for the head of its file, and as JSON."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from testbench.comparing.tables import ladder_table
+from testbench.comparing.words import percent
+from testbench.fitting.errors import channel_name
+from testbench.fitting.measurement import UNIT_OF
+from testbench.knit.effect import bounds_of
+from testbench.proposing.law import Law
+from testbench.proposing.proposal import Option, Proposed, Step, numbered
+from testbench.proposing.writing import effect_class, in_words, latex_of, plain
+
+SHOWN = 4
+
+
+def proposal_text(proposed: Proposed) -> str:
+    """All of it: the law, what else could be it, the ladder, and what could not be judged."""
+    lines = [first_line(proposed), ""]
+    for index, step in enumerate(proposed.steps):
+        lines += [*_law(proposed, step, index), ""]
+    if proposed.rejected:
+        law = proposed.rejected.option.law
+        lines += [f"found, but it does not hold on the held-out recording: {in_words(law)}", ""]
+    lines.append(ladder_table(proposed.after))
+    if proposed.notes:
+        lines += ["", "what this recording could not judge:", *(f"  - {note}" for note in proposed.notes)]
+    return "\n".join(lines)
+
+
+def first_line(proposed: Proposed) -> str:
+    """The result in one sentence."""
+    if proposed.verdict == "proposed":
+        laws = "; then ".join(in_words(law) for law, _ in proposed.laws)
+        return f"proposed: {laws}"
+    left = ", ".join(
+        f"{channel_name(c)} {error / proposed.noise_floor[c]:.2f}" for c, error in proposed.error_before.items()
+    )
+    floors = f"(held-out error in noise floors: {left})"
+    if proposed.verdict == "nothing_left":
+        return f"nothing is left above the noise: no law is proposed {floors}"
+    if proposed.verdict == "does_not_hold":
+        return f"no law is proposed: what was found does not hold on the held-out recording {floors}"
+    return f"no law is proposed: none of the library explains what is left {floors}"
+
+
+def _law(proposed: Proposed, step: Step, index: int) -> Iterator[str]:
+    law, name = step.option.law, numbered(proposed.name, index)
+    yield f"{name}: {in_words(law)}"
+    yield f"    {plain(law.place.latex)} += a z,   z = {plain(law.term.latex)}"
+    yield from (f"    {plain(line)}" for line in law.term.definitions)
+    yield f"    LaTeX: {latex_of(law)}"
+    yield from _parameters(proposed, law, name)
+    option = step.option
+    yield (
+        f"    log evidence {option.log_evidence:+.1f} nats; it gains in {percent(option.holds)} of the resampled "
+        f"recordings and is the best in {percent(option.chosen)}"
+    )
+    for place, other in enumerate(step.alternatives[:SHOWN]):
+        tied = "cannot be told from it" if abs(other.log_evidence - option.log_evidence) < 3.0 else "less likely"
+        if place == 0:
+            yield "    instead of it:"
+        yield f"      {other.log_evidence:+8.1f} nats  {tied}: {in_words(other.law)}"
+
+
+def _parameters(proposed: Proposed, law: Law, name: str) -> Iterator[str]:
+    errors = proposed.after.fit.get("parameters", {})
+    effect = effect_class(law, name, proposed.grid)
+    for key, field in effect.model_fields.items():
+        value, unit = float(field.default), bounds_of(field)["unit"]
+        error = errors.get(f"{name}.{key}", {}).get("standard_error")
+        around = f" ± {error:.2g}" if error is not None else ""
+        yield f"    {key:<10} = {value:.4g}{around} {'' if unit == '1' else unit + ' '}- {field.description}"
+
+
+def story(proposed: Proposed) -> str:
+    """Where the law comes from, for the head of the file."""
+    parts = []
+    for c, before in proposed.error_before.items():
+        unit, after, floor = UNIT_OF[c], proposed.error_after[c], proposed.noise_floor[c]
+        parts.append(f"{channel_name(c)} {before:.3g} -> {after:.3g} {unit} (noise floor {floor:.2g})")
+    found = (
+        f"Found on {_safe(proposed.calibration.recording.source)}, judged on {_safe(proposed.held.recording.source)}"
+    )
+    return f"{found}: held-out error of {', '.join(parts)}."
+
+
+def _safe(source: str) -> str:
+    """The name of a recording as it may stand in a program: a stranger has chosen it."""
+    return re.sub(r"[^\w .()-]", "_", Path(source).name)[:80]
+
+
+def as_json(proposed: Proposed) -> dict[str, Any]:
+    """JSON-ready form; the shape is documented in docs/propose.md."""
+    return {
+        "verdict": proposed.verdict,
+        "laws": [_option_json(s.option) | {"effect": numbered(proposed.name, k), "tied": s.tied,
+                 "alternatives": [_option_json(a) for a in s.alternatives]} for k, s in enumerate(proposed.steps)],
+        "rejected": _option_json(proposed.rejected.option) if proposed.rejected else None,
+        "not_judged": list(proposed.notes),
+        "error_before": dict(proposed.error_before),
+        "error_after": dict(proposed.error_after),
+        "noise_floor": dict(proposed.noise_floor),
+        "model_after": proposed.after.model.to_dict(),
+        "history": [dict(step) for step in proposed.after.history],
+    }  # fmt: skip
+
+
+def _option_json(option: Option) -> dict[str, Any]:
+    law = option.law
+    return {
+        "words": in_words(law),
+        "latex": latex_of(law),
+        "stage": law.place.stage.name,
+        "changes": law.place.name,
+        "coordinate": law.term.coordinate.name,
+        "operators": [one.name for one in law.term.operators],
+        "parameters": {"gain": law.strength, **law.values},
+        "units": {"gain": str(law.unit), **{s.key: str(law.term.unit_of(s)) for s in law.term.slots}},
+        "log_evidence": option.log_evidence,
+        "gains_in": option.holds,
+        "best_in": option.chosen,
+    }

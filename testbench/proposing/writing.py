@@ -1,0 +1,275 @@
+"""A law as an effect: the text of its class, with formula, units and bounds, and the class of that text."""
+
+from __future__ import annotations
+
+import keyword
+import textwrap
+from collections.abc import Collection, Sequence
+from pathlib import Path
+from typing import Any
+
+from gcode.support.errors import UserError
+from testbench.knit.catalogue import BUILT_IN
+from testbench.knit.effect import Effect
+from testbench.proposing.grids import Grid, rounded
+from testbench.proposing.law import NAMES, SINCE_START, STRENGTH, TOOLS, Law
+
+MODULE = "knitbench_proposed"
+REACH = 30  # bounds of the strength, over what was found
+HEAD = '''"""{title}
+
+{story}
+
+Try it:  testbench effects --effects {file} --check
+Use it:  testbench diagnose A --effects {file};  testbench add {name} --model M --fit A --effects {file} -o M2
+"""
+
+'''
+CLASS = '''
+
+class {cls}(Effect):
+    """{summary}
+
+    {formula}
+{definitions}
+    In LaTeX:  {latex}
+
+    Source: proposed by `testbench propose` from what a model left of a recording; no theory
+    stands behind it.
+    Valid: inside the strain, the speed and the duration of that recording.
+    """
+
+    name = "{name}"
+    stage = Stage.{stage}
+    reads, writes = {reads}, {writes}
+    strength = "{strength}"
+    look = "{look}"
+{optional}
+{parameters}
+
+    def apply(self, signals, dt_s):
+{body}
+'''
+
+
+def check_name(name: str, source: str, taken: Collection[str] = BUILT_IN) -> None:
+    """Refuse a file whose name is no name for an effect.
+
+    Raises
+    ------
+    UserError
+    """
+    if not name.isidentifier() or keyword.iskeyword(name) or name != name.lower():
+        raise UserError(
+            f"{source}: the effect is named after its file, which must be like my_effect.py (lower case, digits, _)"
+        )
+    if name in taken:
+        raise UserError(f"{source}: there is an effect called {name} already; choose another name")
+
+
+def strength_key(law: Law) -> str:
+    """Name of the strength in the effect, ending in its unit where that is a force."""
+    return f"{STRENGTH}_N" if str(law.unit) == "N" else STRENGTH
+
+
+def effect_class(law: Law, name: str, grid: Grid) -> type[Effect]:
+    """The class that the file would hold, made from the same text."""
+    space: dict[str, Any] = {"__name__": MODULE}
+    exec(compile(file_text([(law, name)], grid, "", f"{name}.py"), f"<{name}>", "exec"), space)
+    return next(v for v in space.values() if isinstance(v, type) and issubclass(v, Effect) and v is not Effect)
+
+
+def file_text(laws: Sequence[tuple[Law, str]], grid: Grid, story: str, file: str) -> str:
+    """A whole effect file."""
+    classes = "".join(class_text(law, name, grid) for law, name in laws)
+    title = _sentence("; ".join(in_words(law) for law, _ in laws))
+    head = HEAD.format(title=_folded(title, 0), story=_folded(story or "Proposed.", 0), file=file, name=laws[0][1])
+    return head + _imports(classes) + classes
+
+
+def _imports(code: str) -> str:
+    """Only what the code uses."""
+    import re
+
+    def used(names: Sequence[str]) -> list[str]:
+        return sorted(name for name in names if re.search(rf"(?<![.\w]){name}\(", code))
+
+    lines = ["import numpy as np\n"] if "np." in code else []
+    lines.append("from testbench.knit.effect import Effect, Stage, parameter")
+    for module in ("filters", "memories"):
+        mine = [n for n, tool in TOOLS.items() if getattr(tool, "__module__", "") == f"testbench.knit.{module}"]
+        found = used([*mine, *(["log_conductance"] if module == "filters" else [])])
+        if found:
+            lines.append(f"from testbench.knit.{module} import {', '.join(found)}")
+    return "\n".join(lines) + "\n"
+
+
+def class_text(law: Law, name: str, grid: Grid) -> str:
+    """One class."""
+    term, place = law.term, law.place
+    reads = tuple(dict.fromkeys([*(r for r in term.reads if r != "temperature_C"), place.writes]))
+    definitions = "".join(f"    {plain(line)}\n" for line in term.definitions)
+    optional = '    optional_reads = ("temperature_C",)\n' if "temperature_C" in term.reads else ""
+    optional += "    nonlinear = True\n" if any(o.name == "dead band" for o in term.operators) else ""
+    if term.coordinate.name == "time" and any(o.name == "wave" for o in term.operators):
+        optional += '    per_recording = ("phase",)\n'  # a hum knows nothing of when a recording began
+    return CLASS.format(
+        cls="".join(part.capitalize() for part in name.split("_")),
+        summary=_folded(_sentence(in_words(law)), 4),
+        formula=f"{plain(place.latex)} += a * z,   z = {plain(term.latex)}",
+        definitions=definitions,
+        latex=escaped(latex_of(law)),
+        name=name,
+        stage=place.stage.name,
+        reads=_tuple(reads),
+        writes=_tuple((place.writes,)),
+        strength=strength_key(law),
+        look=_sentence(f"the misfit of {place.words.removeprefix('the ')} follows {term.words}")[:160].rstrip("."),
+        optional=optional,
+        parameters="\n".join(_parameters(law, grid)),
+        body=textwrap.indent("\n".join(_body(law)), 8 * " "),
+    )
+
+
+def _body(law: Law) -> list[str]:
+    term, place = law.term, law.place
+    code = " ".join([*term.lines, place.code])
+    lines = []
+    for signal, (name, expression) in NAMES.items():
+        if not _mentions(code, name):
+            continue
+        if signal == "temperature_C":
+            lines += [
+                'if "temperature_C" not in signals:',
+                f'    return {{"{place.writes}": signals["{place.writes}"].copy()}}',
+            ]
+        lines.append(f"{name} = {expression}")
+        if signal in SINCE_START:
+            lines.append(f"{name} = {name} - {name}[0]")
+    lines += [f"x = {line}" for line in term.lines]
+    lines.append(f'return {{"{place.writes}": {place.code.replace("{a}", "self." + strength_key(law))}}}')
+    return lines
+
+
+def _mentions(code: str, name: str) -> bool:
+    import re
+
+    return re.search(rf"(?<![.\w\"]){name}(?![\w(\"])", code) is not None
+
+
+def _parameters(law: Law, grid: Grid) -> list[str]:
+    reach = rounded(REACH * max(abs(law.strength), 1e-12))
+    unit = str(law.unit)
+    doc = f"a: change of {plain(law.place.latex)} for each unit of z"
+    lines = [_parameter(strength_key(law), law.strength, unit, -reach, reach, False, doc)]
+    for slot in law.term.slots:
+        value = law.values[slot.key]
+        low, high, log = grid.bounds(slot, value)
+        lines.append(
+            _parameter(
+                slot.key,
+                value,
+                "rad" if slot.kind == "angle" else str(law.term.unit_of(slot)),
+                low,
+                high,
+                log,
+                f"{plain(slot.symbol)}: {slot.doc}",
+            )
+        )
+    return lines
+
+
+def _parameter(key: str, value: float, unit: str, low: float, high: float, log: bool, doc: str) -> str:
+    scale = ', scale="log"' if log else ""
+    value = min(max(float(f"{value:.6g}"), low), high)
+    return (
+        f'    {key}: float = parameter({value!r}, unit="{unit}", low={low:g}, high={high:g}{scale},\n'
+        f'    {" " * len(key)}                   doc="{doc}")'
+    )
+
+
+# --- words and formulas ---
+
+
+def in_words(law: Law) -> str:
+    """The law in one sentence."""
+    way = "rises" if law.strength > 0 else "falls"
+    return f"{law.place.words} {way} with {law.term.words}"
+
+
+def latex_of(law: Law) -> str:
+    """The formula in LaTeX."""
+    parts = [rf"{law.place.latex} \mathrel{{+}}= a\,z,\quad z = {law.term.latex}", *law.term.definitions]
+    return r",\quad ".join(parts)
+
+
+PLAIN = {
+    r"\ln\frac{G}{G_0}": "ln(G/G0)",
+    r"\tfrac{G}{G_0}": "G/G0",
+    r"\frac": "",
+    r"\text": "",
+    r"\left": "",
+    r"\right": "",
+    r"\dot e": "e'",
+    r"\dot F": "F'",
+    r"\dot y": "y'",
+    r"\dot n": "n'",
+    r"\ddot y": "y''",
+    r"\tau": "tau",
+    r"\,": " ",
+    r"\int": "int",
+    r"\Delta": "Delta",
+    r"\sigma": "s",
+    r"\delta": "delta",
+    r"\varphi": "phi",
+    r"\zeta": "zeta",
+    r"\lambda": "lambda",
+    r"\pi": "pi",
+    r"\pm": "+-",
+    r"\exp": "exp",
+    r"\ln": "ln",
+    r"\sin": "sin",
+    r"\tanh": "tanh ",
+    r"e_{\max}": "e_max",
+}
+
+
+def plain(latex: str) -> str:
+    """A formula that is read without a typesetter."""
+    import re
+
+    text = re.sub(r"\\frac\{((?:[^{}]|\{[^{}]*\})*)\}\{((?:[^{}]|\{[^{}]*\})*)\}", r"(\1) / (\2)", latex)
+    for sign, word in sorted(PLAIN.items(), key=lambda item: -len(item[0])):
+        text = text.replace(sign, word)
+    text = re.sub(r"\^\{([^{}]*)\}", r"^(\1)", text)
+    return re.sub(r"\s+", " ", text.replace("{", "").replace("}", "").replace("\\", "")).strip()
+
+
+def escaped(text: str) -> str:
+    """For a docstring that is no raw string."""
+    return text.replace("\\", "\\\\")
+
+
+def _sentence(text: str) -> str:
+    return text[:1].upper() + text[1:] + "."
+
+
+def _folded(text: str, indent: int) -> str:
+    return textwrap.fill(text, 112, subsequent_indent=" " * indent)
+
+
+def _tuple(names: Sequence[str]) -> str:
+    return "(" + ", ".join(f'"{name}"' for name in names) + ("," if len(names) == 1 else "") + ")"
+
+
+def free_path(path: str | Path) -> Path:
+    """The path, if nothing is there.
+
+    Raises
+    ------
+    UserError
+        Somebody's work must not be overwritten.
+    """
+    if Path(path).exists():
+        raise UserError(f"{path} exists already and is not overwritten; choose another place")
+    return Path(path)

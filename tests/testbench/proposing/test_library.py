@@ -1,0 +1,102 @@
+"""The library of laws: dimensions, code, formulas, and that what is written is what was tried."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from testbench.knit.laws import applied, check, example_signals
+from testbench.proposing.coordinates import COORDINATES, KINETICS
+from testbench.proposing.grids import Grid
+from testbench.proposing.law import Law, Term
+from testbench.proposing.operators import OPERATORS
+from testbench.proposing.places import PLACES, READABLE
+from testbench.proposing.units import KELVIN, NEWTON, ONE, SECOND
+from testbench.proposing.writing import effect_class, latex_of, plain
+
+DT_S = 0.05
+SIGNALS = example_signals(DT_S)
+GRID = Grid(0.3, DT_S, 60.0, [np.sin(np.arange(1201) * DT_S)])
+EVERY = {**COORDINATES, **KINETICS}
+
+
+def law_of(place: str, coordinate: str, *operators: str, gain: float = 0.1) -> Law:
+    """A law at the middle of its grid."""
+    term = Term(EVERY[coordinate], (), 0.3)
+    values = dict(next(iter(GRID.points(term.slots, None)))) if term.slots else {}
+    for name in operators:
+        x = term.evaluated(SIGNALS, values, DT_S)
+        one = OPERATORS[name]
+        points = list(GRID.points(one.slots, x, name))
+        values |= points[len(points) // 2]
+        term = Term(term.coordinate, (*term.operators, one), 0.3, (*term.sizes, 0.1))
+    return Law(PLACES[place], term, values, gain)
+
+
+def test_units_multiply_and_divide():
+    assert str(NEWTON / SECOND) == "N/s"
+    assert str(ONE / (NEWTON * SECOND)) == "1/(N s)"
+    assert str(NEWTON * NEWTON) == "N^2"
+    assert str(KELVIN / KELVIN) == "1"
+
+
+@pytest.mark.parametrize(
+    ("law", "unit"),
+    [
+        (law_of("conductance", "force", "lag"), "1/N"),
+        (law_of("force", "strain rate"), "N s"),
+        (law_of("force", "strain", "lag", "times force"), "1"),
+        (law_of("conductance", "force rate", "square"), "s^2/N^2"),
+        (law_of("conductance", "speed", "logarithm"), "1"),
+    ],
+)
+def test_the_strength_has_the_unit_that_makes_the_sum_possible(law: Law, unit: str):
+    assert str(law.unit) == unit
+
+
+@pytest.mark.parametrize("coordinate", EVERY)
+def test_every_coordinate_makes_an_effect_that_obeys_the_laws(coordinate: str):
+    place = next(p for p in PLACES.values() if set(EVERY[coordinate].reads) - {"temperature_C"} <= READABLE[p.stage])
+    law = law_of(place.name, coordinate)
+    assert check(effect_class(law, "my_law", GRID)()) == []
+
+
+@pytest.mark.parametrize("operator", [name for name in OPERATORS if name not in ("log", "power")])
+def test_every_operator_makes_an_effect_that_obeys_the_laws(operator: str):
+    coordinate = "conductance" if operator == "dead band" else "force" if operator == "ring" else "strain"
+    law = law_of("conductance reading", coordinate, operator)
+    effect = effect_class(law, "my_law", GRID)()
+    sharp = {"dead band", "switch", "stick"}  # what jumps is late by up to a sample, and that is all that is allowed
+    assert [p for p in check(effect) if operator not in sharp or "rate" not in p] == []
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        law_of("strain", "largest strain", "threshold", gain=-0.1),
+        law_of("force", "work", "settling", "times force", gain=-0.1),
+        law_of("contact force", "strain", "sudden", gain=0.2),
+        law_of("conductance", "state that forms with time and is wiped out by motion", "log"),
+        law_of("conductance", "temperature", "lag"),
+        law_of("force reading", "force", "late"),
+    ],
+    ids=lambda law: law.key,
+)
+def test_the_file_does_what_the_search_has_tried(law: Law):
+    effect = effect_class(law, "my_law", GRID)()
+    written = applied(effect, SIGNALS, DT_S)[law.place.writes]
+    z = law.term.evaluated(SIGNALS, law.values, DT_S)
+    before = SIGNALS[law.place.writes]
+    expected = before * np.exp(law.strength * z) if law.place.writes == "conductance_S" else before + law.strength * z
+    assert np.allclose(written, expected, rtol=1e-4, atol=1e-5 * np.ptp(before))
+
+
+def test_a_formula_is_written_for_readers_with_and_without_a_typesetter():
+    law = law_of("conductance", "state that forms with time and is wiped out by motion")
+    assert r"\dot n = \frac{1}{\tau_1}\,(1 - n) - \frac{|\dot e|}{l_2}\,n" in latex_of(law)
+    assert plain(law.term.definitions[0]) == "n' = (1) / (tau_1) (1 - n) - (|e'|) / (l_2) n"
+
+
+def test_no_law_of_the_library_has_a_name_for_two_numbers():
+    for coordinate in EVERY.values():
+        assert len({slot.key for slot in coordinate.slots}) == len(coordinate.slots) <= 3
