@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from testbench.api.arguments import read as read
     from testbench.api.comparing import ComparisonResult as ComparisonResult
     from testbench.api.comparing import compare as compare
-    from testbench.api.designing import ProposalResult as ProposalResult
-    from testbench.api.designing import propose as propose
+    from testbench.api.designing import NextExperiment as NextExperiment
+    from testbench.api.designing import next_experiment as next_experiment
     from testbench.api.diagnosing import DiagnosisResult as DiagnosisResult
     from testbench.api.diagnosing import diagnose as diagnose
     from testbench.api.fitting import FitResult as FitResult
@@ -50,7 +50,7 @@ _HOMES = {
     "testbench.api.adding": ["add"],
     "testbench.api.arguments": ["read"],
     "testbench.api.comparing": ["ComparisonResult", "compare"],
-    "testbench.api.designing": ["ProposalResult", "propose"],
+    "testbench.api.designing": ["NextExperiment", "next_experiment"],
     "testbench.api.diagnosing": ["DiagnosisResult", "diagnose"],
     "testbench.api.fitting": ["FitResult", "fit"],
     "testbench.api.ladder": ["Ladder", "ladder"],

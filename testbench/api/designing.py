@@ -1,4 +1,4 @@
-"""`propose`: the next experiment, chosen to tell rival models apart."""
+"""`next_experiment`: the next experiment, chosen to tell rival models apart."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ProposalResult:
+class NextExperiment:
     """Designed protocols, ranked by how well they tell rival models apart.
 
     Attributes
@@ -59,7 +59,7 @@ class ProposalResult:
         return self.options[0].made
 
     def __repr__(self) -> str:
-        return f"<ProposalResult {self.words}>"
+        return f"<NextExperiment {self.words}>"
 
     def __str__(self) -> str:
         return experiment_table(self.rivals, self.options)
@@ -105,7 +105,7 @@ class ProposalResult:
         return card(self.words, [], picture(lambda axes: self.plot(axes), 1), frame)
 
 
-def propose(
+def next_experiment(
     rivals: Sequence[AnyModel] | Mapping[str, AnyModel] | DiagnosisResult | str | Path,
     recording: Source | None = None,
     held_out: Source | None = None,
@@ -116,7 +116,7 @@ def propose(
     effects: Effects = None,
     gauge_length_mm: float | None = None,
     progress: Tell | bool | None = None,
-) -> ProposalResult:
+) -> NextExperiment:
     """Rank designed protocols by how well they tell rival models apart, after each did its best to imitate.
 
     Parameters
@@ -141,7 +141,7 @@ def propose(
 
     Returns
     -------
-    ProposalResult
+    NextExperiment
 
     Raises
     ------
@@ -154,7 +154,7 @@ def propose(
     >>> recording = tb.example(tb.effects.StressRelaxation(fraction=0.3))
     >>> base = tb.fit(recording, progress=False)
     >>> other = tb.fit(recording, model=base.model + tb.effects.StressRelaxation(), progress=False)
-    >>> plan = tb.propose([base, other], bounds={"duration_s": 120}, progress=False)
+    >>> plan = tb.next_experiment([base, other], bounds={"duration_s": 120}, progress=False)
     >>> plan.program.gauge_length_mm
     25.0
     """
@@ -162,7 +162,7 @@ def propose(
     with telling(progress) as tell:
         if isinstance(rivals, DiagnosisResult | str | Path):
             if recording is None:
-                raise UserError("propose: a diagnosis needs the recording that its rivals are refitted on")
+                raise UserError("next_experiment: a diagnosis needs the recording that its rivals are refitted on")
             first = recording_of(recording, gauge_length_mm)
             held = None if held_out is None else recording_of(held_out, gauge_length_mm)
             data, source = _diagnosis(rivals)
@@ -173,7 +173,7 @@ def propose(
             found, noise, gauge = _fitted(rivals, catalogue)
             gauge = gauge_length_mm or gauge
         limits = _bounds({**(bounds or {}), "gauge_length_mm": gauge})
-        return ProposalResult(
+        return NextExperiment(
             tuple(found), tuple(experiment.propose(found, noise, limits, seed, temperature, tell)), gauge
         )
 
@@ -182,7 +182,7 @@ def _fitted(
     rivals: Sequence[AnyModel] | Mapping[str, AnyModel], catalogue: Catalogue
 ) -> tuple[list[Rival], dict[str, float], float]:
     if len(rivals) < 2:
-        raise UserError(f"propose: give two or more rival models, got {len(rivals)}")
+        raise UserError(f"next_experiment: give two or more rival models, got {len(rivals)}")
     if not isinstance(rivals, Mapping):
         names = [str(one) if isinstance(one, str | Path) else f"model {n}" for n, one in enumerate(rivals, 1)]
         unique = names if len(set(names)) == len(names) else [f"{name} ({n})" for n, name in enumerate(names, 1)]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import argparse
 
-from testbench.commands._arguments import add_effects, add_recording
 from testbench.api.progress import Telling
+from testbench.commands._arguments import add_effects, add_recording
 
 SUMMARY = "say which physical effect the model is missing, with the evidence"
 EXAMPLE = "testbench diagnose campaign-1 --held-out campaign-2 --json diagnosis.json"

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from testbench.commands._arguments import add_effects, add_held_out
 
 if TYPE_CHECKING:
-    from testbench.api.designing import ProposalResult
+    from testbench.api.designing import NextExperiment
 
 SUMMARY = "propose the next trajectory: the one that separates two rival models best"
 EXAMPLE = "testbench experiment creep.json relaxation.json --strain-max 30 -o next-run --plot next-run.png"
@@ -36,7 +36,7 @@ def run(args: argparse.Namespace) -> int:
     """Weigh the protocols, print the ranking, write the winner."""
     from gcode.support.errors import UserError
     from gcode.support.files import write_json
-    from testbench.api.designing import propose
+    from testbench.api.designing import next_experiment
     from testbench.api.progress import Telling
     from testbench.design.protocols import Bounds, menu
 
@@ -51,7 +51,7 @@ def run(args: argparse.Namespace) -> int:
         "duration_s": args.duration_s,
     }
     tell = Telling("motion", len(menu(Bounds(**bounds))), "imitating on")
-    found = propose(
+    found = next_experiment(
         args.diagnosis or args.models,
         args.fit if args.diagnosis else None,
         args.held_out if args.diagnosis else None,
@@ -74,7 +74,7 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def _draw(found: ProposalResult, path: str) -> None:
+def _draw(found: NextExperiment, path: str) -> None:
     from testbench.report.experiment_figures import experiment
     from testbench.report.static import write_figure
 

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from testbench.commands._arguments import add_effects, add_recording, load_recording
+from testbench.commands._arguments import add_effects, add_recording
 
 if TYPE_CHECKING:
     from gcode.support.console import Progress
@@ -46,6 +46,7 @@ def run(args: argparse.Namespace) -> int:
     from gcode.support.console import Progress
     from gcode.support.errors import UserError
     from gcode.support.files import write_json
+    from testbench.api.arguments import recording_of
     from testbench.fitting.model_file import check_same_set_up, load_model_file
     from testbench.knit.catalogue import load_catalogue
     from testbench.proposing import propose_law
@@ -62,8 +63,8 @@ def run(args: argparse.Namespace) -> int:
     check_name(output.stem, str(output), catalogue.effects)
     file = load_model_file(args.model, catalogue) if args.model else None
     gauge_length_mm = args.gauge_length_mm or (file.gauge_length_mm if file else None) or None
-    recording = load_recording(args.recording, gauge_length_mm)
-    held = load_recording(args.held_out, gauge_length_mm) if args.held_out else None
+    recording = recording_of(args.recording, gauge_length_mm)
+    held = recording_of(args.held_out, gauge_length_mm) if args.held_out else None
     if file is not None:
         check_same_set_up(file, recording, args.model)
     progress = Progress("proposing", 2 + STEPS_OF_A_LAW * args.laws)

@@ -122,9 +122,9 @@ def test_mistakes_are_one_sentence():
     with pytest.raises(tb.UserError, match="must be 1 or more, got 0"):
         tb.diagnose(relaxed(), most=0)
     with pytest.raises(tb.UserError, match="bounds: allowed are v_max_mm_per_s"):
-        tb.propose([fitted(), fitted()], bounds={"speed": 3})
+        tb.next_experiment([fitted(), fitted()], bounds={"speed": 3})
     with pytest.raises(tb.UserError, match="give two or more rival models, got 1"):
-        tb.propose([fitted()])
+        tb.next_experiment([fitted()])
     with pytest.raises(tb.UserError, match="has no history"):
         tb.ladder(tb.baseline())
     with pytest.raises(tb.UserError, match="preset must be one of"):

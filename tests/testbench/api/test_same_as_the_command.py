@@ -75,5 +75,5 @@ def test_propose_gives_what_the_command_writes(file, tmp_path):
         rivals[effect.name].save(tmp_path / f"{effect.name}.json")
     paths, out = [str(tmp_path / f"{name}.json") for name in rivals], tmp_path / "next.json"
     assert main(["experiment", *paths, "--duration-s", "120", "--json", str(out)]) == 0
-    mine = tb.propose(rivals, bounds={"duration_s": 120}, progress=False)
+    mine = tb.next_experiment(rivals, bounds={"duration_s": 120}, progress=False)
     assert json.loads(json.dumps(mine.to_dict())) == json.loads(out.read_text())
