@@ -16,10 +16,10 @@ from pathlib import Path
 import numpy as np
 from joblib import Parallel, delayed
 
-from compensation import reproduction as ours
-from compensation import score
-from compensation.paper_campaigns import TAB, campaigns
-from compensation.preprocessing import TARGETS, Series
+from compensation.paper import reproduction as ours
+from compensation.paper.paper_campaigns import TAB, campaigns
+from compensation.series import score
+from compensation.series.preprocessing import TARGETS, Series
 from testbench.recording import Recording, read_recording
 
 REAL = Path(__file__).resolve().parents[1] / "../shared/data/real"

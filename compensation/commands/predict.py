@@ -23,10 +23,10 @@ def run(args: argparse.Namespace) -> int:
     import pandas as pd
 
     from compensation.commands.common import check_places
-    from compensation.compensator_files import load
-    from compensation.prediction import predicted, read_samples
-    from compensation.preprocessing import TARGETS
-    from compensation.runtime import Status
+    from compensation.model.files import load
+    from compensation.model.prediction import predicted, read_samples
+    from compensation.model.runtime import Status
+    from compensation.series.preprocessing import TARGETS
     from gcode.support.files import atomic_path
 
     check_places(args.output, None)

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from compensation.commands.common import add_recordings
 
 if TYPE_CHECKING:
-    from compensation.compensator import Compensator
-    from compensation.training import Options
+    from compensation.model.compensator import Compensator
+    from compensation.training.options import Options
     from testbench.recording import Recording
 
 SUMMARY = "Train a compensator on recorded campaigns."
@@ -67,8 +67,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Train, save, and show the score on the training recordings."""
     from compensation.commands.common import check_places, cross_validation_table, finish, read_all
-    from compensation.compensator_files import save
-    from compensation.scorecard import score_recordings
+    from compensation.model.files import save
+    from compensation.scoring.scorecard import score_recordings
 
     options = _options(args)
     check_places(args.output, args.plot)
@@ -111,7 +111,7 @@ def _check_long_enough(args: argparse.Namespace, options: Options, recordings: l
 
 
 def _bank(recipe) -> str:
-    from compensation.ema import smoothing_factors
+    from compensation.memories.ema import smoothing_factors
 
     alphas = recipe["alphas"]
     if alphas == smoothing_factors(recipe["factor"], recipe["count"]).tolist():
@@ -122,8 +122,8 @@ def _bank(recipe) -> str:
 def _options(args: argparse.Namespace) -> Options:
     """The options that were given, checked; the others are the paper's."""
     from compensation.commands.common import parse_factors, parse_sizes
-    from compensation.engines import engine
-    from compensation.training import Options
+    from compensation.engines.engine import engine
+    from compensation.training.options import Options
 
     _check(args)
     given = {name: getattr(args, name) for name in OWN_CHOICES if getattr(args, name) is not None}
@@ -158,8 +158,8 @@ def _check(args: argparse.Namespace) -> None:
 
 
 def _from_data(args: argparse.Namespace, recordings: list[Recording], options: Options) -> Compensator:
-    from compensation import tuning
-    from compensation.training import train
+    from compensation.training import tuning
+    from compensation.training.training import train
     from gcode.support.console import Progress
 
     if args.method == "auto":
@@ -170,8 +170,8 @@ def _from_data(args: argparse.Namespace, recordings: list[Recording], options: O
 
 
 def _automatic(args: argparse.Namespace, recordings: list[Recording], options: Options) -> Compensator:
-    from compensation import auto
-    from compensation.preprocessing import series_of
+    from compensation.series.preprocessing import series_of
+    from compensation.training import auto
     from gcode.support.console import Progress
 
     rate_hz = None if options.irregular else options.rate_hz
@@ -180,8 +180,8 @@ def _automatic(args: argparse.Namespace, recordings: list[Recording], options: O
 
 
 def _from_twin(args: argparse.Namespace, recordings: list[Recording], options: Options) -> Compensator:
-    from compensation import twin
-    from compensation.reading import UNKNOWN_LENGTH_MM
+    from compensation.series.reading import UNKNOWN_LENGTH_MM
+    from compensation.training import twin
     from gcode.support.console import Progress
     from gcode.support.errors import UserError
     from testbench.discrepancy.model_file import load_model_file

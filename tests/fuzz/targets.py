@@ -13,7 +13,7 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from compensation.compensator_files import load as load_compensator
+from compensation.model.files import load as load_compensator
 from gcode.bounds import Limits
 from gcode.output import make
 from gcode.planner import play
