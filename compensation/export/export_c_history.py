@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from compensation.memories.history import SETTLE_S, History
+from compensation.memories.history import History
 from compensation.model.compensator import Compensator
 from compensation.model.runtime import beginning_of
 
@@ -61,7 +61,7 @@ def _tables(compensator: Compensator, name: str) -> str:
         return f"static const float {name}_{what}[{len(numbers)}] = {{{', '.join(numbers)}}};\n"
 
     taus_s = np.asarray(history.motion_taus_s)
-    settle = float(np.float32(-np.expm1(-1.0 / (rate_hz * SETTLE_S))))
+    settle = float(np.float32(-np.expm1(-1.0 / (rate_hz * history.settle_s))))
     text = f"static const float {name}_settle_gain = {settle!r}f;\n"
     if len(taus_s):
         text += table("per_s", -1.0 / taus_s) + table("motion_gain", -np.expm1(-1.0 / (rate_hz * taus_s)))
@@ -96,7 +96,9 @@ def _update(history: History, at: int, name: str, upper: str) -> str:
         "        s->motion[i] = (first != 0u) ? begun : (s->motion[i] + (slow * (speed - s->motion[i])));\n"
         f"        features[{at}u + i] = s->motion[i];\n    }}"
     )
-    settle = f"(nominal != 0u) ? {name}_settle_gain : {name}_gain({float(np.float32(-1.0 / SETTLE_S))!r}f * dt)"
+    settle = (
+        f"(nominal != 0u) ? {name}_settle_gain : {name}_gain({float(np.float32(-1.0 / history.settle_s))!r}f * dt)"
+    )
     return (
         f"    const float dt = (nominal != 0u) ? (1.0f / {upper}_RATE_HZ) : ((first != 0u) ? 0.0f : dt_s);\n"
         f"    const float moved = ({settle}) * (x - s->settled);\n"

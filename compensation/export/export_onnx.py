@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from compensation.memories.ema import start_samples
-from compensation.memories.history import SETTLE_S
 from compensation.model.compensator import Compensator
 from compensation.model.runtime import (
     LARGEST_CONDUCTANCE_S,
@@ -210,7 +209,7 @@ def _with_history(graph: _Graph, compensator: Compensator, x: str, later: str, s
         told = graph("Mul", graph.constant(f"{name}_begin_gain", begin.gain[rows]), x)
         return graph("Add", graph.constant(f"{name}_begin_offset", begin.offset[rows]), told)
 
-    step = graph("Mul", gain("settle", [SETTLE_S]), graph("Sub", x, "settled"))
+    step = graph("Mul", gain("settle", [history.settle_s]), graph("Sub", x, "settled"))
     settled = graph("Where", later, graph("Add", "settled", step), x, out="fresh_settled")
     if history.motion_taus_s:
         safe = graph("Max", dt, graph.constant("instant", [1e-9]))

@@ -20,6 +20,8 @@ FloatArray = NDArray[np.float64]
 
 # Light smoothing before the speed is taken: longer than a sample and its noise, shorter than any motion.
 SETTLE_S = 0.4
+# As short as a sample at 20 Hz: what contacts answer to motion is over within a few tenths of a second.
+QUICK_SETTLE_S = 0.05
 
 
 @dataclass(frozen=True)
@@ -32,10 +34,13 @@ class History:
         Time constants over which the speed is smoothed.
     play_radii : tuple of float
         Half-widths r, in standard deviations of the conductance over the training recording.
+    settle_s : float
+        Time constant of the light smoothing.
     """
 
     motion_taus_s: tuple[float, ...] = ()
     play_radii: tuple[float, ...] = ()
+    settle_s: float = SETTLE_S
 
     @property
     def count(self) -> int:
@@ -61,7 +66,7 @@ class History:
         from compensation.memories.kernels import remember
 
         held = self.at_rest(float(x[0])) if held is None else held
-        return remember(x, dt_s, SETTLE_S, np.asarray(self.motion_taus_s), np.asarray(self.play_radii), held)
+        return remember(x, dt_s, self.settle_s, np.asarray(self.motion_taus_s), np.asarray(self.play_radii), held)
 
     def at_rest(self, x: float) -> FloatArray:
         """What the memories hold where x has been there for ever: shape (count,)."""
@@ -87,7 +92,7 @@ class RunningHistory:
             held = self._history.at_rest(x) if held is None else held
             self._motion, self._play = held[: len(self._taus_s)].copy(), held[len(self._taus_s) :].copy()
         elif dt_s > 0:
-            step = -np.expm1(-dt_s / SETTLE_S) * (x - self._settled)
+            step = -np.expm1(-dt_s / self._history.settle_s) * (x - self._settled)
             self._settled += step
             self._motion = self._motion - np.expm1(-dt_s / self._taus_s) * (abs(step) / dt_s - self._motion)
         self._play = np.clip(self._play, self._settled - self._radii, self._settled + self._radii)

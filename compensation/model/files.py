@@ -11,16 +11,16 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, PositiveFloat
 
 from compensation.engines.network import Network
-from compensation.memories.history import History
+from compensation.memories.history import SETTLE_S, History
 from compensation.model.compensator import Compensator, Scaling
 from compensation.model.ranges import Beginning, Seen
 from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError, first_problem
 from gcode.support.files import read_json, write_json
 
-FORMAT, FORMAT_VERSION = "knitbench-compensator", 3
-# Version 2 has no `seen` and no `beginning`.
-READABLE = (2, 3)
+FORMAT, FORMAT_VERSION = "knitbench-compensator", 4
+# Version 2 has no `seen` and no `beginning`; version 3 no `settle_s`.
+READABLE = (2, 3, 4)
 
 
 class _Strict(BaseModel):
@@ -40,6 +40,7 @@ class _Network(_Strict):
 class _History(_Strict):
     motion_taus_s: list[Annotated[FiniteFloat, Field(gt=0)]]
     play_radii: list[Annotated[FiniteFloat, Field(gt=0)]]
+    settle_s: PositiveFloat = SETTLE_S
 
 
 class _Seen(_Strict):
@@ -89,7 +90,7 @@ def save(path: str | Path, compensator: Compensator) -> None:
         "irregular": compensator.irregular,
         "per_recording": compensator.per_recording,
         "sign": compensator.sign,
-        "history": {name: list(values) for name, values in vars(compensator.history).items()},
+        "history": _history(compensator.history),
         "scaling_in": vars(compensator.scaling_in),
         "scaling_out": vars(compensator.scaling_out),
         "networks": [network.to_dict() for network in compensator.networks],
@@ -145,6 +146,14 @@ def _check_runtime(path: str | Path, checked: _File, inputs: int) -> None:
         raise UserError(f"{path}: not a usable compensator: `seen` and `beginning` must hold {inputs} numbers each")
 
 
+def _history(history: History) -> dict[str, Any]:
+    return {
+        "motion_taus_s": list(history.motion_taus_s),
+        "play_radii": list(history.play_radii),
+        "settle_s": history.settle_s,
+    }
+
+
 def _plain(part: Seen | Beginning | None) -> dict[str, Any] | None:
     if part is None:
         return None
@@ -167,7 +176,9 @@ def _build(checked: _File, networks: tuple[Network, ...]) -> Compensator:
         start=checked.start,
         per_recording=checked.per_recording,
         sign=checked.sign,
-        history=History(tuple(checked.history.motion_taus_s), tuple(checked.history.play_radii)),
+        history=History(
+            tuple(checked.history.motion_taus_s), tuple(checked.history.play_radii), checked.history.settle_s
+        ),
         recipe=checked.recipe,
         seen=Seen(**_arrays(checked.seen)) if checked.seen else None,
         beginning=Beginning(**_arrays(checked.beginning)) if checked.beginning else None,

@@ -210,6 +210,7 @@ def _union(histories: Sequence[History]) -> History:
     return History(
         max((history.motion_taus_s for history in histories), key=len),
         max((history.play_radii for history in histories), key=len),
+        histories[0].settle_s,
     )
 
 

@@ -34,7 +34,7 @@ int main(void) {
 """
 
 
-HISTORIES = [History(), History((0.5, 8.0), (0.2, 0.5, 1.0)), History((2.0,)), History((), (0.4,))]
+HISTORIES = [History(), History((0.1, 8.0), (0.2, 0.5, 1.0), settle_s=0.05), History((2.0,)), History((), (0.4,))]
 
 
 @pytest.fixture(scope="module", params=HISTORIES, ids=["bank", "all", "motion", "play"])
