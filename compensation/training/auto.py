@@ -17,151 +17,27 @@ lead over the line is within one standard error; then the line is, and that is s
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from compensation.engines.engine import Fit, engine
+from compensation.engines.engine import Fit
 from compensation.engines.network import Network
-from compensation.memories.history import NO_HISTORY, History
 from compensation.model.compensator import Compensator
 from compensation.model.runtime import ready_for_use
 from compensation.series import score
 from compensation.series.preprocessing import Series
-from compensation.training.arrays import describe, training_arrays
-from compensation.training.lessons import Lessons, lessons
-from compensation.training.options import PAPER_SIZES, Options
-from compensation.training.tuning import MOTION_TAUS_S, PLAY_RADII
+from compensation.training.arrays import describe
+from compensation.training.folds import FOLDS, GROUPS_FROM, folds_of
+from compensation.training.learners import Learner, Line, Networks, Paper, Ridge
+from compensation.training.options import Options
 from gcode.support.errors import UserError
 
 FloatArray = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
-FOLDS, GROUPS_FROM = 5, 3
-WHOLE = History(MOTION_TAUS_S, PLAY_RADII)
-RIDGE_PENALTIES = (1e-4, 1e-3, 1e-2, 3e-2, 0.1, 0.3)
-NETWORK_SIZES, NETWORK_PENALTIES = (8,), (0.1, 0.3, 1.0)
-STARTS, ENSEMBLE = 5, 8
 COVERAGE = 0.90
 SURE = 1.0
-
-
-@dataclass(frozen=True)
-class Learned:
-    """A fitted method: networks on features as they come, and the settings that were chosen within."""
-
-    networks: tuple[Network, ...]
-    settings: Mapping[str, Any]
-
-
-class Learner:
-    """One rival on one set of recordings: fits on the rows that are kept, predicts all of them."""
-
-    name = ""
-    options = Options()
-
-    def __init__(self, series: Sequence[Series], target: str, options: Options) -> None:
-        self.options = replace(self.options, rate_hz=options.rate_hz, irregular=options.irregular, seed=options.seed)
-        self.lessons: Lessons = lessons(series, target, self.options, starts=True)
-        # Each fold is predicted as a recording of its own, from its first sample on.
-        cut = _cut(series, folds_of(series))
-        self.fresh = (training_arrays(self.lessons.blank, cut)[0] - self.lessons.shift) * self.lessons.scale
-
-    @property
-    def features(self) -> FloatArray:
-        """Of the recordings as they are, standardised by the lessons: shape (n, k)."""
-        return self.lessons.versions[0]
-
-    def fit(self, kept: Mask) -> Learned:
-        """Learn from the rows that are kept; networks take standardised features."""
-        raise NotImplementedError
-
-    def predict(self, learned: Learned, rows: Mask) -> FloatArray:
-        """Standardised target of a fold's rows."""
-        return np.mean([network(self.fresh[rows]) for network in learned.networks], axis=0)
-
-
-class Line(Learner):
-    """A straight line through the conductance."""
-
-    name, options = "line", Options(alphas=(1.0,), sizes=(), l2=0.0)
-
-    def fit(self, kept: Mask) -> Learned:
-        x, y = self.features[kept, 0], self.lessons.truth[kept]
-        slope = float(np.mean((x - x.mean()) * (y - y.mean())) / max(float(x.var()), 1e-12))
-        return Learned((linear(np.array([slope]), float(y.mean() - slope * x.mean())),), {"l2": 0.0})
-
-
-class Ridge(Learner):
-    """Linear in bank, motion and play; the penalty from cross-validation within the rows that are kept."""
-
-    name, options = "ridge", Options(history=WHOLE, sizes=())
-
-    def fit(self, kept: Mask) -> Learned:
-        fold = np.cumsum(kept) * FOLDS // (kept.sum() + 1)
-        parts = [_Sums.of(self.lessons, kept & (fold == number)) for number in range(FOLDS)]
-        errors = [self._error(parts, l2) for l2 in RIDGE_PENALTIES]
-        l2 = RIDGE_PENALTIES[int(np.argmin(errors))]
-        return Learned((linear(*_Sums.total(parts).solved(l2)),), {"l2": l2})
-
-    @staticmethod
-    def _error(parts: Sequence[_Sums], l2: float) -> float:
-        held_out = 0.0
-        for number, part in enumerate(parts):
-            rest = _Sums.total([other for index, other in enumerate(parts) if index != number])
-            held_out += part.error(*rest.solved(l2))
-        return held_out
-
-
-class Paper(Learner):
-    """The paper's network, best of five starts by training score."""
-
-    name, options = "paper", Options(sizes=PAPER_SIZES, engine="fast")
-
-    def fit(self, kept: Mask) -> Learned:
-        x, y, options = self.features[kept], self.lessons.truth[kept], self.options
-        fits = [
-            engine(options.engine)(x, y, options.sizes, options.seed + start, options.l2) for start in range(STARTS)
-        ]
-        best = max(fits, key=lambda fit: score.r2(y, fit.network(x)))
-        return Learned((best.network,), {"l2": options.l2, "restarts": STARTS})
-
-
-class Networks(Learner):
-    """Several small networks; memories and L2 from halves of the rows that are kept."""
-
-    name, options = "networks", Options(history=WHOLE, sizes=NETWORK_SIZES, engine="fast")
-
-    def fit(self, kept: Mask) -> Learned:
-        half = np.cumsum(kept) * 2 // (kept.sum() + 1)
-        errors = {
-            (history, l2): self._error(kept, half, history, l2)
-            for history in (NO_HISTORY, WHOLE)
-            for l2 in NETWORK_PENALTIES
-        }
-        history, l2 = min(errors, key=lambda key: errors[key])
-        networks = tuple(self._one(kept, history, l2, self.options.seed + number) for number in range(ENSEMBLE))
-        live = tuple(one for one in networks if not one.is_dead(self.features[kept])) or networks[:1]
-        return Learned(live, {"l2": l2, "restarts": ENSEMBLE, "memories": history.count})
-
-    def _error(self, kept: Mask, half: NDArray[np.int64], history: History, l2: float) -> float:
-        total = 0.0
-        for number in (0, 1):
-            network = self._one(kept & (half != number), history, l2, 0)
-            rows = kept & (half == number)
-            total += float(np.sum((self.lessons.truth[rows] - network(self.features[rows])) ** 2))
-        return total
-
-    def _one(self, kept: Mask, history: History, l2: float, seed: int) -> Network:
-        filters = len(self.lessons.blank.alphas)
-        lesson = self.lessons if history.count else _without_history(self.lessons, filters)
-        network = lesson.fit(kept, replace(self.options, l2=l2), seed)
-        if history.count:
-            return network
-        unused = np.zeros((WHOLE.count, network.weights[0].shape[1]))
-        return replace(network, weights=(np.concatenate([network.weights[0], unused]), *network.weights[1:]))
 
 
 LEARNERS: tuple[type[Learner], ...] = (Line, Ridge, Paper, Networks)
@@ -225,25 +101,6 @@ def steps() -> int:
     return FOLDS * len(LEARNERS) + 1
 
 
-def folds_of(series: Sequence[Series]) -> NDArray[np.int64]:
-    """Number of the fold of every row: recordings shared out, or contiguous parts of all rows."""
-    lengths = [len(part) for part in series]
-    if len(series) >= GROUPS_FROM:
-        count = min(len(series), FOLDS)
-        return np.repeat(np.arange(len(series)) * count // len(series), lengths)
-    total = sum(lengths)
-    return np.arange(total) * FOLDS // total
-
-
-def _cut(series: Sequence[Series], folds: NDArray[np.int64]) -> list[Series]:
-    found, begin = [], 0
-    for part in series:
-        own = folds[begin : begin + len(part)]
-        found += [part.rows(rows) for rows in np.split(np.arange(len(part)), np.flatnonzero(np.diff(own)) + 1)]
-        begin += len(part)
-    return found
-
-
 def choose(predictions: Mapping[str, FloatArray], truth: FloatArray, block_rows: int) -> str:
     """The method with the smallest error, unless its lead over the line is within its standard error over blocks."""
     errors = {
@@ -277,11 +134,6 @@ def figures(truth: FloatArray, prediction: FloatArray, scale: float) -> dict[str
         "r2_ordinary": score.r2_ordinary(truth, prediction),
         "rms_error": float(np.sqrt(np.mean((truth - prediction) ** 2))) * scale,
     }
-
-
-def linear(weights: FloatArray, bias: float) -> Network:
-    """A network without a hidden layer."""
-    return Network((weights[:, None],), (np.array([bias]),))
 
 
 def _cross_validated(learner: Learner, folds: NDArray[np.int64], progress: Callable[[str], None]) -> FloatArray:
@@ -325,10 +177,6 @@ def _scaled(network: Network, times: float) -> Network:
     )
 
 
-def _without_history(lesson: Lessons, filters: int) -> Lessons:
-    return replace(lesson, versions=tuple(version[:, :filters] for version in lesson.versions))
-
-
 def _interval(
     truth: FloatArray, prediction: FloatArray, series: Sequence[Series], folds: NDArray[np.int64]
 ) -> tuple[float, float]:
@@ -344,40 +192,3 @@ def _interval(
         draws.append(score.r2(truth[drawn], prediction[drawn]))
     low, high = np.quantile(draws, [0.025, 0.975])
     return float(low), float(high)
-
-
-@dataclass(frozen=True)
-class _Sums:
-    """What least squares need to know of some rows: of all versions to learn from, of the first to judge by."""
-
-    learn: FloatArray  # (k + 2, k + 2) products of features, one, target
-    judge: FloatArray
-
-    @classmethod
-    def of(cls, lesson: Lessons, rows: Mask) -> _Sums:
-        products = []
-        for version in lesson.versions:
-            x = np.column_stack([version[rows], np.ones(rows.sum()), lesson.truth[rows]])
-            products.append(x.T @ x)
-        return cls(np.sum(products, axis=0) / len(products), products[0])
-
-    @classmethod
-    def total(cls, parts: Sequence[_Sums]) -> _Sums:
-        return cls(sum(part.learn for part in parts), sum(part.judge for part in parts))  # type: ignore[arg-type]
-
-    def solved(self, l2: float) -> tuple[FloatArray, float]:
-        """Weights and bias; the penalty is on features of unit variance, in shares of the number of rows."""
-        count = self.learn[-2, -2]
-        mean = self.learn[:-2, -2] / count
-        covariance = self.learn[:-2, :-2] / count - np.outer(mean, mean)
-        target_mean = self.learn[-1, -2] / count
-        cross = self.learn[:-2, -1] / count - mean * target_mean
-        spread = np.sqrt(np.maximum(np.diag(covariance), 1e-12))
-        scaled = covariance / np.outer(spread, spread) + l2 * np.eye(len(spread))
-        weights = np.linalg.solve(scaled, cross / spread) / spread
-        return weights, float(target_mean - mean @ weights)
-
-    def error(self, weights: FloatArray, bias: float) -> float:
-        """Sum of squared errors on these rows."""
-        w = np.concatenate([weights, [bias, -1.0]])
-        return float(w @ self.judge @ w)

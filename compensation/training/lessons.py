@@ -77,7 +77,9 @@ class Lessons:
         return self.fit(np.ones(len(self.truth), dtype=bool), options, seed).absorbing(self.shift, self.scale)
 
 
-def lessons(series: Sequence[Series], target: str, options: Options, starts: bool = False) -> Lessons:
+def lessons(
+    series: Sequence[Series], target: str, options: Options, starts: bool = False, shift: float = STATE_SHIFT
+) -> Lessons:
     """Features and target of all training recordings, one after the other.
 
     Parameters
@@ -85,6 +87,8 @@ def lessons(series: Sequence[Series], target: str, options: Options, starts: boo
     starts : bool
         Begin as a stream does (`compensation.model.runtime.Beginning`), and let the shifted versions begin anew every
         `PIECE_S`, so that a network also learns from memories that have just been switched on.
+    shift : float
+        Of the conductance in the versions, up and down, in standard deviations.
     """
     blank = untrained(series, target, options)
     copies = [list(series), list(series)]
@@ -92,16 +96,16 @@ def lessons(series: Sequence[Series], target: str, options: Options, starts: boo
         blank = replace(ready_for_use(blank, series), start="causal")
         copies = [pieces(series, PIECE_S, offset) for offset in (0.0, PIECE_S / 2)]
     features, truth = training_arrays(blank, series)
-    shift, scale = np.zeros(blank.input_count), np.ones(blank.input_count)
+    centre, scale = np.zeros(blank.input_count), np.ones(blank.input_count)
     own = features[:, len(blank.alphas) :]
-    shift[len(blank.alphas) :] = own.mean(axis=0)
+    centre[len(blank.alphas) :] = own.mean(axis=0)
     scale[len(blank.alphas) :] = HISTORY_SPREAD / np.maximum(own.std(axis=0), 1e-9)
-    shifts = zip((STATE_SHIFT, -STATE_SHIFT), copies, strict=True)
+    shifts = zip((shift, -shift), copies, strict=True)
     moved = [training_arrays(_shifted(blank, by), copy)[0] for by, copy in shifts]
-    versions = tuple((values - shift) * scale for values in (features, *moved))
+    versions = tuple((values - centre) * scale for values in (features, *moved))
     duration_s = sum(part.time_s[-1] - part.time_s[0] for part in series)
     block_rows = max(int(len(truth) * BLOCK_S / duration_s), 1)
-    return Lessons(blank, versions, truth, shift, scale, block_rows)
+    return Lessons(blank, versions, truth, centre, scale, block_rows)
 
 
 def pieces(series: Sequence[Series], length_s: float, offset_s: float = 0.0) -> list[Series]:

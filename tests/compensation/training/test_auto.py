@@ -12,18 +12,10 @@ from compensation.model import files as compensator_files
 from compensation.model.streaming import CompensatorStream
 from compensation.series import score
 from compensation.series.preprocessing import Series, series_of
-from compensation.training.auto import (
-    GROUPS_FROM,
-    LEARNERS,
-    Ridge,
-    _Sums,
-    choose,
-    folds_of,
-    linear,
-    margins_of,
-    steps,
-    train_automatically,
-)
+from compensation.training.auto import LEARNERS, choose, margins_of, steps, train_automatically
+from compensation.training.folds import GROUPS_FROM, folds_of
+from compensation.training.learners import Ridge, linear
+from compensation.training.least_squares import Sums
 from compensation.training.options import Options
 from gcode.support.errors import UserError
 from testbench.recording_files import write_recording_csv
@@ -147,11 +139,11 @@ def test_ridge_is_scikit_learns(series):
     rows = np.ones(len(lesson.truth), dtype=bool)
     x = StandardScaler().fit_transform(lesson.versions[0])
     expected = Reference(alpha=0.1 * len(x)).fit(x, lesson.truth).predict(x)
-    got = linear(*_Sums.of(lesson, rows).solved(0.1))(lesson.versions[0])
+    got = linear(*Sums.of(lesson, rows).solved(0.1))(lesson.versions[0])
     np.testing.assert_allclose(got, expected, atol=1e-8)
-    weights, bias = _Sums.of(lesson, rows).solved(0.1)
+    weights, bias = Sums.of(lesson, rows).solved(0.1)
     squares = float(np.sum((lesson.truth - expected) ** 2))
-    assert _Sums.of(lesson, rows).error(weights, bias) == pytest.approx(squares, rel=1e-6)
+    assert Sums.of(lesson, rows).error(weights, bias) == pytest.approx(squares, rel=1e-6)
 
 
 def test_it_is_the_default_and_prints_what_it_tried(recordings, tmp_path, capsys):
