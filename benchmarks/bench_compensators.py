@@ -141,8 +141,8 @@ def _verdict(known, cases: Sequence[Case], means: Mapping[str, Sequence[float]])
     lead = np.mean(means["auto"]) - np.mean(means[best])
     each = np.array(means["auto"]) - np.max([means[name] for name in small], axis=0)
     return [
-        f"auto less the best rival of at most {SMALL} parameters ({best}): {lead:+.3f} in the mean; less the best one "
-        f"of each column: {', '.join(f'{value:+.3f}' for value in each)}"
+        f"auto less the best rival of at most {SMALL} parameters ({best}): {lead:+.3f} in the mean; less the best "
+        f"one of each column: {', '.join(f'{value:+.3f}' for value in each)}"
     ]
 
 
@@ -161,9 +161,7 @@ def _pairs(known, cases: Sequence[Case], methods: Sequence[str]) -> list[str]:
                 above += found["auto"] >= raw
                 count += 1
     if count:
-        lines.append(
-            f"auto: not below raw in {above} of {count}, within 0.01 of the best of all in {near} of {count}"
-        )
+        lines.append(f"auto: not below raw in {above} of {count}, within 0.01 of the best in {near} of {count}")
     return lines
 
 

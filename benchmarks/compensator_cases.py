@@ -46,7 +46,7 @@ def simulated(folder: Path, numbers: Sequence[int]) -> Iterator[Case]:
 
 
 def measured() -> Iterator[Case]:
-    """Pairs of a carbon-black strip whose conductance falls with stretch; nothing where they are not on this machine."""
+    """Pairs of a carbon-black strip whose conductance falls with stretch; nothing where they are absent."""
     if not REAL.is_dir():
         return
 
