@@ -73,8 +73,8 @@ def run(args: argparse.Namespace) -> int:
     options = _options(args)
     check_places(args.output, args.plot)
     recordings = read_all(args)
-    _check_long_enough(args, options, recordings)
     args.method = args.method or _implied(args)
+    _check_long_enough(args, options, recordings)
     compensator = _from_twin(args, recordings, options) if args.twin else _from_data(args, recordings, options)
     save(args.output, compensator)
     recipe = compensator.recipe
@@ -99,14 +99,17 @@ def _implied(args: argparse.Namespace) -> str:
 
 def _check_long_enough(args: argparse.Namespace, options: Options, recordings: list[Recording]) -> None:
     """A filter that remembers longer than the recording lasts never leaves its initial value."""
+    from compensation.memories.ema import smoothing_factors
+    from compensation.training.learners import COUNT, FACTOR
     from gcode.support.errors import UserError
 
-    slowest_s = 1.0 / (options.rate_hz * float(min(options.bank)))
+    bank = smoothing_factors(FACTOR, COUNT) if args.method == "auto" else options.bank
+    slowest_s = 1.0 / (options.rate_hz * float(min(bank)))
     longest_s = max(recording.duration_s for recording in recordings)
     if slowest_s > longest_s and not args.twin:
         raise UserError(
             f"the slowest filter remembers {slowest_s:.0f} s and the longest recording has {longest_s:.0f} s; record "
-            "longer, or take a smaller --factor or --count"
+            "longer, or take --method paper with a smaller --factor or --count"
         )
 
 

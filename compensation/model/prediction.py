@@ -18,6 +18,7 @@ from compensation.model.runtime import (
     Status,
     ranges_of,
 )
+from compensation.series.preprocessing import Series
 from gcode.support.errors import UserError
 
 FloatArray = NDArray[np.float64]
@@ -141,3 +142,23 @@ def read_samples(path: str | Path) -> tuple[FloatArray, FloatArray]:
         for name in ("time_s", "resistance_ohm")
     )
     return time_s, resistance_ohm
+
+
+def at_rest(compensator: Compensator, path: str | Path, seconds: float) -> Series:
+    """The beginning of a recording of a sensor without load: its target is zero throughout.
+
+    Raises
+    ------
+    UserError
+        As `read_samples`; or if less than two samples are good.
+    """
+    time_s, resistance_ohm = read_samples(path)
+    good = np.isfinite(time_s) & np.isfinite(resistance_ohm) & (resistance_ohm > 0)
+    good &= time_s <= np.nanmin(time_s, initial=np.inf) + seconds
+    if good.sum() < 2 or not (np.diff(time_s[good]) > 0).all():
+        raise UserError(f"{path}: fewer than two good samples in order of time within {seconds:g} s of its beginning")
+    time_s, resistance_ohm = time_s[good], resistance_ohm[good]
+    if compensator.resampling_hz is not None:
+        grid = np.arange(time_s[0], time_s[-1], 1.0 / compensator.resampling_hz)
+        time_s, resistance_ohm = grid, np.interp(grid, time_s, resistance_ohm)
+    return Series(time_s, 1.0 / resistance_ohm, np.zeros(len(time_s)), str(path))

@@ -100,3 +100,36 @@ def test_an_untared_force_is_refused(recordings, tmp_path, capsys):
     table.to_csv(tmp_path / "t.csv", index=False)
     assert main(["train", str(tmp_path / "t.csv"), "--target", "force", "-o", str(tmp_path / "c.json")]) == 2
     assert "not tared" in capsys.readouterr().err
+
+
+def test_another_target_or_unit_is_refused(compensator, recordings, tmp_path, capsys):
+    compensator_files.save(tmp_path / "c.json", compensator)
+    write_recording_csv(tmp_path / "r.csv", recordings[1])
+    argv = [
+        "predict",
+        str(tmp_path / "r.csv"),
+        "--compensator",
+        str(tmp_path / "c.json"),
+        "-o",
+        str(tmp_path / "o.csv"),
+    ]
+    for option, wanted in (("--target", "displacement"), ("--unit", "mm")):
+        assert main([*argv, option, wanted]) == 2
+        assert f"gives force in N, not the {option} {wanted}" in capsys.readouterr().err
+        assert not (tmp_path / "o.csv").exists()
+    assert main([*argv, "--target", "force", "--unit", "N"]) == 0
+
+
+def test_a_recording_shorter_than_the_slowest_memory_is_refused(compensator, recordings, tmp_path, capsys):
+    compensator_files.save(tmp_path / "c.json", compensator)
+    write_recording_csv(tmp_path / "r.csv", recordings[1].between(0, compensator.slowest_s - 1))
+    argv = [
+        "predict",
+        str(tmp_path / "r.csv"),
+        "--compensator",
+        str(tmp_path / "c.json"),
+        "-o",
+        str(tmp_path / "o.csv"),
+    ]
+    assert main(argv) == 2
+    assert f"slowest memory has {compensator.slowest_s:.0f} s" in capsys.readouterr().err
