@@ -2,13 +2,14 @@
 
     python benchmarks/bench_diagnosis.py                                 a taste: 6 cases
     python benchmarks/bench_diagnosis.py --simulator second --minutes 8  the same on the second, independent simulator
+    python benchmarks/bench_diagnosis.py --simulator third --quick       on the third: final figures, not to tune by
     python benchmarks/bench_diagnosis.py --quick                         every effect once, at 5x
     python benchmarks/bench_diagnosis.py --full --results r.jsonl -j 2   everything; resumes where it stopped
     python benchmarks/bench_diagnosis.py --results r.jsonl --report      only the tables of what is there
     python benchmarks/bench_diagnosis.py --kinds 60 --seeds 4 -j 2       short, slow, one channel, ...: any kind
 
 Strength is what the simulated sensor's own base laws cannot absorb, over the noise floor. The noise of the second
-simulator is that of the paper's rig (5 mN, 8e-4 in ln G); --noise 3 makes it three times that.
+and the third simulator is that of the paper's rig (5 mN, 8e-4 in ln G); --noise 3 makes it three times that.
 """
 
 from __future__ import annotations
@@ -26,15 +27,16 @@ import numpy as np
 from diagnosis_score import Row, score, tables
 from joblib import Parallel, delayed
 
-from testbench import worlds, worlds_second
+from testbench import worlds, worlds_second, worlds_third
 from testbench.diagnosis import diagnose
 from testbench.knit.catalogue import Catalogue, load_catalogue
-from testbench.recording import FORCE, RESISTANCE, Recording
+from testbench.recordings.recording import FORCE, RESISTANCE, Recording
 from testbench.worlds.base import WORLDS
 from testbench.worlds.motion import PROTOCOLS
 
 Diagnose = Callable[[Recording, Recording, Catalogue], Any]
-SECOND = "second"  # the one world of the second simulator: every seed draws its laws anew
+# Simulators of one world each, named as they are: every seed draws its laws anew, noise 1 is that of the paper's rig.
+OF_ONE_WORLD = {"second": worlds_second, "third": worlds_third}
 PAIRS = (
     "stress_relaxation,channel_lag",
     "permanent_set,electrical_overshoot",
@@ -42,9 +44,9 @@ PAIRS = (
     "viscous_rate_stiffening,adc_saturation",
     "clamp_slip,contact_relaxation",
 )
-EFFECTS = {"first": list(worlds.CATALOGUE), "second": worlds_second.MECHANISMS}
-OUTSIDE = {"first": list(worlds.OUTSIDE), "second": worlds_second.UNKNOWN_KINDS}
-MOTIONS = {"first": sorted(PROTOCOLS), "second": sorted(worlds_second.PROTOCOLS)}
+EFFECTS = {"first": list(worlds.CATALOGUE)} | {name: one.MECHANISMS for name, one in OF_ONE_WORLD.items()}
+OUTSIDE = {"first": list(worlds.OUTSIDE)} | {name: one.UNKNOWN_KINDS for name, one in OF_ONE_WORLD.items()}
+MOTIONS = {"first": sorted(PROTOCOLS)} | {name: sorted(one.PROTOCOLS) for name, one in OF_ONE_WORLD.items()}
 
 
 @dataclass(frozen=True)
@@ -64,22 +66,22 @@ class Job:
 
     @property
     def simulator(self) -> str:
-        """Which of the two makes it."""
-        return "second" if self.world == SECOND else "first"
+        """Which of them makes it."""
+        return self.world if self.world in OF_ONE_WORLD else "first"
 
     @property
     def key(self) -> str:
         """Names the case; rows of a results file are found again by it."""
         return "/".join(str(value) for value in asdict(self).values())
 
-    def made(self) -> worlds.Case | worlds_second.Case:
+    def made(self) -> worlds.Case | worlds_second.Case | worlds_third.Case:
         """Its two recordings and the truth."""
         how = {"minutes": self.minutes, "rate_hz": self.rate_hz, "protocol": self.protocol}
         channels = self.channels.split(",")
-        if self.simulator == "second":
-            noise = float(self.noise or 1.0)
-            return worlds_second.make_case(
-                self.effect, self.strength, self.seed, noise=noise, channels=channels, **how
+        if self.simulator in OF_ONE_WORLD:
+            make = OF_ONE_WORLD[self.simulator].make_case
+            return make(
+                self.effect, self.strength, self.seed, noise=float(self.noise or 1.0), channels=channels, **how
             )
         return worlds.make_case(
             self.effect, self.strength, self.world, self.seed, noise=self.noise or "any", channels=channels, **how
@@ -127,7 +129,7 @@ OF_ONE_READING = ("load_cell_creep", "periodic_interference", "channel_lag", "ad
 def kinds_of(count: int, seed: int, simulator: str = "first", noise: str = "") -> list[Job]:
     """Cases of any kind: how long, how often sampled, which motion, which channels, which sensor, all drawn."""
     rng = np.random.default_rng(seed)
-    choice = [SECOND] if simulator == "second" else sorted(WORLDS)
+    choice = [simulator] if simulator in OF_ONE_WORLD else sorted(WORLDS)
 
     def drawn(number: int) -> Job:
         effect = str(rng.choice([*EFFECTS[simulator], "none", "none", "none"]))
@@ -227,13 +229,15 @@ def the_diagnosis(calibration: Recording, held_out: Recording, catalogue: Catalo
 def arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     """What to run."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--simulator", choices=("first", "second"), default="first", help="who makes the sensors")
+    parser.add_argument(
+        "--simulator", choices=("first", *OF_ONE_WORLD), default="first", help="who makes the sensors"
+    )
     parser.add_argument("--quick", action="store_true", help="every effect once, at 5x")
     parser.add_argument("--full", action="store_true", help="every effect, strengths 2, 5, 15, 5 seeds")
     parser.add_argument("--effects", help="only these (commas between)")
     parser.add_argument("--minutes", type=float, default=23.0, help="length of each recording (23, as the paper's)")
     parser.add_argument("--rate-hz", type=float, default=40.0, help="samples a second (40)")
-    parser.add_argument("--noise", default="", help="first: white, any, ...; second: times that of the paper's rig")
+    parser.add_argument("--noise", default="", help="first: white, any, ...; others: times that of the paper's rig")
     parser.add_argument("--strengths", type=_numbers, help="such as 2,5,15")
     parser.add_argument(
         "--worlds", default="matched,mismatched", help="of the first simulator: matched,...,carbon_black"
@@ -268,7 +272,7 @@ def main(argv: Sequence[str] | None = None) -> None:
         jobs = [job for seed in seeds for job in kinds_of(args.kinds, seed, args.simulator, args.noise)]
     else:
         effects = args.effects.split(",") if args.effects else EFFECTS[args.simulator]
-        worlds = [SECOND] if args.simulator == "second" else args.worlds.split(",")
+        worlds = [args.simulator] if args.simulator in OF_ONE_WORLD else args.worlds.split(",")
         like = Job(minutes=args.minutes, rate_hz=args.rate_hz, noise=args.noise)
         jobs = jobs_of(effects, strengths, worlds, seeds, like)
     taste = 6 if not (args.quick or args.full or args.kinds or args.seeds or args.strengths) else None

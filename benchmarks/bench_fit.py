@@ -17,13 +17,13 @@ from typing import Any
 import numpy as np
 from scipy.optimize import least_squares
 
+from testbench.comparing.compare import compare
 from testbench.diagnosis import diagnose
-from testbench.discrepancy.baseline import starting_baseline
-from testbench.discrepancy.compare import compare
-from testbench.discrepancy.fit import fit, shape_scales
-from testbench.discrepancy.measurement import Measurement, split
-from testbench.discrepancy.noise import noise_floor
-from testbench.discrepancy.parameters import free_parameters, values_of, with_values
+from testbench.fitting.baseline import starting_baseline
+from testbench.fitting.fit import fit, shape_scales
+from testbench.fitting.measurement import Measurement, split
+from testbench.fitting.noise import noise_floor
+from testbench.fitting.parameters import free_parameters, values_of, with_values
 from testbench.knit.model import KnitModel
 from testbench.worlds import make_case
 

@@ -4,8 +4,8 @@
 
 `train --method auto` learns from a specimen's first campaign. Its campaigns 4, 8 and 12, and the fourth of another
 specimen of the same kind, are predicted as they are and after `recalibrate` with their first 30 or 60 s, or with
-rest: the first reading, held for 10 s, and its force or displacement. Scored is what comes after 60 s, by the ordinary r2,
-where an error in level counts in full. `recalibrate` was developed on numbers 101 to 104.
+rest: the first reading, held for 10 s, and its force or displacement. Scored is what comes after 60 s, by the
+ordinary r2, where an error in level counts in full. `recalibrate` was developed on numbers 101 to 104.
 """
 
 from __future__ import annotations

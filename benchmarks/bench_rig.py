@@ -15,12 +15,12 @@ import numpy as np
 
 from gcode.output import make
 from gcode.presets import preset as trajectory_preset
-from testbench.campaign import simulate_campaign
-from testbench.importing import Wish, import_csv
+from testbench.campaigns.campaign import simulate_campaign
+from testbench.campaigns.plan import Plan
+from testbench.importing.from_file import Wish, import_csv
 from testbench.knit.presets import preset
-from testbench.manifest import problems
-from testbench.plan import Plan
-from testbench.recording import read_recording
+from testbench.recordings.manifest import problems
+from testbench.recordings.recording import read_recording
 from testbench.rig.motion import played
 from testbench.rig.stream import Intake
 

@@ -29,11 +29,11 @@ from compensation.training import twin
 from compensation.training.options import Options
 from compensation.training.training import train_on_series
 from compensation.training.twin_models import plausible
-from testbench.discrepancy.baseline import starting_baseline
-from testbench.discrepancy.fit import fit
-from testbench.discrepancy.measurement import coarser, prepare
+from testbench.fitting.baseline import starting_baseline
+from testbench.fitting.fit import fit
+from testbench.fitting.measurement import coarser, prepare
 from testbench.knit.model import KnitModel
-from testbench.recording import Recording, read_recording
+from testbench.recordings.recording import Recording, read_recording
 
 STRIP = Path(__file__).resolve().parents[1] / "../shared/data/real/cb_silicone_strip"
 STRIP_RUNS = ("cb7.5_s2_multisine_600s", "cb7.5_s2_multisine_300s_a", "cb7.5_s2_random_sawtooth_a")

@@ -9,9 +9,9 @@ from compensation.paper.paper_campaigns import GAUGE_LENGTH_MM, SEEDS_A_SET
 from gcode.output import make
 from gcode.presets import preset as trajectory
 from gcode.support.files import make_folder
-from testbench.campaign import Plan, matches, simulate_campaign, vacant
+from testbench.campaigns.campaign import Plan, matches, simulate_campaign, vacant
 from testbench.knit.presets import preset
-from testbench.recording import Recording, read_recording
+from testbench.recordings.recording import Recording, read_recording
 from testbench.rig.motion import played
 
 TRAJECTORIES = ("paper-1", "paper-2", "paper-3")

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from testbench.recording import Recording
+    from testbench.recordings.recording import Recording
 
 PICTURES = (".png", ".pdf", ".svg")
 # Wider or deeper networks than these have no place on a chip, and fill the memory instead.

@@ -10,7 +10,7 @@ from compensation.commands.common import add_recordings
 if TYPE_CHECKING:
     from compensation.model.compensator import Compensator
     from compensation.training.options import Options
-    from testbench.recording import Recording
+    from testbench.recordings.recording import Recording
 
 SUMMARY = "Train a compensator on recorded campaigns."
 EXAMPLE = "compensation train campaigns/pes-T --target force -o pes.compensator.json"
@@ -187,7 +187,7 @@ def _from_twin(args: argparse.Namespace, recordings: list[Recording], options: O
     from compensation.training import twin
     from gcode.support.console import Progress
     from gcode.support.errors import UserError
-    from testbench.discrepancy.model_file import load_model_file
+    from testbench.fitting.model_file import load_model_file
 
     if len(recordings) != 1:
         raise UserError(f"--twin learns from one short recording, got {len(recordings)}")

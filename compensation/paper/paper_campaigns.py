@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from gcode.support.files import make_folder
-from testbench.recording import Recording
+from testbench.recordings.recording import Recording
 
 GAUGE_LENGTH_MM = 25.0
 # In the order in which a sensor goes through them: name of the run -> (trajectory preset, trajectory seed, rig seed)
@@ -42,9 +42,9 @@ def campaigns(
     number : int
         Another number: another specimen of the sensor, other trajectories, other noise.
     """
-    from testbench.campaign import Plan, matches, simulate_campaign, vacant
+    from testbench.campaigns.campaign import Plan, matches, simulate_campaign, vacant
     from testbench.knit.presets import preset
-    from testbench.recording import read_recording
+    from testbench.recordings.recording import read_recording
     from testbench.rig.motion import played
 
     found: dict[str, Recording] = {}

@@ -13,7 +13,7 @@ from compensation.paper import published
 from compensation.paper import reproduction as ours
 from compensation.paper.paper_campaigns import RUNS, program_of
 from compensation.series import score
-from testbench.recording import Recording
+from testbench.recordings.recording import Recording
 
 # Of each kind of sensor, one or more specimens, each with its recordings by name.
 Specimens = Mapping[str, Sequence[Mapping[str, Recording]]]

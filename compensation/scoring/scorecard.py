@@ -13,7 +13,7 @@ import numpy as np
 from compensation.model.compensator import Compensator
 from compensation.series import score
 from compensation.series.preprocessing import Series, series_of
-from testbench.recording import Recording
+from testbench.recordings.recording import Recording
 
 FORMAT, FORMAT_VERSION = "knitbench-score", 1
 TRACE_POINTS = 1500

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcode.support.errors import UserError
-from testbench.recording import DISPLACEMENT, FORCE, RESISTANCE, Recording
+from testbench.recordings.recording import DISPLACEMENT, FORCE, RESISTANCE, Recording
 
 FloatArray = NDArray[np.float64]
 

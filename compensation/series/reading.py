@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from gcode.support.errors import UserError
-from testbench.recording import DISPLACEMENT, FORCE, RESISTANCE, TIME, Recording, read_recording
-from testbench.recording_files import read_columns
+from testbench.recordings.files import read_columns
+from testbench.recordings.recording import DISPLACEMENT, FORCE, RESISTANCE, TIME, Recording, read_recording
 
 UNKNOWN_LENGTH_MM = 1.0
 TIMES_THE_RANGE = 1.0

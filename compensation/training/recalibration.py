@@ -19,9 +19,9 @@ from gcode.support.errors import UserError
 FloatArray = NDArray[np.float64]
 
 # How far each wanders between specimens and with age, as standard deviations: log gain and zero (in standard
-# deviations of the training) of the input, then of the output. Errors APART_S apart are about independent, and as large
-# as ERROR of the target's standard deviation. Developed on specimens 101 to 104; seven sets of values within a factor
-# of two gave an r2 of 0.72 to 0.75 on another specimen, where there was 0.59 before.
+# deviations of the training) of the input, then of the output. Errors APART_S apart are about independent, and as
+# large as ERROR of the target's standard deviation. Developed on specimens 101 to 104; seven sets of values within a
+# factor of two gave an r2 of 0.72 to 0.75 on another specimen, where there was 0.59 before.
 SPREADS = np.array([0.3, 0.5, 0.1, 0.2])
 APART_S, ERROR = 8.0, 0.5
 LEAST_S, WARM_S = 5.0, 2.0

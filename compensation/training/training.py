@@ -15,7 +15,7 @@ from compensation.series.score import r2
 from compensation.training.arrays import describe, training_arrays, untrained
 from compensation.training.options import Options
 from compensation.training.tuning import tune
-from testbench.recording import Recording
+from testbench.recordings.recording import Recording
 
 MORE_STARTS = 6
 

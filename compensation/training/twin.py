@@ -26,7 +26,7 @@ from compensation.training.tuning import MOTION_TAUS_S, PLAY_RADII
 from compensation.training.twin_models import plausible
 from gcode.support.errors import UserError
 from testbench.knit.model import KnitModel
-from testbench.recording import Recording
+from testbench.recordings.recording import Recording
 
 FIRST_SEED = 901
 NETWORKS, SIZES, L2 = 8, (8,), 0.3

@@ -11,12 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from testbench.discrepancy.fit import Fit, fit
-from testbench.discrepancy.measurement import Measurement, coarser, prepare
-from testbench.discrepancy.parameters import with_values
+from testbench.fitting.fit import Fit, fit
+from testbench.fitting.measurement import Measurement, coarser, prepare
+from testbench.fitting.parameters import with_values
 from testbench.knit.catalogue import load_catalogue
 from testbench.knit.model import KnitModel
-from testbench.recording import Recording
+from testbench.recordings.recording import Recording
 
 # Effects that remember, weak at first: a fit makes of them what the measurement asks for. In the order of the chain.
 MEMORIES: dict[str, dict[str, Any]] = {

@@ -7,8 +7,8 @@ import sys
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from testbench.discrepancy.measurement import Measurement
-    from testbench.recording import Recording
+    from testbench.fitting.measurement import Measurement
+    from testbench.recordings.recording import Recording
 
 BEYOND = 0.02  # of the calibrated range; less is noise
 
@@ -38,8 +38,8 @@ def add_effects(parser: argparse.ArgumentParser) -> None:
 
 def load_recording(path: str, gauge_length_mm: float | None) -> Recording:
     """Read one recording; all that use this need its displacement."""
-    from testbench.recording import read_recording
-    from testbench.recording_checks import check_displacement
+    from testbench.recordings.checks import check_displacement
+    from testbench.recordings.recording import read_recording
 
     recording = read_recording(path, gauge_length_mm)
     check_displacement(recording)
@@ -48,7 +48,7 @@ def load_recording(path: str, gauge_length_mm: float | None) -> Recording:
 
 def load_split(args: argparse.Namespace, recording: str | None = None) -> tuple[Measurement, Measurement]:
     """Calibration and held-out measurements from the arguments."""
-    from testbench.discrepancy.measurement import split
+    from testbench.fitting.measurement import split
 
     first = load_recording(recording or args.recording, args.gauge_length_mm)
     held = load_recording(args.held_out, args.gauge_length_mm) if args.held_out else None

@@ -25,10 +25,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Add or undo, write, and show the ladder."""
     from gcode.support.errors import UserError
+    from testbench.comparing.ladder import idle_effects, undo
+    from testbench.comparing.tables import ladder_table
     from testbench.diagnosis.adding import add_effect
-    from testbench.discrepancy.ladder import idle_effects, undo
-    from testbench.discrepancy.model_file import check_same_set_up, load_model_file
-    from testbench.discrepancy.tables import ladder_table
+    from testbench.fitting.model_file import check_same_set_up, load_model_file
     from testbench.knit.catalogue import BASELINE, load_catalogue
 
     catalogue = load_catalogue(args.effects)

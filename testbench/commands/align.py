@@ -10,7 +10,7 @@ EXAMPLE = "testbench align knit-7 -o knit-7-aligned"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    from testbench.sensors import positive
+    from testbench.campaigns.sensors import positive
 
     parser.add_argument("recording", metavar="RECORDING", help="campaign folder, or a CSV with --program")
     parser.add_argument("--program", metavar="FILE", help="default: the campaign's own")
@@ -24,13 +24,13 @@ def run(args: argparse.Namespace) -> int:
     import json
     from dataclasses import asdict
 
-    from testbench.alignment import align, applied
-    from testbench.campaign import vacant, write_derived
-    from testbench.plan import PROGRAM
-    from testbench.recording import read_recording
-    from testbench.recording_checks import check_displacement
+    from testbench.campaigns.alignment import align, applied
+    from testbench.campaigns.campaign import vacant, write_derived
+    from testbench.campaigns.plan import PROGRAM
+    from testbench.campaigns.sensors import existing_file
+    from testbench.recordings.checks import check_displacement
+    from testbench.recordings.recording import read_recording
     from testbench.rig.motion import played
-    from testbench.sensors import existing_file
 
     path = Path(args.recording)
     program = existing_file(args.program or path / PROGRAM, "program; name it with --program")

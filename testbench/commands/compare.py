@@ -23,10 +23,10 @@ def run(args: argparse.Namespace) -> int:
     """Compare and print."""
     import json
 
-    from testbench.discrepancy.compare import compare
-    from testbench.discrepancy.measurement import prepare
-    from testbench.discrepancy.model_file import check_same_set_up, load_model_file
-    from testbench.discrepancy.tables import comparison_table
+    from testbench.comparing.compare import compare
+    from testbench.comparing.tables import comparison_table
+    from testbench.fitting.measurement import prepare
+    from testbench.fitting.model_file import check_same_set_up, load_model_file
     from testbench.knit.catalogue import load_catalogue
 
     file = load_model_file(args.model, load_catalogue(args.effects))

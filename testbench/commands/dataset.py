@@ -28,9 +28,9 @@ def run(args: argparse.Namespace) -> int:
     from gcode.support.console import Progress
     from gcode.support.errors import UserError
     from gcode.support.files import make_folder
-    from testbench.cluster import cluster
-    from testbench.dataset import OneAtATime, run, tasks_of, write_index
-    from testbench.dataset_spec import read_spec
+    from testbench.campaigns.cluster import cluster
+    from testbench.campaigns.dataset import OneAtATime, run, tasks_of, write_index
+    from testbench.campaigns.dataset_spec import read_spec
 
     if (args.backend == "dask") != bool(args.scheduler):
         raise UserError("--backend dask and --scheduler ADDRESS belong together")

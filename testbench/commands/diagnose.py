@@ -39,7 +39,7 @@ def run(args: argparse.Namespace) -> int:
     from gcode.support.files import write_json
     from testbench.diagnosis import diagnose
     from testbench.diagnosis.words import diagnosis_table
-    from testbench.discrepancy.model_file import check_same_set_up, load_model_file
+    from testbench.fitting.model_file import check_same_set_up, load_model_file
     from testbench.knit.catalogue import load_catalogue
 
     if args.repeat < 1:

@@ -11,7 +11,7 @@ from testbench.commands._telling import Telling
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from testbench.discrepancy.experiment import Option, Rival
+    from testbench.design.experiment import Option, Rival
     from testbench.knit.effect import FloatArray
 
 SUMMARY = "propose the next trajectory: the one that separates two rival models best"
@@ -39,9 +39,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Weigh the protocols, print the ranking, write the winner."""
     from gcode.support.files import write_json
-    from testbench.discrepancy.experiment import propose
-    from testbench.discrepancy.experiment_words import experiment_table
-    from testbench.discrepancy.protocols import Bounds, menu
+    from testbench.design.experiment import propose
+    from testbench.design.experiment_words import experiment_table
+    from testbench.design.protocols import Bounds, menu
 
     rivals, noise, gauge_length_mm, temperature = _rivals(args)
     bounds = Bounds(args.v_max, args.a_max, args.strain_max, args.duration_s, gauge_length_mm)
@@ -95,9 +95,9 @@ def _as_json(rivals: Sequence[Rival], options: Sequence[Option], gauge_length_mm
 def _rivals(args: argparse.Namespace):
     """Rivals, noise floors, gauge length and whether the temperature is measured."""
     from gcode.support.errors import UserError
-    from testbench.diagnosis.rivals import rivals_from_diagnosis, rivals_from_files
+    from testbench.design.rivals import rivals_from_diagnosis, rivals_from_files
     from testbench.knit.catalogue import load_catalogue
-    from testbench.recording import TEMPERATURE
+    from testbench.recordings.recording import TEMPERATURE
 
     catalogue = load_catalogue(args.effects)
     if args.diagnosis:

@@ -21,10 +21,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Fit, write, and say what was found."""
-    from testbench.discrepancy.baseline import starting_baseline
-    from testbench.discrepancy.ladder import fitted_file
-    from testbench.discrepancy.model_file import load_model_file
-    from testbench.discrepancy.tables import errors_line, fit_table
+    from testbench.comparing.ladder import fitted_file
+    from testbench.comparing.tables import errors_line, fit_table
+    from testbench.fitting.baseline import starting_baseline
+    from testbench.fitting.model_file import load_model_file
     from testbench.knit.catalogue import load_catalogue
 
     catalogue = load_catalogue(args.effects)

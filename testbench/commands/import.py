@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from testbench.importing import Imported, Wish
+    from testbench.importing.from_file import Imported, Wish
 
 SUMMARY = "turn a file of a tester or logger (CSV, Excel, TDMS) into a recording (a campaign folder, or a .csv)"
 EXAMPLE = """testbench import lab.csv --gauge-length-mm 40 -o lab
   testbench import raw.csv --time 3 --force 6 --force-unit N --time-unit s --displacement 4 --displacement-unit mm \\
       --gauge-length-mm 40 -o raw"""
-# Keys of testbench.recordings.words.ROLES; that module is too heavy for --help.
+# Keys of testbench.importing.words.ROLES; that module is too heavy for --help.
 COLUMNS = (
     ("time", "of the time"),
     ("displacement", ""),
@@ -38,7 +38,7 @@ UNITS = (
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    from testbench.sensors import positive
+    from testbench.campaigns.sensors import positive
 
     parser.add_argument("file", metavar="FILE", help="text (CSV and the like), .xlsx or .tdms")
     parser.add_argument(
@@ -54,7 +54,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _add_columns(parser: argparse.ArgumentParser) -> None:
-    from testbench.sensors import positive
+    from testbench.campaigns.sensors import positive
 
     group = parser.add_argument_group(
         "columns",
@@ -113,9 +113,9 @@ def _add_repairs(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     import json
 
-    from testbench.campaign import vacant
-    from testbench.importing import import_file, place_of, write_import
-    from testbench.sensors import existing_file
+    from testbench.campaigns.campaign import vacant
+    from testbench.campaigns.sensors import existing_file
+    from testbench.importing.from_file import import_file, place_of, write_import
 
     path, out = existing_file(args.file, "file"), Path(args.out)
     every = import_file(path, wish_of(args))
@@ -176,7 +176,7 @@ def _data(imported: Imported, place: Path) -> dict:
 
 def wish_of(args: argparse.Namespace) -> Wish:
     """What the command line says about the file."""
-    from testbench.importing import Hints, Wish
+    from testbench.importing.from_file import Hints, Wish
 
     columns = {name.replace("-", "_"): getattr(args, name.replace("-", "_")) for name, _ in COLUMNS}
     columns["relative"] = columns.pop("relative_resistance")

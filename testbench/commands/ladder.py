@@ -21,8 +21,8 @@ def run(args: argparse.Namespace) -> int:
     """Print the ladder."""
     import json
 
-    from testbench.discrepancy.model_file import load_model_file
-    from testbench.discrepancy.tables import ladder_table
+    from testbench.comparing.tables import ladder_table
+    from testbench.fitting.model_file import load_model_file
     from testbench.knit.catalogue import load_catalogue
 
     file = load_model_file(args.model, load_catalogue(args.effects))

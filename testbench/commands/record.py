@@ -10,7 +10,7 @@ EXAMPLE = "testbench record --port /dev/ttyUSB0 --program program.tap -o knit-7"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    from testbench.sensors import positive
+    from testbench.campaigns.sensors import positive
 
     parser.add_argument(
         "--port", metavar="URL", help="device (/dev/ttyUSB0), socket://HOST:PORT or rfc2217://HOST:PORT"
@@ -42,7 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     import sys
 
-    from testbench.record import begin, record
+    from testbench.campaigns.record import begin, record
     from testbench.rig.progress import as_text, json_lines, terminal
     from testbench.rig.serial_port import SerialLink
     from testbench.rig.signals import stop_signals
@@ -68,12 +68,12 @@ def run(args: argparse.Namespace) -> int:
 
 def _new(args: argparse.Namespace, folder: Path):
     from gcode.support.errors import UserError
-    from testbench.campaign import vacant
-    from testbench.record import Job
+    from testbench.campaigns.campaign import vacant
+    from testbench.campaigns.record import Job
+    from testbench.campaigns.sensors import existing_file
     from testbench.rig.motion import played
     from testbench.rig.ports import stated_port
     from testbench.rig.recorder import Limits
-    from testbench.sensors import existing_file
 
     if not args.port or not args.program:
         raise UserError("a new recording needs --port and --program; --resume continues an old one")
@@ -86,6 +86,6 @@ def _new(args: argparse.Namespace, folder: Path):
 
 
 def _continued(args: argparse.Namespace, folder: Path):
-    from testbench.record import job_of
+    from testbench.campaigns.record import job_of
 
     return job_of(folder, args.port, args.give_up_s)

@@ -10,7 +10,7 @@ HOLD_S = 3.0
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    from testbench.sensors import add_past_arguments, add_sensor_arguments, natural, positive
+    from testbench.campaigns.sensors import add_past_arguments, add_sensor_arguments, natural, positive
 
     add_sensor_arguments(parser)
     parser.add_argument("--program", required=True, metavar="FILE", help="Mach4 program that moves the stage")
@@ -32,12 +32,12 @@ def run(args: argparse.Namespace) -> int:
     from numpy.random import default_rng
 
     from gcode.support.errors import UserError
-    from testbench.plan import Plan, programs_before
+    from testbench.campaigns.plan import Plan, programs_before
+    from testbench.campaigns.sensors import existing_file, sensor_model
     from testbench.rig.faults import faulty
     from testbench.rig.links import paced
     from testbench.rig.motion import played
     from testbench.rig.pty_port import PtyPort, serve
-    from testbench.sensors import existing_file, sensor_model
 
     if not 0 <= args.faults <= 1:
         raise UserError(f"--faults must be a share from 0 to 1, got {args.faults}")

@@ -10,7 +10,7 @@ EXAMPLE = "testbench run --sensor pes --program program.tap --seed 1 -o pes-1"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    from testbench.sensors import add_past_arguments, add_sensor_arguments, natural, positive
+    from testbench.campaigns.sensors import add_past_arguments, add_sensor_arguments, natural, positive
 
     add_sensor_arguments(parser)
     parser.add_argument("--program", required=True, metavar="FILE", help="Mach4 program that moves the stage")
@@ -40,13 +40,13 @@ def run(args: argparse.Namespace) -> int:
     import sys
 
     from gcode.support.errors import UserError
-    from testbench.campaign import matches, simulate_campaign, simulate_live, vacant
-    from testbench.plan import Plan, programs_before
+    from testbench.campaigns.campaign import matches, simulate_campaign, simulate_live, vacant
+    from testbench.campaigns.plan import Plan, programs_before
+    from testbench.campaigns.sensors import existing_file, sensor_model
     from testbench.rig.links import real_time
     from testbench.rig.motion import played
     from testbench.rig.progress import json_lines, terminal
     from testbench.rig.signals import stop_signals
-    from testbench.sensors import existing_file, sensor_model
 
     say = sys.stderr if args.progress_json else sys.stdout
     folder, program = Path(args.campaign), existing_file(args.program, "program; make one with `gcode generate`")
@@ -77,7 +77,7 @@ def run(args: argparse.Namespace) -> int:
 
 def instruments_of(args: argparse.Namespace):
     """The paper's instruments with what the command line changes."""
-    from testbench.rig.instruments import Divider, Instruments, Room, SampleClock
+    from testbench.recordings.instruments import Divider, Instruments, Room, SampleClock
 
     clock = {"rate_hz": args.rate_hz, "rate_sd_hz": args.rate_sd_hz}
     divider = {"reference_ohm": args.divider_ohm}

@@ -22,8 +22,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     import sys
 
-    from testbench.dataset_index import INDEX, index_problems
-    from testbench.remake import made_again
+    from testbench.campaigns.dataset_index import INDEX, index_problems
+    from testbench.campaigns.remake import made_again
 
     failed, effects = False, Path(args.effects) if args.effects else None
     for folder in map(Path, args.campaigns):
@@ -48,7 +48,7 @@ def run(args: argparse.Namespace) -> int:
 def _problems(member: Path, alone: bool) -> list[str]:
     """What is wrong with a campaign; in a data set, one that cannot be read at all does not hide the others."""
     from gcode.support.errors import UserError
-    from testbench.manifest import problems
+    from testbench.recordings.manifest import problems
 
     try:
         return problems(member)

@@ -7,15 +7,15 @@ from concurrent.futures import ThreadPoolExecutor
 
 from threadpoolctl import threadpool_limits
 
+from testbench.comparing.ladder import drawn_to_data, fitted_file
 from testbench.diagnosis import constants
 from testbench.diagnosis.laplace import fitted
 from testbench.diagnosis.likelihood import likelihood_of
 from testbench.diagnosis.proposals import Screen, laws_of
-from testbench.discrepancy.baseline import framed
-from testbench.discrepancy.ladder import drawn_to_data, fitted_file
-from testbench.discrepancy.measurement import Measurement, coarser
-from testbench.discrepancy.model_file import ModelFile
-from testbench.discrepancy.motion import reading_noise
+from testbench.fitting.baseline import framed
+from testbench.fitting.measurement import Measurement, coarser
+from testbench.fitting.model_file import ModelFile
+from testbench.fitting.motion import reading_noise
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel

@@ -9,21 +9,21 @@ from typing import Any, Literal
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from testbench.comparing.ladder import on_the_ladder
 from testbench.diagnosis import constants
 from testbench.diagnosis.discrepancy_map import Map
 from testbench.diagnosis.held_out import Interval, gain_over
 from testbench.diagnosis.laplace import Hypothesis
 from testbench.diagnosis.search import NOTHING, UNKNOWN, Entry, Progress, Round, Search
-from testbench.discrepancy.baseline import SHAPES, without_shapes
-from testbench.discrepancy.errors import noise_floors
-from testbench.discrepancy.fit import Fit
-from testbench.discrepancy.ladder import on_the_ladder
-from testbench.discrepancy.measurement import Measurement, split
-from testbench.discrepancy.model_file import ModelFile
+from testbench.fitting.baseline import SHAPES, without_shapes
+from testbench.fitting.errors import noise_floors
+from testbench.fitting.fit import Fit
+from testbench.fitting.measurement import Measurement, split
+from testbench.fitting.model_file import ModelFile
 from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
-from testbench.recording import Recording
+from testbench.recordings.recording import Recording
 
 Verdict = Literal["missing", "nothing_missing", "unknown"]
 TIED = 0.9  # the smallest set of mechanisms with this probability is what cannot be told apart

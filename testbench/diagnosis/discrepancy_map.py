@@ -9,12 +9,12 @@ from functools import lru_cache
 
 import numpy as np
 
+from testbench.comparing.freeform import features
 from testbench.diagnosis.evidence import maximised, opened
 from testbench.diagnosis.laplace import Hypothesis, tail
 from testbench.diagnosis.likelihood import Likelihood
 from testbench.diagnosis.proposals import Screen
-from testbench.discrepancy.freeform import features
-from testbench.discrepancy.measurement import Measurement
+from testbench.fitting.measurement import Measurement
 from testbench.knit.effect import FloatArray
 
 

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from testbench.discrepancy.measurement import Measurement
-from testbench.discrepancy.remounting import remounted
+from testbench.fitting.measurement import Measurement
+from testbench.fitting.remounting import remounted
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
 

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from testbench.diagnosis import constants
+from testbench.diagnosis.directions import Directions
 from testbench.diagnosis.evidence import LogEvidence, NormalEquations, maximised, opened
 from testbench.diagnosis.likelihood import Likelihood
 from testbench.diagnosis.priors import Priors, priors_of
-from testbench.discrepancy.measurement import CONDUCTANCE_CHANNEL
-from testbench.discrepancy.parameters import values_of, with_values
-from testbench.discrepancy.sensitivity import RELATIVE_STEP
+from testbench.fitting.measurement import CONDUCTANCE_CHANNEL
+from testbench.fitting.parameters import values_of, with_values
+from testbench.fitting.sensitivity import RELATIVE_STEP
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel, SimulationCache
 
@@ -129,6 +130,7 @@ class _Search:
             "strain" in effect.writes for name, effect in model.effects.items() if name not in like.model
         )
         self.exact = not quick or moved
+        self.stale = True
         self.linearise(range(len(self.x)) if moved else new)
         self.sigma = {c: max(_trimmed(rows[0]), likelihood.least[c]) for c, rows in self.columns.items()}
 
@@ -137,6 +139,10 @@ class _Search:
         for _ in range(iterations):
             normal, robust = self.normal()
             evidence = maximised(normal, iterations=3, scale=self.scale)
+            if quiet:
+                # What was switched off on the way may be needed where the search has come to.
+                again = maximised(normal, iterations=12, scale=opened(self.scale))
+                evidence = max(evidence, again, key=lambda one: one.value)
             self.scale, self.sigma = evidence.scale, dict(evidence.sigma)
             gain, damping = self.move(normal, damping)
             if gain is None and fresh:
@@ -154,16 +160,18 @@ class _Search:
             self.linearise(self.all)
         for _ in range(FINAL_WEIGHTS):  # until the weights of outliers and the noise agree
             normal, robust = self.normal()
-            evidence = maximised(normal, scale=self.scale, iterations=8)
+            tried = (maximised(normal, scale=one, iterations=12) for one in (self.scale, opened(self.scale)))
+            evidence = max(tried, key=lambda one: one.value)
             self.scale, self.sigma = evidence.scale, dict(evidence.sigma)
-        return Hypothesis(
-            self.model, self.priors, normal, evidence, self.tails(robust, evidence.sigma), self.columns, robust
-        )
+        normal = self.all_normal(robust)
+        evidence = maximised(normal, start=evidence, scale=self.scale, iterations=2)
+        tails = self.tails(robust, evidence.sigma)
+        return Hypothesis(self.model, self.priors, normal, evidence, tails, self.columns, robust)
 
     def move(self, normal: NormalEquations, damping: float):
         cost = self.cost({c: rows[0] for c, rows in self.columns.items()}, self.x)
         while damping < 1e5:
-            step = _step(normal, self.priors, self.x, self.scale, self.sigma, damping)
+            step = self.step(normal, damping)
             trial = with_values(self.model, self.priors.parameters, self.x + step)
             then = self.cost(self.residual(trial), self.x + step)
             if then < cost:
@@ -179,12 +187,13 @@ class _Search:
     def linearise(self, which) -> None:
         """Residual and these sensitivities at the present point."""
         measurement, parameters = self.likelihood.measurement, self.priors.parameters
+        which = list(which)
         here = measurement.modelled(self.model, self.cache)
         for c, values in here.items():
             self.columns[c][0] = self.likelihood.picked(measurement.measured[c] - values, c)
         # From the end of the signal chain backwards, so that the cache holds the unchanged beginning.
         plain: set[str] = set()  # effects whose change of ln G nothing after them alters
-        for index in reversed(list(which)):
+        for index in reversed(which):
             p = parameters[index]
             step = RELATIVE_STEP * (1.0 if p.log else max(abs(self.x[index]), 0.1 * p.width))
             step = -step if self.x[index] + step > self.priors.high[index] else step
@@ -200,6 +209,18 @@ class _Search:
                 local, whole = self._local(name, moved), self.columns[CONDUCTANCE_CHANNEL][index + 1] * step
                 if np.allclose(local, whole, rtol=1e-6, atol=1e-9 * np.max(np.abs(whole))):
                     plain.add(name)
+        self.refresh(which)
+
+    def refresh(self, which: Sequence[int]) -> None:
+        """Bring the rows along the directions up to date; new sensitivities of a shape may open new directions."""
+        if any(self.priors.group[index] >= 0 for index in which):
+            self.stale = True
+        if self.stale:
+            return
+        own = np.flatnonzero(self.priors.group < 0)
+        for c, rows in self.rows.items():
+            rows[0] = self.columns[c][0]
+            rows[1 : 1 + len(own)] = self.columns[c][own + 1]
 
     def _local(self, name: str, moved: KnitModel) -> FloatArray:
         """Change of ln G by the effect `name` alone, moved, at the samples that count."""
@@ -210,26 +231,45 @@ class _Search:
         return self.likelihood.picked(np.log(there / here), CONDUCTANCE_CHANNEL)
 
     def normal(self) -> tuple[NormalEquations, dict[str, FloatArray]]:
-        products, robust = {}, {}
-        for c, rows in self.columns.items():
+        """Along the directions that the data see, and the square roots of the Huber weights."""
+        if self.stale:
+            share = {c: self.likelihood.share[c] / self.sigma[c] ** 2 for c in self.columns}
+            self.directions = Directions.seen(self.columns, share, self.priors, opened(self.scale) / 10)
+            self.rows = {c: self.directions.rows(rows) for c, rows in self.columns.items()}
+            self.stale = False
+        robust, group = {}, self.directions.group
+        for c, rows in self.rows.items():
             z = np.abs(rows[0]) / self.sigma[c]
             robust[c] = np.sqrt(np.minimum(1.0, constants.HUBER / np.maximum(z, 1e-12)))
-            weighted = rows * robust[c]
-            products[c] = weighted @ weighted.T
+        own = np.argmax(self.directions.basis != 0, axis=0)  # members of a group have one precision
+        mean = self.directions.along(self.priors.mean - self.x)
+        return self.equations(self.rows, robust, mean, self.priors.precision[own], group), robust
+
+    def all_normal(self, robust: Mapping[str, FloatArray]) -> NormalEquations:
+        """For every parameter."""
         priors = self.priors
+        return self.equations(self.columns, robust, priors.mean - self.x, priors.precision, priors.group)
+
+    def equations(self, rows: Mapping[str, FloatArray], robust, mean, precision, group) -> NormalEquations:
+        products = {c: _gram(values * robust[c]) for c, values in rows.items()}
         likelihood = self.likelihood
-        return (
-            NormalEquations(
-                products,
-                likelihood.counts,
-                likelihood.share,
-                likelihood.least,
-                priors.mean - self.x,
-                priors.precision,
-                priors.group,
-            ),
-            robust,
+        return NormalEquations(
+            products, likelihood.counts, likelihood.share, likelihood.least, mean, precision, group
         )
+
+    def step(self, normal: NormalEquations, damping: float) -> FloatArray:
+        """A step of all parameters, within their bounds."""
+        total = sum(g * (normal.share[c] / self.sigma[c] ** 2) for c, g in normal.products.items())
+        factor = np.where(normal.group >= 0, self.scale[normal.group], 1.0) if len(self.scale) else 1.0
+        precision = normal.precision * factor
+        matrix, gradient = total[1:, 1:] + np.diag(precision), total[1:, 0] + precision * normal.mean
+        low, high, push = self.priors.low, self.priors.high, self.directions.full(gradient)
+        held = ((self.x <= low) & (push < 0)) | ((self.x >= high) & (push > 0))
+        free = np.flatnonzero(~(np.abs(self.directions.basis[held]).sum(axis=0) > 0.5))
+        inner = matrix[np.ix_(free, free)]
+        step = np.zeros(len(gradient))
+        step[free] = np.linalg.solve(inner + damping * np.diag(np.diag(inner)), gradient[free])
+        return np.clip(self.x + self.directions.full(step), low, high) - self.x
 
     def cost(self, residual: Mapping[str, FloatArray], x: FloatArray) -> float:
         total = 0.5 * float(self.priors.scaled(self.scale) @ (x - self.priors.mean) ** 2)
@@ -257,16 +297,8 @@ def _trimmed(values: FloatArray) -> float:
     return float(np.sqrt(np.mean(np.minimum(values**2, np.quantile(values**2, 0.98)))))
 
 
-def _step(normal: NormalEquations, priors: Priors, x, scale, sigma, damping) -> FloatArray:
-    total = sum(g * (normal.share[c] / sigma[c] ** 2) for c, g in normal.products.items())
-    precision = priors.scaled(scale)
-    matrix, gradient = total[1:, 1:] + np.diag(precision), total[1:, 0] + precision * normal.mean
-    held = ((x <= priors.low) & (gradient < 0)) | ((x >= priors.high) & (gradient > 0))
-    free = np.flatnonzero(~held)
-    inner = matrix[np.ix_(free, free)]
-    step = np.zeros_like(x)
-    step[free] = np.linalg.solve(inner + damping * np.diag(np.diag(inner)), gradient[free])
-    return np.clip(x + step, priors.low, priors.high) - x
+def _gram(rows: FloatArray) -> FloatArray:
+    return rows @ rows.T
 
 
 def under(h: Hypothesis, likelihood: Likelihood) -> Hypothesis:

@@ -13,10 +13,10 @@ from itertools import pairwise
 import numpy as np
 
 from testbench.diagnosis import constants
-from testbench.discrepancy.errors import sampled
-from testbench.discrepancy.measurement import Measurement, channel_of
-from testbench.discrepancy.motion import reading_noise
-from testbench.discrepancy.noise import noise_floor, robust_sd
+from testbench.fitting.errors import sampled
+from testbench.fitting.measurement import Measurement, channel_of
+from testbench.fitting.motion import reading_noise
+from testbench.fitting.noise import noise_floor, robust_sd
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
 
@@ -78,11 +78,12 @@ def telling(measurement: Measurement) -> Measurement:
 
 def noise_of(measurement: Measurement) -> dict[str, float]:
     """Standard deviation of the white noise at a grid point, per channel: force in N, conductance in ln S."""
-    averaged = max(len(measurement.recording) / len(measurement.counts), 1.0) ** 0.5
     found = {}
     for channel in measurement.channels:
         time_s, values = sampled(measurement, channel)
-        found[channel] = max(min(noise_floor(values), reading_noise(time_s, values)) / averaged, 1e-12)
+        found[channel] = max(
+            min(noise_floor(values), reading_noise(time_s, values)) / measurement.averaged**0.5, 1e-12
+        )
     return found
 
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from testbench.discrepancy.fit import shape_scales
-from testbench.discrepancy.measurement import Measurement
-from testbench.discrepancy.parameters import FreeParameter, _lookup, free_parameters
+from testbench.fitting.fit import shape_scales
+from testbench.fitting.measurement import Measurement
+from testbench.fitting.parameters import FreeParameter, _lookup, free_parameters
 from testbench.knit.effect import Effect, FloatArray, bounds_of
 from testbench.knit.model import KnitModel
 

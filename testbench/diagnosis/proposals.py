@@ -12,8 +12,8 @@ from testbench.diagnosis.evidence import LogEvidence, NormalEquations, maximised
 from testbench.diagnosis.laplace import Hypothesis
 from testbench.diagnosis.likelihood import Likelihood
 from testbench.diagnosis.priors import typical
-from testbench.discrepancy.candidates import Candidate, candidate_ideas, expand, is_vector, two_signed
-from testbench.discrepancy.fit import shape_scales
+from testbench.fitting.candidates import Candidate, candidate_ideas, expand, is_vector, two_signed
+from testbench.fitting.fit import shape_scales
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import Effect, FloatArray
 from testbench.knit.model import SimulationCache

@@ -10,15 +10,15 @@ from functools import cached_property
 import numpy as np
 from scipy.special import logsumexp
 
+from testbench.comparing.ladder import drawn_to_data
 from testbench.diagnosis import constants
 from testbench.diagnosis.discrepancy_map import Map
 from testbench.diagnosis.laplace import Hypothesis, fitted, under
 from testbench.diagnosis.likelihood import Likelihood, correlated, likelihood_of, noise_of, telling
 from testbench.diagnosis.proposals import Proposal, Screen, laws_of
-from testbench.discrepancy.baseline import SHAPES, starting_baseline, with_shapes, without_shapes
-from testbench.discrepancy.fit import fit
-from testbench.discrepancy.ladder import drawn_to_data
-from testbench.discrepancy.measurement import Measurement, coarser
+from testbench.fitting.baseline import SHAPES, starting_baseline, with_shapes, without_shapes
+from testbench.fitting.fit import fit
+from testbench.fitting.measurement import Measurement, coarser
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from testbench.comparing.tables import ladder_table
+from testbench.comparing.words import percent
 from testbench.diagnosis.diagnosis import Diagnosis, Ranked
 from testbench.diagnosis.search import NOTHING, UNKNOWN
-from testbench.discrepancy.tables import ladder_table
-from testbench.discrepancy.words import percent
 
 SHOWN = 6
 

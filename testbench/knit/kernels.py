@@ -164,6 +164,56 @@ def bspline(x: FloatArray, weights: FloatArray) -> FloatArray:
     return out
 
 
+@njit("float64[:](float64[:], float64, float64)", cache=True, nogil=True)
+def follower(x: FloatArray, up: float, down: float) -> FloatArray:
+    """Follows `x` by closing its gap over a length of travel, `up` when `x` rises and `down` when it falls.
+
+    dq = (x - q) |dx| / travel, exact over each monotonic step.
+    """
+    out = np.empty_like(x)
+    gap = 0.0
+    out[0] = x[0]
+    for i in range(1, len(x)):
+        step = x[i] - x[i - 1]
+        travel = up if step > 0.0 else down
+        kept = math.exp(-abs(step) / travel)
+        gap = gap * kept + math.copysign(travel, step) * (1.0 - kept)
+        out[i] = x[i] - gap
+    return out
+
+
+_SIDE = 64
+
+
+@njit("float64[:](float64[:], float64, float64, float64[:])", cache=True, nogil=True)
+def cosine_series(x: FloatArray, low: float, span: float, weights: FloatArray) -> FloatArray:
+    """w_0 u + w_1 u^2 + sum_k w_(k+1) cos(k pi u) / k^2 with u = (x - low) / span, clipped to 0 <= u <= 1.
+
+    Source: Clenshaw, Math. Tables Aids Comput. 9 (1955) 118 (summing a Chebyshev series).
+    """
+    terms = len(weights) - 2
+    scaled = np.empty(terms)
+    for k in range(terms):
+        scaled[k] = weights[k + 2] / (k + 1) ** 2
+    out = np.empty_like(x)
+    # Samples go side by side, for each has to wait for its own last term.
+    u, first, now, after = np.empty(_SIDE), np.empty(_SIDE), np.empty(_SIDE), np.empty(_SIDE)
+    for start in range(0, len(x), _SIDE):
+        count = min(_SIDE, len(x) - start)
+        for i in range(count):
+            u[i] = min(max((x[start + i] - low) / span, 0.0), 1.0)
+            first[i] = math.cos(math.pi * u[i])
+            now[i], after[i] = 0.0, 0.0
+        for k in range(terms - 1, -1, -1):
+            for i in range(count):
+                new = scaled[k] + 2.0 * first[i] * now[i] - after[i]
+                after[i] = now[i]
+                now[i] = new
+        for i in range(count):
+            out[start + i] = weights[0] * u[i] + weights[1] * u[i] * u[i] + now[i] * first[i] - after[i]
+    return out
+
+
 # NaN never reaches the stops, and the order of their sum is free: only so can the processor take several at once.
 _ANY_ORDER = {"reassoc", "nnan", "nsz", "contract"}
 

@@ -1,49 +1,22 @@
 """Shape freedom of the base laws: what an elastic, hysteretic, contact or drift law cannot bend to by itself.
 
-A stiff base law makes every candidate effect a stand-in for its own misfit. These additions are linear in their
-weights, smooth, and zero by default, so that a fit can charge a physical effect only for what no reasonable shape of
-the base law explains. When one of them alone removes the misfit, the finding is "the base law itself misfits".
+A stiff base law makes every candidate effect imitate its own misfit. These additions are linear in their weights,
+smooth, and zero by default, so that a fit can charge a physical effect only for what no reasonable shape of the base
+law explains. When one of them alone removes the misfit, the finding is "the base law itself misfits".
 """
 
 from __future__ import annotations
 
-from functools import cache, lru_cache
+from functools import lru_cache
 
 import numpy as np
 
+from testbench.knit.curves import CURVE_TERMS, curve
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
+from testbench.knit.loops import LOOPS, loops
 
-SPLINE_KNOTS = 14
-SLIP_STRAINS = (0.001, 0.12)  # break-away strains of the first and the last slip element,
-SLIP_SPAN = 0.3  # over this span
-LOOP_SLIPS, CONTACT_SLIPS = 12, 9
 DRIFT_TAUS_S = (3.0, 30.0, 300.0)
 DRIFT_BUMPS = 6
-SMOOTH_LOOPS, LOOP_THRESHOLDS, LOOP_SKEWS = 12, (0.004, 0.25), (0.0, 0.5)  # thresholds in parts of the span
-
-
-def spline(x: FloatArray, weights: tuple[float, ...]) -> FloatArray:
-    """Smooth curve over 0 <= x <= 1; see `testbench.knit.kernels.bspline`."""
-    from testbench.knit.kernels import bspline
-
-    return bspline(x, np.asarray(weights))
-
-
-@cache
-def _slip_strains(count: int) -> FloatArray:
-    """Break-away strains of so many slip elements over `SLIP_SPAN`, shape (count,): asked for at every simulation."""
-    return np.geomspace(*SLIP_STRAINS, count)
-
-
-def slips(
-    e: FloatArray, span: float, weights: tuple[float, ...], growth: tuple[float, ...] | None = None
-) -> FloatArray:
-    """Weighted stop operators in the range of `SLIP_STRAINS`, scaled to the span; weights grow over the strain."""
-    from testbench.knit.kernels import weighted_stops
-
-    thresholds = _slip_strains(len(weights)) * span / SLIP_SPAN
-    per_strain = np.zeros(len(weights)) if growth is None else np.asarray(growth) / span
-    return weighted_stops(e, thresholds, np.asarray(weights), per_strain)
 
 
 @lru_cache(maxsize=8)
@@ -53,11 +26,12 @@ def _settled(start_s: float, end_s: float, count: int) -> FloatArray:
 
 
 class ElasticityShape(Effect):
-    """Any smooth correction to the elastic law over strain.
+    """Any smooth correction to the elastic law over strain, knees included.
 
-    F += sum_j w_j B_j(e / span)
+    F += w_1 x + w_2 x^2 + sum_k w_k cos(k pi x) / k^2,   x = e / span
 
-    Source: penalised splines, Eilers & Marx, Statist. Sci. 11 (1996) 89. Valid: inside the strain seen in the fit.
+    Source: smoothing splines as a cosine series, Wahba, Spline Models for Observational Data (1990), ch. 2: weights
+    of one size make a curve whose slope wanders. Valid: inside the strain seen in the fit.
     """
 
     name = "elasticity_shape"
@@ -67,20 +41,24 @@ class ElasticityShape(Effect):
     look = "the misfit of force depends on strain alone"
 
     weights_N: tuple[float, ...] = parameter(
-        (0.0,) * SPLINE_KNOTS, unit="N", low=-1e3, high=1e3, doc="height of each bump over strain"
+        (0.0,) * CURVE_TERMS, unit="N", low=-1e3, high=1e3, doc="weight of each term over strain"
     )
-    span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain covered by the bumps")
+    span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain covered by the curve")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        return {"force_N": signals["force_N"] + spline(signals["strain"] / self.span, self.weights_N)}
+        return {"force_N": signals["force_N"] + curve(signals["strain"], 0.0, self.span, self.weights_N)}
 
 
 class HysteresisShape(Effect):
-    """Any distribution of slip strains, with loops that may widen or narrow with strain.
+    """Rate-independent loops of the force of any width, sharp or smooth, that may widen or narrow with strain.
 
-    F += sum_k (w_k + v_k e / span) * stop_k(e) / r_k
+    F += sum_k (w_k + v_k e / span) z_k(e)
 
-    Source: Kuhnen, Eur. J. Control 9 (2003) 407 (free Prandtl-Ishlinskii weights). Valid: rate-independent loops.
+    z_k: stops (Prandtl-Ishlinskii), Bouc-Wen variables, and followers that close their gap over one length of travel
+    upwards and over another downwards (`testbench.knit.loops`).
+
+    Source: Kuhnen, Eur. J. Control 9 (2003) 407 (free Prandtl-Ishlinskii weights); Wen, J. Eng. Mech. Div. ASCE 102
+    (1976) 249; Valanis, Arch. Mech. 23 (1971) 517 (memory over travel). Valid: rate-independent loops.
     """
 
     name = "hysteresis_shape"
@@ -90,25 +68,24 @@ class HysteresisShape(Effect):
     look = "the misfit of force depends on the direction of motion and on the last reversals, at any speed"
 
     weights_N: tuple[float, ...] = parameter(
-        (0.0,) * LOOP_SLIPS, unit="N", low=-1e3, high=1e3, doc="friction of each slip element"
+        (0.0,) * LOOPS, unit="N", low=-1e3, high=1e3, doc="friction of each operator"
     )
     growth_N: tuple[float, ...] = parameter(
-        (0.0,) * LOOP_SLIPS, unit="N", low=-1e3, high=1e3, doc="its growth over the strain span"
+        (0.0,) * (2 * LOOPS), unit="N", low=-1e3, high=1e3, doc="its growth over the strain span and its square"
     )
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain over which growth is counted")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        friction = slips(signals["strain"], self.span, self.weights_N, self.growth_N)
-        return {"force_N": signals["force_N"] + friction}
+        return {"force_N": signals["force_N"] + loops(signals["strain"], self.span, self.weights_N, self.growth_N)}
 
 
 class ContactShape(Effect):
-    """Any smooth correction to the law of conductance over contact force and strain, with hysteresis of its own.
+    """Any smooth correction to the law of conductance over contact force and strain.
 
-    ln G += sum_j w_j B_j(P / span_N) + sum_j u_j B_j(e / span) + sum_k (v_k + z_k e / span) stop_k(e) / r_k
+    ln G += curve(P / span_N) + curve(e / span),   the curves as in `elasticity_shape`
 
-    Source: penalised splines, Eilers & Marx, Statist. Sci. 11 (1996) 89; slip as in `hysteresis_shape`.
-    Valid: inside the force and strain seen in the fit.
+    Source: Wahba, Spline Models for Observational Data (1990), ch. 2. Valid: inside the force and strain seen in the
+    fit.
     """
 
     name = "contact_shape"
@@ -116,32 +93,22 @@ class ContactShape(Effect):
     reads, writes = ("strain", "conductance_S"), ("conductance_S",)
     optional_reads = ("contact_force_N",)
     strength = "strain_weights"
-    look = "the misfit of ln G depends on force, strain and direction, at any speed and time"
+    look = "the misfit of ln G depends on force and strain, at any speed and time"
 
     force_weights: tuple[float, ...] = parameter(
-        (0.0,) * SPLINE_KNOTS, unit="1", low=-3, high=3, doc="height of each bump over contact force"
+        (0.0,) * CURVE_TERMS, unit="1", low=-3, high=3, doc="weight of each term over contact force"
     )
     strain_weights: tuple[float, ...] = parameter(
-        (0.0,) * SPLINE_KNOTS, unit="1", low=-3, high=3, doc="height of each bump over strain"
+        (0.0,) * CURVE_TERMS, unit="1", low=-3, high=3, doc="weight of each term over strain"
     )
-    slip_weights: tuple[float, ...] = parameter(
-        (0.0,) * CONTACT_SLIPS, unit="1", low=-3, high=3, doc="change of ln G when a slip element has slipped"
-    )
-    slip_growth: tuple[float, ...] = parameter(
-        (0.0,) * CONTACT_SLIPS, unit="1", low=-3, high=3, doc="its growth over the strain span"
-    )
-    low_N: float = parameter(0.0, unit="N", low=-1e3, high=1e3, doc="contact force where the bumps begin")
-    span_N: float = parameter(3.0, unit="N", low=1e-3, high=1e4, doc="contact force covered by the bumps")
-    span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain covered by the bumps")
+    low_N: float = parameter(0.0, unit="N", low=-1e3, high=1e3, doc="contact force where the curve begins")
+    span_N: float = parameter(3.0, unit="N", low=1e-3, high=1e4, doc="contact force covered by the curve")
+    span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain covered by the curve")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        e = signals["strain"]
-        log_change = spline(e / self.span, self.strain_weights) + slips(
-            e, self.span, self.slip_weights, self.slip_growth
-        )
+        log_change = curve(signals["strain"], 0.0, self.span, self.strain_weights)
         if "contact_force_N" in signals:
-            force = (signals["contact_force_N"] - self.low_N) / self.span_N
-            log_change = log_change + spline(force, self.force_weights)
+            log_change = log_change + curve(signals["contact_force_N"], self.low_N, self.span_N, self.force_weights)
         return {"conductance_S": signals["conductance_S"] * np.exp(log_change)}
 
 
@@ -210,49 +177,25 @@ class ContactDriftShape(Effect):
 
 
 class ContactLoopsShape(Effect):
-    """Smooth loops of ln G over strain, of any width, that may widen or narrow with strain.
+    """Rate-independent loops of ln G over strain of any width, sharp or smooth, that may widen or narrow with strain.
 
-    ln G += sum_k (w_k + v_k e / span) z_k(e),   z_k: Bouc-Wen variables of many thresholds and two skews
+    ln G += sum_k (w_k + v_k e / span) z_k(e),   z_k as in `hysteresis_shape`
 
-    Source: Wen, J. Eng. Mech. Div. ASCE 102 (1976) 249. Valid: rate-independent loops.
+    Source: as `hysteresis_shape`. Valid: rate-independent loops.
     """
 
     name = "contact_loops_shape"
     stage = Stage.CONTACT
     reads, writes = ("strain", "conductance_S"), ("conductance_S",)
     strength = "weights"
-    look = "conductance over strain is a loop with smooth corners, at any speed"
+    look = "conductance over strain is a loop, at any speed"
 
-    weights: tuple[float, ...] = parameter(
-        (0.0,) * SMOOTH_LOOPS, unit="1", low=-3, high=3, doc="width of each loop in ln G"
-    )
+    weights: tuple[float, ...] = parameter((0.0,) * LOOPS, unit="1", low=-3, high=3, doc="width of each loop in ln G")
     growth: tuple[float, ...] = parameter(
-        (0.0,) * SMOOTH_LOOPS, unit="1", low=-3, high=3, doc="its growth over the strain span"
+        (0.0,) * (2 * LOOPS), unit="1", low=-3, high=3, doc="its growth over the strain span and its square"
     )
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain over which growth is counted")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        e = signals["strain"]
-        weights, growth = np.asarray(self.weights), np.asarray(self.growth)
-        if not (weights.any() or growth.any()):
-            return {"conductance_S": signals["conductance_S"].copy()}
-        z = _loops(e, self.span)
-        log_change = weights @ z + (growth @ z) * (e / self.span)
+        log_change = loops(signals["strain"], self.span, self.weights, self.growth)
         return {"conductance_S": signals["conductance_S"] * np.exp(log_change)}
-
-
-_LAST_LOOPS: list[tuple[FloatArray, float, FloatArray]] = []  # newest last
-
-
-def _loops(e: FloatArray, span: float) -> FloatArray:
-    """Bouc-Wen variables over a strain, shape (SMOOTH_LOOPS, n); they do not depend on any weight."""
-    from testbench.knit.kernels import bouc_wen
-
-    for seen, at, z in tuple(_LAST_LOOPS):
-        if seen is e and at == span:
-            return z
-    thresholds = np.geomspace(*LOOP_THRESHOLDS, SMOOTH_LOOPS // 2) * span
-    z = np.stack([bouc_wen(e, threshold, skew) for skew in LOOP_SKEWS for threshold in thresholds])
-    _LAST_LOOPS.append((e, span, z))
-    del _LAST_LOOPS[:-6]
-    return z

@@ -1,1 +1,1 @@
-"""Other people's recordings: from a file as a laboratory wrote it to columns with known meaning and known units."""
+"""One recording: its channels, its files and manifest, its checks, and how two clocks are aligned."""

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from testbench.discrepancy.compare import compare, residual_maps
-from testbench.discrepancy.coordinates import coordinates
-from testbench.discrepancy.errors import noise_floors
-from testbench.discrepancy.measurement import Measurement
-from testbench.discrepancy.model_file import ModelFile
+from testbench.comparing.compare import compare, residual_maps
+from testbench.comparing.coordinates import coordinates
+from testbench.fitting.errors import noise_floors
+from testbench.fitting.measurement import Measurement
+from testbench.fitting.model_file import ModelFile
 from testbench.knit.catalogue import Catalogue, model_from_dict
 from testbench.knit.model import KnitModel
 from testbench.report.comparison_figures import Overlay

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from testbench.knit.model import KnitModel
-from testbench.recording import Recording
+from testbench.recordings.recording import Recording
 from testbench.report import (
     comparison_figures,
     compensator_figures,

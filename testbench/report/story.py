@@ -6,11 +6,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from testbench.discrepancy.compare import compare
-from testbench.discrepancy.measurement import Measurement, split
-from testbench.discrepancy.model_file import ModelFile, check_same_set_up, load_model_file
+from testbench.comparing.compare import compare
+from testbench.fitting.measurement import Measurement, split
+from testbench.fitting.model_file import ModelFile, check_same_set_up, load_model_file
 from testbench.knit.catalogue import Catalogue, load_catalogue, model_from_dict
-from testbench.recording import Recording
+from testbench.recordings.recording import Recording
 from testbench.report import ladder_figures, sections, words
 from testbench.report.comparison_figures import busiest_window
 from testbench.report.document import Facts, Item, Picture, Section

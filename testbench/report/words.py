@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from testbench.discrepancy.words import percent
+from testbench.comparing.words import percent
 from testbench.report.ladder_figures import UNITS
 from testbench.report.numbers import plain
 

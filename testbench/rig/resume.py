@@ -13,12 +13,12 @@ from gcode.support import disk
 from gcode.support.errors import UserError
 from gcode.support.files import write_bytes
 from gcode.support.strict import check_plain, json_of, validated
-from testbench.recording import DISPLACEMENT, TIME, UNITS
+from testbench.recordings.recording import DISPLACEMENT, TIME, UNITS
+from testbench.recordings.stored import StoredEvent
 from testbench.rig.ending import EndOfMotion
 from testbench.rig.sink import BAD, CSV, EVENTS, bad_line
 from testbench.rig.stream import Anchor, Bad, Intake
 from testbench.rig.wire import MICROS_WRAP, SEQUENCE_WRAP
-from testbench.stored import StoredEvent
 
 MOST_LINE = 8192
 MOST_BYTES = 4 << 30

@@ -13,7 +13,7 @@ from numpy.random import default_rng
 from gcode.support.errors import UserError
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel, inputs
-from testbench.rig.instruments import Instruments, Truth
+from testbench.recordings.instruments import Instruments, Truth
 from testbench.rig.wire import MICROS_WRAP, Sample, encode
 
 GRID_HZ = 200.0

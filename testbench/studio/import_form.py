@@ -10,7 +10,7 @@ from gcode.support.errors import UserError
 from testbench.studio.import_words import TITLES
 
 if TYPE_CHECKING:
-    from testbench.importing import Wish
+    from testbench.importing.from_file import Wish
 
 NOT_THERE = "none"
 HINT_FLAGS = {
@@ -34,7 +34,7 @@ class Choices:
     columns, units, clocks : dict of str to str
         By role: number of the column (``none``: not there), unit, number of the column of its own times.
     hints : dict of str to (str, int or None)
-        How the file is written; the fields of `testbench.recordings.sheet.Hints`.
+        How the file is written; the fields of `testbench.importing.sheet.Hints`.
     negate, zero : set of str
         Roles.
     """
@@ -54,7 +54,7 @@ class Choices:
 
     def wish(self) -> Wish:
         """For a look at the file."""
-        from testbench.importing import Hints, Wish
+        from testbench.importing.from_file import Hints, Wish
 
         return Wish(
             gauge_length_mm=self.gauge_length_mm,

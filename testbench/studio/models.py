@@ -112,7 +112,7 @@ def adopt_diagnosed(studio: Studio, c: str) -> None:
     UserError
         If either model file is missing or damaged.
     """
-    from testbench.discrepancy.model_file import load_model_file
+    from testbench.fitting.model_file import load_model_file
 
     catalogue = studio.catalogue()
     mine = load_model_file(model_path(studio, c), catalogue)

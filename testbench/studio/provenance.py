@@ -9,7 +9,7 @@ from typing import Any
 from nicegui import ui
 
 from gcode.support.errors import UserError
-from testbench.manifest import read_manifest
+from testbench.recordings.manifest import read_manifest
 from testbench.report.words import spoken
 from testbench.studio.studio import Studio
 from testbench.studio.widgets import table

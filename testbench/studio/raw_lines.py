@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from html import escape
 
-from testbench.recordings.sheet import Sheet
+from testbench.importing.sheet import Sheet
 
 LINES = 30
 CELL = 44  # characters of a cell that are shown

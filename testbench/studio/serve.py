@@ -12,7 +12,13 @@ from testbench.studio.studio import KEY_RECORDING, RESULTS_URL, Studio
 from testbench.studio.workspace import RESULTS
 
 HOST = "127.0.0.1"
-WARM = ("pandas", "tsdownsample", "testbench.manifest", "testbench.knit.catalogue", "testbench.discrepancy.compare")
+WARM = (
+    "pandas",
+    "tsdownsample",
+    "testbench.recordings.manifest",
+    "testbench.knit.catalogue",
+    "testbench.comparing.compare",
+)
 FAVICON = (
     '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 30 30" fill="none" stroke="#0072B2" stroke-width="6" '
     'stroke-linecap="round"><path d="M5 6 L15 24 M25 6 L15 24"/></svg>'

@@ -9,7 +9,7 @@ from pathlib import Path
 from nicegui import ui
 
 from gcode.support.errors import UserError
-from testbench.manifest import IN_PROGRESS, read_manifest
+from testbench.recordings.manifest import IN_PROGRESS, read_manifest
 from testbench.studio.jobs import Job
 from testbench.studio.studio import KEY_RECORDING, KEY_RIG, Studio
 from testbench.studio.widgets import attempt

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from gcode.support.errors import UserError
 from gcode.support.files import make_folder, write_text
-from testbench.recording import Recording, read_recording
+from testbench.recordings.recording import Recording, read_recording
 from testbench.studio.memory import Memory, stamp
 
 MANIFEST = "datapackage.json"
@@ -230,7 +230,7 @@ def _made_in(folder: str) -> frozenset[str]:
 
 
 def _verdict(folder: Path) -> list[str]:
-    from testbench.manifest import problems
+    from testbench.recordings.manifest import problems
 
     try:
         return problems(folder)

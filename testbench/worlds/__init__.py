@@ -1,6 +1,6 @@
 """Test data with a hidden effect: sensors of which somebody else wrote the physics.
 
-The worlds share no code with `testbench.knit`, `testbench.discrepancy` or `testbench.diagnosis`, and their authors do
+The worlds share no code with `testbench.knit`, `testbench.fitting` or `testbench.diagnosis`, and their authors do
 not look at how the diagnosis works: they are its adversary. Laws and forms differ from the catalogue's on purpose.
 """
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from gcode.support.errors import UserError
 from gcode.support.files import make_folder, write_json, write_text
-from testbench.recording_files import write_recording_csv
+from testbench.recordings.files import write_recording_csv
 from testbench.worlds.case import Case
 
 RECORDINGS, SEALED = "recordings", "sealed"

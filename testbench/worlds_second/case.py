@@ -8,7 +8,7 @@ from functools import partial
 from typing import Any
 
 from gcode.support.errors import UserError
-from testbench.recording import FORCE, RESISTANCE, TEMPERATURE, Recording
+from testbench.recordings.recording import FORCE, RESISTANCE, TEMPERATURE, Recording
 from testbench.worlds_second.chain import Hook
 from testbench.worlds_second.choice import Hidden, choose
 from testbench.worlds_second.draws import stream

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from testbench.recording import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE, Recording
+from testbench.recordings.recording import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE, Recording
 from testbench.worlds_second.chain import Hook, Scales, converted, measure, simulate
 from testbench.worlds_second.draws import stream
 from testbench.worlds_second.kernels import Array

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from testbench.recording import Recording
+from testbench.recordings.recording import Recording
 
 GAUGE_MM = 25.0
 REAL = Path(__file__).resolve().parents[2] / "../shared/data/real/cb_silicone_strip"

@@ -25,16 +25,16 @@ from gcode.toml_spec import read_spec as read_trajectory_spec
 from gcode.toml_spec import spec_to_toml
 from gcode.trajectory import TrajectorySpec
 from gcode.trajectory import read_csv as read_trajectory
-from testbench.campaign import simulate_campaign
-from testbench.dataset import tasks_of
-from testbench.dataset_index import index_problems
-from testbench.dataset_spec import read_spec as read_dataset_spec
-from testbench.discrepancy.model_file import ModelFile, load_model_file
-from testbench.importing import Wish, import_csv
+from testbench.campaigns.campaign import simulate_campaign
+from testbench.campaigns.dataset import tasks_of
+from testbench.campaigns.dataset_index import index_problems
+from testbench.campaigns.dataset_spec import read_spec as read_dataset_spec
+from testbench.campaigns.record import Job, begin, job_of, record
+from testbench.fitting.model_file import ModelFile, load_model_file
+from testbench.importing.from_file import Wish, import_csv
 from testbench.knit.catalogue import baseline, load_catalogue
-from testbench.manifest import NAME, problems, sealed
-from testbench.record import Job, begin, job_of, record
-from testbench.recording import read_recording
+from testbench.recordings.manifest import NAME, problems, sealed
+from testbench.recordings.recording import read_recording
 from testbench.report.build import read_diagnosis, read_score
 from testbench.rig.recorder import Chunk, End
 from testbench.rig.recorder import Limits as Alarms

@@ -20,10 +20,10 @@ from gcode.reader import read_text
 from gcode.support.errors import UserError
 from gcode.toml_spec import read_spec as read_trajectory_spec
 from gcode.trajectory import read_csv as read_trajectory
-from testbench.dataset_spec import read_spec as read_dataset_spec
-from testbench.discrepancy.model_file import load_model_file
-from testbench.importing import Wish, import_csv
-from testbench.recording import read_recording
+from testbench.campaigns.dataset_spec import read_spec as read_dataset_spec
+from testbench.fitting.model_file import load_model_file
+from testbench.importing.from_file import Wish, import_csv
+from testbench.recordings.recording import read_recording
 from testbench.report.build import read_diagnosis
 from tests.fuzz.targets import TARGETS, attack, no_hang, samples
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from nicegui import ui
 
 from gcode.support.errors import UserError
-from testbench.recording import DISPLACEMENT
+from testbench.recordings.recording import DISPLACEMENT
 from testbench.report.alignment_figures import alignment
 from testbench.report.words import clocks_in_words
 from testbench.studio.jobs import Job, State
@@ -29,8 +29,8 @@ from testbench.studio.widgets import (
 )
 
 if TYPE_CHECKING:
-    from testbench.alignment import Alignment
-    from testbench.recording import Recording
+    from testbench.campaigns.alignment import Alignment
+    from testbench.recordings.recording import Recording
 
 PROGRAM = "program.tap"
 
@@ -56,7 +56,7 @@ async def page(studio: Studio, c: str = "") -> None:
             ("correlation", f"{found.correlation:.5f}"),
         ]
     )
-    from testbench.alignment import PLANNED
+    from testbench.campaigns.alignment import PLANNED
 
     drawn = partial(alignment, on_plan.time_s, on_plan[DISPLACEMENT] - found.offset_mm, on_plan[PLANNED])
     zooming_plot(drawn, "Both motions on the plan's clock, and what is left between them. Drag to zoom both rows.")
@@ -76,7 +76,7 @@ def _found(studio: Studio, c: str) -> tuple[Alignment, Recording]:
 
 
 def _align(studio: Studio, c: str, program: Path) -> tuple[Alignment, Recording]:
-    from testbench.alignment import align, applied
+    from testbench.campaigns.alignment import align, applied
     from testbench.rig.motion import played
 
     recording = studio.workspace.recording(c)

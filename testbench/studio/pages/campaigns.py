@@ -7,7 +7,7 @@ from functools import partial
 from nicegui import ui
 
 from gcode.support.errors import UserError
-from testbench.manifest import IN_PROGRESS
+from testbench.recordings.manifest import IN_PROGRESS
 from testbench.report.recording_figures import summary, thumbnail
 from testbench.studio.finding import ORDERS, STATES, Found, all_tags, narrowed
 from testbench.studio.notes import Note, tags_of

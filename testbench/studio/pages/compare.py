@@ -115,8 +115,8 @@ def view_of(studio: Studio, c: str, on: str) -> View:
 
 def _compare(studio: Studio, c: str, on: str) -> View:
     """As `testbench compare` does it; a recording whose last third is held out is judged on that third."""
-    from testbench.discrepancy.measurement import prepare, split
-    from testbench.discrepancy.model_file import check_same_set_up, load_model_file
+    from testbench.fitting.measurement import prepare, split
+    from testbench.fitting.model_file import check_same_set_up, load_model_file
     from testbench.report.overlays import failings_of, overlay_of
     from testbench.report.parameters import parameter_table
 

@@ -29,8 +29,8 @@ from testbench.studio.widgets import (
 )
 
 if TYPE_CHECKING:
-    from testbench.recordings.choice import Choice
-    from testbench.recordings.sheet import Sheet
+    from testbench.importing.choice import Choice
+    from testbench.importing.sheet import Sheet
 
 LARGEST_BYTES = 2_000_000_000
 KINDS = ".csv,.txt,.tsv,.dat,.asc,.raw,.xlsx,.xlsm,.tdms"
@@ -314,8 +314,8 @@ class _Form:
 
 
 def _look(choices: Choices) -> tuple[Sheet, Choice, dict[str, str]]:
-    from testbench.importing import look
-    from testbench.recordings.columns import previewed
+    from testbench.importing.columns import previewed
+    from testbench.importing.from_file import look
 
     sheet, choice = look(choices.path, choices.wish())
     return sheet, choice, previewed(sheet, choice)
@@ -346,8 +346,8 @@ def _options(sheet: Sheet) -> dict[str, str]:
 
 
 def _units(role: str) -> dict[str, str]:
-    from testbench.recordings.units import symbols
-    from testbench.recordings.words import ROLES
+    from testbench.importing.units import symbols
+    from testbench.importing.words import ROLES
 
     units = {symbol: "as a ratio" if symbol == "1" else symbol for symbol in symbols(ROLES[role])}
     return units | ({"date": "dates"} if role == "time" else {})

@@ -10,7 +10,7 @@ from urllib.parse import quote
 
 from nicegui import ui
 
-from testbench.discrepancy.model_file import ModelFile
+from testbench.fitting.model_file import ModelFile
 from testbench.report import diagnosis_figures
 from testbench.report import ladder_figures as figures
 from testbench.report.build import read_diagnosis
@@ -57,8 +57,8 @@ class _Ladder:
     """One model file on the page."""
 
     def __init__(self, studio: Studio, c: str, where: Address) -> None:
-        from testbench.discrepancy.measurement import split
-        from testbench.discrepancy.model_file import load_model_file
+        from testbench.fitting.measurement import split
+        from testbench.fitting.model_file import load_model_file
         from testbench.report.overlays import steps_in_resistance, steps_of
 
         self.studio, self.c, self.where = studio, c, where

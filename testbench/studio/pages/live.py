@@ -11,7 +11,7 @@ import numpy as np
 from nicegui import ui
 
 from gcode.support.errors import UserError
-from testbench.recording import DISPLACEMENT, FORCE, RESISTANCE, TIME
+from testbench.recordings.recording import DISPLACEMENT, FORCE, RESISTANCE, TIME
 from testbench.report import style
 from testbench.report.live_figures import LiveChannel, live
 from testbench.studio.jobs import Job, State
@@ -112,7 +112,7 @@ class Live:
 
 def limits_of(folder: Path) -> dict[str, float]:
     """The limits that a recording was started with, by channel; empty where it has none."""
-    from testbench.manifest import read_manifest
+    from testbench.recordings.manifest import read_manifest
 
     try:
         campaign, _ = read_manifest(folder)

@@ -36,7 +36,7 @@ from testbench.studio.widgets import (
 )
 
 if TYPE_CHECKING:
-    from testbench.discrepancy.contribution import Contribution
+    from testbench.fitting.contribution import Contribution
 
 SHOWN = 8
 
@@ -234,8 +234,8 @@ def predicted(
     UserError
         If the diagnosis names an effect that is not in the catalogue any more.
     """
-    from testbench.discrepancy.contribution import contribution
-    from testbench.discrepancy.measurement import split
+    from testbench.fitting.contribution import contribution
+    from testbench.fitting.measurement import split
     from testbench.knit.catalogue import model_from_dict
 
     catalogue = studio.catalogue()

@@ -10,7 +10,7 @@ from nicegui import ui
 
 from gcode.support.errors import UserError
 from gcode.support.files import read_json
-from testbench.recording import Recording
+from testbench.recordings.recording import Recording
 from testbench.report import recording_figures as figures
 from testbench.report.build import read_diagnosis
 from testbench.report.ladder_figures import UNITS

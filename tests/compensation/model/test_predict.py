@@ -15,7 +15,7 @@ from compensation.model.streaming import CompensatorStream
 from compensation.training.options import Options
 from compensation.training.training import train
 from gcode.support.errors import UserError
-from testbench.recording_files import write_recording_csv
+from testbench.recordings.files import write_recording_csv
 
 
 @pytest.fixture(scope="module")

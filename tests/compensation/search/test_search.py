@@ -13,7 +13,7 @@ from compensation.cli import main
 from compensation.search import candidates, search
 from compensation.search.ranking import rank, split_half_agreement
 from gcode.support.errors import UserError
-from testbench.recording_files import write_recording_csv
+from testbench.recordings.files import write_recording_csv
 
 
 @pytest.fixture(scope="module")

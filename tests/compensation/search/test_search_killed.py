@@ -15,7 +15,7 @@ import pytest
 
 from compensation.search import candidates, search
 from gcode.support.errors import UserError
-from testbench.recording_files import write_recording_csv
+from testbench.recordings.files import write_recording_csv
 
 pytestmark = pytest.mark.slow
 

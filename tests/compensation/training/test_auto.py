@@ -18,7 +18,7 @@ from compensation.training.learners import Ridge, linear
 from compensation.training.least_squares import Sums
 from compensation.training.options import Options
 from gcode.support.errors import UserError
-from testbench.recording_files import write_recording_csv
+from testbench.recordings.files import write_recording_csv
 from tests.compensation.model.test_runtime import cold_starts
 
 

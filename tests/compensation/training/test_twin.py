@@ -14,11 +14,11 @@ from compensation.training import twin, twin_models
 from compensation.training.options import Options
 from compensation.training.training import train_on_series
 from gcode.support.errors import UserError
-from testbench.discrepancy.fit import fit
-from testbench.discrepancy.measurement import coarser, prepare
+from testbench.fitting.fit import fit
+from testbench.fitting.measurement import coarser, prepare
 from testbench.knit.catalogue import baseline, load_catalogue
 from testbench.knit.model import KnitModel
-from testbench.recording_files import write_recording_csv
+from testbench.recordings.files import write_recording_csv
 
 
 @pytest.fixture(autouse=True)

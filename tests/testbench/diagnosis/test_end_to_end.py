@@ -9,18 +9,18 @@ from pathlib import Path
 import pytest
 
 from testbench.cli import main
+from testbench.comparing.compare import compare
+from testbench.comparing.ladder import fitted_file
+from testbench.design.rivals import rivals_from_diagnosis
 from testbench.diagnosis import diagnose
 from testbench.diagnosis.diagnosis import Diagnosis
-from testbench.diagnosis.rivals import rivals_from_diagnosis
 from testbench.diagnosis.words import first_line
-from testbench.discrepancy.baseline import starting_baseline
-from testbench.discrepancy.compare import compare
-from testbench.discrepancy.ladder import fitted_file
-from testbench.discrepancy.measurement import split
+from testbench.fitting.baseline import starting_baseline
+from testbench.fitting.measurement import split
 from testbench.knit.catalogue import load_catalogue, model_from_dict
-from testbench.recording import Recording, read_recording
+from testbench.recordings.recording import Recording, read_recording
 from testbench.worlds import make_case
-from tests.testbench.discrepancy.samples import CATALOGUE, record, truth, write_csv
+from tests.testbench.builders import CATALOGUE, record, truth, write_csv
 
 STRIP = Path(__file__).resolve().parents[3] / "../shared/data/real/cb_silicone_strip"
 HIDDEN = {

@@ -10,7 +10,7 @@ import pytest
 from scipy.signal import fftconvolve
 
 from testbench.diagnosis import diagnose
-from testbench.recording import DISPLACEMENT, FORCE, Recording
+from testbench.recordings.recording import DISPLACEMENT, FORCE, Recording
 
 GAUGE_LENGTH_MM = 100.0
 

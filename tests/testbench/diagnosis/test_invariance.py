@@ -12,8 +12,8 @@ from testbench.diagnosis import diagnose
 from testbench.diagnosis.diagnosis import Diagnosis
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import Effect, Stage, parameter
-from testbench.recording import Recording
-from tests.testbench.discrepancy.samples import CATALOGUE, record, truth
+from testbench.recordings.recording import Recording
+from tests.testbench.builders import CATALOGUE, record, truth
 
 
 class Bystander(Effect):

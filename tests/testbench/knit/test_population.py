@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from gcode.support.errors import UserError
-from testbench.dataset_spec import DatasetSpec
+from testbench.campaigns.dataset_spec import DatasetSpec
 from testbench.knit.model import inputs
 from testbench.knit.presets import preset
 from testbench.knit.presets.population import SAME, specimen
@@ -49,7 +49,7 @@ def test_a_wrong_number_is_named(name, words):
 
 
 def test_a_data_set_may_name_specimens(tmp_path):
-    from testbench.dataset import tasks_of
+    from testbench.campaigns.dataset import tasks_of
 
     spec = DatasetSpec(
         sensors=("pes", "pes@1"), seeds=(1,), trajectory={"preset": "paper-1", "seeds": (1,), "duration_s": 30.0}

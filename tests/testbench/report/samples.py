@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from testbench.recording import Recording
+from testbench.recordings.recording import Recording
 from testbench.report.comparison_figures import Overlay
 from testbench.report.ladder_figures import Step
 

@@ -14,7 +14,7 @@ import pytest
 import tests.testbench.report.samples as samples
 from gcode.support.errors import UserError
 from testbench.cli import main
-from testbench.recording_files import write_recording_csv
+from testbench.recordings.files import write_recording_csv
 from testbench.report import ladder_figures, recording_figures, sections
 from testbench.report.document import Picture, Report, Section, Table
 from testbench.report.markdown import to_markdown

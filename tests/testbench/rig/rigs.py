@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
+from testbench.campaigns.plan import Plan
 from testbench.knit.catalogue import baseline
-from testbench.plan import Plan
 from testbench.rig.simulated import GRID_HZ, Motion, SimulatedRig
 
 PROGRAM_TEXT = """(TWO TRIANGLES)

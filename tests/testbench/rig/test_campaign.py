@@ -11,17 +11,17 @@ import pytest
 
 from gcode.support.errors import UserError
 from testbench import cli
-from testbench.campaign import matches, simulate_campaign, vacant
+from testbench.campaigns.campaign import matches, simulate_campaign, vacant
+from testbench.campaigns.plan import plan_of, programs_before
+from testbench.campaigns.remake import Remade, made_again
 from testbench.knit.catalogue import baseline, load_catalogue
 from testbench.knit.model import inputs
-from testbench.manifest import problems, read_manifest
-from testbench.plan import plan_of, programs_before
-from testbench.recording import read_recording
-from testbench.remake import Remade, made_again
+from testbench.recordings.manifest import problems, read_manifest
+from testbench.recordings.recording import read_recording
+from testbench.recordings.versions import software_versions
 from testbench.rig.motion import played
 from testbench.rig.past import past_displacement
 from testbench.rig.simulated import GRID_HZ, SimulatedRig
-from testbench.versions import software_versions
 from tests.testbench.rig.rigs import plan, program, triangle
 
 
@@ -112,7 +112,7 @@ def test_other_software_is_told_from_another_byte(tmp_path, monkeypatch, capsys,
     wish, versions = plan(tmp_path), software_versions()
     simulate_campaign(wish, tmp_path / "c", motion or played(wish.program, 25.0)[0])
     later = {**versions, "code": "feedfacecafe"}
-    monkeypatch.setattr("testbench.versions._software_versions", lambda: later)
+    monkeypatch.setattr("testbench.recordings.versions._software_versions", lambda: later)
     assert cli.main(["verify", "--again", str(tmp_path / "c")]) == code
     assert message.format(code=versions["code"]) in "".join(capsys.readouterr())
 

@@ -12,13 +12,13 @@ import pytest
 
 from gcode.support.errors import UserError
 from testbench import cli
-from testbench.dataset import OneAtATime, make, tasks_of, varied
-from testbench.dataset_spec import read_spec
+from testbench.campaigns.dataset import OneAtATime, make, tasks_of, varied
+from testbench.campaigns.dataset_spec import read_spec
+from testbench.campaigns.remake import made_again
 from testbench.knit.catalogue import baseline, load_catalogue
 from testbench.knit.template import write_template
-from testbench.manifest import problems
-from testbench.recording import read_recording
-from testbench.remake import made_again
+from testbench.recordings.manifest import problems
+from testbench.recordings.recording import read_recording
 from tests.testbench.rig.devices import command, until
 from tests.testbench.rig.rigs import program
 
@@ -165,7 +165,7 @@ def test_drafts_of_killed_workers_are_cleared_away(tmp_path):
 
 
 def test_a_scheduler_that_is_not_there_is_said_in_a_sentence(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr("testbench.cluster.CONNECT_S", 1)
+    monkeypatch.setattr("testbench.campaigns.cluster.CONNECT_S", 1)
     words = ["dataset", str(written(tmp_path)), "-o", str(tmp_path / "out"), "--backend", "dask"]
     assert cli.main(words) == 2
     assert "--scheduler" in capsys.readouterr().err

@@ -16,14 +16,14 @@ import pytest
 
 from gcode.support import disk
 from gcode.support.errors import UserError
-from testbench.campaign import simulate_campaign
-from testbench.dataset_index import index_problems, write_entries
-from testbench.discrepancy.model_file import ModelFile, load_model_file
+from testbench.campaigns.campaign import simulate_campaign
+from testbench.campaigns.dataset_index import index_problems, write_entries
+from testbench.campaigns.record import Job, begin, job_of, record
+from testbench.fitting.model_file import ModelFile, load_model_file
 from testbench.knit.catalogue import baseline
-from testbench.manifest import NAME, problems, read_manifest
-from testbench.record import Job, begin, job_of, record
-from testbench.recording import read_recording
-from testbench.recording_files import write_recording_csv
+from testbench.recordings.files import write_recording_csv
+from testbench.recordings.manifest import NAME, problems, read_manifest
+from testbench.recordings.recording import read_recording
 from testbench.rig.recorder import Chunk, End, Limits
 from testbench.rig.sink import csv_line
 from testbench.rig.stream import Intake, Row
@@ -38,10 +38,10 @@ MORE = list(rig(duration_s=4.0).lines())[40:60]
 @pytest.fixture(autouse=True)
 def _by_hand(monkeypatch):
     """Syncs come between batches, not from a thread; a small room and a program that is played once."""
-    monkeypatch.setattr("testbench.record.Syncer", Hand)
-    monkeypatch.setattr("testbench.record.ROOM_BYTES", 64)
+    monkeypatch.setattr("testbench.campaigns.record.Syncer", Hand)
+    monkeypatch.setattr("testbench.campaigns.record.ROOM_BYTES", 64)
     motion = triangle(30.0), 25.0
-    monkeypatch.setattr("testbench.record.played", lambda *_: motion)
+    monkeypatch.setattr("testbench.campaigns.record.played", lambda *_: motion)
 
 
 class Hand:

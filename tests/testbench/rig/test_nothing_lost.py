@@ -15,10 +15,10 @@ import pytest
 from numpy.random import default_rng
 
 from testbench import cli
+from testbench.campaigns.record import Job, begin, record
 from testbench.knit.catalogue import baseline
-from testbench.manifest import problems
-from testbench.record import Job, begin, record
-from testbench.recording import read_recording
+from testbench.recordings.manifest import problems
+from testbench.recordings.recording import read_recording
 from testbench.rig.faults import faulty
 from testbench.rig.pty_port import PtyPort
 from testbench.rig.recorder import Limits
@@ -197,7 +197,7 @@ def test_a_slow_disk_does_not_make_the_wire_wait(tmp_path, monkeypatch):
             disk_works.wait()
             return super().write(items)
 
-    monkeypatch.setattr("testbench.record.Sink", SlowSink)
+    monkeypatch.setattr("testbench.campaigns.record.Sink", SlowSink)
     port = PtyPort()
     link = SerialLink(port.device)
     job = Job(port.device, 115200, program(tmp_path), 25.0, Limits())

@@ -8,11 +8,11 @@ import pytest
 
 from gcode.support.errors import UserError
 from testbench import cli
-from testbench.campaign import simulate_campaign, simulate_live
+from testbench.campaigns.campaign import simulate_campaign, simulate_live
+from testbench.campaigns.plan import plan_of
 from testbench.knit.catalogue import baseline
-from testbench.manifest import problems
-from testbench.plan import plan_of
-from testbench.recording import read_recording
+from testbench.recordings.manifest import problems
+from testbench.recordings.recording import read_recording
 from testbench.rig.links import paced
 from testbench.rig.motion import played
 from testbench.rig.recorder import in_memory

@@ -12,7 +12,7 @@ from nicegui.testing.user_simulation import user_simulation
 
 import tests.testbench.report.samples as samples
 from testbench.cli import main
-from testbench.recording_files import write_recording_csv
+from testbench.recordings.files import write_recording_csv
 from testbench.studio.shell import frame
 from testbench.studio.studio import Studio
 

@@ -16,7 +16,7 @@ import pytest
 import tests.testbench.report.samples as samples
 from testbench.cli import main as run_testbench
 from testbench.knit.catalogue import baseline, load_catalogue
-from testbench.recording_files import write_recording_csv
+from testbench.recordings.files import write_recording_csv
 from testbench.studio.jobs import interpreter_argv
 from tests.testbench.studio.browsing import IN_CHROMIUM, browser, page, running, shot
 

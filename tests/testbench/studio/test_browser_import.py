@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import expect
 
-from testbench.recording import read_recording
-from tests.testbench.recordings import exports
+from testbench.recordings.recording import read_recording
+from tests.testbench.importing import exports
 from tests.testbench.studio.browsing import IN_CHROMIUM, browser, page, running, shot
 
 pytestmark = IN_CHROMIUM

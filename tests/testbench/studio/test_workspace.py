@@ -9,7 +9,7 @@ import pytest
 import tests.testbench.report.samples as samples
 from gcode.support.errors import UserError
 from testbench.cli import main
-from testbench.recording_files import write_recording_csv
+from testbench.recordings.files import write_recording_csv
 from testbench.studio.studio import Studio
 from testbench.studio.workspace import Workspace
 

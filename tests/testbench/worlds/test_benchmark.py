@@ -72,6 +72,27 @@ def test_the_second_simulator_makes_cases_of_its_own(bench):
     assert row["floor_said"] > 0
 
 
+@pytest.mark.parametrize("name", ["second", "third"])
+def test_a_simulator_of_one_world_makes_cases_of_any_kind_it_has(bench, name):
+    jobs = bench.kinds_of(40, 0, name)
+    effects, motions = bench.EFFECTS[name], bench.MOTIONS[name]
+    assert {job.simulator for job in jobs} == {name}
+    assert all(job.effect in [*effects, "none"] and job.protocol in motions for job in jobs)
+    assert {job.effect for job in bench.jobs_of(effects, [5.0], [name], range(12))} >= {
+        *effects,
+        *bench.OUTSIDE[name],
+    }
+
+
+def test_the_third_simulator_makes_cases_of_its_own(bench):
+    row = _row(bench, "clamp_slip", Fake("missing", "clamp_slip"), world="third")
+    assert (row["simulator"], row["hidden"], row["reached"]) == (
+        "third",
+        ["clamp_slip"],
+        [pytest.approx(5.0, rel=0.1)],
+    )
+
+
 def test_the_brier_score_and_the_calibration_error_are_those_of_the_formulas(bench):
     from diagnosis_score import brier_score, calibration_error, reliability
 

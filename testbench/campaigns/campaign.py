@@ -1,0 +1,171 @@
+"""A campaign folder: recording, program and a manifest from which it can be made again, byte for byte."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from itertools import chain
+from pathlib import Path
+from typing import Any
+
+from gcode.support.errors import UserError
+from gcode.support.files import copy_file, drafted_folder, make_folder
+from testbench.campaigns.plan import EFFECTS, PROGRAM, Plan, past_names
+from testbench.recordings import manifest
+from testbench.recordings.files import write_recording_csv
+from testbench.recordings.manifest import Campaign, origin_of, read_manifest, write_manifest
+from testbench.recordings.recording import Recording
+from testbench.recordings.versions import software_versions
+from testbench.rig.recorder import DISK_STATES, Part, Recorder, Status, counts, in_memory
+from testbench.rig.simulated import Motion
+from testbench.rig.sink import CSV, EVENTS, Sink
+from testbench.rig.stream import Intake
+
+
+def matches(folder: Path, plan: Plan) -> bool:
+    """Whether `folder` already holds the finished campaign of `plan`, every byte of it."""
+    if not (folder / manifest.NAME).is_file():
+        return False
+    campaign, _ = read_manifest(folder)
+    same = campaign.origin == "simulated" and campaign.gauge_length_mm == plan.gauge_length_mm
+    same = same and campaign.recipe == json.loads(json.dumps(plan.recipe()))
+    return same and campaign.status == "complete" and not manifest.problems(folder)
+
+
+def simulate_campaign(
+    plan: Plan, folder: Path, motion: Motion, report: Callable[[Status], None] = lambda status: None
+) -> Status:
+    """Run `plan` on the simulated rig at once and write its campaign folder, whole or not at all.
+
+    Parameters
+    ----------
+    plan : Plan
+    folder : Path
+        Must not exist yet, or be empty (see `vacant`).
+    motion : Motion
+        What the controller makes of the plan's program.
+    report : callable
+        Called with the progress.
+    """
+    with drafted_folder(folder) as draft:
+        plan.copy_sources(draft)
+        status = _fill(draft, plan, motion, report, in_memory)
+        if status.state in DISK_STATES:
+            raise UserError(
+                f"{folder}: nothing was kept, {status.message}; make room, or choose another place with -o"
+            )
+    return status
+
+
+def simulate_live(
+    plan: Plan,
+    folder: Path,
+    motion: Motion,
+    report: Callable[[Status], None] = lambda status: None,
+    pace: Callable[[Iterable[bytes]], Iterable[Part]] = in_memory,
+    stopped: Callable[[], bool] = lambda: False,
+) -> Status:
+    """Run `plan` as `simulate_campaign` does, but in its place, to be read while it grows.
+
+    Parameters
+    ----------
+    pace : callable
+        Makes a link of the rig's lines, for instance `testbench.rig.links.real_time`.
+    stopped : callable
+        Whether to end early.
+    """
+    make_folder(folder)
+    plan.copy_sources(folder)
+    begun = Campaign(plan.gauge_length_mm, "simulated", manifest.IN_PROGRESS, plan.recipe(), {}, software_versions())
+    write_manifest(folder, begun, [CSV, EVENTS, *plan.source_names()])
+    return _fill(folder, plan, motion, report, pace, stopped)
+
+
+def _fill(
+    folder: Path,
+    plan: Plan,
+    motion: Motion,
+    report: Callable[[Status], None],
+    pace: Callable[[Iterable[bytes]], Iterable[Part]],
+    stopped: Callable[[], bool] = lambda: False,
+) -> Status:
+    # A rig that delivers at once has no host time to hold its clock against.
+    intake, sink = Intake(host_clock=pace is not in_memory), Sink(folder)
+    try:
+        recorder = Recorder(intake, sink, plan.gauge_length_mm, duration_s=motion.duration_s, report=report)
+        status = recorder.run(pace(plan.rig(motion).lines()), stopped)
+    finally:
+        whole = sink.close()
+    status.sync_failures = sink.sync_failures
+    return finish(folder, plan.gauge_length_mm, "simulated", status, whole, plan.recipe(), intake)
+
+
+def finish(
+    folder: Path,
+    gauge_length_mm: float,
+    origin: str,
+    status: Status,
+    whole: bool,
+    recipe: dict[str, Any],
+    intake: Intake,
+    again: Iterable[None] = (),
+) -> Status:
+    """Write the manifest over the files in `folder`, and say how it ended.
+
+    A disk that does not even take the manifest leaves the campaign unfinished, as a killed recorder does: its files
+    are as readable as those, and `testbench record --resume` takes it up. Each element of `again` is another trial.
+    """
+    counted = counts(intake) | {"samples": intake.accepted - status.unwritten}
+    counted |= {"unwritten": status.unwritten} if status.unwritten else {}
+    counted |= {"sync_failures": status.sync_failures} if status.sync_failures else {}
+    campaign = Campaign(gauge_length_mm, origin, status.state, recipe, counted, software_versions())
+    problem = "a file could not be closed with a whole line"
+    for _ in chain([None], again) if whole else ():
+        try:
+            write_manifest(folder, campaign, campaign_files(folder))
+            return status
+        except (OSError, UserError) as error:
+            problem = str(error)
+    state = status.state if status.state in ("alarm", *DISK_STATES) else "disk error"
+    unfinished = f"the manifest could not be written, so the campaign stays unfinished ({problem})"
+    return replace(status, state=state, message="; ".join(filter(None, (status.message, unfinished))))
+
+
+def write_derived(folder: Path, recording: Recording, how: str, details: dict[str, Any], program: Path) -> None:
+    """Write a recording that was made from another one; its recipe is the other's plus `details` under `how`."""
+    make_folder(folder)
+    write_recording_csv(folder / CSV, recording)
+    copy_file(program, folder / PROGRAM)
+    recipe = {**recording.metadata.get("recipe", {}), how: {**details, "source": Path(recording.source).name}}
+    made = Campaign(
+        recording.gauge_length_mm, how, "complete", recipe, {"samples": len(recording)}, software_versions()
+    )
+    write_manifest(folder, made, campaign_files(folder))
+
+
+def campaign_files(folder: Path) -> list[str]:
+    """The files of a campaign, recording first; the manifest itself is not among them."""
+    count = len(list(folder.glob("before-*.tap")))
+    names = [CSV, PROGRAM, EVENTS, "recording.bad", *past_names(count), EFFECTS]
+    return [name for name in names if (folder / name).exists()]
+
+
+def vacant(folder: Path, overwrite: bool = False) -> None:
+    """Make sure that `folder` may be written; remove a simulated campaign if `overwrite`.
+
+    Raises
+    ------
+    UserError
+        If something else is there. A measured campaign is never removed.
+    """
+    if not folder.exists() or (folder.is_dir() and not any(folder.iterdir())):
+        return
+    if not folder.is_dir() or not (folder / manifest.NAME).is_file():
+        raise UserError(f"{folder}: exists and is not a campaign; choose another place with -o")
+    if origin_of(folder) == "recorded":
+        raise UserError(f"{folder}: holds a recorded campaign, which is never overwritten; choose another with -o")
+    if not overwrite:
+        raise UserError(f"{folder}: holds another campaign; choose another place with -o, or add --overwrite")
+    shutil.rmtree(folder)

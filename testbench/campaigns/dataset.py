@@ -1,0 +1,267 @@
+"""Thousands of campaigns from one file: sensors x programs x seeds, fanned out over processes.
+
+A campaign is one task. It is written whole or not at all and carries its own checksums, so a killed run is resumed
+by starting it again: what verifies is never redone.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import shutil
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cache, lru_cache
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gcode.support.errors import UserError, first_problem
+from gcode.support.files import make_folder, sha256_of, write_text
+from testbench.campaigns.campaign import matches, simulate_campaign, vacant
+from testbench.campaigns.dataset_index import write_entries
+from testbench.campaigns.dataset_spec import MOST_CAMPAIGNS, DatasetSpec, TrajectoryWish
+from testbench.campaigns.plan import Plan
+from testbench.knit.catalogue import Catalogue, load_catalogue, model_from_dict
+from testbench.knit.model import KnitModel
+from testbench.knit.presets import preset
+from testbench.recordings import manifest
+from testbench.recordings.instruments import Instruments
+from testbench.recordings.stored import read_model
+from testbench.rig.motion import played
+from testbench.rig.past import DEFAULT_REST_S
+from testbench.rig.simulated import Motion
+from testbench.trust import named_effects
+
+PROGRAMS = "programs"
+
+
+@dataclass(frozen=True)
+class Task:
+    """One campaign to be made: small, so that it travels to any worker."""
+
+    folder: Path
+    program: Path
+    sensor: str
+    model: dict[str, Any]
+    gauge_length_mm: float
+    seed: int
+    instruments: Instruments
+    past: tuple[Path, ...] = ()
+    rest_s: float = DEFAULT_REST_S
+    effects: Path | None = None
+
+    def plan(self) -> Plan:
+        """As the campaign's manifest will say it."""
+        model = model_from_dict(self.model, _catalogue(self.effects), self.sensor)
+        gauge, tools = self.gauge_length_mm, self.instruments
+        return Plan(self.program, model, gauge, self.seed, self.sensor, tools, self.past, self.rest_s, self.effects)
+
+
+def tasks_of(spec: DatasetSpec, base: Path, out: Path, effects: Path | None = None) -> list[Task]:
+    """All campaigns of a data set; programs that have to be planned are written to ``out/programs`` first.
+
+    Parameters
+    ----------
+    spec : DatasetSpec
+    base, out : Path
+        Folders of the spec and of the data set.
+    effects : Path, optional
+        The file with effects of somebody's own, if the spec wants one: named by a person, since it is a program.
+
+    Raises
+    ------
+    UserError
+        If a sensor, a program or a varied parameter is not there: before anything runs, not after an hour.
+    """
+    own = named_effects(out, base / spec.effects, effects).absolute() if spec.effects else None
+    models = {sensor: _model(sensor, base, own) for sensor in spec.sensors}
+    programs = _planned(spec, base, out) if spec.trajectory else _found(spec.programs, base)
+    for program in programs:
+        _motion(program, spec.gauge_length_mm)
+    count = len(models) * len(programs) * len(spec.seeds)
+    if count > MOST_CAMPAIGNS:
+        raise UserError(f"a data set has at most {MOST_CAMPAIGNS} campaigns, this one would have {count}; split it")
+    made = []
+    for (sensor, model), (order, program), seed in product(models.items(), enumerate(programs), spec.seeds):
+        past = tuple(programs[:order]) if spec.same_sensor else ()
+        name = f"{Path(sensor).stem}-{program.stem}-{seed:05d}"
+        drawn = varied(model, spec.vary, seed).to_dict()
+        folder = out.absolute() / name
+        gauge = spec.gauge_length_mm
+        made.append(Task(folder, program, sensor, drawn, gauge, seed, spec.instruments, past, spec.rest_s, own))
+    if len({task.folder for task in made}) < len(made):
+        raise UserError("two campaigns would have the same folder; give sensors and programs different file names")
+    return made
+
+
+def varied(model: KnitModel, ranges: dict[str, tuple[float, float]], seed: int) -> KnitModel:
+    """The model with the parameters in `ranges` drawn uniformly, by `seed`; each by its own stream."""
+    drawn = {}
+    for address, (low, high) in ranges.items():
+        stream = np.random.default_rng([seed, *address.encode()])
+        drawn[address] = float(stream.uniform(low, high))
+    try:
+        return model.with_parameters(drawn) if drawn else model
+    except ValueError as error:
+        raise UserError(f"vary, seed {seed}: {first_problem(error)}") from None
+
+
+def make(task: Task) -> bool:
+    """Make one campaign; False if it was there and intact already."""
+    plan = task.plan()
+    if _there(task.folder, plan):
+        return False
+    vacant(task.folder, overwrite=True)
+    try:
+        simulate_campaign(plan, task.folder, _motion(task.program, task.gauge_length_mm))
+    except OSError:
+        # A scheduler may give a task to two workers when it believes the first one dead.
+        if not _there(task.folder, plan):
+            raise
+    return True
+
+
+def run(
+    tasks: Sequence[Task], backend: str = "loky", workers: int = -1, step: Callable[[], None] = lambda: None
+) -> tuple[int, int]:
+    """Make all campaigns; return how many were made and how many were there already.
+
+    Parameters
+    ----------
+    tasks : sequence of Task
+    backend : {"loky", "dask"}
+        Processes of this machine, or the Dask client that is active.
+    workers : int
+        Processes; -1 is one for each core.
+    step : callable
+        Called after each campaign.
+    """
+    from joblib import Parallel, delayed, parallel_config
+
+    with parallel_config(
+        backend=backend, n_jobs=workers, **({"inner_max_num_threads": 1} if backend == "loky" else {})
+    ):
+        made = 0
+        for was_made in Parallel(return_as="generator_unordered")(delayed(make)(task) for task in tasks):
+            made += was_made
+            step()
+    return made, len(tasks) - made
+
+
+def write_index(out: Path, spec: Path, tasks: Sequence[Task]) -> None:
+    """Copy the spec and list the campaigns, with the checksum of each one's manifest."""
+    write_text(out / "dataset.toml", spec.read_text(encoding="utf-8"))
+    entries = []
+    for task in tasks:
+        campaign, _ = manifest.read_manifest(task.folder)
+        entries.append(
+            {
+                "campaign": task.folder.name,
+                "sensor": task.sensor,
+                "program": task.program.name,
+                "seed": task.seed,
+                "samples": campaign.counts["samples"],
+                "manifest_sha256": sha256_of(task.folder / manifest.NAME),
+            }
+        )
+    write_entries(out, entries)
+
+
+class OneAtATime:
+    """Holds a folder for one `dataset` command, and clears away the drafts of killed workers.
+
+    Raises
+    ------
+    UserError
+        If another one is at work there.
+    """
+
+    def __init__(self, out: Path) -> None:
+        self._out = out
+        try:
+            self._handle = os.open(out / ".lock", os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK, 0o644)
+        except OSError as error:
+            raise UserError(
+                f"{out / '.lock'}: cannot hold this folder: {error.strerror}; see what is there"
+            ) from None
+
+    def __enter__(self) -> OneAtATime:
+        try:
+            fcntl.flock(self._handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            os.close(self._handle)
+            raise UserError(f"{self._out}: another `testbench dataset` is at work in this folder") from None
+        for draft in self._out.glob(".*.*/campaign"):
+            shutil.rmtree(draft.parent, ignore_errors=True)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        (self._out / ".lock").unlink(missing_ok=True)
+        os.close(self._handle)
+
+
+def _there(folder: Path, plan: Plan) -> bool:
+    try:
+        return matches(folder, plan)
+    except UserError:
+        return False
+
+
+@cache
+def _catalogue(effects: Path | None) -> Catalogue:
+    return load_catalogue(effects)
+
+
+@lru_cache(maxsize=4)
+def _motion(program: Path, gauge_length_mm: float) -> Motion:
+    return played(program, gauge_length_mm)[0]
+
+
+def _model(sensor: str, base: Path, effects: Path | None) -> KnitModel:
+    if not sensor.endswith(".json"):
+        return preset(sensor)
+    return model_from_dict(read_model(base / sensor), _catalogue(effects), sensor)
+
+
+def _found(patterns: Sequence[str], base: Path) -> list[Path]:
+    found: list[Path] = []
+    for pattern in patterns:
+        paths = sorted(base.glob(pattern)) if not Path(pattern).is_absolute() else [Path(pattern)]
+        if not paths or not all(path.is_file() for path in paths):
+            raise UserError(f"{base / pattern}: no such program; make one with `gcode generate`")
+        found += (path.absolute() for path in paths)
+    return found
+
+
+def _planned(spec: DatasetSpec, base: Path, out: Path) -> list[Path]:
+    if (out / PROGRAMS).is_symlink():
+        raise UserError(
+            f"{out / PROGRAMS}: is a link, and nothing is written through it; choose another place with -o"
+        )
+    folder = make_folder(out / PROGRAMS).absolute()
+    assert spec.trajectory is not None
+    return list(_programs(spec.trajectory, spec.gauge_length_mm, base, folder))
+
+
+def _programs(wish: TrajectoryWish, gauge_length_mm: float, base: Path, folder: Path) -> Iterator[Path]:
+    from gcode.output import make as make_program
+    from gcode.presets import preset as motion_preset
+    from gcode.toml_spec import read_spec
+
+    source = motion_preset(wish.preset) if wish.preset else read_spec(base / str(wish.spec))
+    if wish.duration_s is not None:
+        data = source.model_dump()
+        noises = [piece for piece in data["pieces"] if piece["kind"] == "noise"]
+        if len(noises) != 1:
+            raise UserError(f"trajectory: duration_s needs a spec with one noise piece, this one has {len(noises)}")
+        noises[0]["duration_s"] = wish.duration_s
+        source = type(source).model_validate(data)
+    for seed in wish.seeds:
+        path = folder / f"{source.name}-{seed:05d}.tap"
+        text = make_program(source, seed, gauge_length_mm).program
+        if not path.is_file() or path.read_text(encoding="utf-8") != text:
+            write_text(path, text)
+        yield path

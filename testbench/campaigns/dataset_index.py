@@ -1,0 +1,44 @@
+"""``dataset.json``: the list of a data set's campaigns, with the checksum of each one's manifest."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from gcode.support.errors import UserError
+from gcode.support.files import read_json, sha256_of, write_json
+from gcode.support.strict import validated
+from testbench.recordings import manifest
+from testbench.recordings.stored import StoredIndex
+
+INDEX = "dataset.json"
+FORMAT, FORMAT_VERSION = "knitbench-dataset", 1
+
+
+def write_entries(out: Path, entries: list[dict[str, Any]]) -> None:
+    """Write the list; each entry names its ``campaign`` and the ``manifest_sha256``."""
+    write_json(out / INDEX, {"format": FORMAT, "version": FORMAT_VERSION, "campaigns": entries})
+
+
+def index_problems(out: Path) -> tuple[list[Path], list[str]]:
+    """The campaigns of a data set that are there, and what does not agree with its list.
+
+    Raises
+    ------
+    UserError
+        If the list is not one.
+    """
+    data = read_json(out / INDEX, "list of campaigns")
+    if not isinstance(data, dict) or data.get("format") != FORMAT or data.get("version") != FORMAT_VERSION:
+        raise UserError(f"{out / INDEX}: not a list of {FORMAT} {FORMAT_VERSION}; make the data set again")
+    index = validated(data, StoredIndex, out / INDEX, "list of campaigns")
+    there, found = [], []
+    for entry in index.campaigns:
+        folder = out / entry.campaign
+        if not (folder / manifest.NAME).is_file():
+            found.append(f"{folder}: missing; run `testbench dataset` again")
+            continue
+        there.append(folder)
+        if sha256_of(folder / manifest.NAME) != entry.manifest_sha256:
+            found.append(f"{folder / manifest.NAME}: not the one that {INDEX} lists; run `testbench dataset` again")
+    return there, found

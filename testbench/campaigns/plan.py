@@ -1,0 +1,176 @@
+"""What a simulated campaign is made from: everything that its bytes depend on, kept in its own folder."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from gcode.support.errors import UserError
+from gcode.support.files import copy_file, sha256_of
+from testbench.knit.model import KnitModel
+from testbench.recordings import manifest
+from testbench.recordings.instruments import Instruments
+from testbench.recordings.manifest import read_manifest
+from testbench.rig.motion import played
+from testbench.rig.past import DEFAULT_REST_S, past_displacement
+from testbench.rig.simulated import GRID_HZ, Motion, SimulatedRig
+from testbench.trust import named_effects
+
+PROGRAM, EFFECTS = "program.tap", "effects.py"
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Everything that a simulated campaign depends on.
+
+    Attributes
+    ----------
+    program : Path
+        Mach4 program.
+    model : KnitModel
+    gauge_length_mm : float
+    seed : int
+    sensor : str
+        Name of the preset, or of the file that the model came from.
+    instruments : Instruments
+    past : tuple of Path
+        Programs that the same sensor went through before, in order; empty: a sensor never stretched before.
+    rest_s : float
+        Rest after each of them.
+    effects : Path, optional
+        Python file with effects of the user's own that the model uses.
+    """
+
+    program: Path
+    model: KnitModel
+    gauge_length_mm: float
+    seed: int
+    sensor: str = ""
+    instruments: Instruments = field(default_factory=Instruments)
+    past: tuple[Path, ...] = ()
+    rest_s: float = DEFAULT_REST_S
+    effects: Path | None = None
+
+    def recipe(self) -> dict[str, Any]:
+        """As written into the manifest."""
+        recipe = {
+            "sensor": self.sensor,
+            "model": self.model.to_dict(),
+            "seed": self.seed,
+            "program": PROGRAM,
+            "program_sha256": sha256_of(self.program),
+            "grid_hz": GRID_HZ,
+            "instruments": self.instruments.model_dump(mode="json"),
+        }
+        if self.past:
+            recipe |= {"past_sha256": [sha256_of(path) for path in self.past], "rest_s": self.rest_s}
+        if self.effects:
+            recipe["effects_sha256"] = sha256_of(self.effects)
+        return recipe
+
+    def rig(self, motion: Motion) -> SimulatedRig:
+        """The rig that will play this plan along `motion`."""
+        earlier = [_played(path, sha256_of(path), self.gauge_length_mm) for path in self.past]
+        past_mm = past_displacement(earlier, self.rest_s)
+        return SimulatedRig(self.model, motion, self.gauge_length_mm, self.seed, self.instruments, past_mm)
+
+    def copy_sources(self, folder: Path) -> None:
+        """Put all files that the campaign is to be made from into its folder."""
+        sources = [self.program, *self.past, *([self.effects] if self.effects else [])]
+        for name, path in zip(self.source_names(), sources, strict=True):
+            copy_file(path, folder / name)
+
+    def source_names(self) -> list[str]:
+        """What they are called there."""
+        return [PROGRAM, *past_names(len(self.past)), *([EFFECTS] if self.effects else [])]
+
+
+@lru_cache(maxsize=8)
+def _played(path: Path, sha256: str, gauge_length_mm: float) -> Motion:
+    return played(path, gauge_length_mm)[0]
+
+
+def past_names(count: int) -> list[str]:
+    """File names of the earlier programs in a campaign folder, first played first."""
+    return [f"before-{number + 1}.tap" for number in range(count)]
+
+
+def plan_of(folder: Path, effects: Path | None = None) -> Plan:
+    """The plan of a simulated campaign, from its manifest and the files beside it.
+
+    Parameters
+    ----------
+    folder : Path
+    effects : Path, optional
+        The file with the user's own effects, if the campaign has any. It is asked for, since it is a program that
+        will run: one that came with somebody's campaign must not do so unseen.
+
+    Raises
+    ------
+    UserError
+        If the campaign was measured, not simulated, ended early, or a file is no longer the one it was made with.
+    """
+    from testbench.knit.catalogue import load_catalogue, model_from_dict
+
+    campaign, _ = read_manifest(folder)
+    if campaign.origin != "simulated":
+        raise UserError(f"{folder}: this campaign was {campaign.origin}, only a simulated one can be made again")
+    if campaign.status != "complete":
+        state = "is unfinished" if campaign.in_progress else f"ended early ({campaign.status})"
+        raise UserError(f"{folder}: {state}; only a complete campaign can be made again or continued")
+    recipe, program = campaign.recipe, folder / PROGRAM
+    digests = recipe.get("past_sha256", [])
+    past = tuple(folder / name for name in past_names(len(digests)))
+    for path, digest in zip((program, *past), (recipe.get("program_sha256"), *digests), strict=True):
+        if not path.is_file() or sha256_of(path) != digest:
+            raise UserError(f"{path}: missing or not the program that the manifest names")
+    own = _own_effects(folder, recipe.get("effects_sha256"), effects)
+    model = model_from_dict(recipe.get("model"), load_catalogue(own), str(folder / manifest.NAME))
+    return Plan(
+        program=program,
+        model=model,
+        gauge_length_mm=campaign.gauge_length_mm,
+        seed=int(recipe["seed"]),
+        sensor=recipe["sensor"],
+        instruments=Instruments.model_validate(recipe["instruments"]),
+        past=past,
+        rest_s=float(recipe.get("rest_s", DEFAULT_REST_S)),
+        effects=own,
+    )
+
+
+def _own_effects(folder: Path, digest: str | None, effects: Path | None) -> Path | None:
+    """The file of own effects that the campaign was made with; None if it has none."""
+    return None if digest is None else named_effects(folder, folder / EFFECTS, effects, digest)
+
+
+def programs_before(
+    sources: Iterable[str | Path], model: KnitModel, gauge_length_mm: float, effects: Path | None = None
+) -> tuple[Path, ...]:
+    """The programs that a sensor went through, from what ``--after`` names: programs, or campaigns of this sensor.
+
+    Raises
+    ------
+    UserError
+        If a campaign is of another sensor, gauge length or origin: its state cannot be carried on.
+    """
+    programs: list[Path] = []
+    for source in map(Path, sources):
+        if not source.is_dir():
+            if not source.is_file():
+                raise UserError(f"{source}: no such campaign or program; name what the sensor went through before")
+            programs.append(source)
+            continue
+        earlier = plan_of(source, effects)
+        if earlier.model.to_dict() != model.to_dict():
+            raise UserError(f"{source}: a campaign of another sensor, {earlier.sensor}; its state cannot go on")
+        if earlier.gauge_length_mm != gauge_length_mm:
+            raise UserError(
+                f"{source}: its gauge length is {earlier.gauge_length_mm:g} mm, this one's {gauge_length_mm:g} mm; "
+                "give --gauge-length-mm"
+            )
+        programs += [*earlier.past, earlier.program]
+    return tuple(programs)

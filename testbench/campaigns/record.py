@@ -1,0 +1,148 @@
+"""A recorded campaign, from its first byte to its manifest; and its continuation after a crash."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from gcode.support.errors import UserError
+from gcode.support.files import copy_file, drafted_folder, sha256_of
+from testbench.campaigns.campaign import campaign_files, finish
+from testbench.campaigns.plan import PROGRAM
+from testbench.recordings.manifest import NAME, Campaign, read_manifest, write_manifest
+from testbench.recordings.versions import software_versions
+from testbench.rig.ending import EndOfMotion
+from testbench.rig.motion import played
+from testbench.rig.ports import remembered_port, stated_port
+from testbench.rig.recorder import PROGRESS_S, Limits, Part, Recorder, Status
+from testbench.rig.resume import continued, mend, watched
+from testbench.rig.serial_port import host_clock_s
+from testbench.rig.sink import CSV, EVENTS, ROOM_BYTES, Sink, Syncer
+from testbench.rig.stream import Event, Intake
+
+
+@dataclass(frozen=True)
+class Job:
+    """What is to be recorded.
+
+    Attributes
+    ----------
+    port : str
+    baud : int
+    program : Path
+    gauge_length_mm : float
+    limits : Limits
+    sensor : str
+        A name for the specimen; free text.
+    give_up_s : float
+        How long a port may stay away, or a disk full.
+    """
+
+    port: str
+    baud: int
+    program: Path
+    gauge_length_mm: float
+    limits: Limits
+    sensor: str = ""
+    give_up_s: float = 60.0
+
+    def recipe(self) -> dict[str, Any]:
+        """As written into the manifest."""
+        limits = {name: value if value < float("inf") else None for name, value in asdict(self.limits).items()}
+        recipe = {"sensor": self.sensor, "port": self.port, "baud": self.baud, **limits}
+        return recipe | {"program": PROGRAM, "program_sha256": sha256_of(self.program)}
+
+
+def begin(job: Job, folder: Path) -> None:
+    """Make the campaign folder of a recording that is about to start: all of it or nothing."""
+    with drafted_folder(folder) as draft:
+        copy_file(job.program, draft / PROGRAM)
+        _mark_in_progress(draft, job.gauge_length_mm, job.recipe())
+
+
+def job_of(folder: Path, port: str | None = None, give_up_s: float = 60.0) -> Job:
+    """The job of an unfinished recording, from its manifest; `port` where the device is elsewhere now.
+
+    Raises
+    ------
+    UserError
+        If there is nothing to continue.
+    """
+    campaign, _ = read_manifest(folder)
+    if campaign.origin != "recorded":
+        raise UserError(f"{folder}: this campaign was {campaign.origin}; only a recorded one can be continued")
+    if campaign.status == "complete":
+        raise UserError(f"{folder}: this recording is complete; choose another folder with -o for a new one")
+    recipe = campaign.recipe
+    port = remembered_port(recipe["port"], folder / NAME) if port is None else stated_port(port)
+    force_N, strain = recipe["max_force_N"], recipe["max_strain"]
+    limits = Limits(*(float("inf") if limit is None else limit for limit in (force_N, strain)))
+    program = folder / PROGRAM
+    if not program.is_file() or sha256_of(program) != recipe["program_sha256"]:
+        raise UserError(f"{program}: missing or not the program that this recording was started with")
+    return Job(port, recipe["baud"], program, campaign.gauge_length_mm, limits, recipe["sensor"], give_up_s)
+
+
+def record(
+    job: Job,
+    folder: Path,
+    link: Iterable[Part],
+    report: Callable[[Status], None] = lambda status: None,
+    stopped: Callable[[], bool] = lambda: False,
+    resume: bool = False,
+    clock: Callable[[], float] = host_clock_s,
+    pause: Callable[[float], None] = time.sleep,
+) -> Status:
+    """Record what `link` delivers into `folder`, which `begin` has made, and write its manifest.
+
+    Returns
+    -------
+    Status
+        How it ended. Whatever that is, the files hold every accepted sample and the manifest says how it ended.
+    """
+    motion, _ = played(job.program, job.gauge_length_mm)
+    ending, intake = EndOfMotion.of(motion), Intake()
+    first: list[Event] = []
+    if resume:
+        Sink(folder).close()  # refuses what another recorder is writing, before anything is cut
+        now_s = clock()  # reading a day's rows takes a while
+        left = mend(folder, time.time())
+        intake, ending = continued(left, now_s), watched(ending, left)
+        _mark_in_progress(folder, job.gauge_length_mm, job.recipe())
+        first.append(Event("resume", intake.time_us, {"idle_s": round(left.idle_s, 3)}))
+    sink = Sink(folder, ROOM_BYTES)
+    try:
+        sink.write(first)
+        recorder = Recorder(
+            intake, sink, job.gauge_length_mm, job.limits, motion.duration_s, ending, report, job.give_up_s, pause
+        )
+        status = _synced(sink, lambda: recorder.run(link, stopped))
+    finally:
+        whole = sink.close()
+    status.sync_failures = sink.sync_failures
+    again = _paused(pause, job.give_up_s)
+    return finish(folder, job.gauge_length_mm, "recorded", status, whole, job.recipe(), intake, again)
+
+
+def _paused(pause: Callable[[float], None], patience_s: float) -> Iterator[None]:
+    """Moments to try again, as long as the patience lasts."""
+    for _ in range(int(patience_s / PROGRESS_S)):
+        pause(PROGRESS_S)
+        yield None
+
+
+def _synced(sink: Sink, work: Callable[[], Status]) -> Status:
+    syncer = Syncer(sink)
+    syncer.start()
+    try:
+        return work()
+    finally:
+        syncer.end()
+
+
+def _mark_in_progress(folder: Path, gauge_length_mm: float, recipe: dict[str, Any]) -> None:
+    campaign = Campaign(gauge_length_mm, "recorded", "recording", recipe, {}, software_versions())
+    write_manifest(folder, campaign, [CSV, EVENTS, *(name for name in campaign_files(folder) if name == PROGRAM)])

@@ -1,0 +1,201 @@
+"""Model against measurement: how large the misfit is, and where it sits."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from testbench.comparing.coordinates import LABELS, coordinates
+from testbench.comparing.words import place_in_words
+from testbench.fitting.errors import channel_name, noise_floors, rms_errors
+from testbench.fitting.measurement import CONDUCTANCE_CHANNEL, UNIT_OF, Measurement
+from testbench.knit.effect import FloatArray
+from testbench.knit.model import KnitModel
+
+BINS = 10
+BLOCK_S = 20.0  # samples closer than this are not taken as independent
+MIN_SHARE = 0.005  # a place must hold this share of the samples to be named
+MIN_T = 3.0  # and stand out by this many standard errors
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One bin of a residual map.
+
+    Attributes
+    ----------
+    low, high : float
+        Edges of the bin in the coordinate's unit.
+    direction : int
+        +1 stretching, -1 releasing, 0 both.
+    mean, standard_error : float
+        Of measured minus modelled, N or ln S; the error from blocks of `BLOCK_S`.
+    share : float
+        Share of the samples.
+    """
+
+    low: float
+    high: float
+    direction: int
+    mean: float
+    standard_error: float
+    share: float
+
+    @property
+    def t(self) -> float:
+        """Mean over its standard error."""
+        return self.mean / self.standard_error if self.standard_error > 0 else 0.0
+
+
+@dataclass(frozen=True)
+class Place:
+    """One of the worst places."""
+
+    channel: str
+    coordinate: str
+    cell: Cell
+    share_of_error: float
+    words: str
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Result of `compare`.
+
+    Attributes
+    ----------
+    rms, noise_floor : dict of channel to float
+        In N and in ln S, at the samples as recorded.
+    maps : dict of channel to dict of coordinate to tuple of Cell
+    worst : tuple of Place
+        At most three, the worst first.
+    """
+
+    rms: Mapping[str, float]
+    noise_floor: Mapping[str, float]
+    maps: Mapping[str, Mapping[str, tuple[Cell, ...]]]
+    worst: tuple[Place, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready form; the shape is documented in docs/diagnosis.md."""
+        channels = {
+            channel: {
+                "unit": UNIT_OF[channel],
+                "rms": self.rms[channel],
+                "noise_floor": self.noise_floor[channel],
+                "over_noise": self.rms[channel] / max(self.noise_floor[channel], 1e-300),
+                "maps": {
+                    coordinate: [vars(cell) | {"t": cell.t} for cell in cells]
+                    for coordinate, cells in self.maps[channel].items()
+                },
+            }
+            for channel in self.rms
+        }
+        worst = [
+            {"channel": p.channel, "coordinate": p.coordinate, "words": p.words, "share_of_error": p.share_of_error}
+            | {"cell": vars(p.cell) | {"t": p.cell.t}}
+            for p in self.worst
+        ]
+        return {
+            "noise_floor_from": "estimated from the samples (second differences)",
+            "channels": channels,
+            "worst": worst,
+        }
+
+
+def compare(model: KnitModel, measurement: Measurement, free_offset: bool = False) -> Comparison:
+    """Compare a model with a measurement and find the places where it fails.
+
+    Parameters
+    ----------
+    model : KnitModel
+    measurement : Measurement
+    free_offset : bool
+        As in `testbench.fitting.errors.rms_errors`.
+    """
+    residual = measurement.residual(model)
+    where = {name: values[measurement.counts] for name, values in coordinates(measurement).items()}
+    maps, places = {}, []
+    for channel, values in residual.items():
+        counting = values[measurement.counts]
+        if free_offset:
+            counting = counting - counting.mean()
+        maps[channel] = residual_maps(counting, where, measurement.dt_s)
+        places += _places(channel, maps[channel], counting, _size_of(measurement, channel))
+    worst = _distinct(sorted(places, key=lambda place: -place.share_of_error))
+    return Comparison(rms_errors(model, measurement, free_offset), noise_floors(measurement), maps, tuple(worst))
+
+
+def residual_maps(residual: FloatArray, where: Mapping[str, FloatArray], dt_s: float) -> dict[str, tuple[Cell, ...]]:
+    """Mean residual over bins of every coordinate, apart for stretching and releasing where that makes sense."""
+    block = (np.arange(len(residual)) * dt_s // BLOCK_S).astype(int)
+    direction = where["direction"]
+    maps = {}
+    for coordinate in LABELS:
+        if coordinate not in where:
+            continue
+        values = where[coordinate]
+        edges = _edges(values[values > 0] if coordinate == "since_hold_s" else values)
+        cells: list[Cell] = []
+        for low, high in itertools.pairwise(edges):
+            inside = (values >= low) & ((values < high) | (high == edges[-1]))
+            sides = (1, -1) if coordinate in ("strain", "since_reversal_s", "largest_strain") else (0,)
+            for side in sides:
+                rows = inside & (direction == side) if side else inside
+                cells += _cell(residual[rows], block[rows], (low, high, side), len(residual))
+        maps[coordinate] = tuple(cells)
+    return maps
+
+
+def _edges(values: FloatArray) -> FloatArray:
+    """Bin edges with about as many samples in each bin."""
+    if len(values) == 0:
+        return np.zeros(1)
+    return np.unique(np.quantile(values, np.linspace(0, 1, BINS + 1)))
+
+
+def _cell(residual: FloatArray, block: FloatArray, place: tuple[float, float, int], total: int) -> list[Cell]:
+    if len(residual) < 10:
+        return []
+    names, index = np.unique(block, return_inverse=True)
+    if len(names) < 3:
+        error = float(np.std(residual))  # too few blocks to say better
+    else:
+        sums = np.bincount(index, weights=residual - residual.mean())
+        error = float(np.sqrt(np.sum(sums**2)) / len(residual))
+    low, high, side = place
+    return [Cell(float(low), float(high), side, float(residual.mean()), error, len(residual) / total)]
+
+
+def _size_of(measurement: Measurement, channel: str) -> float:
+    """Typical size for percentages: the force's range; ln G needs none (its differences are relative)."""
+    if channel == CONDUCTANCE_CHANNEL:
+        return 1.0
+    return float(np.ptp(measurement.measured[channel][measurement.counts]))
+
+
+def _places(channel: str, maps: Mapping[str, tuple[Cell, ...]], residual: FloatArray, size: float) -> list[Place]:
+    total = float(np.mean(residual**2)) or 1.0
+    found = []
+    for coordinate, cells in maps.items():
+        for cell in cells:
+            if cell.share >= MIN_SHARE and abs(cell.t) >= MIN_T:
+                share = cell.share * cell.mean**2 / total
+                words = place_in_words(channel_name(channel), coordinate, cell, size)
+                found.append(Place(channel, coordinate, cell, share, words))
+    return found
+
+
+def _distinct(places: list[Place]) -> list[Place]:
+    """The worst three that do not tell the same story: one a channel and coordinate."""
+    kept: list[Place] = []
+    for place in places:
+        if all((place.channel, place.coordinate) != (other.channel, other.coordinate) for other in kept):
+            kept.append(place)
+        if len(kept) == 3:
+            break
+    return kept

@@ -1,0 +1,58 @@
+"""Coordinates over which a residual is mapped: what the knit did, and what it had been through."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from testbench.fitting.measurement import Measurement
+from testbench.knit.effect import FloatArray
+from testbench.knit.kernels import running_max, turns
+
+RATE_SMOOTHING_S = 0.15
+HOLD_RATE = 2e-4  # 1/s; slower than this is a hold
+LABELS = {
+    "strain": "strain",
+    "strain_rate": "strain rate (1/s)",
+    "elapsed_s": "elapsed time (s)",
+    "largest_strain": "largest strain so far",
+    "since_reversal_s": "time since the last reversal (s)",
+    "since_hold_s": "time into a hold (s)",
+    "cycle": "cycle number",
+    "temperature_C": "temperature (°C)",
+}
+
+
+def coordinates(measurement: Measurement) -> dict[str, FloatArray]:
+    """Each coordinate on the grid, shape (n,); see `LABELS`. ``direction`` is +1 stretching, -1 releasing, 0 hold."""
+    strain = measurement.signals["strain"]
+    rate = strain_rate(strain, measurement.dt_s)
+    direction = np.where(np.abs(rate) < HOLD_RATE, 0.0, np.sign(rate))
+    threshold = max(0.01 * float(np.ptp(strain)), 1e-4)
+    _, known, count = turns(strain, threshold)
+    found = {
+        "strain": strain,
+        "strain_rate": rate,
+        "direction": direction,
+        "elapsed_s": measurement.signals["time_s"],
+        "largest_strain": running_max(strain),
+        "since_reversal_s": (np.arange(len(strain)) - np.ceil(known)) * measurement.dt_s,
+        "since_hold_s": _run_length(direction == 0) * measurement.dt_s,
+        "cycle": np.floor(count / 2),
+    }
+    if "temperature_C" in measurement.signals:
+        found["temperature_C"] = measurement.signals["temperature_C"]
+    return found
+
+
+def strain_rate(strain: FloatArray, dt_s: float) -> FloatArray:
+    """Smoothed derivative, shape (n,) in 1/s."""
+    width = max(round(RATE_SMOOTHING_S / dt_s), 1)
+    padded = np.pad(np.gradient(strain, dt_s), (width // 2, width - 1 - width // 2), mode="edge")
+    return np.convolve(padded, np.full(width, 1 / width), mode="valid")
+
+
+def _run_length(inside: np.ndarray) -> FloatArray:
+    """Samples since `inside` last became true, 0 where it is false."""
+    index = np.arange(len(inside))
+    last_outside = np.maximum.accumulate(np.where(inside, -1, index))
+    return np.where(inside, index - last_outside, 0).astype(float)

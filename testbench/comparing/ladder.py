@@ -1,0 +1,107 @@
+"""The ladder: models one effect apart, and what each step did to the errors."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from gcode.support.errors import UserError
+from testbench.fitting.errors import noise_floors, over_the_floors, rms_errors
+from testbench.fitting.fit import Fit, fit
+from testbench.fitting.measurement import CONDUCTANCE_CHANNEL, FORCE_CHANNEL, Measurement
+from testbench.fitting.model_file import ModelFile, fit_summary
+from testbench.fitting.remounting import held_errors
+from testbench.knit.catalogue import Catalogue, model_from_dict
+from testbench.knit.effect import Effect
+from testbench.knit.model import KnitModel
+
+NO_LONGER_PAYS = 0.005  # leaving an effect out costs less than this share of the held-out error
+
+
+def fitted_file(
+    model: KnitModel,
+    calibration: Measurement,
+    held: Measurement,
+    step: str,
+    before: ModelFile | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> ModelFile:
+    """Fit `model` and put it on top of the ladder.
+
+    Parameters
+    ----------
+    model : KnitModel
+        Where the search starts.
+    calibration, held : Measurement
+    step : str
+        What this step did, e.g. ``baseline`` or ``+ stress_relaxation``.
+    before : ModelFile, optional
+        The ladder so far.
+    """
+    return on_the_ladder(fit(model, [calibration], progress=progress), before, step, calibration, held)
+
+
+def on_the_ladder(
+    result: Fit, before: ModelFile | None, step: str, calibration: Measurement, held: Measurement
+) -> ModelFile:
+    """A model that was fitted already, put on top of the ladder so far."""
+    entry = ladder_step(step, result.model, calibration, held)
+    return ModelFile(
+        result.model,
+        calibration.recording.gauge_length_mm,
+        calibration.recording.source,
+        held.recording.source,
+        fit_summary(result),
+        (*(before.history if before else ()), entry),
+    )
+
+
+def ladder_step(step: str, model: KnitModel, calibration: Measurement, held: Measurement) -> dict[str, Any]:
+    """One entry of the history: the model, its errors on both recordings, and the noise floor."""
+    return {
+        "step": step,
+        "model": model.to_dict(),
+        "errors": {"calibration": rms_errors(model, calibration), "held_out": held_errors(model, held)},
+        "noise_floor": noise_floors(held),
+    }
+
+
+def drawn_to_data(law: Effect, calibration: Measurement) -> Effect:
+    """A law where its own first guess from the measured curve puts it."""
+    signals = {"strain": calibration.signals["strain"]}
+    if FORCE_CHANNEL in calibration.measured:
+        signals["force_N"] = calibration.measured[FORCE_CHANNEL]
+    if CONDUCTANCE_CHANNEL in calibration.measured:
+        signals["conductance_S"] = np.exp(calibration.measured[CONDUCTANCE_CHANNEL])
+    return law.initial_guess(signals, calibration.dt_s)
+
+
+def undo(file: ModelFile, catalogue: Catalogue) -> ModelFile:
+    """Take the last step back.
+
+    Raises
+    ------
+    UserError
+        If there is only the baseline left.
+    """
+    if len(file.history) < 2:
+        raise UserError("nothing to undo: the ladder has only its first step")
+    history = file.history[:-1]
+    model = model_from_dict(history[-1]["model"], catalogue, "history")
+    return replace(file, model=model, history=history, fit={})
+
+
+def idle_effects(file: ModelFile, calibration: Measurement, held: Measurement, optional: set[str]) -> list[str]:
+    """Names of added effects that no longer pay: refitted without them, the held-out error hardly rises."""
+    floors = noise_floors(held)
+    full = over_the_floors(held_errors(file.model, held), floors)
+    idle = []
+    for name in optional:
+        if name in file.model:
+            without = fit(file.model.without(name), [calibration], max_iterations=6).model
+            if over_the_floors(held_errors(without, held), floors) < full * (1 + NO_LONGER_PAYS):
+                idle.append(name)
+    return sorted(idle)

@@ -1,0 +1,79 @@
+"""Results as text for the terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from testbench.comparing.compare import Comparison
+from testbench.fitting.errors import channel_name
+from testbench.fitting.measurement import UNIT_OF
+from testbench.fitting.model_file import ModelFile
+
+STEP_WIDTH = 34  # of the ladder's first column, if no step needs more
+
+
+def fit_table(file: ModelFile) -> str:
+    """Parameters with their standard errors, and plain words on what cannot be trusted."""
+    fit = file.fit
+    vectors = {address.partition("[")[0] for address in fit["parameters"] if "[" in address}
+    rows = []
+    for address, entry in fit["parameters"].items():
+        if "[" in address:
+            continue
+        rows.append(f"  {address:<38} {entry['value']:>12.5g} ± {entry['standard_error']:<10.2g} {entry['unit']}")
+    rows += [f"  {name:<38} (shape weights)" for name in sorted(vectors)]
+    scalar = [name for name in fit["unidentified"] if "[" not in name]
+    if fit["at_bound"]:
+        rows.append(f"  at a bound (the law may not fit): {', '.join(fit['at_bound'])}")
+    if scalar:
+        rows.append(f"  this recording cannot tell: {', '.join(scalar)}")
+    for first, second, value in fit["correlated"][:3]:
+        rows.append(f"  hardly told apart: {first} and {second} (correlation {value:+.2f})")
+    return "\n".join(rows)
+
+
+def errors_line(step: Mapping[str, Any]) -> str:
+    """Errors of one step in one line."""
+    parts = []
+    for channel, held in step["errors"]["held_out"].items():
+        calibration, floor = step["errors"]["calibration"][channel], step["noise_floor"][channel]
+        unit = UNIT_OF[channel]
+        parts.append(
+            f"{channel_name(channel)} {calibration:.4g} {unit} (held out {held:.4g}, noise floor {floor:.2g})"
+        )
+    return f"{step['step']}: RMS error " + "; ".join(parts)
+
+
+def ladder_table(file: ModelFile) -> str:
+    """The errors step by step, down to the noise floor."""
+    wide = max(STEP_WIDTH, 2 + max((len(step["step"]) for step in file.history), default=0))
+    lines = [f"{'step':<{wide}}{'channel':<13}{'calibration':>14}{'held out':>14}{'noise floor':>14}{'fall':>8}"]
+    first: dict[str, float] = {}
+    for step in file.history:
+        name, errors = step["step"], step["errors"]
+        for channel, held in errors["held_out"].items():
+            top = first.setdefault(channel, held)
+            numbers = (errors["calibration"][channel], held, step["noise_floor"][channel])
+            cells = "".join(f"{value:>9.4g} {UNIT_OF[channel]:<4}" for value in numbers)
+            lines.append(f"{name:<{wide}}{channel_name(channel):<13}{cells}{100 * (1 - held / top):>6.0f} %")
+            name = ""
+    return "\n".join(lines)
+
+
+def comparison_table(result: Comparison) -> str:
+    """RMS against the noise floor, and the worst places in words."""
+    lines = []
+    for channel, rms in result.rms.items():
+        floor = result.noise_floor[channel]
+        times = rms / max(floor, 1e-300)
+        lines.append(
+            f"{channel_name(channel)}: RMS error {rms:.4g} {UNIT_OF[channel]}, {times:.1f} times the noise floor "
+            f"of {floor:.2g} (estimated from the samples)"
+        )
+    if result.worst:
+        lines.append("where it fails, the worst first:")
+        lines += [f"  {n}. {place.words}" for n, place in enumerate(result.worst, 1)]
+    else:
+        lines.append("no place stands out from the noise")
+    return "\n".join(lines)

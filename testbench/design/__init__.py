@@ -1,0 +1,1 @@
+"""The next experiment: motions that tell the models apart that are still likely."""

@@ -1,0 +1,102 @@
+"""Where rival hypotheses come from: two model files, or the tied effects of a diagnosis."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from gcode.support.errors import UserError
+from gcode.support.files import read_json
+from testbench.design.experiment import Rival
+from testbench.diagnosis.adding import add_effect
+from testbench.fitting.measurement import Measurement
+from testbench.fitting.model_file import ModelFile, load_model_file
+from testbench.knit.catalogue import Catalogue, model_from_dict
+
+MOST = 3  # tied effects that are weighed against each other
+
+
+def rivals_from_files(paths: Sequence[str], catalogue: Catalogue) -> tuple[list[Rival], dict[str, float], float]:
+    """Rivals, noise floors and gauge length [mm] from model files.
+
+    Raises
+    ------
+    UserError
+        If a file is unusable, or they were fitted at different gauge lengths or on different channels.
+    """
+    files = [load_model_file(path, catalogue) for path in paths]
+    first = files[0]
+    for path, file in zip(paths[1:], files[1:], strict=True):
+        if abs(file.gauge_length_mm - first.gauge_length_mm) > 1e-3 * first.gauge_length_mm:
+            raise UserError(
+                f"{path}: fitted at a gauge length of {file.gauge_length_mm:g} mm, but {paths[0]} at "
+                f"{first.gauge_length_mm:g} mm; rivals must be fitted on recordings of one set-up"
+            )
+    return _named(files, [Path(path).stem for path in paths]), shared_noise(files), first.gauge_length_mm
+
+
+def rivals_from_diagnosis(
+    path: str | Path,
+    calibration: Measurement,
+    held: Measurement,
+    catalogue: Catalogue,
+    progress: Callable[[str], None],
+) -> tuple[list[Rival], dict[str, float]]:
+    """Put each tied effect (or the first two) into the model before it, refit, and let them be rivals.
+
+    Raises
+    ------
+    UserError
+        If the file is no diagnosis, or ranks fewer than two effects.
+    """
+    data = read_json(path, "diagnosis")
+    try:
+        base = _base(data, catalogue, str(path), calibration.recording.gauge_length_mm)
+        forms = {entry["effect"]: entry["form"] for entry in data["ranking"]}
+        names = list(data["tied"]) or list(forms)[:2]
+    except (KeyError, TypeError) as error:
+        raise UserError(f"{path}: not a diagnosis ({error}); write one with `testbench diagnose --json`") from None
+    if len(names) < 2:
+        raise UserError(f"{path}: it ranks {len(names)} effects; an experiment needs two rivals")
+    files = []
+    for name in names[:MOST]:
+        progress(f"putting in {forms[name]} and refitting")
+        files.append(add_effect(base, forms[name], calibration, held, catalogue))
+    rivals = [Rival(name, file.model) for name, file in zip(names, files, strict=False)]
+    return rivals, shared_noise(files)
+
+
+def _base(data: Mapping[str, Any], catalogue: Catalogue, source: str, gauge_length_mm: float) -> ModelFile:
+    """The model as it was before anything that was found was put in."""
+    steps = data["history"]
+    before = steps[max(len(steps) - len(data["found"]), 1) - 1]
+    model = model_from_dict(before["model"], catalogue, source)
+    return ModelFile(model, gauge_length_mm, history=(before,))
+
+
+def shared_noise(files: Sequence[ModelFile]) -> dict[str, float]:
+    """What the best of the rivals leaves of each channel that all were fitted on, at least the noise floor.
+
+    Not the noise floor alone: a misfit that all rivals share would drown a smaller difference between them.
+    """
+    if not all(file.history for file in files):
+        raise UserError("a model without a history knows no noise floor; fit it on a recording with `testbench fit`")
+    floors = [file.history[-1]["noise_floor"] for file in files]
+    shared = [channel for channel in floors[0] if all(channel in floor for floor in floors)]
+    if not shared:
+        raise UserError("the models were fitted on different channels; give rivals that share force or resistance")
+    spreads = [file.fit.get("residual_scale", {}) for file in files]
+    return {
+        channel: max(floors[0][channel], min(s.get(channel, floors[0][channel]) for s in spreads))
+        for channel in shared
+    }
+
+
+def _named(files: Sequence[ModelFile], stems: Sequence[str]) -> list[Rival]:
+    """Each by the effects that only it has; by its file where that says nothing or the same."""
+    common = set.intersection(*(set(file.model) for file in files))
+    own = [" + ".join(name for name in file.model if name not in common) for file in files]
+    told = all(own) and len(set(own)) == len(own)
+    names = own if told else [f"{stem} ({index})" for index, stem in enumerate(stems, 1)]
+    return [Rival(name, file.model) for name, file in zip(names, files, strict=True)]

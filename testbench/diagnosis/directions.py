@@ -1,0 +1,78 @@
+"""The directions of a group of weights that the data can see.
+
+The weights of a group have one prior, N(0, tau^2) each, so any rotation of them has the same. Along most eigenvectors
+of their normal equations a rich shape changes nothing that is above the noise: only the others are kept.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from testbench.diagnosis.priors import Priors
+from testbench.knit.effect import FloatArray
+
+UNSEEN = 1e-3  # information over that of the prior; so much of ln Z is lost with each direction left out
+
+
+@dataclass(frozen=True, eq=False)
+class Directions:
+    """An orthonormal basis of what is kept.
+
+    Attributes
+    ----------
+    basis : ndarray, shape (p, q)
+        Columns are directions; parameters without a group keep their own.
+    group : ndarray of int, shape (q,)
+    """
+
+    basis: FloatArray
+    group: np.ndarray
+
+    @classmethod
+    def seen(
+        cls, columns: Mapping[str, FloatArray], information: Mapping[str, float], priors: Priors, scale: FloatArray
+    ) -> Directions:
+        """Find them.
+
+        Parameters
+        ----------
+        columns : mapping of channel to ndarray, shape (p + 1, k)
+            Residual and sensitivities.
+        information : mapping of channel to float
+            Independent samples that each sample stands for, over the variance of the noise.
+        scale : ndarray
+            Factor on the precision of each group, the smallest that may be needed.
+        """
+        own = np.flatnonzero(priors.group < 0)
+        parts, group = [_unit(len(priors.group), own)], [np.full(len(own), -1)]
+        for g in range(len(priors.groups)):
+            where = np.flatnonzero(priors.group == g)
+            gram = sum(information[c] * (rows[where + 1] @ rows[where + 1].T) for c, rows in columns.items())
+            value, vector = np.linalg.eigh(gram)
+            kept = value > UNSEEN * priors.precision[where[0]] * scale[g]
+            part = np.zeros((len(priors.group), int(kept.sum())))
+            part[where] = vector[:, kept]
+            parts.append(part)
+            group.append(np.full(part.shape[1], g))
+        return cls(np.hstack(parts), np.concatenate(group))
+
+    def rows(self, columns: FloatArray) -> FloatArray:
+        """Residual and what each direction changes, shape (q + 1, k)."""
+        return np.vstack([columns[:1], self.basis.T @ columns[1:]])
+
+    def along(self, vector: FloatArray) -> FloatArray:
+        """Coordinates of a vector of all parameters, shape (q,)."""
+        return self.basis.T @ vector
+
+    def full(self, coordinates: FloatArray) -> FloatArray:
+        """All parameters from coordinates, shape (p,)."""
+        return self.basis @ coordinates
+
+
+def _unit(count: int, which: np.ndarray) -> FloatArray:
+    part = np.zeros((count, len(which)))
+    part[which, np.arange(len(which))] = 1.0
+    return part

@@ -1,1 +1,0 @@
-"""Model against measurement: fits, comparisons, the ladder of models, and experiments that tell models apart."""

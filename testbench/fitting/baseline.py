@@ -1,0 +1,119 @@
+"""The baseline model for a recording: which laws, and where their search starts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from testbench.fitting.contact_start import contact_start, driven_contact
+from testbench.fitting.measurement import CONDUCTANCE_CHANNEL, FORCE_CHANNEL, Measurement
+from testbench.fitting.parameters import FRAME_PARAMETERS
+from testbench.knit.catalogue import Catalogue, load_catalogue
+from testbench.knit.effect import Effect, FloatArray
+from testbench.knit.model import KnitModel
+
+# Bouc-Wen friction is a freedom of the loops, as free slip elements are: neither can imitate all of the other.
+LOOP_SHAPES = ("hysteresis_shape", "hysteresis_bouc_wen")
+FORCE_SHAPES = ("elasticity_shape", *LOOP_SHAPES)
+CONDUCTANCE_SHAPES = ("contact_shape", "contact_loops_shape", "contact_drift_shape", "drift_shape")
+BOUC_WEN_SHARE = 0.3  # of the slip elements' friction, where its search starts
+SHAPES = FORCE_SHAPES + CONDUCTANCE_SHAPES
+
+
+def starting_baseline(measurement: Measurement, catalogue: Catalogue | None = None) -> KnitModel:
+    """Elasticity, hysteresis, contact (or piezoresistance) and drift, started from the data.
+
+    A recording without force gets no force laws beyond what its conductance needs; one without resistance gets no
+    electrical laws. Conductance that falls with stretch gets `piezoresistance` in place of `contact`. Where force and
+    conductance are both known, contacts may feel the strain instead of the force.
+    """
+    effects = (catalogue or load_catalogue()).effects
+    # With the burn-in: in a ramp and hold nearly all of the motion lies there.
+    seen = slice(0, int(np.flatnonzero(measurement.counts)[-1]) + 1)
+    strain = measurement.signals["strain"][seen]
+    laws: list[Effect] = []
+    force = measurement.measured.get(FORCE_CHANNEL)
+    log_g = measurement.measured.get(CONDUCTANCE_CHANNEL)
+    falls = log_g is not None and _slope(strain, log_g[seen]) < 0
+    if force is not None or not falls:
+        laws += _force_laws(effects, strain, None if force is None else force[seen])
+    if log_g is None:
+        return KnitModel.of(*laws)
+    log_g, drift = log_g[seen], effects["drift"].model_validate({"per_decade": 0.0})
+    if falls:
+        signals = {"strain": strain, "conductance_S": np.exp(log_g)}
+        return KnitModel.of(*laws, effects["piezoresistance"]().initial_guess(signals, 1.0), drift)
+    if force is None:
+        contacts: list[Effect] = [contact_start(effects["contact"](), _pressing(laws, measurement)[seen], log_g)]
+    else:
+        contacts = driven_contact(effects["contact_drive"](), effects["contact"](), strain, force[seen], log_g)
+    return KnitModel.of(*laws, *contacts, drift)
+
+
+def _slope(x: FloatArray, y: FloatArray) -> float:
+    return float(np.cov(x, y)[0, 1])
+
+
+def _force_laws(effects: dict[str, type[Effect]], strain: FloatArray, force: FloatArray | None) -> list[Effect]:
+    if force is None:
+        return [effects["elasticity"](), effects["hysteresis"]()]
+    elasticity = effects["elasticity"]().initial_guess({"strain": strain, "force_N": force}, 1.0)
+    span = float(np.ptp(strain))
+    hysteresis = effects["hysteresis"].model_validate(
+        {"friction_N": 0.05 * float(np.ptp(force)), "threshold": float(np.clip(0.05 * span, 1e-3, 0.3))}
+    )
+    return [elasticity, hysteresis]
+
+
+def _pressing(laws: list[Effect], measurement: Measurement) -> FloatArray:
+    """Force that presses the contacts where it was not measured: of the laws as they start."""
+    return KnitModel.of(*laws).simulate(measurement.signals, measurement.dt_s)["force_N"]
+
+
+def framed(effect: Effect, model: KnitModel, measurement: Measurement) -> Effect:
+    """`effect` with its frame parameters (the range its shape covers) set from the data."""
+    fields = set(type(effect).model_fields) & FRAME_PARAMETERS
+    if not fields:
+        return effect
+    frame = {"span": max(float(np.max(measurement.signals["strain_nominal"])) * 1.02, 1e-3)}
+    force = model.simulate(measurement.signals, measurement.dt_s).get("contact_force_N")
+    if force is not None:
+        low, high = float(np.min(force)), float(np.max(force))
+        frame |= {"low_N": low, "span_N": max(high - low, 1e-3)}
+    return effect.near(**{key: frame[key] for key in fields if key in frame})
+
+
+def without_shapes(model: KnitModel, names: Iterable[str] = SHAPES) -> KnitModel:
+    """The model with its base laws unbent: without those of the shapes `names` that it has."""
+    for name in names:
+        model = model.without(name) if name in model else model
+    return model
+
+
+def with_shapes(
+    model: KnitModel, measurement: Measurement, catalogue: Catalogue | None = None, like: KnitModel | None = None
+) -> KnitModel:
+    """Add shape freedom to every base law that the model has, framed by the range of the data.
+
+    Shapes that the model `like` has start as they are there.
+    """
+    effects = (catalogue or load_catalogue()).effects
+    wanted: tuple[str, ...] = ()
+    if FORCE_CHANNEL in measurement.measured:
+        wanted += FORCE_SHAPES
+    if CONDUCTANCE_CHANNEL in measurement.measured:
+        wanted += CONDUCTANCE_SHAPES
+    for name in wanted:
+        if name not in model:
+            shape = like[name] if like is not None and name in like else _started(effects[name](), model)
+            model = model.plus(framed(shape, model, measurement))
+    return model
+
+
+def _started(shape: Effect, model: KnitModel) -> Effect:
+    """A shape where its search starts: at zero, but for Bouc-Wen, whose other parameters do nothing there."""
+    if shape.name != "hysteresis_bouc_wen":
+        return shape
+    friction_N = getattr(model["hysteresis"], "friction_N", 0.1) if "hysteresis" in model else 0.1
+    return shape.replaced(friction_N=BOUC_WEN_SHARE * friction_N)

@@ -1,0 +1,58 @@
+"""Errors of a model at the samples as recorded, in N and in ln S, beside the noise floor."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from testbench.fitting.measurement import CONDUCTANCE_CHANNEL, FORCE_CHANNEL, Measurement
+from testbench.fitting.noise import noise_floor
+from testbench.knit.effect import FloatArray
+from testbench.knit.model import KnitModel
+from testbench.recordings.recording import FORCE, RESISTANCE
+
+
+def sampled(measurement: Measurement, channel: str) -> tuple[FloatArray, FloatArray]:
+    """Times from the recording's start and measured values of the samples that count, as recorded, never averaged."""
+    recording = measurement.recording
+    time_s = recording.time_s - recording.time_s[0]
+    counting = measurement.grid_s[measurement.counts]
+    rows = (time_s >= counting[0]) & (time_s <= counting[-1])
+    values = recording[FORCE] if channel == FORCE_CHANNEL else -np.log(recording[RESISTANCE])
+    return time_s[rows], values[rows]
+
+
+def rms_errors(model: KnitModel, measurement: Measurement, free_offset: bool = False) -> dict[str, float]:
+    """RMS of measured minus modelled at every counting sample: force in N, conductance in ln S.
+
+    Parameters
+    ----------
+    free_offset : bool
+        Take each channel's mean residual out first: another recording has another force zero and another
+        conductance gain (a re-clamped sensor), which no effect should be blamed for.
+    """
+    modelled = measurement.modelled(model)
+    errors = {}
+    for channel in measurement.channels:
+        time_s, values = sampled(measurement, channel)
+        residual = values - np.interp(time_s, measurement.grid_s, modelled[channel])
+        if free_offset:
+            residual = residual - residual.mean()
+        errors[channel] = float(np.sqrt(np.mean(residual**2)))
+    return errors
+
+
+def noise_floors(measurement: Measurement) -> dict[str, float]:
+    """Estimated standard deviation of the sample noise, per channel: force in N, conductance in ln S."""
+    return {channel: float(noise_floor(sampled(measurement, channel)[1])) for channel in measurement.channels}
+
+
+def over_the_floors(errors: Mapping[str, float], floors: Mapping[str, float]) -> float:
+    """Errors over the noise floors, averaged over the channels."""
+    return sum(errors[channel] / max(floors[channel], 1e-300) for channel in errors) / len(errors)
+
+
+def channel_name(channel: str) -> str:
+    """Words for a channel."""
+    return {FORCE_CHANNEL: "force", CONDUCTANCE_CHANNEL: "conductance"}[channel]

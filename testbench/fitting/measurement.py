@@ -1,0 +1,260 @@
+"""A recording made ready for comparison: a uniform grid, force and log-conductance, and which samples count."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from gcode.support.errors import UserError
+from testbench.fitting.motion import reading_noise, without_reading_noise
+from testbench.fitting.noise import noise_floor
+from testbench.knit.effect import FloatArray
+from testbench.knit.filters import log_conductance
+from testbench.knit.model import KnitModel, SimulationCache, inputs
+from testbench.recordings.recording import FORCE, RESISTANCE, TEMPERATURE, Recording
+
+FORCE_CHANNEL, CONDUCTANCE_CHANNEL = "force", "conductance"
+SIGNAL_OF = {FORCE_CHANNEL: "force_N", CONDUCTANCE_CHANNEL: "conductance_S"}
+UNIT_OF = {FORCE_CHANNEL: "N", CONDUCTANCE_CHANNEL: "ln S"}
+
+MAX_GRID_HZ = 25.0
+BURN_IN_S = 3.0
+MOST_GRID_POINTS = 200_000
+MIN_SAMPLES, MIN_DURATION_S, MIN_STRAIN_RANGE = 200, 20.0, 2e-3
+MIN_PART = 170  # samples that count in each part; the evidence is weighed in 40 blocks of every fourth sample
+
+
+@dataclass(frozen=True, eq=False)
+class Measurement:
+    """What a model is compared with.
+
+    Attributes
+    ----------
+    signals : mapping of str to ndarray, each shape (n,)
+        Inputs of a simulation on the uniform grid (`testbench.knit.model.inputs`).
+    dt_s : float
+        Grid step.
+    measured : mapping of str to ndarray, each shape (n,)
+        ``force`` in N and ``conductance`` as ln S, as far as they were recorded.
+    counts : ndarray of bool, shape (n,)
+        Samples that enter fits and errors: after the burn-in, and inside this part of the recording.
+    recording : Recording
+        Where it came from, as sampled.
+    start_s : float
+        Time of the first grid point after the recording's first sample.
+    strain_noise : float
+        Standard deviation of the noise of the strain reading, at a grid point.
+    averaged : float
+        Samples whose mean is as noisy as a grid point.
+    """
+
+    signals: Mapping[str, FloatArray]
+    dt_s: float
+    measured: Mapping[str, FloatArray]
+    counts: np.ndarray
+    recording: Recording
+    start_s: float = 0.0
+    strain_noise: float = 0.0
+    averaged: float = 1.0
+
+    @property
+    def grid_s(self) -> FloatArray:
+        """Times of the grid points after the recording's first sample, shape (n,)."""
+        return self.signals["time_s"] + self.start_s
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """The measured channels, force first."""
+        return tuple(self.measured)
+
+    def modelled(self, model: KnitModel, cache: SimulationCache | None = None) -> dict[str, FloatArray]:
+        """Simulate; force in N and ln G for every measured channel, each shape (n,)."""
+        state = model.simulate(self.signals, self.dt_s, cache)
+        return {channel: channel_of(state, channel) for channel in self.channels}
+
+    def residual(self, model: KnitModel, cache: SimulationCache | None = None) -> dict[str, FloatArray]:
+        """Measured minus modelled, each shape (n,)."""
+        modelled = self.modelled(model, cache)
+        return {channel: self.measured[channel] - modelled[channel] for channel in self.channels}
+
+
+def channel_of(state: Mapping[str, FloatArray], channel: str) -> FloatArray:
+    """Force in N, or conductance as ln S, from simulated signals."""
+    values = state[SIGNAL_OF[channel]]
+    if channel == CONDUCTANCE_CHANNEL:
+        return log_conductance(values)
+    return values
+
+
+def prepare(
+    recording: Recording, span: tuple[float, float] | None = None, rate_hz: float | None = None
+) -> Measurement:
+    """Average a recording onto a uniform grid.
+
+    Bins are averaged in every channel alike, which lowers the noise without shifting force against strain;
+    where samples are rarer than the grid, neighbours are interpolated: the grid then starts at the first sample, so
+    that samples at even times, and the turns among them, are kept as they are.
+
+    Parameters
+    ----------
+    recording : Recording
+    span : (start_s, end_s), optional
+        Only samples in this span count; the history before it is simulated all the same.
+    rate_hz : float, optional
+        Grid rate; default the recording's own, at most `MAX_GRID_HZ`.
+
+    Raises
+    ------
+    UserError
+        If the recording is too short or too still, or a channel is constant: nothing can be learnt from it.
+    """
+    _check_usable(recording)
+    time_s = recording.time_s - recording.time_s[0]
+    rate_hz = rate_hz or min(MAX_GRID_HZ, _usual_rate_hz(time_s))
+    binned = _Bins(time_s, rate_hz)
+    grid_s = binned.grid_s
+    measured = {}
+    if recording.has(FORCE):
+        measured[FORCE_CHANNEL] = binned(recording[FORCE])
+    if recording.has(RESISTANCE):
+        measured[CONDUCTANCE_CHANNEL] = binned(-np.log(recording[RESISTANCE]))
+    temperature = binned(recording[TEMPERATURE]) if recording.has(TEMPERATURE) else None
+    start_s, end_s = span or (0.0, np.inf)
+    counts = (grid_s >= max(start_s, BURN_IN_S)) & (grid_s < end_s)
+    # Times far apart, as in a hold of hours, tell little of the noise between them: the lower estimate is meant.
+    noise = min(reading_noise(time_s, recording.strain), noise_floor(recording.strain)) / np.sqrt(binned.averaged)
+    signals = inputs(grid_s, without_reading_noise(binned(recording.strain), noise), temperature)
+    return Measurement(signals, 1.0 / rate_hz, measured, counts, recording, float(grid_s[0]), noise, binned.averaged)
+
+
+def _usual_rate_hz(time_s: FloatArray) -> float:
+    """The mean rate, or that of the quicker part where the sampling was slowed down on purpose (in long holds)."""
+    mean_s, quick_s = float(time_s[-1]) / (len(time_s) - 1), float(np.quantile(np.diff(time_s), 0.25))
+    finest_s = max(quick_s, float(time_s[-1]) / MOST_GRID_POINTS)
+    return 1 / finest_s if mean_s > 2 * quick_s else 1 / mean_s
+
+
+class _Bins:
+    """Means of the samples around each grid point, moved from their mean time to the grid point."""
+
+    def __init__(self, time_s: FloatArray, rate_hz: float) -> None:
+        self._time_s = time_s
+        # A sample on the last edge, but for rounding, has a bin of its own.
+        count = int(time_s[-1] * rate_hz + 1e-6)
+        self._bin = np.minimum((time_s * rate_hz).astype(np.int64), count - 1)
+        self._filled = np.bincount(self._bin, minlength=count)
+        # Averages are only worth it where nearly every bin has a sample of its own.
+        self._average = bool(np.mean(self._filled == 0) < 0.2 and len(time_s) > 1.5 * count)
+        self.grid_s = (np.arange(count) + (0.5 if self._average else 0.0)) / rate_hz
+        self._off_s = self._means(time_s) - self.grid_s if self._average else np.zeros(count)
+
+    @property
+    def averaged(self) -> float:
+        """Samples whose mean is as noisy as a grid point: the harmonic mean over the bins."""
+        return 1 / float(np.mean(1 / np.maximum(self._filled, 1))) if self._average else 1.0
+
+    def __call__(self, values: FloatArray) -> FloatArray:
+        if not self._average:
+            return np.interp(self.grid_s, self._time_s, values)
+        means = self._means(values)
+        return means - self._off_s * np.gradient(means, self.grid_s)
+
+    def _means(self, values: FloatArray) -> FloatArray:
+        sums = np.bincount(self._bin, weights=values, minlength=len(self.grid_s))
+        gaps = np.interp(self.grid_s, self._time_s, values)
+        return np.where(self._filled > 0, sums / np.maximum(self._filled, 1), gaps)
+
+
+def coarser(measurement: Measurement, rate_hz: float) -> Measurement:
+    """The same measurement at every so many grid points, at least `rate_hz`: fits on it cost less and say the same.
+
+    Points are left out, not averaged: where ln G bends sharply, the mean of ln G is not ln G at the mean strain.
+    """
+    every = int(1.0 / (measurement.dt_s * rate_hz) + 1e-9)
+    if every < 2:
+        return measurement
+    return replace(
+        measurement,
+        signals={name: values[::every] for name, values in measurement.signals.items()},
+        dt_s=measurement.dt_s * every,
+        measured={name: values[::every] for name, values in measurement.measured.items()},
+        counts=measurement.counts[::every],
+    )
+
+
+def _check_usable(recording: Recording) -> None:
+    source = recording.source
+    if len(recording) < MIN_SAMPLES or recording.duration_s < MIN_DURATION_S:
+        raise UserError(
+            f"{source}: too short to identify anything: {len(recording)} samples in {recording.duration_s:.1f} s, "
+            f"at least {MIN_SAMPLES} in {MIN_DURATION_S:.0f} s are needed"
+        )
+    moved = float(np.ptp(recording.strain))
+    if moved < MIN_STRAIN_RANGE:
+        raise UserError(
+            f"{source}: too still to identify anything: the strain moves by {moved:.2%} in all, "
+            f"at least {MIN_STRAIN_RANGE:.1%} is needed; check the displacement column and the gauge length"
+        )
+    names = [name for name in (FORCE, RESISTANCE) if recording.has(name)]
+    if not names:
+        raise UserError(f"{source}: neither {FORCE} nor {RESISTANCE} was recorded; a comparison needs one of them")
+    for name in names:
+        if np.ptp(recording[name]) == 0:
+            raise UserError(
+                f"{source}: {name} is constant ({recording[name][0]:g}); check the wiring or leave it out"
+            )
+
+
+def _check_parts(calibration: Measurement, held: Measurement, cut_s: float) -> None:
+    source = calibration.recording.source
+    fewest = min(int(part.counts.sum()) for part in (calibration, held))
+    if fewest < MIN_PART:
+        raise UserError(
+            f"{source}: too short to fit on one part and judge on the rest: {fewest} samples in the shorter part, "
+            f"at least {MIN_PART} are needed; record longer, or give another recording with --held-out"
+        )
+    seen = calibration.signals["strain"][: np.flatnonzero(calibration.counts)[-1] + 1]
+    if np.ptp(seen) < MIN_STRAIN_RANGE:
+        raise UserError(
+            f"{source}: too still to identify anything: the strain moves by {np.ptp(seen):.2%} in the first "
+            f"{cut_s:.0f} s, on which the model is fitted; give a recording that moves, and this one as --held-out"
+        )
+    for channel, values in calibration.measured.items():
+        if np.ptp(values[calibration.counts]) == 0:
+            raise UserError(
+                f"{source}: {channel} is constant in the first {cut_s:.0f} s, on which the model is fitted; "
+                "check the wiring or leave it out"
+            )
+
+
+def split(
+    recording: Recording, held_out: Recording | None = None, held_share: float = 1 / 3
+) -> tuple[Measurement, Measurement]:
+    """Calibration and held-out measurements; without `held_out`, the last third of the recording.
+
+    Raises
+    ------
+    UserError
+        If the two were taken at different gauge lengths or share no channel, or one recording is too short or too
+        still in a part of it.
+    """
+    if held_out is None:
+        cut_s = recording.duration_s * (1 - held_share)
+        parts = prepare(recording, (0.0, cut_s)), prepare(recording, (cut_s, np.inf))
+        _check_parts(*parts, cut_s)
+        return parts
+    if abs(held_out.gauge_length_mm - recording.gauge_length_mm) > 1e-3 * recording.gauge_length_mm:
+        raise UserError(
+            f"{held_out.source}: gauge length {held_out.gauge_length_mm:g} mm, but {recording.source} has "
+            f"{recording.gauge_length_mm:g} mm; hold out a recording of the same set-up"
+        )
+    calibration = prepare(recording)
+    held = prepare(held_out, rate_hz=1.0 / calibration.dt_s)
+    if set(calibration.channels) != set(held.channels):
+        raise UserError(
+            f"{held_out.source}: measured {', '.join(held.channels)}, but {recording.source} measured "
+            f"{', '.join(calibration.channels)}; both need the same channels"
+        )
+    return calibration, held

@@ -1,0 +1,168 @@
+"""``model.json``: a fitted model, what it was fitted on, and the history of its errors."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import ConfigDict, Field, model_validator
+
+from gcode.support.console import knitbench_version
+from gcode.support.errors import UserError
+from gcode.support.files import write_json
+from gcode.support.strict import StrictModel, read_json, validated
+from testbench.fitting.fit import Fit
+from testbench.fitting.measurement import UNIT_OF
+from testbench.knit.catalogue import Catalogue, load_catalogue, model_from_dict
+from testbench.knit.model import KnitModel
+from testbench.recordings.recording import Recording
+from testbench.recordings.stored import Label, StoredModel, checked_model
+
+
+class _Open(StrictModel):
+    """What a later version adds beside the entries that are checked is passed on as it is."""
+
+    model_config = ConfigDict(frozen=True, extra="allow", allow_inf_nan=False)
+
+
+class _Parameter(_Open):
+    value: float
+    unit: Label
+    standard_error: Annotated[float, Field(ge=0)]
+
+
+class _Summary(_Open):
+    """What `fit_summary` writes."""
+
+    parameters: dict[Label, _Parameter] = Field(default_factory=dict)
+    at_bound: list[Label] = Field(default_factory=list)
+    unidentified: list[Label] = Field(default_factory=list)
+    correlated: list[tuple[Label, Label, float]] = Field(default_factory=list)
+    residual_scale: dict[Label, float] = Field(default_factory=dict)
+
+
+class _Errors(_Open):
+    calibration: dict[Label, Annotated[float, Field(ge=0)]]
+    held_out: dict[Label, Annotated[float, Field(ge=0)]]
+
+
+class _Step(_Open):
+    """What `testbench.comparing.ladder.ladder_step` makes."""
+
+    step: Label
+    model: StoredModel
+    errors: _Errors
+    noise_floor: dict[Label, Annotated[float, Field(ge=0)]]
+
+    @model_validator(mode="after")
+    def _same_channels(self) -> _Step:
+        known = set(self.errors.held_out)
+        if known - set(UNIT_OF) or known != set(self.errors.calibration) or known != set(self.noise_floor):
+            raise ValueError(f"errors and noise_floor must be of the same channels, of {', '.join(UNIT_OF)}")
+        return self
+
+
+class _Rest(StrictModel):
+    """What a model file says beside the model."""
+
+    model_config = ConfigDict(frozen=True, extra="ignore", allow_inf_nan=False)
+
+    gauge_length_mm: Annotated[float, Field(ge=0, le=1e6)] = 0.0
+    fitted_on: Annotated[str, Field(max_length=4096)] = ""
+    held_out: Annotated[str, Field(max_length=4096)] = ""
+    fit: _Summary = _Summary()
+    history: Annotated[list[_Step], Field(max_length=1000)] = Field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class ModelFile:
+    """What ``model.json`` holds.
+
+    Attributes
+    ----------
+    model : KnitModel
+    gauge_length_mm : float
+    fitted_on, held_out : str
+        Names of the recordings.
+    fit : mapping
+        Parameters with unit and standard error; at_bound, unidentified, correlated.
+    history : tuple of mapping
+        One entry a step of the ladder, the oldest first; see `testbench.comparing.ladder`.
+    """
+
+    model: KnitModel
+    gauge_length_mm: float
+    fitted_on: str = ""
+    held_out: str = ""
+    fit: Mapping[str, Any] = field(default_factory=dict)
+    history: tuple[Mapping[str, Any], ...] = ()
+
+    def save(self, path: str | Path) -> None:
+        """Write atomically."""
+        write_json(
+            path,
+            self.model.to_dict()
+            | {
+                "gauge_length_mm": self.gauge_length_mm,
+                "fitted_on": self.fitted_on,
+                "held_out": self.held_out,
+                "fit": dict(self.fit),
+                "history": [dict(step) for step in self.history],
+                "knitbench": knitbench_version(),
+            },
+        )
+
+
+def load_model_file(path: str | Path, catalogue: Catalogue | None = None) -> ModelFile:
+    """Read ``model.json``.
+
+    Raises
+    ------
+    UserError
+        For anything that is not a model of this version; the message names the file and the remedy.
+    """
+    data = checked_model(read_json(path, "model"), path)
+    model = model_from_dict(data, catalogue or load_catalogue(), str(path))
+    try:
+        rest = validated(data, _Rest, path, "model")
+    except UserError as error:
+        raise UserError(f"{error}; fit it again with `testbench fit`") from None
+    fit = rest.fit.model_dump(mode="json", exclude_unset=True)
+    history = tuple(step.model_dump(mode="json", exclude_unset=True) for step in rest.history)
+    return ModelFile(model, rest.gauge_length_mm, rest.fitted_on, rest.held_out, fit, history)
+
+
+def check_same_set_up(file: ModelFile, recording: Recording, path: str | Path) -> None:
+    """Refuse to compare a model with a recording of another gauge length.
+
+    Raises
+    ------
+    UserError
+    """
+    if file.gauge_length_mm and abs(file.gauge_length_mm - recording.gauge_length_mm) > 1e-3 * file.gauge_length_mm:
+        raise UserError(
+            f"{path}: fitted at a gauge length of {file.gauge_length_mm:g} mm, but {recording.source} has "
+            f"{recording.gauge_length_mm:g} mm; fit a model on a recording of the same set-up"
+        )
+
+
+def fit_summary(fit: Fit) -> dict[str, Any]:
+    """JSON-ready parameters with standard errors, and plain lists of what cannot be trusted."""
+    parameters = {}
+    for p, x, error in zip(fit.parameters, fit.vector, fit.standard_errors, strict=True):
+        value = p.to_physical(x)
+        parameters[p.address] = {
+            "value": value,
+            "unit": p.unit,
+            "standard_error": float(error * (value if p.log else 1)),
+        }
+    return {
+        "parameters": parameters,
+        "at_bound": fit.at_bound(),
+        "unidentified": fit.unidentified(),
+        "correlated": [list(pair) for pair in fit.correlated()],
+        "residual_scale": {channel: float(value) for channel, value in fit.scale.items()},
+        "iterations": fit.iterations,
+    }

@@ -1,0 +1,50 @@
+"""A model on another recording of the same sensor: what belongs to one recording is free in each."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from testbench.fitting.errors import rms_errors
+from testbench.fitting.fit import fit
+from testbench.fitting.measurement import Measurement
+from testbench.knit.effect import bounds_of
+from testbench.knit.model import KnitModel
+
+
+def held_errors(model: KnitModel, held: Measurement) -> dict[str, float]:
+    """Errors on held-out samples; what belongs to the mounting or to one recording is free.
+
+    That is force zero and conductance gain, and an effect's own `per_recording` parameters (the phase of a hum).
+    """
+    return rms_errors(remounted(model, held), held, free_offset=True)
+
+
+def remounted(model: KnitModel, measurement: Measurement) -> KnitModel:
+    """The model with the parameters that belong to one recording fitted to this one."""
+    free = {f"{name}.{key}" for name, effect in model.effects.items() for key in effect.per_recording}
+    if not free:
+        return model
+    for name, effect in model.effects.items():
+        if effect.per_recording:
+            model = _placed(model, name, measurement)
+    for address in sorted(free):
+        model = _best_of_turn(model, address, measurement)
+    return fit(model, [measurement], max_iterations=8, addresses=lambda a: a.partition("[")[0] in free).model
+
+
+def _placed(model: KnitModel, name: str, measurement: Measurement) -> KnitModel:
+    """The model with an effect's events where the misfit of the rest has them in this recording."""
+    base = model.without(name)
+    state = base.simulate(measurement.signals, measurement.dt_s)
+    there = model[name].for_recording(state, measurement.residual(base), measurement.dt_s)
+    return model.replacing(name, there)
+
+
+def _best_of_turn(model: KnitModel, address: str, measurement: Measurement) -> KnitModel:
+    """The model with a phase at the best of eight points of the circle; other parameters stay."""
+    name, _, key = address.partition(".")
+    extra = bounds_of(type(model[name]).model_fields[key])
+    if extra["unit"] != "rad":
+        return model
+    turns = [model.with_parameters({address: phase}) for phase in np.linspace(-np.pi, np.pi, 8, endpoint=False)]
+    return min(turns, key=lambda turned: sum(np.log(value) for value in rms_errors(turned, measurement).values()))

@@ -1,0 +1,147 @@
+"""The columns that were taken, as numbers in our units on one clock."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from gcode.support.errors import UserError
+from testbench.importing.choice import Choice, Taken
+from testbench.importing.clocks import on_one_clock
+from testbench.importing.layout import Column
+from testbench.importing.notation import numbers, seconds
+from testbench.importing.sheet import Sheet
+from testbench.importing.units import OURS, conversion
+
+
+@dataclass(frozen=True)
+class Read:
+    """What stands in the file, row by row.
+
+    Attributes
+    ----------
+    rows : ndarray of int, shape (n,)
+        Row of the file (from 1) that each entry came from; blank rows are left out.
+    values : dict of str to ndarray, each shape (n,)
+        By role, in our units; NaN where a cell is empty or no number. ``time`` is there unless the file has none.
+    clocks : dict of str to ndarray, each shape (n,)
+        Own times of the roles that have one, in s.
+    wrong : list of str
+        The first cell of each column that is no number, in words.
+    words : dict of str to str
+        What each role was taken from, with the conversion shown.
+    """
+
+    rows: np.ndarray
+    values: dict[str, np.ndarray]
+    clocks: dict[str, np.ndarray]
+    wrong: list[str]
+    words: dict[str, str]
+
+
+def read_columns(sheet: Sheet, choice: Choice, thousands: str | None = None) -> Read:
+    """Read and convert everything that was taken.
+
+    Raises
+    ------
+    UserError
+        If there are no rows below the header, or a clock of its own is given as dates.
+    """
+    needed = [column for one in choice.taken.values() for column in (one.column, one.clock) if column]
+    frame = sheet.body([column.number for column in needed])
+    rows = np.arange(len(frame)) + sheet.layout.first_row
+    blank = frame.isna().all(axis=1).to_numpy() if len(frame) else np.zeros(0, dtype=bool)
+    frame, rows = frame[~blank], rows[~blank]
+    if not len(rows):
+        raise UserError(f"{sheet.path}: there is nothing below the header in row {sheet.layout.first_row - 1}")
+    read = Read(rows, {}, {}, [], {})
+    for role, one in choice.taken.items():
+        cells = frame[one.column.number]
+        if one.unit is None:
+            found, wrong = seconds(cells)
+            read.words[role] = f"{one.column.label}: dates and times, in seconds from the first"
+            _note(read, one.column, cells, wrong, "a date and time")
+        else:
+            plain, wrong = numbers(cells, sheet.decimal, thousands)
+            found = one.unit.converted(plain)
+            read.words[role] = _in_words(one, plain)
+            _note(read, one.column, cells, wrong, "a number")
+        read.values[role] = found
+        if one.clock is not None:
+            read.clocks[role] = _own_clock(sheet, choice, one, frame[one.clock.number], thousands, read)
+    return read
+
+
+def previewed(sheet: Sheet, choice: Choice, thousands: str | None = None) -> dict[str, str]:
+    """What each role is taken from, with the conversion of a first value shown, from the top of the file alone."""
+    import pandas as pd
+
+    body = sheet.head[sheet.layout.first_row - 1 :]
+    words = {}
+    for role, one in choice.taken.items():
+        cells = [row[one.column.number - 1] if one.column.number <= len(row) else "" for row in body]
+        if one.unit is None:
+            is_date = one.unit_from and role == "time"
+            words[role] = "dates and times, in seconds from the first" if is_date else ""
+            continue
+        values, _ = numbers(pd.Series(cells, dtype="string"), sheet.decimal, thousands)
+        good = values[np.isfinite(values) & (values != 0)]
+        words[role] = conversion(_example(good), one.unit)
+    return words
+
+
+def _own_clock(sheet: Sheet, choice: Choice, one: Taken, cells, thousands: str | None, read: Read) -> np.ndarray:
+    main = choice.taken.get("time")
+    assert one.clock is not None
+    unit = one.clock.heading.unit(one.clock.unit_text) or (main.unit if main else None)
+    if main is None or main.unit is None or unit is None:
+        raise UserError(
+            f"{sheet.path}: {one.column.label} has a clock of its own, and clocks beside each other must be in s, ms "
+            "or the like, not dates; write them so, or leave --time-of out"
+        )
+    values, wrong = numbers(cells, sheet.decimal, thousands)
+    _note(read, one.clock, cells, wrong, "a number")
+    read.words[one.role] += (
+        f"; its own times: {one.clock.label} in {unit.symbol}, brought to those of {main.column.label}"
+    )
+    return unit.converted(values)
+
+
+def _note(read: Read, column: Column, cells, wrong: int | None, kind: str) -> None:
+    if wrong is not None:
+        name = column.heading.text or column.label
+        read.wrong.append(f"row {read.rows[wrong]}: {name} must be {kind}, got {str(cells.iloc[wrong])!r}")
+
+
+def _in_words(one: Taken, values: np.ndarray) -> str:
+    """``column 4 'Widerstand' in kΩ (row 2): 439.377 kΩ read as 439 377 Ω``, of the first value that is not 0."""
+    assert one.unit is not None
+    good = values[np.isfinite(values) & (values != 0)]
+    text = f"{one.column.label} in {one.unit.symbol} ({one.unit_from})"
+    if one.unit.symbol == "1":
+        text = f"{one.column.label}, a ratio ({one.unit_from})"
+    return text if one.unit.symbol == OURS[one.unit.quantity] else f"{text}: {conversion(_example(good), one.unit)}"
+
+
+def _example(values: np.ndarray) -> float:
+    return float(values[0]) if values.size else 0.0
+
+
+def on_main_clock(sheet: Sheet, read: Read, time_s: np.ndarray, labels: Mapping[str, str], sort: bool) -> np.ndarray:
+    """Bring channels with a clock of their own onto the main one, in place.
+
+    Returns
+    -------
+    inside : ndarray of bool, shape (n,)
+        Rows at which every channel has a value; before its first and after its last sample there is none.
+    """
+    inside = np.ones(len(time_s), dtype=bool)
+    if read.clocks:  # below the end of the main clock, rows hold only what other clocks time
+        mine = [values for role, values in read.values.items() if role not in read.clocks]
+        inside = np.isfinite(np.column_stack([time_s, *mine])).any(axis=1)
+    for role, own_s in read.clocks.items():
+        read.values[role] = on_one_clock(sheet.path, time_s, own_s, read.values[role], labels[role], sort)
+        inside &= np.isfinite(read.values[role]) | ~np.isfinite(time_s)
+    return inside

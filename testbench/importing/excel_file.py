@@ -1,0 +1,116 @@
+"""Excel workbooks (.xlsx), read by openpyxl."""
+
+from __future__ import annotations
+
+import datetime
+import warnings
+import zipfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from gcode.support.errors import UserError
+from testbench.importing.layout import find_layout
+from testbench.importing.sheet import HEAD_ROWS, Hints, Sheet
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Cells = Sequence[Any]
+
+
+@dataclass(frozen=True)
+class ExcelSheet(Sheet):
+    """One sheet of a workbook."""
+
+    rows: Sequence[Cells]
+
+    def body(self, numbers: Sequence[int]) -> pd.DataFrame:
+        """The columns with these numbers, from the first row of numbers on."""
+        import pandas as pd
+
+        rows = self.rows[self.layout.first_row - 1 :]
+        columns = {
+            number: [row[number - 1] if number <= len(row) else None for row in rows] for number in set(numbers)
+        }
+        return pd.DataFrame({number: _typed(cells) for number, cells in sorted(columns.items())})
+
+
+def open_excel(path: Path, wanted: Sequence[str], hints: Hints) -> ExcelSheet:
+    """Read a workbook; the sheet is the only one with a table, or the one that `hints` names.
+
+    Raises
+    ------
+    UserError
+        If it is no workbook, there is no such sheet, none has numbers, or several have and none was named.
+    """
+    sheets = _read(path, hints.sheet)
+    found = {}
+    for name, rows in sheets.items():
+        head = [[_shown(cell) for cell in row] for row in rows[:HEAD_ROWS]]
+        layout = find_layout(head, wanted, hints.header_row, hints.units_row)
+        if layout and len(layout.columns) > 1:
+            found[name] = (head, layout, rows)
+    if not found:
+        raise UserError(f"{path}: no rows of numbers in {_sheets(sheets)}; see --header-row")
+    if len(found) > 1:
+        raise UserError(f"{path}: {_sheets(found)} have tables; say which one with --sheet NAME")
+    name, (head, layout, rows) = next(iter(found.items()))
+    lines = ["\t".join(cells) for cells in head]
+    return ExcelSheet(path, head, lines, layout, ".", {"sheet": name}, rows)
+
+
+def _sheets(sheets: dict[str, Any]) -> str:
+    return f"the sheet{'s' if len(sheets) > 1 else ''} {', '.join(map(repr, sheets))}"
+
+
+def _read(path: Path, wanted: str | None) -> dict[str, list[Cells]]:
+    import openpyxl
+    from openpyxl.utils.exceptions import InvalidFileException
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of styles and extensions that are of no use here
+            book = openpyxl.load_workbook(path, read_only=True, data_only=True)
+    except (OSError, InvalidFileException, zipfile.BadZipFile, KeyError, ValueError) as error:
+        raise UserError(f"{path}: not an Excel workbook that can be read ({error}); save it again as .xlsx") from None
+    try:
+        names = [sheet.title for sheet in book.worksheets]
+        if wanted is not None and wanted not in names:
+            raise UserError(f"{path}: no sheet {wanted!r}; it has {', '.join(names)}")
+        return {name: _rows(book[name]) for name in ([wanted] if wanted is not None else names)}
+    finally:
+        book.close()
+
+
+def _rows(sheet: Any) -> list[Cells]:
+    """The values as the sheet shows them: a cell in the format ``0 %`` holds 0.5 and shows 50 %."""
+    rows: list[Cells] = []
+    for cells in sheet.iter_rows():
+        values = [cell.value for cell in cells]
+        for place, cell in enumerate(cells):
+            if isinstance(cell.value, int | float) and "%" in str(cell.number_format or ""):
+                values[place] = 100 * cell.value
+        rows.append(values)
+    return rows
+
+
+def _shown(cell: Any) -> str:
+    if cell is None:
+        return ""
+    if isinstance(cell, datetime.datetime):
+        return cell.isoformat(sep=" ")
+    return str(cell)
+
+
+def _typed(cells: list[Any]) -> pd.Series:
+    import pandas as pd
+
+    if all(cell is None or (isinstance(cell, int | float) and not isinstance(cell, bool)) for cell in cells):
+        return pd.Series(cells, dtype="float64")
+    if all(cell is None or isinstance(cell, datetime.datetime) for cell in cells):
+        return pd.to_datetime(pd.Series(cells))
+    if all(cell is None or isinstance(cell, datetime.timedelta) for cell in cells):
+        return pd.to_timedelta(pd.Series(cells))
+    return pd.Series([None if cell is None else _shown(cell) for cell in cells], dtype="string")

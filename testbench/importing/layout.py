@@ -1,0 +1,213 @@
+"""Which row of a table has the names, which the units, and where the numbers begin."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from testbench.importing.headings import Heading, read_heading
+from testbench.importing.notation import MISSING, is_number, is_when
+from testbench.importing.units import units_spelt
+
+Rows = Sequence[Sequence[str]]
+LOOK_UP = 8  # rows above the numbers in which names and units are looked for
+RUN = 3  # rows of numbers in a row that make a table
+
+
+@dataclass(frozen=True)
+class Column:
+    """One column as the file names it.
+
+    Attributes
+    ----------
+    number : int
+        Counting from 1.
+    heading : Heading
+    unit_text : str
+        From the header or the units row; both, with a stroke between them, where they differ.
+    unit_from : str
+        ``header`` or ``row 2``; empty where no unit was written.
+    """
+
+    number: int
+    heading: Heading
+    unit_text: str
+    unit_from: str
+
+    @property
+    def label(self) -> str:
+        """``column 3 'Kraft'``."""
+        return f"column {self.number} {self.heading.text!r}" if self.heading.text else f"column {self.number}"
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Where things are in a table; rows count from 1 as an editor does.
+
+    Attributes
+    ----------
+    header_row, units_row : int or None
+    first_row : int
+        The first row of numbers.
+    columns : tuple of Column
+    """
+
+    header_row: int | None
+    units_row: int | None
+    first_row: int
+    columns: tuple[Column, ...]
+
+
+def find_layout(
+    rows: Rows, wanted: Sequence[str] = (), header_row: int | None = None, units_row: int | None = None
+) -> Layout | None:
+    """Find names, units and numbers.
+
+    Parameters
+    ----------
+    rows : sequence of rows of cells
+        The top of the table.
+    wanted : sequence of str
+        Names that the header must have, as far as a person gave some.
+    header_row, units_row : int, optional
+        Where a person said they are; 0 for none.
+
+    Returns
+    -------
+    Layout or None
+        None where no numbers are found below the header.
+    """
+    named = header_row or _row_with(rows, wanted)
+    known = max(named or 0, units_row or 0)
+    start = _first_numbers(rows, known) if known else _longest_run(rows)
+    if start is None:
+        return None
+    width = _width(rows[start])
+    header: int | None = named or None
+    if header_row is None and not header:
+        header = _names_above(rows, start, width)
+    if units_row is None:
+        units_row = _units_between(rows, header, start, width)
+    return Layout(header, units_row or None, start + 1, _columns(rows, header, units_row or None, start))
+
+
+def misfit(rows: Rows, layout: Layout) -> str:
+    """What is wrong where names or units do not stand over the numbers, cell by cell; empty where nothing is.
+
+    A name too many (an unquoted comma in it) or too few (a first column of row numbers without a name) would shift
+    the meaning of every column behind it.
+    """
+    body = rows[layout.first_row - 1 : layout.first_row + 50]
+    most, filled = max(map(len, body)), max(map(_width, body))
+    for what, row in (("names", layout.header_row), ("units", layout.units_row)):
+        if row is not None and not (_width(rows[row - 1]) <= most and filled <= len(rows[row - 1])):
+            return f"row {row} has {_width(rows[row - 1])} {what}, the rows of numbers below it {filled} columns"
+    return ""
+
+
+def _row_with(rows: Rows, wanted: Sequence[str]) -> int | None:
+    """The first row that has all the wanted names, from 1."""
+    for number, cells in enumerate(rows, 1) if wanted else ():
+        have = {cell.strip() for cell in cells} | {read_heading(cell).base for cell in cells}
+        if all(name in have for name in wanted):
+            return number
+    return None
+
+
+def is_data(cells: Sequence[str]) -> bool:
+    """Whether most of a row's filled cells are numbers, or dates and times."""
+    filled = [cell for cell in cells if cell.strip()]
+    good = sum(is_number(cell) or is_when(cell) for cell in filled)
+    missing = sum(cell.strip().casefold() in MISSING for cell in filled)
+    return good >= 1 and 2 * (good + missing) >= len(filled)
+
+
+def _width(cells: Sequence[str]) -> int:
+    """Cells up to the last filled one."""
+    return max((place for place, cell in enumerate(cells, 1) if cell.strip()), default=0)
+
+
+def _first_numbers(rows: Rows, after: int) -> int | None:
+    return next((place for place in range(after, len(rows)) if is_data(rows[place])), None)
+
+
+def _longest_run(rows: Rows) -> int | None:
+    """Where the longest run of rows of numbers begins; blank rows do not end it, other widths do."""
+    best, best_length, begin, length, width = None, 0, 0, 0, 0
+    for place, cells in enumerate(rows):
+        if not _width(cells):
+            continue
+        if is_data(cells) and length and abs(len(cells) - width) <= 1:
+            length += 1
+        else:
+            begin, length, width = place, int(is_data(cells)), len(cells)
+        if length > best_length:
+            best, best_length = begin, length
+    return best
+
+
+def _above(rows: Rows, start: int, width: int) -> list[int]:
+    """Rows right above the numbers that fit over them, the nearest first; blank rows are passed over."""
+    found: list[int] = []
+    for place in range(start - 1, max(-1, start - 1 - LOOK_UP), -1):
+        filled = sum(bool(cell.strip()) for cell in rows[place])
+        if not filled:
+            continue
+        if not (2 * filled > width or width <= 2 or _speaks(rows[place])) or _width(rows[place]) > width + 1:
+            break
+        found.append(place)
+    return found
+
+
+def _speaks(cells: Sequence[str]) -> bool:
+    """Whether a row with gaps is one of names or units all the same."""
+    return _is_units(cells) or sum(bool(read_heading(cell).roles) for cell in cells) > 1
+
+
+def _is_units(cells: Sequence[str]) -> bool:
+    filled = [cell for cell in cells if cell.strip()]
+    known = sum(bool(units_spelt(cell)) and not read_heading(cell).base for cell in filled)
+    known += sum(cell.strip() == "s" for cell in filled)  # the symbol of a way, too, but not in a row of units
+    return known >= 1 and 2 * known >= len(filled)
+
+
+def _names_above(rows: Rows, start: int, width: int) -> int | None:
+    """The row above the numbers with the most words for what we look for; the nearest of those."""
+    places = [place for place in _above(rows, start, width) if not _is_units(rows[place])]
+    meanings = {place: sum(bool(read_heading(cell).roles) for cell in rows[place]) for place in places}
+    best = max(places, key=lambda place: (meanings[place], place), default=None)
+    return None if best is None else best + 1
+
+
+def _units_between(rows: Rows, header: int | None, start: int, width: int) -> int | None:
+    """A row of units above the numbers; below a header, any row of words is one, if only one we cannot read."""
+    above = _above(rows, start, width)
+    known = next((place for place in above if _is_units(rows[place]) and place + 1 != header), None)
+    if known is not None:
+        return known + 1
+    between = [place for place in range(header or start, start) if _width(rows[place])]
+    return between[0] + 1 if header and len(between) == 1 else None
+
+
+def _columns(rows: Rows, header: int | None, units_row: int | None, start: int) -> tuple[Column, ...]:
+    names = list(rows[header - 1]) if header else []
+    units = list(rows[units_row - 1]) if units_row else []
+    width = max([len(row) for row in rows[start : start + 50]] + [_width(names)])
+    return tuple(_column(place + 1, _cell(names, place), _cell(units, place), units_row) for place in range(width))
+
+
+def _cell(cells: Sequence[str], place: int) -> str:
+    return cells[place].strip() if place < len(cells) else ""
+
+
+def _column(number: int, name: str, below: str, units_row: int | None) -> Column:
+    heading = read_heading(name)
+    bare = below.strip("[](){}<> ").strip()
+    if not bare or (heading.unit(heading.unit_text) and bare == "-"):
+        return Column(number, heading, heading.unit_text, "header" if heading.unit_text else "")
+    beside, under = heading.unit(heading.unit_text), heading.unit(bare)
+    if beside is None or beside == under:
+        return Column(number, heading, bare, f"row {units_row}")
+    if not units_spelt(bare):
+        return Column(number, heading, heading.unit_text, "header")
+    return Column(number, heading, f"{heading.unit_text} | {bare}", f"header and row {units_row}")

@@ -1,0 +1,103 @@
+"""A file as a table of cells, whatever wrote it: text, Excel or TDMS."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from gcode.support.errors import UserError
+from gcode.support.strict import check_plain
+from testbench.recordings.files import MOST_BYTES
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from testbench.importing.layout import Layout
+
+HEAD_ROWS = 200
+
+
+@dataclass(frozen=True)
+class Hints:
+    """What a person said about how the file is written; None and empty are found by themselves.
+
+    Attributes
+    ----------
+    separator, decimal, thousands, encoding : str or None
+    sheet : str or None
+        Of a workbook; of a TDMS file, the group.
+    header_row, units_row : int or None
+        Counting from 1; 0 for none.
+    """
+
+    separator: str | None = None
+    decimal: str | None = None
+    thousands: str | None = None
+    encoding: str | None = None
+    sheet: str | None = None
+    header_row: int | None = None
+    units_row: int | None = None
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """A table of cells; the kinds of file fill in `body`.
+
+    Attributes
+    ----------
+    path : Path
+    head : sequence of rows of cells
+        Its first `HEAD_ROWS` rows.
+    lines : sequence of str
+        The same rows as they stand in the file.
+    layout : Layout
+    decimal : str
+    details : dict
+        How it was read; for the manifest and for people.
+    """
+
+    path: Path
+    head: Sequence[Sequence[str]]
+    lines: Sequence[str]
+    layout: Layout
+    decimal: str
+    details: dict[str, Any]
+
+    def body(self, numbers: Sequence[int]) -> pd.DataFrame:
+        """Everything from the layout's first row on: the columns with these numbers (from 1), in any type."""
+        raise NotImplementedError
+
+
+def open_sheet(path: Path, wanted: Sequence[str], hints: Hints) -> Sheet:
+    """Read the top of a file and find its layout.
+
+    Parameters
+    ----------
+    path : Path
+        ``.xlsx`` and ``.xlsm`` are read as Excel, ``.tdms`` as TDMS, anything else as text.
+    wanted : sequence of str
+        Names that its header must have, as far as a person gave some.
+    hints : Hints
+
+    Raises
+    ------
+    UserError
+        If it cannot be read, or has no numbers.
+    """
+    kind = path.suffix.lower()
+    if kind == ".xls":
+        raise UserError(f"{path}: the old Excel format; open it in Excel or LibreOffice and save it as .xlsx")
+    check_plain(path, "table", MOST_BYTES)
+    if kind in (".xlsx", ".xlsm"):
+        from testbench.importing.excel_file import open_excel
+
+        return open_excel(path, wanted, hints)
+    if kind == ".tdms":
+        from testbench.importing.tdms_file import open_tdms
+
+        return open_tdms(path, hints)
+    from testbench.importing.text_file import open_text
+
+    return open_text(path, wanted, hints)

@@ -1,0 +1,89 @@
+"""Zero and sign of displacement and force: set on request, and said where they look wrong."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+import numpy as np
+
+from gcode.support.errors import UserError
+from testbench.importing.units import Unit, conversion, unit_of
+from testbench.recordings.recording import DISPLACEMENT, FORCE
+
+SIGNED = ("displacement", "strain", "force")
+AGAINST = -0.5  # correlation of force and displacement below which one of them runs the wrong way
+FEW = 100_000  # samples that are enough for a correlation
+_VALUE = re.compile(r"^\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*(\S*)\s*$")
+
+
+def zero_of(role: str, text: str, unit: Unit) -> tuple[float, str]:
+    """A zero that a person gave, in our unit, and in words; without a unit, in that of the file.
+
+    Raises
+    ------
+    UserError
+        If it is no number with a unit of the role.
+    """
+    found = _VALUE.match(text)
+    named = unit_of(found[2], (unit.quantity,)) if found and found[2] else unit
+    try:
+        value = float(found[1]) if found else np.nan
+    except ValueError:
+        value = np.nan
+    if named is None or not np.isfinite(value):
+        raise UserError(f"--zero {role}= needs a number in {unit.symbol}, or with its unit, got {text!r}")
+    return float(named.converted(np.asarray(value))), f"{conversion(value, named)} is the zero of {role}"
+
+
+def doubts(channels: Mapping[str, np.ndarray], negated: frozenset[str]) -> list[str]:
+    """What looks wrong about sign and zero, in sentences with the remedy; nothing is changed."""
+    if DISPLACEMENT not in channels:
+        return []
+    every = max(1, len(channels[DISPLACEMENT]) // FEW)
+    moved_mm = channels[DISPLACEMENT][::every]
+    said = []
+    start, spread = float(moved_mm[0]), float(np.ptp(moved_mm))
+    backwards = _leans_back(moved_mm)
+    if FORCE in channels:
+        force_N = channels[FORCE][::every]
+        related = _correlation(moved_mm, force_N)
+        if related < AGAINST:
+            wrong = "displacement" if backwards or not _leans_back(force_N) else "force"
+            said.append(
+                f"force rises as the displacement falls (correlation {related:.2f}): one of them runs the wrong way; "
+                f"{_turn(wrong, negated)}"
+            )
+            backwards = False
+        elif backwards and related > -AGAINST and _leans_back(force_N):
+            said.append(
+                "displacement and force both fall from their first sample: if this is a stretch and no squeeze, "
+                "add --negate displacement force"
+            )
+            backwards = False
+    if backwards and spread:
+        said.append(
+            f"the displacement falls from its first sample, {start:.4g} mm, to {moved_mm.min():.4g} mm: "
+            f"if stretch is counted negative there, {_turn('displacement', negated)}"
+        )
+    if start < -0.05 * spread:
+        said.append(
+            f"the displacement starts at {start:.4g} mm, a zero of its own, and strain is counted from 0: "
+            "add --zero displacement to count from the first sample"
+        )
+    return said
+
+
+def _turn(role: str, negated: frozenset[str]) -> str:
+    return f"leave --negate {role} out" if role in negated else f"add --negate {role}"
+
+
+def _leans_back(values: np.ndarray) -> bool:
+    """Whether a signal goes further below its first sample than above it."""
+    return bool(values[0] - values.min() > 2 * (values.max() - values[0]))
+
+
+def _correlation(one: np.ndarray, other: np.ndarray) -> float:
+    if np.ptp(one) == 0 or np.ptp(other) == 0:
+        return 0.0
+    return float(np.corrcoef(one, other)[0, 1])

@@ -1,0 +1,120 @@
+"""NI TDMS files (LabVIEW, FlexLogger), read by npTDMS: channels with units of their own and clocks of their own."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from gcode.support.errors import UserError
+from testbench.importing.layout import find_layout
+from testbench.importing.sheet import HEAD_ROWS, Hints, Sheet
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+FIRST_ROW = 3  # names and units stand above the numbers
+_UNIT_PROPERTIES = ("unit_string", "NI_UnitDescription", "Unit", "unit")
+
+
+@dataclass(frozen=True)
+class TdmsSheet(Sheet):
+    """Channels of a TDMS file side by side."""
+
+    columns: Sequence[np.ndarray]
+
+    def body(self, numbers: Sequence[int]) -> pd.DataFrame:
+        """The columns with these numbers; what ends earlier is filled up with nothing."""
+        import pandas as pd
+
+        return pd.DataFrame({number: pd.Series(self.columns[number - 1]) for number in sorted(set(numbers))})
+
+
+def open_tdms(path: Path, hints: Hints) -> TdmsSheet:
+    """Read a TDMS file. A waveform's clock becomes a column of its own, left of the channels that it times.
+
+    Raises
+    ------
+    UserError
+        If it is no TDMS file, holds no numbers, or has several groups and none was named.
+    """
+    names, units, columns = _channels(path, hints.sheet)
+    if not columns:
+        raise UserError(f"{path}: no channel of it holds numbers")
+    shown = [[_cell(column, row) for column in columns] for row in range(HEAD_ROWS)]
+    head = [names, units, *(row for row in shown if any(row))]
+    layout = find_layout(head, (), 1, 2)
+    if layout is None:
+        raise UserError(f"{path}: no channel of it holds numbers")
+    lines = ["\t".join(cells) for cells in head]
+    return TdmsSheet(path, head, lines, layout, ".", {"group": hints.sheet or ""}, columns)
+
+
+def _cell(column: np.ndarray, row: int) -> str:
+    return str(column[row]) if row < len(column) else ""
+
+
+def _channels(path: Path, group: str | None) -> tuple[list[str], list[str], list[np.ndarray]]:
+    import nptdms
+
+    try:
+        file = nptdms.TdmsFile.read(path)
+    except Exception as error:  # npTDMS raises whatever a broken file leads it to
+        raise UserError(f"{path}: not a TDMS file that can be read ({error})") from None
+    groups = [one for one in file.groups() if any(len(channel) for channel in one.channels())]
+    if not groups:
+        raise UserError(f"{path}: a TDMS file without a channel that holds numbers, or none at all")
+    if group is not None:
+        groups = [one for one in groups if one.name == group]
+    if len(groups) != 1:
+        have = ", ".join(repr(one.name) for one in file.groups())
+        raise UserError(f"{path}: it has the groups {have}; say which one with --sheet NAME")
+    return _side_by_side([channel for channel in groups[0].channels() if len(channel)])
+
+
+def _side_by_side(channels: Sequence[Any]) -> tuple[list[str], list[str], list[np.ndarray]]:
+    names: list[str] = []
+    units: list[str] = []
+    columns: list[np.ndarray] = []
+    last_clock: tuple[Any, ...] | None = None
+    starts = [start for start in (_start(channel) for channel in channels) if start is not None]
+    for channel in channels:
+        values = np.asarray(channel[:])
+        if values.dtype.kind not in "fiuM":
+            continue
+        clock = _clock(channel)
+        if clock is not None and clock != last_clock:
+            names.append("Time")
+            units.append("s")
+            columns.append(_times_s(channel, min(starts, default=None)))
+            last_clock = clock
+        names.append(channel.name)
+        units.append(_unit(channel))
+        columns.append(values)
+    return names, units, columns
+
+
+def _unit(channel: Any) -> str:
+    return next((str(channel.properties[key]) for key in _UNIT_PROPERTIES if channel.properties.get(key)), "")
+
+
+def _start(channel: Any) -> np.datetime64 | None:
+    start = channel.properties.get("wf_start_time")
+    return None if start is None else np.datetime64(start)
+
+
+def _clock(channel: Any) -> tuple[Any, ...] | None:
+    """Step, offset, start and length of a waveform; None where the channel is none."""
+    step_s = channel.properties.get("wf_increment")
+    if not step_s:
+        return None
+    return float(step_s), float(channel.properties.get("wf_start_offset", 0.0)), _start(channel), len(channel)
+
+
+def _times_s(channel: Any, first: np.datetime64 | None) -> np.ndarray:
+    step_s, offset_s, start, count = _clock(channel) or (1.0, 0.0, None, len(channel))
+    later_s = 0.0 if start is None or first is None else (start - first) / np.timedelta64(1, "s")
+    return later_s + offset_s + step_s * np.arange(count)

@@ -1,0 +1,32 @@
+"""A smooth curve of any form over a range, linear in its weights."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from testbench.knit.effect import FloatArray
+
+CURVE_TERMS = 30
+
+
+def curve(x: FloatArray, low: float, span: float, weights: tuple[float, ...]) -> FloatArray:
+    """w_1 u + w_2 u^2 + sum_k w_k cos(k pi u) / k^2 with u = (x - low) / span, held flat outside 0 <= u <= 1.
+
+    Weights of one size make a curve whose slope is a random walk: knees are as likely as bends.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n,)
+    weights : tuple of float, length m
+
+    Returns
+    -------
+    ndarray, shape (n,)
+
+    Source: Wahba, Spline Models for Observational Data (1990), ch. 2.
+    """
+    if not any(weights):
+        return np.zeros_like(x)
+    from testbench.knit.kernels import cosine_series
+
+    return cosine_series(x, low, span, np.asarray(weights))

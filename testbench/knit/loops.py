@@ -1,0 +1,68 @@
+"""Operators with rate-independent memory of the strain: a dictionary wide enough for loops of any form."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from testbench.knit.effect import FloatArray
+
+# All in parts of the span of the strain.
+STOPS = tuple(np.geomspace(0.006, 1.0, 16))  # break-away
+SMOOTH = tuple(np.geomspace(0.01, 0.4, 4))  # travel over which a Bouc-Wen variable turns
+SKEWS = (0.0, 0.5)
+ONE_SIDED = ((0.05, 0.1), (0.1, 0.3), (0.1, 0.05), (0.3, 0.1))  # travel upwards, downwards
+LOOPS = len(STOPS) + len(SMOOTH) * len(SKEWS) + len(ONE_SIDED)
+
+
+KEPT = 8  # newest tables of operators
+
+
+def loops(e: FloatArray, span: float, weights: tuple[float, ...], growth: tuple[float, ...]) -> FloatArray:
+    """Sum of the operators, each weighted by w_k + v_k u + v'_k u^2 with u = e / span.
+
+    Parameters
+    ----------
+    e : ndarray, shape (n,)
+        Strain.
+    weights : tuple of float, length `LOOPS`
+    growth : tuple of float, length 2 `LOOPS`
+        v, then v'.
+    """
+    total = np.zeros_like(e)
+    if any(weights):
+        total += np.asarray(weights) @ _operators(e, span)
+    if any(growth):
+        linear, square = np.reshape(growth, (2, LOOPS)) @ _operators(e, span)
+        total += (linear + square * (e / span)) * (e / span)
+    return total
+
+
+class Recent:
+    """The newest results of a function of one array and a few numbers; the array is known by its identity."""
+
+    def __init__(self, function: Callable[..., FloatArray]) -> None:
+        self.function = function
+        self.seen: list[tuple[FloatArray, tuple[float, ...], FloatArray]] = []
+
+    def __call__(self, x: FloatArray, *numbers: float) -> FloatArray:
+        for array, then, result in tuple(self.seen):
+            if array is x and then == numbers:
+                return result
+        result = self.function(x, *numbers)
+        self.seen.append((x, numbers, result))
+        del self.seen[:-KEPT]
+        return result
+
+
+@Recent
+def _operators(e: FloatArray, span: float) -> FloatArray:
+    """Every operator, in [-1, 1] or nearly, shape (LOOPS, n); they do not depend on any weight."""
+    from testbench.knit.kernels import bouc_wen, follower, play
+
+    sharp = np.array(STOPS) * span
+    stops = (e - play(e, sharp)) / sharp[:, None]
+    smooth = [bouc_wen(e, travel * span, skew) for skew in SKEWS for travel in SMOOTH]
+    one_sided = [(e - follower(e, up * span, down * span)) / (max(up, down) * span) for up, down in ONE_SIDED]
+    return np.vstack([stops, smooth, one_sided])

@@ -1,0 +1,218 @@
+"""Reading and writing ``recording.csv`` and campaign folders as recordings."""
+
+from __future__ import annotations
+
+import csv
+import io
+import logging
+import re
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from gcode.support.errors import UserError
+from gcode.support.files import atomic_writer
+from gcode.support.strict import check_plain
+from testbench.recordings.recording import DISPLACEMENT, FORCE, RESISTANCE, TIME, UNITS, Recording
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from testbench.recordings.stored import Resource
+
+ORDER = (TIME, DISPLACEMENT, FORCE, RESISTANCE)
+DECIMALS = {TIME: 6, DISPLACEMENT: 6, FORCE: 6, RESISTANCE: 3}
+ROWS_AT_ONCE = 100_000
+MOST_BYTES = 4 << 30  # 24 h at 1 kHz
+MOST_COLUMNS = 1000
+MOST_LINE = 64 << 10
+_SAID: set[str] = set()
+
+
+def load(path: Path, gauge_length_mm: float | None) -> Recording:
+    """Read `path`, a CSV or a campaign folder. See `testbench.recordings.recording.read_recording`."""
+    if path.is_dir():
+        return _load_campaign(path, gauge_length_mm)
+    if not path.exists():
+        raise UserError(f"{path}: no such recording; give a CSV or a campaign folder")
+    columns = read_columns(path)
+    if gauge_length_mm is None and DISPLACEMENT in columns:
+        raise UserError(f"{path}: a bare CSV does not know its gauge length; add --gauge-length-mm")
+    return _recording(path, columns, gauge_length_mm)
+
+
+def _load_campaign(folder: Path, gauge_length_mm: float | None) -> Recording:
+    from testbench.recordings.manifest import read_manifest
+
+    campaign, resources = read_manifest(folder)
+    path = folder / "recording.csv"
+    if not campaign.in_progress:
+        _verify(folder, path, resources)
+    elif not path.is_file():
+        raise UserError(f"{folder}: no sample has been recorded yet")
+    else:
+        _say_once(f"{folder}: this recording is unfinished, so it has no checksum yet and is read unverified")
+    columns = read_columns(path, growing=campaign.in_progress)
+    return _recording(path, columns, gauge_length_mm or campaign.gauge_length_mm, asdict(campaign))
+
+
+def _verify(folder: Path, path: Path, resources: Sequence[Resource]) -> None:
+    """Refuse a recording that is not the one that the manifest describes."""
+    from testbench.recordings.manifest import NAME, resource_problems
+
+    ours = [resource for resource in resources if resource.path == path.name]
+    found = [] if ours else [f"{folder / NAME}: does not list {path.name}"]
+    for resource in ours:
+        found += resource_problems(folder, resource)
+    if found:
+        raise UserError(f"{found[0]}; restore the file, or import it as a foreign CSV with `testbench import`")
+
+
+def _say_once(text: str) -> None:
+    """Say it where warnings go (stderr, unless a program listens), once in the life of this process."""
+    if text not in _SAID:
+        _SAID.add(text)
+        logging.getLogger("knitbench").warning(text)
+
+
+def _recording(
+    path: Path, columns: dict[str, np.ndarray], gauge_length_mm: float | None, metadata: dict[str, Any] | None = None
+) -> Recording:
+    if TIME not in columns:
+        raise UserError(f"{path}: no column {TIME} (found: {', '.join(columns)}); name yours with `testbench import`")
+    _check_names(path, list(columns))
+    time_s = columns.pop(TIME)
+    gauge_mm = np.nan if gauge_length_mm is None else float(gauge_length_mm)
+    return Recording(time_s, columns, gauge_mm, str(path), metadata or {})
+
+
+def _check_names(path: Path, names: list[str]) -> None:
+    """Refuse a file without force or resistance that has a column which may be just that under another name or unit.
+
+    Either may be missing from a recording; but one that is overlooked would be missing without a word.
+    """
+    for channel in (FORCE, RESISTANCE):
+        strange = [name for name in names if name not in UNITS and _may_be(name, channel)]
+        if channel not in names and strange:
+            raise UserError(
+                f"{path}: no column {channel}, but one called {strange[0]!r}: name it with `testbench import`, "
+                "or leave it out"
+            )
+
+
+SPELLINGS = {FORCE: ("force", "load", "kraft"), RESISTANCE: ("resist", "widerstand", "ohm")}
+
+
+def _may_be(name: str, channel: str) -> bool:
+    """Whether a name speaks of the channel, or ends in its unit; other columns (a cycle number) mean nothing here."""
+    unit = channel.rpartition("_")[2].lower()
+    return any(word in name.lower() for word in SPELLINGS[channel]) or name.lower().rpartition("_")[2] == unit
+
+
+def read_columns(path: Path, growing: bool = False) -> dict[str, np.ndarray]:
+    """All numeric columns of a comma-separated file, by header name.
+
+    Parameters
+    ----------
+    path : Path
+    growing : bool
+        A recorder may be writing (or was killed): what follows the last line feed is not a line yet.
+
+    Raises
+    ------
+    UserError
+        If the file is empty, is not comma-separated, or a cell is not a number.
+    """
+    import pandas as pd
+
+    check_plain(path, "recording", MOST_BYTES)
+    try:
+        _check_head(path)
+        source: Path | io.BytesIO = _whole_lines(path) if growing else path
+        frame = pd.read_csv(source, skipinitialspace=True, low_memory=False, compression=None)
+    except pd.errors.EmptyDataError:
+        raise UserError(f"{path}: the file is empty") from None
+    except (pd.errors.ParserError, UnicodeError) as error:
+        raise UserError(f"{path}: {in_words(error)}; mend it, or try `testbench import`") from None
+    except OSError as error:
+        raise UserError(f"{path}: cannot read it: {error.strerror or error}") from None
+    names = [name for name in frame.columns if not _is_remark(frame, name)]
+    return {str(name).strip(): _numbers(path, str(name), frame[name]) for name in names}
+
+
+def _check_head(path: Path) -> None:
+    """Refuse what pandas would read as something else: other separators, repeated names, rows with more cells."""
+    with path.open(encoding="utf-8-sig", newline="") as stream:
+        header, first = stream.readline(MOST_LINE), stream.readline(MOST_LINE)
+    if max(len(header), len(first)) >= MOST_LINE:
+        raise UserError(f"{path}: a line of more than {MOST_LINE} characters; a recording's rows are shorter")
+    header, first = header.rstrip("\r\n"), first.rstrip("\r\n")
+    for separator, what in ((";", "semicolons"), ("\t", "tabs")):
+        if separator in header and "," not in header:
+            raise UserError(f"{path}: {what} between the columns; turn it into a recording with `testbench import`")
+    names = [name.strip() for name in header.split(",")]
+    if len(names) > MOST_COLUMNS:
+        raise UserError(f"{path}: {len(names)} columns; a recording has at most {MOST_COLUMNS}")
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise UserError(f"{path}: row 1 names the column {twice!r} twice; name each column once")
+    cells = len(next(csv.reader([first]), []))
+    if cells > len(names):
+        seen = f"row 2 has {cells} cells, the header {len(names)}"
+        raise UserError(f"{path}: {seen}; turn it into a recording with `testbench import`")
+
+
+def _is_remark(frame: pd.DataFrame, name: str) -> bool:
+    """Whether a column is text from top to bottom, and no channel of ours."""
+    column = frame[name]
+    return str(name).strip() not in UNITS and column.dtype.kind not in "fiub" and _all_text(column)
+
+
+def _all_text(column: pd.Series) -> bool:
+    import pandas as pd
+
+    return bool(pd.to_numeric(column, errors="coerce").isna().all())
+
+
+def in_words(error: Exception) -> str:
+    """What pandas or the decoder objects to, without their jargon."""
+    found = re.search(r"Expected (\d+) fields in line (\d+), saw (\d+)", str(error))
+    if found:
+        return f"row {found[2]} has {found[3]} cells, the rows above {found[1]}"
+    if isinstance(error, UnicodeError):
+        return "not plain (UTF-8) text"
+    return f"not a readable CSV ({str(error).strip()})"
+
+
+def _whole_lines(path: Path) -> io.BytesIO:
+    data = path.read_bytes()
+    return io.BytesIO(data[: data.rfind(b"\n") + 1])
+
+
+def _numbers(path: Path, name: str, column) -> np.ndarray:
+    import pandas as pd
+
+    numbers = pd.to_numeric(column, errors="coerce")
+    wrong = np.flatnonzero(numbers.isna() & column.notna())
+    if wrong.size:
+        row, came = int(wrong[0]) + 2, column.iloc[int(wrong[0])]
+        raise UserError(
+            f"{path}: row {row}: {name} must be a number, got {came!r}; "
+            "`testbench import --drop-bad` leaves such rows out"
+        )
+    return numbers.to_numpy(dtype=np.float64)
+
+
+def write_recording_csv(path: str | Path, recording: Recording) -> None:
+    """Write ``recording.csv`` atomically, known columns first, in fixed decimals (same bytes from same data)."""
+    columns = {TIME: recording.time_s, **recording.channels}
+    names = [name for name in ORDER if name in columns] + sorted(set(columns) - set(ORDER))
+    line = ",".join(f"%.{DECIMALS.get(name, 6)}f" for name in names) + "\n"
+    with atomic_writer(path) as write:
+        write((",".join(names) + "\n").encode())
+        for start in range(0, len(recording), ROWS_AT_ONCE):
+            block = np.column_stack([columns[name][start : start + ROWS_AT_ONCE] for name in names])
+            write((line * len(block) % tuple(block.ravel().tolist())).encode())

@@ -1,0 +1,218 @@
+"""``datapackage.json``: a Frictionless Data Package (v2) whose key ``knitbench`` holds the whole recipe.
+
+The manifest carries the SHA-256 of every file and of itself, so that any flipped byte in the folder is found.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from gcode.support import strict
+from gcode.support.errors import UserError
+from gcode.support.files import sha256_of, write_text
+from testbench.recordings.recording import UNITS
+from testbench.recordings.stored import Resource, StoredManifest
+
+NAME = "datapackage.json"
+FORMAT, FORMAT_VERSION = "knitbench-campaign", 1
+PROFILE = "https://datapackage.org/profiles/2.0/datapackage.json"
+NO_HASH = "0" * 64
+MOST_BYTES = 64 << 20
+CSV = "recording.csv"
+CHANGED = "changed since it was written (its own checksum is wrong)"
+IN_PROGRESS = "recording"
+
+_TITLES = {
+    "time_s": "Time since the first sample",
+    "displacement_mm": "Displacement of the moving clamp",
+    "force_N": "Tensile force",
+    "resistance_ohm": "Resistance of the sensor",
+    "temperature_C": "Temperature",
+}
+# Only the recording is a table. A validator that is told "jsonl" or "json" looks for a table in the events.
+_KINDS = {".csv": ("csv", "text/csv"), ".tap": ("tap", "text/plain"), ".jsonl": ("bin", "application/jsonl")}
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """What a manifest says.
+
+    Attributes
+    ----------
+    gauge_length_mm : float
+        NaN where no displacement was recorded; null in the file.
+    origin : str
+        ``simulated``, ``recorded`` or ``imported``.
+    status : str
+        ``complete``, or why it ended early; ``recording`` while (or if a crash left it so) it is being recorded.
+    recipe : dict
+        Everything needed to make it again: sensor, model, seed, program, instruments.
+    counts : dict
+        Samples accepted, lost, rejected by reason.
+    versions : dict
+        Of the software that made it, see `testbench.recordings.versions`.
+    """
+
+    gauge_length_mm: float
+    origin: str
+    status: str
+    recipe: dict[str, Any]
+    counts: dict[str, Any]
+    versions: dict[str, str]
+
+    @property
+    def in_progress(self) -> bool:
+        """Whether its files may still grow (or a crash left them unfinished)."""
+        return self.status == IN_PROGRESS
+
+
+def write_manifest(folder: Path, campaign: Campaign, files: Iterable[str]) -> None:
+    """Describe `files` of `folder` and write the manifest, atomically and last.
+
+    Raises
+    ------
+    UserError
+        If `campaign` holds what `read_manifest` would refuse.
+    """
+    hashed = not campaign.in_progress
+    resources = [_resource(folder / name, hashed) for name in files]
+    head = {"format": FORMAT, "version": FORMAT_VERSION}
+    data = {
+        "$schema": PROFILE,
+        "name": "knitbench-campaign",
+        "resources": resources,
+        "knitbench": {**head, **vars(campaign), **_gauge(campaign)},
+    }
+    text = sealed(data)
+    # What is written can be read again: a name or a number beyond the loader's bounds is refused here.
+    strict.validated(strict.json_of(text), StoredManifest, folder / NAME, "campaign manifest")
+    write_text(folder / NAME, text)
+
+
+def _gauge(campaign: Campaign) -> dict[str, float | None]:
+    """The gauge length as JSON has it: there is no NaN in it."""
+    gauge_mm = campaign.gauge_length_mm
+    return {"gauge_length_mm": None if math.isnan(gauge_mm) else gauge_mm}
+
+
+def read_manifest(folder: Path) -> tuple[Campaign, list[Resource]]:
+    """The campaign in `folder`, checked against the manifest's own hash, and the files that it names.
+
+    Raises
+    ------
+    UserError
+        If there is no manifest, it is not one of knitbench's, or it was changed since it was written.
+    """
+    campaign, resources, intact = _read(folder)
+    if not intact:
+        raise UserError(f"{folder / NAME}: {CHANGED}; restore it from a copy, or make the campaign again")
+    return campaign, resources
+
+
+def origin_of(folder: Path) -> str:
+    """What a manifest says its campaign came from, changed or not: enough to know what must not be removed."""
+    return _read(folder)[0].origin
+
+
+def _read(folder: Path) -> tuple[Campaign, list[Resource], bool]:
+    path = folder / NAME
+    if not path.is_file():
+        raise UserError(f"{folder}: no {NAME} in this folder, so it is not a campaign")
+    text = strict.read_text(path, "campaign manifest", MOST_BYTES)
+    data = strict.json_of(text, "campaign manifest", path)
+    _check_kind(data, path)
+    stored = strict.validated(data, StoredManifest, path, "campaign manifest")
+    about = stored.knitbench
+    counts = about.counts.model_dump(exclude_unset=True)
+    gauge_mm = math.nan if about.gauge_length_mm is None else about.gauge_length_mm
+    campaign = Campaign(gauge_mm, about.origin, about.status, about.recipe.to_dict(), counts, about.versions)
+    return campaign, stored.resources, _self_hash_holds(text, about.manifest_sha256)
+
+
+def _check_kind(data: Any, path: Path) -> None:
+    about = data.get("knitbench") if isinstance(data, dict) else None
+    if not isinstance(about, dict) or about.get("format") != FORMAT:
+        raise UserError(f"{path}: not a knitbench campaign (its key knitbench must have the format {FORMAT!r})")
+    if about.get("version") != FORMAT_VERSION:
+        raise UserError(
+            f"{path}: campaign version {about.get('version')!r}; this knitbench reads {FORMAT_VERSION}; "
+            "update knitbench"
+        )
+
+
+def problems(folder: Path) -> list[str]:
+    """Everything in `folder` that does not agree with its manifest, in sentences that name the file."""
+    campaign, resources, intact = _read(folder)
+    found = [] if intact else [f"{folder / NAME}: {CHANGED}"]
+    if campaign.in_progress:
+        again = "run it again with --overwrite"
+        if campaign.origin == "recorded":
+            again = f"continue it with `testbench record --resume -o {folder}`"
+        return [*found, f"{folder}: unfinished; {again}"]
+    if CSV not in {resource.path for resource in resources}:
+        found.append(f"{folder / NAME}: does not list {CSV}")
+    for resource in resources:
+        found += resource_problems(folder, resource)
+    return found
+
+
+def resource_problems(folder: Path, resource: Resource) -> list[str]:
+    """What is wrong with one file of a campaign; empty if nothing is."""
+    path = folder / resource.path
+    if not path.is_file():
+        return [f"{path}: missing"]
+    if resource.hash is None:
+        return [f"{folder / NAME}: no hash for {path.name}"]
+    size = path.stat().st_size
+    if size != resource.bytes:
+        return [f"{path}: {size} bytes, the manifest says {resource.bytes}"]
+    if f"sha256:{sha256_of(path)}" != resource.hash:
+        return [f"{path}: checksum differs from the manifest"]
+    return []
+
+
+def sealed(data: dict[str, Any]) -> str:
+    """The text of a manifest with the hash of itself in it."""
+    bare = {**data, "knitbench": {**data["knitbench"], "manifest_sha256": NO_HASH}}
+    text = _dump(bare)
+    return text.replace(NO_HASH, hashlib.sha256(text.encode()).hexdigest())
+
+
+def _self_hash_holds(text: str, digest: str) -> bool:
+    mark = f'"manifest_sha256": "{digest}"'
+    bare = text.replace(mark, mark.replace(digest, NO_HASH))
+    return text.count(mark) == 1 and hashlib.sha256(bare.encode()).hexdigest() == digest
+
+
+def _resource(path: Path, hashed: bool) -> dict[str, Any]:
+    kind, media = _KINDS.get(path.suffix, (path.suffix.lstrip(".") or "bin", "text/plain"))
+    entry: dict[str, Any] = {"name": path.name.replace(".", "-"), "path": path.name, "format": kind}
+    entry |= {"mediatype": media, "encoding": "utf-8"}
+    if hashed:
+        entry |= {"bytes": path.stat().st_size, "hash": f"sha256:{sha256_of(path)}"}
+    if path.suffix == ".csv":
+        entry |= {"name": path.stem, "type": "table", "schema": {"fields": _fields(path)}}
+    return entry
+
+
+def _fields(path: Path) -> list[dict[str, Any]]:
+    if not path.exists():
+        return []
+    with path.open(encoding="utf-8") as stream:
+        names = stream.readline().strip().split(",")
+    return [_field(name) for name in names if name]
+
+
+def _field(name: str) -> dict[str, Any]:
+    entry = {"name": name, "type": "number", "unit": UNITS.get(name, name.rpartition("_")[2] or "1")}
+    return entry | ({"title": _TITLES[name]} if name in _TITLES else {})
+
+
+def _dump(data: dict[str, Any]) -> str:
+    return json.dumps(data, indent=2, allow_nan=False) + "\n"

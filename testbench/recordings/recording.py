@@ -1,0 +1,170 @@
+"""A recording: time and named channels, exactly as sampled.
+
+File format ``recording.csv``: header ``time_s,displacement_mm,force_N,resistance_ohm`` plus optional channels
+(``temperature_C``). Rows are as sampled: jittered, never resampled. ``force_N`` or ``resistance_ohm`` may be absent;
+where both are there, ``displacement_mm`` may be.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcode.support.errors import UserError
+
+FloatArray = NDArray[Any]
+GAP_S, GAP_STEPS = 1.0, 10.0
+MOST_POINTS, MOST_MADE_UP = 20_000_000, 1_000_000
+
+TIME, DISPLACEMENT, FORCE, RESISTANCE = "time_s", "displacement_mm", "force_N", "resistance_ohm"
+TEMPERATURE = "temperature_C"
+UNITS = {TIME: "s", DISPLACEMENT: "mm", FORCE: "N", RESISTANCE: "ohm", TEMPERATURE: "degC"}
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Time and named channels of one run.
+
+    Attributes
+    ----------
+    time_s : ndarray, shape (n,)
+        Sample times, strictly increasing.
+    channels : mapping of str to ndarray, each shape (n,)
+        ``displacement_mm``, ``force_N`` and ``resistance_ohm`` where measured (a displacement, or force and
+        resistance, always); others by name and unit.
+    gauge_length_mm : float
+        Length of the unstretched sensor between the clamps; NaN where no displacement was recorded.
+    source : str
+        File or campaign it came from; used in error messages.
+    metadata : mapping
+        Anything else that is known (sensor, seed, trajectory).
+    """
+
+    time_s: FloatArray
+    channels: Mapping[str, FloatArray]
+    gauge_length_mm: float
+    source: str = "recording"
+    metadata: Mapping[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        from testbench.recordings.checks import check_recording
+
+        check_recording(self)
+
+    def __len__(self) -> int:
+        return len(self.time_s)
+
+    def __getitem__(self, name: str) -> FloatArray:
+        try:
+            return self.channels[name]
+        except KeyError:
+            have = ", ".join(self.channels)
+            raise UserError(f"{self.source}: no channel {name}; it has {have}") from None
+
+    def has(self, name: str) -> bool:
+        """Whether the channel `name` was recorded."""
+        return name in self.channels
+
+    @cached_property
+    def strain(self) -> FloatArray:
+        """Nominal strain: displacement over gauge length (dimensionless)."""
+        from testbench.recordings.checks import check_displacement
+
+        check_displacement(self)
+        return self[DISPLACEMENT] / self.gauge_length_mm
+
+    @cached_property
+    def conductance_S(self) -> FloatArray:
+        """Conductance G = 1/R in siemens."""
+        return 1.0 / self[RESISTANCE]
+
+    @property
+    def duration_s(self) -> float:
+        """From the first to the last sample."""
+        return float(self.time_s[-1] - self.time_s[0])
+
+    @property
+    def mean_rate_hz(self) -> float:
+        """Mean sampling rate."""
+        return (len(self) - 1) / self.duration_s
+
+    def between(self, start_s: float, end_s: float) -> Recording:
+        """The samples with ``start_s <= time_s < end_s``; time is kept as it was."""
+        rows = (self.time_s >= start_s) & (self.time_s < end_s)
+        return replace(
+            self,
+            time_s=self.time_s[rows],
+            channels={name: values[rows] for name, values in self.channels.items()},
+        )
+
+    @cached_property
+    def gaps(self) -> tuple[tuple[float, float], ...]:
+        """Where nothing was recorded: (last time before, first time after), in seconds, in order.
+
+        A step is a gap if it is longer than a second and than ten usual ones.
+        """
+        steps_s = np.diff(self.time_s)
+        rows = np.flatnonzero(steps_s > max(GAP_S, GAP_STEPS * float(np.median(steps_s))))
+        return tuple((float(self.time_s[row]), float(self.time_s[row + 1])) for row in rows)
+
+    def segments(self) -> list[Recording]:
+        """The parts between gaps, of two samples or more each; time is kept as it was."""
+        edges = [-np.inf, *(end_s for _, end_s in self.gaps), np.inf]
+        parts = [(start_s, end_s) for start_s, end_s in pairwise(edges) if self._count(start_s, end_s) > 1]
+        return [self.between(start_s, end_s) for start_s, end_s in parts]
+
+    def _count(self, start_s: float, end_s: float) -> int:
+        return int(np.searchsorted(self.time_s, end_s) - np.searchsorted(self.time_s, start_s))
+
+    def resampled(self, rate_hz: float) -> Recording:
+        """Linear interpolation on a uniform grid at `rate_hz`, starting at the first sample.
+
+        Raises
+        ------
+        UserError
+            If most of that grid would be made up: more than a million points in gaps. A gap of a day is a gap; see
+            `segments`. So, too, if it would have more than 20 million points.
+        """
+        count = int(np.floor(min(self.duration_s * rate_hz, 1e18) * (1 + 1e-12))) + 1
+        made_up = rate_hz * sum(end_s - start_s for start_s, end_s in self.gaps)
+        if count > MOST_POINTS or made_up > max(MOST_MADE_UP, len(self)):
+            raise UserError(f"{self.source}: {self._why_not(count, rate_hz)}")
+        grid = self.time_s[0] + np.arange(count) / rate_hz
+        channels = {name: np.interp(grid, self.time_s, values) for name, values in self.channels.items()}
+        return replace(self, time_s=grid, channels=channels)
+
+    def _why_not(self, count: int, rate_hz: float) -> str:
+        longest = max(self.gaps, key=lambda gap: gap[1] - gap[0], default=None)
+        many = f"a uniform grid of {rate_hz:g} Hz would have {count:.3g} points"
+        if longest is None:
+            return f"{many}; cut the recording into shorter ones, or give a lower rate"
+        start_s, end_s = longest
+        gap = f"nothing was recorded for {end_s - start_s:.4g} s after {start_s:.4g} s"
+        return f"{gap}, and {many}, most of them made up; cut the recording there and use the parts"
+
+
+def read_recording(path: str | Path, gauge_length_mm: float | None = None) -> Recording:
+    """Read a recording from a CSV or a campaign folder.
+
+    Parameters
+    ----------
+    path : path
+        A ``recording.csv`` or a folder with a ``datapackage.json``.
+    gauge_length_mm : float, optional
+        Needed for a bare CSV; a campaign knows its own.
+
+    Raises
+    ------
+    UserError
+        If the file is missing or malformed; the message names the file, the row and the remedy.
+    """
+    from testbench.recordings.files import load
+
+    return load(Path(path), gauge_length_mm)

@@ -1,0 +1,68 @@
+"""Small seeded recordings and models that the tests of the discrepancy room share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from testbench.knit.catalogue import Catalogue, baseline, load_catalogue
+from testbench.knit.model import KnitModel, inputs
+from testbench.recordings.recording import Recording
+
+GAUGE_LENGTH_MM = 25.0
+NOISE_N, NOISE_LN = 0.01, 0.003
+CATALOGUE: Catalogue = load_catalogue()
+
+
+def motion(duration_s: float, rate_hz: float, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
+    """Time and strain, 0 to 30 %: three sines that never meet, with a rest in every minute."""
+    t = np.arange(round(duration_s * rate_hz)) / rate_hz
+    phase = np.random.default_rng(seed).uniform(0, 6, 3)
+    moving = np.minimum(t % 60, 50) + 50 * (t // 60)
+    wave = [np.sin(w * moving + p) for w, p in zip((0.41, 0.73, 1.9), phase, strict=True)]
+    strain = 0.15 + 0.075 * wave[0] + 0.05 * wave[1] + 0.02 * wave[2]
+    return t, strain * np.minimum(t / 2, 1)
+
+
+def truth() -> KnitModel:
+    """A baseline away from its defaults."""
+    return baseline().with_parameters(
+        {
+            "elasticity.stiffness_N": 6.0,
+            "elasticity.curvature": 2.5,
+            "hysteresis.friction_N": 0.25,
+            "contact.contact_resistance_ohm": 900.0,
+            "drift.per_decade": 0.03,
+        }
+    )
+
+
+def record(
+    model: KnitModel,
+    duration_s: float = 240.0,
+    rate_hz: float = 20.0,
+    seed: int = 0,
+    channels: tuple[str, ...] = ("force_N", "resistance_ohm"),
+    noise: float = 1.0,
+    strain: Callable[[np.ndarray], np.ndarray] | None = None,
+) -> Recording:
+    """What instruments with white noise make of a model."""
+    t, e = motion(duration_s, rate_hz, seed)
+    e = e if strain is None else strain(t)
+    state = model.simulate(inputs(t, e), 1 / rate_hz)
+    rng = np.random.default_rng(seed)
+    made = {"displacement_mm": GAUGE_LENGTH_MM * e}
+    if "force_N" in channels:
+        made["force_N"] = state["force_N"] + noise * NOISE_N * rng.standard_normal(len(t))
+    if "resistance_ohm" in channels:
+        made["resistance_ohm"] = np.exp(noise * NOISE_LN * rng.standard_normal(len(t))) / state["conductance_S"]
+    return Recording(t, made, GAUGE_LENGTH_MM, f"sample-{seed}")
+
+
+def write_csv(recording: Recording, path: Path) -> str:
+    """As a bare CSV."""
+    columns = {"time_s": recording.time_s, **recording.channels}
+    np.savetxt(path, np.column_stack(list(columns.values())), delimiter=",", header=",".join(columns), comments="")
+    return str(path)

@@ -1,0 +1,135 @@
+"""The proposed experiment is more decisive than plain noise when rivals are really simulated and refitted."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from gcode.support.errors import UserError
+from testbench.cli import main
+from testbench.design.experiment import Rival, drivable, planned, propose
+from testbench.design.protocols import MENU, NOISE, Bounds, menu
+from testbench.fitting.fit import fit
+from testbench.fitting.model_file import ModelFile
+from tests.testbench.builders import CATALOGUE, NOISE_LN, NOISE_N, record, truth, write_csv
+
+FLOORS = {"force": NOISE_N, "conductance": NOISE_LN}
+BOUNDS = Bounds(duration_s=300)
+PAIRS = {
+    "load_cell_creep": ({"fraction": 0.03}, "stress_relaxation", {"fraction": 0.03}),
+    "permanent_set": ({}, "clamp_slip", {}),
+    "self_heating": ({"coefficient": 0.3}, "temperature_drift_trend", {"coefficient_per_h": 0.3}),
+}
+
+
+def rivals(first: str) -> list[Rival]:
+    changes, second, others = PAIRS[first]
+    return [
+        Rival(name, truth().plus(CATALOGUE[name]().replaced(**values)))
+        for name, values in ((first, changes), (second, others))
+    ]
+
+
+def misfit_after_refit(option, truth_model, rival_model, seed: int) -> float:
+    """Squared misfit over the noise that `testbench fit` itself leaves to the wrong model."""
+    measurement = planned(option.made.trajectory, BOUNDS.gauge_length_mm, tuple(FLOORS))
+    clean = measurement.modelled(truth_model)
+    rng = np.random.default_rng(seed)
+    noisy = {c: clean[c] + FLOORS[c] * rng.standard_normal(len(clean[c])) for c in FLOORS}
+    fitted = measurement.modelled(fit(rival_model, [replace(measurement, measured=noisy)]).model)
+    left = {c: (clean[c] - fitted[c])[measurement.counts] for c in FLOORS}
+    return sum(float(np.var(left[c] / FLOORS[c])) for c in FLOORS)
+
+
+@pytest.mark.parametrize("first", list(PAIRS))
+def test_the_proposal_beats_plain_noise_after_real_refits(first):
+    pair = rivals(first)
+    options = propose(pair, FLOORS, BOUNDS)
+    best, noise = options[0], next(option for option in options if option.name == NOISE)
+    assert best.hardest.log_odds > 2 * noise.hardest.log_odds
+    worth = {}
+    for option in (best, noise):
+        one, other = (rival.model for rival in pair)
+        worth[option.name] = min(misfit_after_refit(option, one, other, 5), misfit_after_refit(option, other, one, 6))
+    assert worth[best.name] > 1.5 * worth[NOISE], worth
+
+
+@pytest.mark.parametrize(
+    "bounds",
+    [
+        Bounds(),
+        Bounds(v_max_mm_per_s=1, a_max_mm_per_s2=2, duration_s=300),
+        Bounds(duration_s=120, strain_max_percent=5),
+        Bounds(strain_max_percent=80, gauge_length_mm=100, duration_s=300),
+    ],
+)
+def test_every_design_keeps_the_limits_and_the_time(bounds):
+    made = drivable(bounds, seed=1)
+    assert set(made) == set(MENU)
+    for name, one in made.items():
+        assert one.statistics.v_max_mm_per_s <= bounds.v_max_mm_per_s + 1e-6, name
+        assert one.statistics.a_max_mm_per_s2 <= bounds.a_max_mm_per_s2 + 1e-6, name
+        assert one.statistics.x_max_mm <= bounds.stroke_mm + 1e-6, name
+        assert one.trajectory.duration_s == pytest.approx(bounds.duration_s, rel=0.2), name
+
+
+@pytest.mark.parametrize(
+    ("changes", "match"),
+    [({"duration_s": 5}, "an experiment takes"), ({"v_max_mm_per_s": -1}, "v_max_mm_per_s: must be a positive")],
+)
+def test_impossible_bounds_are_refused(changes, match):
+    with pytest.raises(UserError, match=match):
+        menu(Bounds(**changes))
+
+
+def test_the_same_model_twice_is_refused():
+    with pytest.raises(UserError, match="the same model"):
+        propose([Rival("a", truth()), Rival("b", truth())], FLOORS, BOUNDS)
+
+
+def test_command_writes_the_winner(tmp_path, capsys):
+    paths = []
+    for rival in rivals("permanent_set"):
+        step = {"step": "x", "model": rival.model.to_dict(), "noise_floor": FLOORS}
+        step["errors"] = {"held_out": FLOORS, "calibration": FLOORS}
+        paths.append(str(tmp_path / f"{rival.name}.json"))
+        ModelFile(rival.model, 25.0, "r", "h", {}, (step,)).save(paths[-1])
+    out, ranking, picture = tmp_path / "next", tmp_path / "ranking.json", tmp_path / "next.png"
+    more = ["--duration-s", "120", "-o", str(out), "--json", str(ranking), "--plot", str(picture)]
+    assert main(["experiment", *paths, *more]) == 0
+    assert "permanent_set against clamp_slip" in capsys.readouterr().out
+    assert {path.name for path in out.iterdir()} == {"program.tap", "trajectory.csv", "trajectory.json"}
+    options = json.loads(ranking.read_text())["options"]
+    assert [o["log_odds"] for o in options] == sorted((o["log_odds"] for o in options), reverse=True)
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_command_says_what_it_needs(tmp_path, capsys):
+    assert main(["experiment", "one.json"]) == 2
+    assert "two rival MODEL files" in capsys.readouterr().err
+
+
+def test_command_takes_the_tied_effects_of_a_diagnosis(tmp_path, capsys):
+    recording = write_csv(record(truth(), 120), tmp_path / "r.csv")
+    errors = {"held_out": FLOORS, "calibration": FLOORS}
+    step = {"step": "baseline", "model": truth().to_dict(), "noise_floor": FLOORS, "errors": errors}
+    ranked = [{"effect": name, "form": name} for name in ("self_heating", "load_cell_creep", "stress_relaxation")]
+    tied = ["load_cell_creep", "stress_relaxation"]
+    said = {"verdict": "nothing_missing", "found": [], "tied": tied, "ranking": ranked, "history": [step]}
+    (tmp_path / "d.json").write_text(json.dumps(said))
+    place = ["--fit", recording, "--gauge-length-mm", "25", "--duration-s", "120"]
+    assert main(["experiment", "--diagnosis", str(tmp_path / "d.json"), *place]) == 0
+    out = capsys.readouterr().out
+    assert "load_cell_creep against stress_relaxation" in out
+    assert "self_heating" not in out
+
+
+def test_command_refuses_what_is_no_diagnosis(tmp_path, capsys):
+    recording = write_csv(record(truth(), 60), tmp_path / "r.csv")
+    (tmp_path / "d.json").write_text('{"verdict": "missing"}')
+    where = ["--diagnosis", str(tmp_path / "d.json"), "--fit", recording, "--gauge-length-mm", "25"]
+    assert main(["experiment", *where]) == 2
+    assert "not a diagnosis" in capsys.readouterr().err

@@ -1,0 +1,29 @@
+"""`testbench add` on a sensor whose conductance falls with stretch."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+
+from testbench.cli import main
+from testbench.recordings.files import write_recording_csv
+from testbench.recordings.recording import Recording
+
+
+def test_adding_never_tries_to_leave_out_the_law_that_makes_the_conductance(tmp_path: Path) -> None:
+    time_s = np.arange(1600) * 0.1
+    strain = 0.12 + 0.06 * np.sin(0.9 * time_s) + 0.05 * np.sin(0.37 * time_s + 1.0)
+    noise = np.random.default_rng(5).normal(size=(2, len(time_s)))
+    channels = {
+        "displacement_mm": 25 * strain,
+        "force_N": 5 * strain + 0.01 * noise[0],
+        "resistance_ohm": 1000 * np.exp(3 * strain + 0.002 * noise[1]),
+    }
+    write_recording_csv(tmp_path / "strip.csv", Recording(time_s, channels, 25.0))
+    model, recording = str(tmp_path / "model.json"), str(tmp_path / "strip.csv")
+    assert main(["fit", recording, "--gauge-length-mm", "25", "-o", model]) == 0
+    assert "piezoresistance" in Path(model).read_text()
+    assert main(["add", "channel_lag", "--model", model, "--fit", recording, "-o", model]) == 0
+    assert [step["step"] for step in json.loads(Path(model).read_text())["history"]] == ["baseline", "+ channel_lag"]

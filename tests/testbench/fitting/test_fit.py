@@ -1,0 +1,147 @@
+"""A fit finds what is known, says how well, and works on whatever was measured."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from testbench.fitting.baseline import starting_baseline, with_shapes
+from testbench.fitting.fit import fit, independent_share, shape_scales
+from testbench.fitting.measurement import prepare
+from testbench.fitting.noise import autoregression, noise_floor, robust_sd, whitened
+from testbench.fitting.parameters import free_parameters, values_of, with_values
+from testbench.fitting.sensitivity import sensitivities
+from testbench.knit.model import SimulationCache
+from tests.testbench.builders import NOISE_LN, NOISE_N, record, truth
+
+KNOWN = ("elasticity.stiffness_N", "elasticity.curvature", "hysteresis.friction_N", "hysteresis.threshold")
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_known_parameters_come_back_within_their_standard_errors(seed):
+    measurement = prepare(record(truth(), seed=seed))
+    result = fit(starting_baseline(measurement), [measurement])
+    at = {p.address: index for index, p in enumerate(result.parameters)}
+    rows = [at[address] for address in KNOWN]
+    wanted = values_of(truth(), [result.parameters[row] for row in rows])
+    distance = (result.vector[rows] - wanted) / result.standard_errors[rows]
+    assert np.all(np.abs(distance) < 3), dict(zip(KNOWN, distance, strict=True))
+    # The errors are wide for the allowance, but not so wide that they say nothing.
+    errors = {address: result.standard_errors[row] for address, row in at.items()}
+    assert errors["elasticity.stiffness_N"] < 0.1
+
+
+def test_standard_errors_allow_for_autocorrelation():
+    """On white noise the stated errors are wider than the scatter of refits by about the root of the allowance."""
+    found = []
+    for seed in range(8):
+        measurement = prepare(record(truth(), 120, seed=seed, strain=lambda t: 0.15 - 0.15 * np.cos(t)))
+        result = fit(truth(), [measurement])
+        index = [p.address for p in result.parameters].index("elasticity.stiffness_N")
+        found.append((result.vector[index], result.standard_errors[index]))
+    values, errors = np.array(found).T
+    assert 1 < np.mean(errors) / np.std(values) < 3 / np.sqrt(independent_share(measurement))
+
+
+def test_a_parameter_on_its_bound_is_said():
+    source = record(truth(), channels=("force_N",))
+    falling = {**source.channels, "force_N": 1 - source["force_N"]}
+    measurement = prepare(type(source)(source.time_s, falling, source.gauge_length_mm))
+    result = fit(starting_baseline(measurement), [measurement])
+    assert "hysteresis.friction_N" in result.at_bound()
+
+
+def test_what_force_alone_cannot_tell_is_said():
+    measurement = prepare(record(truth(), channels=("force_N",)))
+    result = fit(truth(), [measurement])
+    assert "contact.contact_resistance_ohm" in result.unidentified()
+    assert "elasticity.stiffness_N" not in result.unidentified()
+
+
+@pytest.mark.parametrize("rate_hz", [12.0, 100.0])
+@pytest.mark.parametrize("channels", [("force_N",), ("resistance_ohm",), ("force_N", "resistance_ohm")])
+def test_any_channels_at_any_rate_down_to_the_noise(channels, rate_hz):
+    measurement = prepare(record(truth(), 120, rate_hz, channels=channels))
+    result = fit(starting_baseline(measurement), [measurement])
+    residual = measurement.residual(result.model)
+    averaged = np.sqrt(min(1.0, 25.0 / rate_hz))
+    # Without force the elastic law is only felt through the contacts; the fit comes near the noise but not to it.
+    most = 1.35 if "force_N" in channels else 6.0
+    for channel, noise in (("force", NOISE_N), ("conductance", NOISE_LN)):
+        if channel in residual:
+            assert np.std(residual[channel][measurement.counts]) < most * averaged * noise
+
+
+def test_a_ramp_and_hold_can_be_fitted():
+    source = record(truth(), 300, strain=lambda t: 0.3 * np.minimum(t, 1.0), channels=("force_N",))
+    measurement = prepare(source)
+    result = fit(starting_baseline(measurement), [measurement])
+    assert np.std(measurement.residual(result.model)["force"][measurement.counts]) < 1.2 * NOISE_N
+
+
+def test_outliers_do_not_pull():
+    clean = record(truth(), seed=4)
+    force = clean["force_N"].copy()
+    force[::97] += 3.0
+    measurement = prepare(type(clean)(clean.time_s, {**clean.channels, "force_N": force}, 25.0))
+    result = fit(starting_baseline(measurement), [measurement])
+    assert result.model["elasticity"].stiffness_N == pytest.approx(6.0, rel=0.05)
+
+
+def test_sensitivities_agree_with_central_differences():
+    measurement = prepare(record(truth(), 60))
+    model = with_shapes(truth(), measurement)
+    parameters = free_parameters(model, shape_scales(measurement))
+    _, jacobian = sensitivities(model, parameters, measurement, SimulationCache())
+    start = values_of(model, parameters)
+    for index, parameter in enumerate(parameters):
+        step = 1e-5 * (1.0 if parameter.log else max(abs(start[index]), 0.1 * parameter.width))
+        if not parameter.low < parameter.to_physical(start[index] - step):
+            continue  # at its lower bound
+        sides = [
+            measurement.modelled(with_values(model, [parameter], start[index : index + 1] + s)) for s in (-step, step)
+        ]
+        for channel, rows in jacobian.items():
+            central = (sides[1][channel] - sides[0][channel]) / (2 * step)
+            scale = np.sqrt(np.mean(central**2)) + 1e-9
+            # Play operators have kinks: single samples may differ, the whole may not.
+            assert np.sqrt(np.mean((rows[index] - central) ** 2)) < 0.05 * scale + 1e-6, parameter.address
+
+
+def test_noise_floor_of_white_noise_within_5_percent():
+    for seed in range(5):
+        rng = np.random.default_rng(seed)
+        slow = np.sin(np.arange(20_000) / 200)
+        assert noise_floor(slow + 0.02 * rng.standard_normal(20_000)) == pytest.approx(0.02, rel=0.05)
+
+
+@pytest.mark.parametrize("hum_hz", [4.0, 9.7, 16.2])
+def test_a_hum_is_no_part_of_the_noise_floor(hum_hz):
+    rng = np.random.default_rng(1)
+    t_s = np.arange(40_000) / 40
+    noise = 0.02 * rng.standard_normal(len(t_s))
+    assert noise_floor(noise + 0.1 * np.sin(2 * np.pi * hum_hz * t_s)) == pytest.approx(0.02, rel=0.08)
+
+
+def test_noise_floor_of_a_coarse_converter_is_a_share_of_its_step():
+    values = np.round(np.sin(np.arange(5000) / 500) / 0.1) * 0.1
+    assert noise_floor(values) == pytest.approx(0.1 / np.sqrt(12))
+
+
+def test_whitening_makes_coloured_noise_white_and_leaves_white_noise():
+    rng = np.random.default_rng(0)
+    white = rng.standard_normal(50_000)
+    coloured = np.zeros_like(white)
+    for i in range(1, len(white)):
+        coloured[i] = 0.9 * coloured[i - 1] + white[i]
+    for noise in (white, coloured):
+        flat = whitened(noise, autoregression(noise))[10:]
+        assert abs(np.corrcoef(flat[1:], flat[:-1])[0, 1]) < 0.02
+        assert np.std(flat) == pytest.approx(1.0, rel=0.03)
+    assert autoregression(np.zeros(100)).tolist() == [1, 0, 0, 0]
+
+
+def test_robust_sd_ignores_outliers():
+    values = np.random.default_rng(0).standard_normal(10_000)
+    values[:500] = 1e6
+    assert robust_sd(values) == pytest.approx(1.0, rel=0.1)

@@ -1,0 +1,41 @@
+"""The grid that a recording is put on."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from testbench.fitting.errors import noise_floors
+from testbench.fitting.measurement import prepare
+from testbench.recordings.recording import DISPLACEMENT, FORCE, Recording
+
+GAUGE_LENGTH_MM = 100.0
+
+
+def triangles(rate_hz: float, noise_N: float = 0.0) -> Recording:
+    """200 cycles of 4 s up to 20 % strain; every turn falls on a sample."""
+    time_s = np.arange(0, 800, 1 / rate_hz)
+    phase = (time_s * 0.25) % 1
+    strain = 0.4 * np.minimum(phase, 1 - phase)
+    force_N = 10 * strain + 30 * strain**3
+    noise = noise_N * np.random.default_rng(0).standard_normal(len(time_s))
+    return Recording(time_s, {DISPLACEMENT: GAUGE_LENGTH_MM * strain, FORCE: force_N + noise}, GAUGE_LENGTH_MM)
+
+
+def test_samples_at_even_times_and_their_turns_are_kept():
+    recording = triangles(12.0)
+    measurement = prepare(recording)
+    rows = slice(len(measurement.grid_s))
+    np.testing.assert_allclose(measurement.grid_s, recording.time_s[rows], atol=1e-9)
+    np.testing.assert_allclose(measurement.measured["force"], recording[FORCE][rows], atol=1e-9)
+    assert measurement.signals["strain"].max() == pytest.approx(0.2, abs=1e-9)
+
+
+def test_where_bins_are_averaged_the_grid_lies_in_their_middle():
+    assert prepare(triangles(100.0)).grid_s[0] == pytest.approx(0.02)
+
+
+@pytest.mark.parametrize("rate_hz", [12.0, 50.0])
+def test_a_motion_that_repeats_itself_leaves_the_noise_floor_alone(rate_hz):
+    measurement = prepare(triangles(rate_hz, noise_N=0.004))
+    assert noise_floors(measurement)["force"] == pytest.approx(0.004, rel=0.15)

@@ -1,0 +1,96 @@
+"""The motion behind a noisy reading of the displacement."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from testbench.fitting.measurement import prepare
+from testbench.fitting.motion import reading_noise, without_reading_noise
+from testbench.knit.hysteresis import HysteresisBoucWen
+from testbench.recordings.recording import DISPLACEMENT, FORCE, Recording
+
+RATE_HZ, GAUGE_LENGTH_MM = 25.0, 50.0
+TIME_S = np.arange(0, 300, 1 / RATE_HZ)
+
+
+def ramps_and_holds(time_s: np.ndarray, hold_s: float = 20.0, speed_per_s: float = 0.02) -> np.ndarray:
+    """Strain up to 0.2, down to 0.05 and so on, with a hold after each ramp."""
+    corners, values, at = [0.0], [0.0], 0.0
+    for target in [0.2, 0.05] * 20:
+        at += abs(target - values[-1]) / speed_per_s
+        corners, values = [*corners, at, at + hold_s], [*values, target, target]
+        at += hold_s
+    return np.interp(time_s, corners, values)
+
+
+def noise(sd: float, seed: int) -> np.ndarray:
+    return np.random.default_rng(seed).normal(0, sd, len(TIME_S))
+
+
+@given(st.floats(1e-6, 1e-3), st.integers(0, 1000))
+def test_the_noise_of_a_reading_is_found_at_uneven_times(sd, seed):
+    rng = np.random.default_rng(seed)
+    time_s = np.cumsum(rng.uniform(0.5, 1.5, len(TIME_S))) / RATE_HZ
+    reading = 0.1 - 0.1 * np.cos(0.4 * time_s) + rng.normal(0, sd, len(time_s))
+    assert reading_noise(time_s, reading) == pytest.approx(sd, rel=0.25)
+
+
+def test_a_clock_that_jitters_is_no_noise():
+    read_at_s = TIME_S + np.random.default_rng(0).uniform(-0.01, 0.01, len(TIME_S))
+    strain = ramps_and_holds(read_at_s)
+    assert np.std(strain - ramps_and_holds(TIME_S)) > 5e-5
+    assert reading_noise(TIME_S, strain) < 1e-12
+
+
+def test_a_reading_too_short_to_tell_has_no_noise():
+    assert reading_noise(TIME_S[:6], TIME_S[:6] ** 2) == 0.0
+
+
+def test_without_noise_nothing_changes():
+    strain = ramps_and_holds(TIME_S)
+    np.testing.assert_allclose(without_reading_noise(strain, 0.0), strain, rtol=0, atol=1e-12)
+
+
+@given(st.floats(1e-6, 1e-3), st.integers(0, 1000))
+def test_turns_stay_and_holds_become_still(sd, seed):
+    strain = ramps_and_holds(TIME_S)
+    found = without_reading_noise(strain + noise(sd, seed), sd)
+    assert np.max(np.abs(found - strain)) < 6 * sd
+    middle_of_hold = (TIME_S > 15) & (TIME_S < 25)  # the first hold lasts from 10 s to 30 s
+    # The widest window has 65 samples; now and then a narrower one has to do.
+    assert np.std(found[middle_of_hold]) < 0.5 * sd
+    assert np.median(np.abs(found[middle_of_hold] - 0.2)) < 0.25 * sd
+
+
+def test_the_level_of_a_hold_is_found_ten_times_as_closely_as_it_is_read():
+    strain = ramps_and_holds(TIME_S)
+    middle_of_hold = (TIME_S > 15) & (TIME_S < 25)
+    found = [without_reading_noise(strain + noise(1e-4, seed), 1e-4)[middle_of_hold] for seed in range(30)]
+    assert np.mean([np.median(np.abs(one - 0.2)) for one in found]) < 0.1e-4
+
+
+def test_friction_keeps_its_force_in_a_hold_that_was_read_with_noise():
+    strain = ramps_and_holds(TIME_S)
+    reading = strain + noise(1e-4, seed=1)
+    friction = HysteresisBoucWen(friction_N=1.0, threshold=0.02, skew=0.0)
+    at_its_end = np.searchsorted(TIME_S, 29.0)
+
+    def force_N(motion: np.ndarray) -> float:
+        signals = {"strain": motion, "force_N": np.zeros_like(motion)}
+        return float(friction.apply(signals, 1 / RATE_HZ)["force_N"][at_its_end])
+
+    assert force_N(strain) > 0.99
+    assert force_N(reading) < 0.1
+    assert force_N(without_reading_noise(reading, 1e-4)) > 0.85
+
+
+def test_a_measurement_moves_as_the_machine_did():
+    strain = ramps_and_holds(TIME_S)
+    reading_mm = GAUGE_LENGTH_MM * (strain + noise(1e-4, seed=2))
+    recording = Recording(TIME_S, {DISPLACEMENT: reading_mm, FORCE: 10 * strain}, GAUGE_LENGTH_MM)
+    seen = prepare(recording).signals["strain"]
+    moved = ramps_and_holds(prepare(recording).grid_s)
+    assert np.std(seen - moved) < 0.7e-4

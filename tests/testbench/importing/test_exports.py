@@ -1,0 +1,298 @@
+"""Exports of testers, a script, a spreadsheet and LabVIEW: all the same test, all read without any column option."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gcode.support.errors import UserError
+from testbench.cli import main
+from testbench.importing.from_file import Hints, Wish, import_csv, import_file
+from testbench.recordings.recording import read_recording
+from tests.testbench.importing import exports
+
+FOREIGN = Path(__file__).parents[3] / "../shared/data/foreign"
+REAL = Path(__file__).parents[3] / "../shared/data/real"
+needs_foreign = pytest.mark.skipif(not FOREIGN.is_dir(), reason="the heads of foreign files are not here")
+needs_real = pytest.mark.skipif(not REAL.is_dir(), reason="the measured recordings are not here")
+
+
+def same(recording, resistance: bool = True) -> None:
+    """It is the test that every export holds."""
+    assert recording.time_s == pytest.approx(exports.TIME_S, abs=1e-6)
+    assert recording["displacement_mm"] == pytest.approx(exports.EXTENSION_MM, abs=1e-5)
+    assert recording["force_N"] == pytest.approx(exports.FORCE_N, abs=1e-5)
+    if resistance:
+        assert recording["resistance_ohm"] == pytest.approx(exports.RESISTANCE_OHM, rel=1e-6)
+
+
+def test_testxpert_has_its_units_in_a_row_and_the_conversion_is_shown(tmp_path, capsys):
+    path = exports.testxpert(tmp_path)
+    assert main(["import", str(path), "--gauge-length-mm", "40", "-o", str(tmp_path / "out")]) == 0
+    same(read_recording(tmp_path / "out"))
+    said = capsys.readouterr().out
+    assert "resistance: column 4 'Widerstand' in kΩ (row 2): 439.377 kΩ read as 439 377 Ω" in said
+    assert "force: column 3 'Standardkraft' in kN (row 2): 0.0002 kN read as 0.2 N" in said
+
+
+def test_bluehill_has_titles_a_results_table_and_two_positions(tmp_path):
+    path = exports.bluehill(tmp_path)
+    done = import_csv(path, Wish(40.0))
+    same(done.recording)
+    assert done.taken["displacement"].startswith("column 2 'Extension' in mm (row 9)")
+    assert any("Corrected Position" in note for note in done.notes)
+
+
+def test_testsuite_has_the_separator_in_its_preamble(tmp_path):
+    same(import_csv(exports.testsuite(tmp_path), Wish(40.0)).recording, resistance=False)
+
+
+def test_electropuls_has_commas_in_its_names_and_two_times(tmp_path):
+    done = import_csv(exports.electropuls(tmp_path), Wish(40.0))
+    same(done.recording, resistance=False)
+    assert done.taken["time"].startswith("column 1 'Total Time (s)'")
+
+
+HEADERLESS = {
+    "columns": {"resistance": "1", "time": "2", "displacement": "3", "force": "5"},
+    "units": {"resistance": "ohm", "time": "s", "displacement": "mm", "force": "N"},
+    "time_of": {"displacement": "4", "force": "6"},
+}
+
+
+def test_without_a_header_columns_are_numbered_and_clocks_brought_together(tmp_path):
+    path = exports.headerless(tmp_path)
+    with pytest.raises(UserError, match=r"no header, and 6 columns, which are numbered from 1 \(row 1: 1 = 439377"):
+        import_csv(path, Wish(40.0))
+    with pytest.raises(UserError, match=r"time .column 2.: the file does not say its unit"):
+        import_csv(path, Wish(40.0, HEADERLESS["columns"]))
+    done = import_csv(path, Wish(40.0, negate=frozenset({"displacement"}), **HEADERLESS))
+    recording, inside = done.recording, slice(1, -1)  # force begins later, position ends earlier
+    assert recording.time_s == pytest.approx(exports.TIME_S[inside] - exports.TIME_S[1], abs=1e-6)
+    shifted = np.interp(exports.TIME_S + 0.03, exports.TIME_S, exports.EXTENSION_MM)
+    assert recording["displacement_mm"] == pytest.approx(shifted[inside], abs=2e-3)
+    assert recording["resistance_ohm"] == pytest.approx(exports.RESISTANCE_OHM[inside])
+
+
+def test_a_displacement_that_runs_the_wrong_way_is_said(tmp_path):
+    done = import_csv(exports.headerless(tmp_path), Wish(40.0, **HEADERLESS))
+    assert any("runs the wrong way; add --negate displacement" in doubt for doubt in done.doubts)
+    turned = import_csv(exports.headerless(tmp_path), Wish(40.0, negate=frozenset({"displacement"}), **HEADERLESS))
+    assert not turned.doubts
+
+
+def test_excel_is_read_as_it_is_shown(tmp_path):
+    same(import_csv(exports.workbook(tmp_path), Wish(40.0)).recording)
+
+
+def test_of_several_tables_in_a_workbook_one_must_be_named(tmp_path):
+    import openpyxl
+
+    book = openpyxl.load_workbook(exports.workbook(tmp_path))
+    copy = book.copy_worksheet(book["Data"])
+    copy.title = "Again"
+    book.save(tmp_path / "two.xlsx")
+    with pytest.raises(UserError, match="'Data', 'Again' have tables; say which one with --sheet"):
+        import_csv(tmp_path / "two.xlsx", Wish(40.0))
+    same(import_csv(tmp_path / "two.xlsx", Wish(40.0, hints=Hints(sheet="Data"))).recording)
+    with pytest.raises(UserError, match="no sheet 'Dat'; it has Remarks, Data, Again"):
+        import_csv(tmp_path / "two.xlsx", Wish(40.0, hints=Hints(sheet="Dat")))
+
+
+@pytest.mark.parametrize("name", ["lab.xlsx", "lab.tdms", "lab.xls"])
+def test_what_only_has_the_name_of_a_workbook_is_a_sentence(tmp_path, name):
+    (tmp_path / name).write_text("t,x\n0,1\n")
+    with pytest.raises(UserError, match=r"Excel|TDMS"):
+        import_csv(tmp_path / name, Wish(40.0))
+
+
+def test_tdms_channels_keep_their_clocks(tmp_path):
+    recording = import_csv(exports.labview(tmp_path), Wish(40.0)).recording
+    assert recording.time_s == pytest.approx(exports.TIME_S[::2], abs=1e-6)
+    assert recording["displacement_mm"] == pytest.approx(exports.EXTENSION_MM[::2], abs=1e-6)
+    assert recording["force_N"] == pytest.approx(exports.FORCE_N[::2], abs=1e-6)
+    assert recording["resistance_ohm"] == pytest.approx(exports.RESISTANCE_OHM[::2])
+
+
+TWO_CLOCKS = "t_R [s],R [ohm],t_F [s],F [N],t_x [s],x [mm]\n" + "".join(
+    f"{t:.2f},{900 + t:.2f},{t + 0.01:.2f},{t:.2f},{t + 0.02:.2f},{2 * t:.2f}\n" for t in np.arange(0, 2, 0.1)
+)
+
+
+@pytest.mark.parametrize("name", ["{}", "Time [s]"])
+def test_clocks_are_found_by_their_names_or_places(tmp_path, name):
+    text = TWO_CLOCKS
+    if name != "{}":
+        for own in ("t_R [s]", "t_F [s]", "t_x [s]"):
+            text = text.replace(own, name)
+    (tmp_path / "lab.csv").write_text(text)
+    recording = import_csv(tmp_path / "lab.csv", Wish(40.0)).recording
+    assert recording["force_N"] == pytest.approx(recording.time_s + 0.1 - 0.01, abs=1e-9)
+    assert recording["displacement_mm"] == pytest.approx(2 * (recording.time_s + 0.1 - 0.02), abs=1e-9)
+    assert recording["resistance_ohm"] == pytest.approx(900.1 + recording.time_s)
+
+
+REPEATS = "repeat,time_s,displacement_mm,force_N\n" + "".join(
+    f"{repeat},{t:.1f},{repeat + t:.1f},{t:.1f}\n" for repeat in (1, 2, 3) for t in np.arange(0, 2, 0.1)
+)
+
+
+def test_repeats_become_recordings_of_their_own(tmp_path):
+    path = tmp_path / "lab.csv"
+    path.write_text(REPEATS)
+    done = import_file(path, Wish(40.0, zero={"displacement": None}))
+    assert [one.label for one in done] == ["1", "2", "3"]
+    assert [float(one.recording["displacement_mm"][0]) for one in done] == [0, 0, 0]
+    assert main(["import", str(path), "--gauge-length-mm", "40", "-o", str(tmp_path / "out")]) == 0
+    assert [read_recording(tmp_path / f"out-{one}")["displacement_mm"][0] for one in (1, 2, 3)] == [1, 2, 3]
+    assert main(["import", str(path), "--gauge-length-mm", "40", "--repeat", "2", "-o", str(tmp_path / "two")]) == 0
+    assert read_recording(tmp_path / "two")["displacement_mm"][0] == 2
+    assert main(["import", str(path), "--gauge-length-mm", "40", "--repeat", "7", "-o", str(tmp_path / "no")]) == 2
+
+
+def test_zero_and_sign(tmp_path):
+    path = tmp_path / "lab.csv"
+    path.write_text("t [s],x [cm],F [kN]\n0,-2.5,0.5\n1,-2.4,0.4\n2,-2.3,0.3\n")
+    found = import_csv(path, Wish(40.0, zero={"displacement": None, "force": "0.5"}, negate=frozenset({"force"})))
+    assert found.recording["displacement_mm"] == pytest.approx([0, 1, 2])
+    assert found.recording["force_N"] == pytest.approx([0, 100, 200])
+    assert "0.5 kN read as 500 N is the zero of force" in found.notes
+    found = import_csv(path, Wish(40.0, zero={"force": "0.5 N"}))
+    assert found.recording["force_N"] == pytest.approx([499.5, 399.5, 299.5])
+    assert any("starts at -25 mm, a zero of its own" in doubt for doubt in found.doubts)
+    for wrong in ("x", "1 mm"):
+        with pytest.raises(UserError, match="--zero force= needs a number in kN, or with its unit"):
+            import_csv(path, Wish(40.0, zero={"force": wrong}))
+    with pytest.raises(UserError, match="--negate and --zero can be said of displacement, force, got time"):
+        import_csv(path, Wish(40.0, negate=frozenset({"time"})))
+
+
+REFUSED = [
+    ("Time [s],Extension [mm],Position [mm]\n", "both fit displacement: say which, e.g. --displacement 3"),
+    ("Time [s],Extension,Load [N]\n", "the file does not say its unit; say --displacement-unit"),
+    ("Time [s],Extension [mm],Load [mV]\n", "its unit 'mV' cannot be read as one; say --force-unit"),
+    ("Time [s],Extension [mm],Load (kN)\ns,mm,N\n", r"its unit 'kN \| N' cannot be read as one"),
+    ("Time [s],Extension [mm],Load, cell 2 [N]\n", "row 1 has 4 names, the rows of numbers below it 3 columns"),
+    ("Time [s],Extension [mm]\n", "row 1 has 2 names, the rows of numbers below it 3 columns"),
+    ("Time [s],Speed [mm/s],Load [N]\n", "no displacement found, nor force and resistance both"),
+    ("Date,Extension [mm],Load [N]\n", "no time found: say --time COL, or --rate-hz"),
+    ("Time [s],Extension [mm],dR/R0\n", "say --r0-ohm"),
+]
+
+
+@pytest.mark.parametrize(("head", "message"), REFUSED)
+def test_where_it_cannot_be_told_it_is_refused(tmp_path, head, message):
+    path = tmp_path / "lab.csv"
+    path.write_text(head + "0,0,0.1\n1,0.5,0.2\n2,1.0,0.3\n")
+    with pytest.raises(UserError, match=message) as caught:
+        import_csv(path, Wish(40.0))
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("cells", "value"),
+    [
+        ("0,5;1,5;1.234,5", 1234.5),
+        ("0,5;1,5;12 345,5", 12345.5),
+        ("0.5;1.5;1,234.5", 1234.5),
+        ("0.5;1.5;1'234", 1234),
+    ],
+)
+def test_thousands_that_a_number_proves(tmp_path, cells, value):
+    path = tmp_path / "lab.csv"
+    point = "," if "0,5" in cells else "."
+    path.write_text(f"t [s];x [mm];R [Ohm]\n{cells}\n{cells.replace(f'0{point}5', f'0{point}9')}\n", encoding="utf-8")
+    assert import_csv(path, Wish(40.0)).recording["resistance_ohm"][0] == value
+
+
+@pytest.mark.parametrize("cells", ["0,5;1,5;1.234", "0.5;1.5;1,234"])
+def test_thousands_that_nothing_proves_are_refused(tmp_path, cells):
+    path = tmp_path / "lab.csv"
+    path.write_text(f"t [s];x [mm];R [Ohm]\n{cells}\n{cells}\n")
+    with pytest.raises(UserError, match=r"R \[Ohm\] must be a number, got '1.234'"):
+        import_csv(path, Wish(40.0))
+    mark = "." if "1.234" in cells else ","
+    with pytest.raises(UserError, match="time must increase"):
+        import_csv(path, Wish(40.0, hints=Hints(thousands=mark)))
+
+
+def test_force_and_resistance_are_a_recording_too(tmp_path, capsys):
+    path = tmp_path / "film.csv"
+    rows = "".join(f"{0.1 * n:.1f},{1 + np.sin(n / 9):.4f},{900 + 50 * np.sin(n / 9):.3f}\n" for n in range(300))
+    path.write_text("Time (s),Force (N),R (kΩ)\n" + rows, encoding="utf-8")
+    assert main(["import", str(path), "-o", str(tmp_path / "film")]) == 0
+    assert main(["verify", str(tmp_path / "film")]) == 0
+    recording = read_recording(tmp_path / "film")
+    assert sorted(recording.channels) == ["force_N", "resistance_ohm"]
+    assert json.loads((tmp_path / "film" / "datapackage.json").read_text())["knitbench"]["gauge_length_mm"] is None
+    capsys.readouterr()
+    assert main(["fit", str(tmp_path / "film"), "-o", str(tmp_path / "m.json")]) == 2
+    assert "no displacement was recorded, and a model of the sensor needs it" in capsys.readouterr().err
+    assert main(["report", "--recording", str(tmp_path / "film"), "-o", str(tmp_path / "r.html")]) == 0
+    assert "Gauge length" not in (tmp_path / "r.html").read_text()
+
+
+def test_the_gauge_length_is_asked_where_there_is_a_displacement(tmp_path):
+    with pytest.raises(UserError, match="the gauge length is not known: say --gauge-length-mm"):
+        import_csv(exports.testxpert(tmp_path), Wish())
+
+
+def test_as_json(tmp_path, capsys):
+    path = exports.testxpert(tmp_path)
+    assert main(["import", str(path), "--gauge-length-mm", "40", "--json", "-o", str(tmp_path / "out")]) == 0
+    (made,) = json.loads(capsys.readouterr().out)["recordings"]
+    assert made["details"]["columns"]["resistance"]["unit"] == "kΩ"
+    assert made["channels"]["resistance_ohm"][1] == pytest.approx(439_377.0)
+
+
+@needs_foreign
+@pytest.mark.real_data
+def test_foreign_gbk_file_is_found_by_itself():
+    done = import_csv(FOREIGN / "gbk-units-row.csv", Wish(50.0))
+    assert sorted(done.recording.channels) == ["displacement_mm", "force_N"]
+    assert done.recording["displacement_mm"].max() == pytest.approx(40.1032)
+
+
+@needs_foreign
+@pytest.mark.real_data
+def test_foreign_electropuls_file_has_two_positions():
+    path = FOREIGN / "electropuls-quoted-header.csv"
+    with pytest.raises(UserError, match=r"column 7 .* and column 9 .* both fit displacement"):
+        import_csv(path, Wish(50.0))
+    done = import_csv(path, Wish(50.0, {"displacement": "7"}, zero={"displacement": None}, sort=True))
+    assert done.recording["displacement_mm"][-1] == pytest.approx(20.0, abs=0.01)
+    assert done.recording.mean_rate_hz == pytest.approx(0.25, rel=0.05)
+
+
+@needs_foreign
+@pytest.mark.real_data
+@pytest.mark.parametrize("name", ["headerless-7-columns.csv", "bom-headerless-12-columns.csv"])
+def test_foreign_files_without_header_are_asked_about(name):
+    with pytest.raises(UserError, match=r"the file has no header, and (7|12) columns"):
+        import_csv(FOREIGN / name, Wish(50.0))
+
+
+@needs_real
+@pytest.mark.real_data
+def test_measured_pulls_of_one_fabric_are_five_recordings():
+    done = import_file(REAL / "knit_fabric_uniaxial" / "acrylic_yarn_garter_x.csv", Wish(91.6))
+    assert [one.label for one in done] == ["1", "2", "3", "4", "5"]
+
+
+def test_a_held_out_recording_beyond_the_calibrated_strain_is_said(capsys):
+    from testbench.commands._arguments import beyond_calibration
+    from testbench.fitting.measurement import split
+    from testbench.recordings.recording import Recording
+
+    time_s = np.arange(0, 60, 0.1)
+    stretch = np.sin(time_s / 3) ** 2
+    parts = [
+        Recording(time_s, {"displacement_mm": reach * stretch, "force_N": reach * stretch}, 40.0, name)
+        for reach, name in ((4.0, "small"), (6.0, "large"))
+    ]
+    said = beyond_calibration(*split(*parts))
+    assert said.startswith("large: the held-out strain, 0.0 to 15.0 %, leaves the 0.0 to 10.0 % that was fitted on")
+    assert beyond_calibration(*split(*parts[::-1])) == ""

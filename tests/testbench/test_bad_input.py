@@ -1,0 +1,105 @@
+"""Bad recordings, models and effects: one sentence, exit code 2, no verdict."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from testbench.cli import main
+from testbench.comparing.ladder import ladder_step
+from testbench.fitting.measurement import prepare
+from testbench.fitting.model_file import ModelFile
+from tests.testbench.builders import record, truth, write_csv
+
+EFFECT = """
+import numpy as np
+from testbench.knit.effect import Effect, Stage, parameter
+
+class Mine(Effect):
+    name = "mine"
+    stage = Stage.MECHANICS
+    reads, writes = ("strain", "force_N"), ("force_N",)
+    strength = "gain"
+    look = "nothing good"
+    gain: float = parameter(0.1, unit="1", low=-5, high=5, doc="how much")
+
+    def apply(self, signals, dt_s):
+        force = signals["force_N"] * (1 + self.gain * signals["strain"])
+        {body}
+"""
+BAD = {
+    "force[7] = np.nan; return {'force_N': force}": "returned force_N with 1 values that are not finite",
+    "return {'force_N': force[:5]}": r"returned force_N of shape \(5,\)",
+    "return {'force_N': list(force)}": "returned force_N as list",
+    "return {'force_N': force + 0j}": "returned force_N of type complex128",
+    "return {'strain': force}": "must return force_N, got strain",
+    "return force": "must return force_N, got ndarray",
+    "raise RuntimeError('out of yarn')": "raised RuntimeError: out of yarn",
+}
+
+
+def refused(capsys, *argv: str) -> str:
+    """The one sentence with which a command line is refused."""
+    assert main(list(argv)) == 2
+    shown = capsys.readouterr()
+    assert "missing" not in shown.out
+    assert "Traceback" not in shown.err
+    lines = [line for line in shown.err.strip().splitlines() if not line.endswith("...")]
+    assert len(lines) == 1, shown.err
+    return lines[0]
+
+
+@pytest.fixture
+def csv(tmp_path):
+    return write_csv(record(truth(), 120, 12.0), tmp_path / "run.csv")
+
+
+@pytest.mark.parametrize(("body", "match"), BAD.items())
+def test_a_users_effect_that_misbehaves_is_named(tmp_path, csv, capsys, body, match):
+    mine = tmp_path / "mine.py"
+    mine.write_text(EFFECT.replace("{body}", body))
+    error = refused(capsys, "diagnose", csv, "--gauge-length-mm", "25", "--effects", str(mine), "--quiet")
+    with pytest.raises(AssertionError, match="effect mine " + match):
+        raise AssertionError(error)
+    assert "--check" in error
+
+
+CASES = {
+    "too short to identify": record(truth(), 15),
+    "too short to fit on one part": record(truth(), 25, 10),
+    "too still": record(truth(), 120, strain=lambda t: 0.1 + 1e-4 * np.sin(t)),
+    "on which the model is fitted": record(
+        truth(), 120, strain=lambda t: np.where(t < 100, 0.1, 0.1 + 0.1 * np.sin(t))
+    ),
+}
+
+
+@pytest.mark.parametrize("match", CASES)
+@pytest.mark.parametrize("command", ["fit", "diagnose"])
+def test_recordings_that_tell_nothing(tmp_path, capsys, command, match):
+    path = write_csv(CASES[match], tmp_path / "run.csv")
+    out = tmp_path / "model.json"
+    assert match in refused(capsys, command, path, "--gauge-length-mm", "25", "-o", str(out))
+    assert not out.exists()
+
+
+def test_a_constant_channel(tmp_path, capsys):
+    source = record(truth(), 120)
+    channels = {**source.channels, "resistance_ohm": np.full(len(source), 470.0)}
+    path = write_csv(type(source)(source.time_s, channels, 25.0), tmp_path / "run.csv")
+    assert "resistance_ohm is constant (470)" in refused(capsys, "diagnose", path, "--gauge-length-mm", "25")
+
+
+def test_a_held_out_recording_of_other_channels(tmp_path, csv, capsys):
+    other = write_csv(record(truth(), 120, channels=("force_N",)), tmp_path / "other.csv")
+    error = refused(capsys, "fit", csv, "--held-out", other, "--gauge-length-mm", "25")
+    assert "both need the same channels" in error
+
+
+@pytest.mark.parametrize("command", ["compare", "diagnose"])
+def test_a_model_of_another_gauge_length(tmp_path, csv, capsys, command):
+    measurement = prepare(record(truth(), 120, 12.0))
+    step = ladder_step("baseline", truth(), measurement, measurement)
+    ModelFile(truth(), 60.0, "r", "h", {}, (step,)).save(tmp_path / "model.json")
+    error = refused(capsys, command, csv, "--model", str(tmp_path / "model.json"), "--gauge-length-mm", "25")
+    assert "fitted at a gauge length of 60 mm" in error
