@@ -87,15 +87,28 @@ def correction(compensator: Compensator, part: Series) -> Correction:
     from scipy.optimize import least_squares
 
     running = replace(compensator, start="causal")
-    late = part.time_s >= part.time_s[0] + WARM_S
+    late, reference = part.time_s >= part.time_s[0] + WARM_S, _expected(compensator, part.truth)
     # Weights that make as many errors as there are count as independent ones.
     weight = np.sqrt(np.ptp(part.time_s) / APART_S / late.sum()) / (ERROR * compensator.scaling_out.scale)
 
     def residual(numbers: FloatArray) -> FloatArray:
-        error = _moved(numbers).of(running).predict_series(part) - part.truth
+        error = _moved(numbers).of(running).predict_series(part) - reference
         return np.concatenate([weight * error[late], numbers])
 
     return _moved(least_squares(residual, np.zeros(4), method="lm", diff_step=1e-3, max_nfev=60).x)
+
+
+def _expected(compensator: Compensator, truth: FloatArray) -> FloatArray:
+    """What a right compensator would say of this reference.
+
+    One that explains a share r2 of the variance falls short by 1 - r2 of the way from the mean. Where the reference
+    stands still, at rest at the end of its range, that must not be taken for an error; where it moves, it evens out.
+    """
+    promise = compensator.recipe.get("cross_validated")
+    if np.ptp(truth) > 0 or promise is None:
+        return truth
+    mean = compensator.scaling_out.mean
+    return mean + float(np.clip(promise["r2"], 0.0, 1.0)) * (truth - mean)
 
 
 def _moved(numbers: FloatArray) -> Correction:
