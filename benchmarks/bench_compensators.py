@@ -1,106 +1,174 @@
-"""The tuned compensator against the paper's network on held-out recordings, simulated and measured.
+"""`compensation train` against the methods one would try instead, on fresh sensors and on measured recordings.
 
-    python benchmarks/bench_compensators.py [--seeds 10] [--sets 21,22] [-j 2] [--campaigns DIR]
+    python benchmarks/bench_compensators.py [--sets 201,202] [--methods auto,TCN] [--kinds pes,lycra,measured] [-j 1]
 
-Every choice of the tuned one is made on the training recording alone. The campaigns are of numbers that nothing was
-developed on. Dead networks count among "all seeds".
+Every method learns from the same recordings and chooses on them alone. r2 is the paper's, the mean over the held-out
+recordings. Each figure is kept in RESULTS as soon as it is known; a benchmark that was stopped goes on from there.
+The specimens were drawn for this benchmark alone; `auto` was developed on numbers 101 to 104.
 """
 
 from __future__ import annotations
 
 import argparse
+import json
 import tempfile
-from collections.abc import Iterator
+import time
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
+from compensator_cases import Case, measured, simulated
+from compensator_rivals import OURS, available, seed_of
 from joblib import Parallel, delayed
 
-from compensation import reproduction as ours
-from compensation import score
-from compensation.paper_campaigns import TAB, campaigns
-from compensation.preprocessing import TARGETS, Series
-from testbench.recordings.recording import Recording, read_recording
+from compensation.series import score
+from compensation.series.preprocessing import TARGETS, series_of
 
-REAL = Path(__file__).resolve().parents[1] / "../shared/data/real"
-STRIP = ("cb7.5_s2_multisine_600s", "cb7.5_s2_multisine_300s_a", "cb7.5_s2_random_sawtooth_a")
-HEAD = (
-    f"{'sensor':14} {'target':12} {'all seeds':>9} {'dead':>5} {'live':>6} {'best of 5':>9} {'tuned (SD)':>14} "
-    f"{'worst':>6} {'- all':>6} {'- live':>6} {'95 % of - live':>15} {'param.':>6}  chosen on the training recording"
-)
-
-
-def simulated(folder: Path, numbers: list[int]) -> Iterator[tuple[str, list[Recording]]]:
-    """T, A and B of both presets, from each campaign number."""
-    for number in numbers:
-        for sensor in ("pes", "lycra"):
-            yield f"{sensor} {number}", list(campaigns(folder, sensor, runs=TAB, number=number).values())
-
-
-def measured() -> Iterator[tuple[str, list[Recording]]]:
-    """A strip trained on one motion and tested on two others; another strip, trained on its first part."""
-    if not REAL.is_dir():
-        return
-    strip = REAL / "cb_silicone_strip"
-    yield "strip cb7.5", [read_recording(strip / f"{name}.csv", 40.0) for name in STRIP]
-    whole = read_recording(strip / "cb10_s1_holds8_speeds_v5.csv", 40.0)
-    cut = 0.6 * whole.duration_s
-    yield "strip cb10", [whole.between(0.0, cut), whole.between(cut, whole.duration_s)]
+RATE_HZ, SMALL = 20.0, 1500
+ROWS = [(kind, target) for kind in ("pes", "lycra") for target in TARGETS]
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--seeds", type=int, default=10)
-    parser.add_argument("--sets", default="21,22", help="campaign numbers")
-    parser.add_argument("--campaigns", type=Path, default=Path(tempfile.gettempdir()) / "knitbench-bench")
-    parser.add_argument("--sensor", help="only those whose name starts so: pes, lycra, strip")
-    parser.add_argument("-j", "--jobs", type=int, default=2)
+    place = Path(tempfile.gettempdir()) / "knitbench-bench"
+    parser.add_argument("--sets", default="201,202,203,204,205,206", help="numbers of the specimens")
+    parser.add_argument("--methods", help="only these, by name (default: all)")
+    parser.add_argument("--kinds", default="pes,lycra,measured", help="only these sensors")
+    parser.add_argument("--campaigns", type=Path, default=place)
+    parser.add_argument("--results", type=Path, help="default: results.jsonl beside the campaigns")
+    parser.add_argument("-j", "--jobs", type=int, default=1)
     args = parser.parse_args()
     args.campaigns.mkdir(parents=True, exist_ok=True)
-    sensors = [*simulated(args.campaigns, [int(number) for number in args.sets.split(",")]), *measured()]
-    wanted = [(name, recordings) for name, recordings in sensors if name.startswith(args.sensor or "")]
-    print(f"mean r2 over the held-out recordings, {args.seeds} seeds of either; 95 %: bootstrap over 60 s blocks")
-    print(HEAD)
-    rows = (
-        delayed(row)(name, ours.prepared(dict(enumerate(recordings)), target), target, args.seeds)
-        for name, recordings in wanted
+    results = args.results or args.campaigns / "results.jsonl"
+    methods, notes = available()
+    methods = {**methods, **OURS}
+    if args.methods:
+        methods = {name: methods[name] for name in args.methods.split(",")}
+    numbers = [int(number) for number in args.sets.split(",")]
+    cases = [
+        case for case in (*simulated(args.campaigns, numbers), *measured()) if case.kind in args.kinds.split(",")
+    ]
+    known = read(results)
+    jobs = (
+        delayed(judged)(case, target, [name for name in methods if (case.name, target, name) not in known])
+        for case in cases
         for target in TARGETS
     )
-    for text in Parallel(n_jobs=args.jobs, return_as="generator")(rows):
-        print(text, flush=True)
-    print("the paper's network has 51 parameters")
+    with results.open("a") as file:
+        for rows in Parallel(n_jobs=args.jobs, return_as="generator")(jobs):
+            for row in rows:
+                known[row["case"], row["target"], row["method"]] = row
+                print(json.dumps(row), file=file, flush=True)
+    print("\n".join([*tables(known, cases, list(methods)), *notes]))
 
 
-def row(name: str, series: dict[int, Series], target: str, seeds: int) -> str:
-    """One line of the table."""
-    training, *tests = series.values()
-    paper = ours.over_seeds(training, tests, target, seeds)
-    better = ours.tuned_seeds(training, target, seeds)
-    means = np.array([np.mean(ours.scores_of(one, tests)) for one in better])
-    every, live, tuned = paper.r2.mean(), paper.live.mean(), means.mean()
-    low, high = difference(paper, ours.predictions_of(better, tests), tests)
-    recipe = better[0].recipe
-    memory = "; ".join(f"{member['history']} L2 {member['l2']:g}" for member in recipe["members"])
-    return (
-        f"{name:14} {target:12} {every:9.3f} {paper.dead.sum():2}/{seeds:<2} {live:6.3f} "
-        f"{paper.best_of(min(5, seeds)).mean():9.3f} {f'{tuned:.3f} ({means.std():.3f})':>14} {means.min():6.3f} "
-        f"{tuned - every:+6.3f} {tuned - live:+6.3f} {f'{low:+.3f}..{high:+.3f}':>15} "
-        f"{better[0].parameter_count:6}  a = {recipe['factor']:g}, N = {recipe['count']}, "
-        f"{tuple(recipe['sizes'])}: {memory}"
-    )
+def judged(case: Case, target: str, names: Sequence[str]) -> list[dict]:
+    """Train each method on the case and score it."""
+    if not names:
+        return []
+    methods, _ = available()
+    training, tests = ([series_of(one, target, RATE_HZ) for one in part] for part in case.load())
+    sign = np.sign(np.corrcoef(training[0].conductance_S, training[0].truth)[0, 1])
+    raw = float(np.mean([score.r2_before(part.truth, part.conductance_S, sign) for part in tests]))
+    rows = []
+    for name in names:
+        began = time.process_time()
+        fitted = {**methods, **OURS}[name](training, target, seed_of(case.name, target))
+        found = float(np.mean([score.r2(part.truth, fitted.predict(part)) for part in tests]))
+        rows.append(
+            {
+                "case": case.name,
+                "kind": case.kind,
+                "target": target,
+                "method": name,
+                "r2": found,
+                "raw": raw,
+                "parameters": fitted.parameters,
+                "cpu_s": round(time.process_time() - began, 1),
+            }
+        )
+    return rows
 
 
-def difference(paper: ours.Seeds, better: tuple[np.ndarray, ...], tests: list[Series]) -> tuple[float, float]:
-    """95 % interval of mean r2, tuned less the paper's live seeds; both drawn on the same blocks."""
-    draws = []
-    for part, tuned, published in zip(tests, better, paper.predictions, strict=True):
+def read(results: Path) -> dict[tuple[str, str, str], dict]:
+    """What is known already: (case, target, method) -> row."""
+    if not results.exists():
+        return {}
+    rows = [json.loads(text) for text in results.read_text().splitlines()]
+    return {(row["case"], row["target"], row["method"]): row for row in rows}
 
-        def mean(outputs: np.ndarray, part: Series = part) -> np.ndarray:
-            return np.mean([score.block_draws(part.truth, output, part.time_s) for output in outputs], axis=0)
 
-        draws.append(mean(tuned) - mean(published[~paper.dead]))
-    low, high = np.quantile(np.mean(draws, axis=0), [0.025, 0.975])
-    return float(low), float(high)
+def tables(known: Mapping[tuple[str, str, str], dict], cases: Sequence[Case], methods: Sequence[str]) -> list[str]:
+    """The two tables and what they come to."""
+    kinds = {case.kind for case in cases}
+    lines: list[str] = []
+    if kinds & {"pes", "lycra"}:
+        lines += _fresh(known, [case for case in cases if case.kind != "measured"], methods)
+    if "measured" in kinds:
+        lines += _pairs(known, [case for case in cases if case.kind == "measured"], methods)
+    return lines
+
+
+def _fresh(known, cases: Sequence[Case], methods: Sequence[str]) -> list[str]:
+    rows = [row for row in ROWS if any(case.kind == row[0] for case in cases)]
+    head = "".join(f" {f'{kind} {target}':>26}" for kind, target in rows)
+    lines = [
+        "Fresh specimens: mean r2 over A and B, trained on T; 95 %: specimens drawn again",
+        f"{'method':14}{head} {'mean':>6} {'param.':>7} {'CPU s':>6}",
+    ]
+    means: dict[str, list[float]] = {}
+    for name in methods:
+        found = [[known[c.name, target, name] for c in cases if c.kind == kind] for kind, target in rows]
+        means[name] = [float(np.mean([one["r2"] for one in column])) for column in found]
+        cells = "".join(f" {_with_interval([one['r2'] for one in column]):>26}" for column in found)
+        every = [one for column in found for one in column]
+        size, cpu = (float(np.median([one[key] for one in every])) for key in ("parameters", "cpu_s"))
+        lines.append(f"{name:14}{cells} {np.mean(means[name]):6.3f} {size:7.0f} {cpu:6.1f}")
+    raw = [np.mean([known[c.name, t, methods[0]]["raw"] for c in cases if c.kind == kind]) for kind, t in rows]
+    lines.append(f"{'raw':14}{''.join(f' {value:26.3f}' for value in raw)} {np.mean(raw):6.3f}")
+    return [*lines, *_verdict(known, cases, means), ""]
+
+
+def _verdict(known, cases: Sequence[Case], means: Mapping[str, Sequence[float]]) -> list[str]:
+    small = [
+        name
+        for name in means
+        if name not in OURS and all(known[c.name, t, name]["parameters"] <= SMALL for c in cases for t in TARGETS)
+    ]
+    if "auto" not in means or not small:
+        return []
+    best = max(small, key=lambda name: np.mean(means[name]))
+    lead = np.mean(means["auto"]) - np.mean(means[best])
+    each = np.array(means["auto"]) - np.max([means[name] for name in small], axis=0)
+    return [
+        f"auto less the best rival of at most {SMALL} parameters ({best}): {lead:+.3f} in the mean; less the best "
+        f"one of each column: {', '.join(f'{value:+.3f}' for value in each)}"
+    ]
+
+
+def _pairs(known, cases: Sequence[Case], methods: Sequence[str]) -> list[str]:
+    head = "".join(f" {name[:13]:>13}" for name in ("raw", *methods))
+    lines = ["Measured pairs: r2 on the second, trained on the first", f"{'pair':56}{head}"]
+    near, above, count = 0, 0, 0
+    for case in cases:
+        for target in TARGETS:
+            found = {name: known[case.name, target, name]["r2"] for name in methods}
+            raw = known[case.name, target, methods[0]]["raw"]
+            cells = "".join(f" {max(value, -9.999):13.3f}" for value in (raw, *found.values()))
+            lines.append(f"{f'{case.name}, {target}':56}{cells}")
+            if "auto" in found:
+                near += found["auto"] >= max(raw, *found.values()) - 0.01
+                above += found["auto"] >= raw
+                count += 1
+    if count:
+        lines.append(f"auto: not below raw in {above} of {count}, within 0.01 of the best in {near} of {count}")
+    return lines
+
+
+def _with_interval(values: Sequence[float], draws: int = 2000) -> str:
+    rng, array = np.random.default_rng(0), np.array(values)
+    low, high = np.quantile(array[rng.integers(len(array), size=(draws, len(array)))].mean(axis=1), [0.025, 0.975])
+    return f"{array.mean():.3f} ({low:.3f} to {high:.3f})"
 
 
 if __name__ == "__main__":

@@ -21,13 +21,14 @@ from typing import NamedTuple
 import numpy as np
 from joblib import Parallel, delayed
 
-from compensation import candidates
-from compensation.engines import DEFAULT_L2, ENGINES
-from compensation.paper_campaigns import TAB, campaigns
-from compensation.preprocessing import Series
-from compensation.reproduction import prepared
-from compensation.score import r2
-from compensation.training import Options, training_arrays, untrained
+from compensation.engines.engine import DEFAULT_L2, ENGINES
+from compensation.paper.paper_campaigns import TAB, campaigns
+from compensation.paper.reproduction import prepared
+from compensation.search import candidates
+from compensation.series.preprocessing import Series
+from compensation.series.score import r2
+from compensation.training.arrays import training_arrays, untrained
+from compensation.training.options import Options
 
 ORDER = ("fast", "exact", "sklearn")
 EQUAL = 1e-10

@@ -21,13 +21,14 @@ from typing import NamedTuple
 import numpy as np
 from joblib import Parallel, delayed
 
-from compensation import reproduction as ours
-from compensation import twin
-from compensation.compensator import Compensator
-from compensation.paper_campaigns import TAB, campaigns
-from compensation.preprocessing import TARGETS, series_of
-from compensation.training import Options, train_on_series
-from compensation.twin_models import plausible
+from compensation.model.compensator import Compensator
+from compensation.paper import reproduction as ours
+from compensation.paper.paper_campaigns import TAB, campaigns
+from compensation.series.preprocessing import TARGETS, series_of
+from compensation.training import twin
+from compensation.training.options import Options
+from compensation.training.training import train_on_series
+from compensation.training.twin_models import plausible
 from testbench.fitting.baseline import starting_baseline
 from testbench.fitting.fit import fit
 from testbench.fitting.measurement import coarser, prepare

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from gcode.support import console
 
-COMMANDS: tuple[str, ...] = ("train", "score", "predict", "search", "table", "export")
+COMMANDS: tuple[str, ...] = ("train", "score", "predict", "recalibrate", "search", "table", "export")
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -91,7 +91,7 @@ def drift(recording: Recording) -> float:
 
 def quickly_compensated(recordings: list[Recording]) -> list[float]:
     """r2 after a quadratic ridge regression on the bank, a stand-in for the network; in the order of `AFTER`."""
-    from compensation.ema import smooth, smoothing_factors
+    from compensation.memories.ema import smooth, smoothing_factors
 
     signals = [standardised(r.conductance_S) for r in recordings]
     monomials = {
@@ -108,9 +108,9 @@ def quickly_compensated(recordings: list[Recording]) -> list[float]:
 
 def compensated(recordings: list[Recording], engine: str = "fast", starts: int = 5) -> list[float]:
     """The same by the paper's network (4, 2, 2), mean over the live ones of `starts` seeds."""
-    from compensation.preprocessing import Series
-    from compensation.reproduction import over_seeds
-    from compensation.training import Options
+    from compensation.paper.reproduction import over_seeds
+    from compensation.series.preprocessing import Series
+    from compensation.training.options import Options
 
     found: list[float] = []
     for training, tests, target, factor in AFTER:

@@ -22,7 +22,7 @@ import numpy as np
 from paper_figures import FAST_A, campaign, compensated, drift, quickly_compensated, r2_before
 from scipy.optimize import least_squares
 
-from compensation.published import COMPENSATED, RAW, TRANSFER
+from compensation.paper.published import COMPENSATED, RAW, TRANSFER
 from gcode.support.files import read_json, write_json
 from testbench.knit.catalogue import load_catalogue, model_from_dict
 from testbench.knit.effect import FloatArray, bounds_of

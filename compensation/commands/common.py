@@ -27,7 +27,7 @@ def add_recordings(parser: argparse.ArgumentParser) -> None:
 
 def read_all(args: argparse.Namespace) -> list[Recording]:
     """Every recording named on the command line; a force must have been tared."""
-    from compensation.reading import check_tared, read_signals
+    from compensation.series.reading import check_tared, read_signals
 
     recordings = [read_signals(path, args.gauge_length_mm) for path in args.recordings]
     for recording in recordings:
@@ -120,7 +120,7 @@ def parse_sizes(text: str) -> tuple[int, ...]:
 
 def parse_factors(text: str) -> tuple[float, ...]:
     """Smoothing factors from ``0.5,0.1,0.025,0.0025``."""
-    from compensation.ema import given_factors
+    from compensation.memories.ema import given_factors
     from gcode.support.errors import UserError
 
     try:
@@ -136,7 +136,7 @@ def finish(args: argparse.Namespace, scores: dict[str, Any], note: str) -> int:
     import json
 
     if args.plot:
-        from compensation.pictures import draw_scores
+        from compensation.scoring.pictures import draw_scores
 
         draw_scores(scores, args.plot)
         note = f"{note}\nwrote {args.plot}".strip()

@@ -18,13 +18,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Write the file and say what it costs."""
-    from compensation.compensator_files import load
-    from compensation.export_c import c_header, code_bytes, cost
+    from compensation.export.export_c import c_header, code_bytes, cost
+    from compensation.model.files import load
     from gcode.support.files import write_text
 
     compensator = load(args.compensator)
     if args.format == "onnx":
-        from compensation.export_onnx import write_onnx
+        from compensation.export.export_onnx import write_onnx
 
         write_onnx(compensator, args.output)
         print(

@@ -3,6 +3,13 @@
 from __future__ import annotations
 
 import argparse
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from compensation.model.compensator import Compensator
 
 SUMMARY = "Apply a compensator to a recording of resistance; no reference is needed."
 EXAMPLE = "compensation predict worn.csv --compensator pes.compensator.json -o compensated.csv"
@@ -15,6 +22,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-o", "--output", required=True, metavar="CSV", help="time_s, the target with its unit, low, high, status"
     )
+    parser.add_argument("--target", choices=("force", "displacement"), help="refuse a compensator of the other")
+    parser.add_argument("--unit", choices=("N", "mm"), help="refuse a compensator of another unit")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -23,15 +32,17 @@ def run(args: argparse.Namespace) -> int:
     import pandas as pd
 
     from compensation.commands.common import check_places
-    from compensation.compensator_files import load
-    from compensation.prediction import predicted, read_samples
-    from compensation.preprocessing import TARGETS
-    from compensation.runtime import Status
+    from compensation.model.files import load
+    from compensation.model.prediction import predicted, read_samples
+    from compensation.model.runtime import Status
+    from compensation.series.preprocessing import TARGETS
     from gcode.support.files import atomic_path
 
     check_places(args.output, None)
     compensator = load(args.compensator)
+    _check_target(args, compensator)
     time_s, resistance_ohm = read_samples(args.recording)
+    _check_long_enough(args.recording, compensator, time_s[np.isfinite(time_s)])
     found = predicted(compensator, time_s, resistance_ohm)
     name, unit = TARGETS[compensator.target]
     frame = pd.DataFrame(
@@ -52,6 +63,30 @@ def run(args: argparse.Namespace) -> int:
             print(f"  {share:.1%} {WORDS[flag.name or '']} (status {int(flag)})")
     print(f"wrote {args.output}")
     return 0
+
+
+def _check_target(args: argparse.Namespace, compensator: Compensator) -> None:
+    """Refuse a compensator of what is not asked for."""
+    from gcode.support.errors import UserError
+
+    for flag, wanted, has in (("--target", args.target, compensator.target), ("--unit", args.unit, compensator.unit)):
+        if wanted not in (None, has):
+            raise UserError(
+                f"{args.compensator} gives {compensator.target} in {compensator.unit}, not the {flag} {wanted} that "
+                "is asked for; take another compensator, or leave the option out"
+            )
+
+
+def _check_long_enough(path: str, compensator: Compensator, time_s: NDArray[np.float64]) -> None:
+    """A recording shorter than the slowest memory is all beginning."""
+    from gcode.support.errors import UserError
+
+    duration_s = float(time_s.max() - time_s.min()) if len(time_s) else 0.0
+    if duration_s < compensator.slowest_s:
+        raise UserError(
+            f"{path}: {duration_s:.1f} s long, the compensator's slowest memory has {compensator.slowest_s:.0f} s; "
+            "give a longer recording, or train with a smaller --factor or --count"
+        )
 
 
 WORDS = {

@@ -24,8 +24,8 @@ def run(args: argparse.Namespace) -> int:
     import json
 
     from compensation.commands.common import check_places, finish, read_all
-    from compensation.compensator_files import load
-    from compensation.scorecard import score_recordings
+    from compensation.model.files import load
+    from compensation.scoring.scorecard import score_recordings
     from gcode.support.files import write_text
 
     check_places(args.output, args.plot)

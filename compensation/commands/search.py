@@ -6,7 +6,7 @@ import argparse
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from compensation.candidates import Candidate
+    from compensation.search.candidates import Candidate
 
 SUMMARY = "Train and rank the 912 candidates (8 smoothing banks x 114 networks) over several seeds."
 EXAMPLE = "compensation search campaigns/pes-T campaigns/pes-A campaigns/pes-B --target force -o pes.search.jsonl"
@@ -14,7 +14,7 @@ EXAMPLE = "compensation search campaigns/pes-T campaigns/pes-A campaigns/pes-B -
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    from compensation.candidates import PRESETS
+    from compensation.search.candidates import PRESETS
 
     parser.add_argument("recordings", nargs="*", metavar="CAMPAIGN", help="training, test A and test B")
     parser.add_argument("--gauge-length-mm", type=float, metavar="MM", help="for bare CSVs")
@@ -50,9 +50,9 @@ def run(args: argparse.Namespace) -> int:
     from dataclasses import asdict
     from pathlib import Path
 
-    from compensation import search
     from compensation.commands.common import check_places
-    from compensation.ranking import rank, split_half_agreement
+    from compensation.search import search
+    from compensation.search.ranking import rank, split_half_agreement
     from gcode.support.console import Progress
 
     chosen = _chosen(args)
@@ -69,7 +69,7 @@ def run(args: argparse.Namespace) -> int:
     rows = search.sweep(task, jobs, args.output, args.workers, args.backend, args.scheduler, progress.step)
     ranking, agreement = rank(rows), split_half_agreement(rows)
     if args.plot:
-        from compensation.pictures_search import draw_search
+        from compensation.search.pictures_search import draw_search
 
         draw_search(ranking, args.plot)
     if args.json:
@@ -83,7 +83,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _chosen(args: argparse.Namespace) -> list[Candidate]:
     """The candidates that the options name."""
-    from compensation import candidates
+    from compensation.search import candidates
     from gcode.support.errors import UserError
 
     if args.sample is not None and args.sample < 1:

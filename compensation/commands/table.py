@@ -24,8 +24,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Simulate what is missing, then print table after table."""
-    from compensation import tables
-    from compensation.paper_campaigns import RUNS, campaigns
+    from compensation.paper import tables
+    from compensation.paper.paper_campaigns import RUNS, campaigns
     from gcode.support.console import Progress
     from gcode.support.errors import UserError
     from gcode.support.files import make_folder

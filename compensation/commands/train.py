@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from compensation.commands.common import add_recordings
 
 if TYPE_CHECKING:
-    from compensation.compensator import Compensator
-    from compensation.training import Options
+    from compensation.model.compensator import Compensator
+    from compensation.training.options import Options
     from testbench.recordings.recording import Recording
 
 SUMMARY = "Train a compensator on recorded campaigns."
@@ -67,14 +67,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Train, save, and show the score on the training recordings."""
     from compensation.commands.common import check_places, cross_validation_table, finish, read_all
-    from compensation.compensator_files import save
-    from compensation.scorecard import score_recordings
+    from compensation.model.files import save
+    from compensation.scoring.scorecard import score_recordings
 
     options = _options(args)
     check_places(args.output, args.plot)
     recordings = read_all(args)
-    _check_long_enough(args, options, recordings)
     args.method = args.method or _implied(args)
+    _check_long_enough(args, options, recordings)
     compensator = _from_twin(args, recordings, options) if args.twin else _from_data(args, recordings, options)
     save(args.output, compensator)
     recipe = compensator.recipe
@@ -99,19 +99,22 @@ def _implied(args: argparse.Namespace) -> str:
 
 def _check_long_enough(args: argparse.Namespace, options: Options, recordings: list[Recording]) -> None:
     """A filter that remembers longer than the recording lasts never leaves its initial value."""
+    from compensation.memories.ema import smoothing_factors
+    from compensation.training.learners import COUNT, FACTOR
     from gcode.support.errors import UserError
 
-    slowest_s = 1.0 / (options.rate_hz * float(min(options.bank)))
+    bank = smoothing_factors(FACTOR, COUNT) if args.method == "auto" else options.bank
+    slowest_s = 1.0 / (options.rate_hz * float(min(bank)))
     longest_s = max(recording.duration_s for recording in recordings)
     if slowest_s > longest_s and not args.twin:
         raise UserError(
             f"the slowest filter remembers {slowest_s:.0f} s and the longest recording has {longest_s:.0f} s; record "
-            "longer, or take a smaller --factor or --count"
+            "longer, or take --method paper with a smaller --factor or --count"
         )
 
 
 def _bank(recipe) -> str:
-    from compensation.ema import smoothing_factors
+    from compensation.memories.ema import smoothing_factors
 
     alphas = recipe["alphas"]
     if alphas == smoothing_factors(recipe["factor"], recipe["count"]).tolist():
@@ -122,8 +125,8 @@ def _bank(recipe) -> str:
 def _options(args: argparse.Namespace) -> Options:
     """The options that were given, checked; the others are the paper's."""
     from compensation.commands.common import parse_factors, parse_sizes
-    from compensation.engines import engine
-    from compensation.training import Options
+    from compensation.engines.engine import engine
+    from compensation.training.options import Options
 
     _check(args)
     given = {name: getattr(args, name) for name in OWN_CHOICES if getattr(args, name) is not None}
@@ -158,8 +161,8 @@ def _check(args: argparse.Namespace) -> None:
 
 
 def _from_data(args: argparse.Namespace, recordings: list[Recording], options: Options) -> Compensator:
-    from compensation import tuning
-    from compensation.training import train
+    from compensation.training import tuning
+    from compensation.training.training import train
     from gcode.support.console import Progress
 
     if args.method == "auto":
@@ -170,8 +173,8 @@ def _from_data(args: argparse.Namespace, recordings: list[Recording], options: O
 
 
 def _automatic(args: argparse.Namespace, recordings: list[Recording], options: Options) -> Compensator:
-    from compensation import auto
-    from compensation.preprocessing import series_of
+    from compensation.series.preprocessing import series_of
+    from compensation.training import auto
     from gcode.support.console import Progress
 
     rate_hz = None if options.irregular else options.rate_hz
@@ -180,8 +183,8 @@ def _automatic(args: argparse.Namespace, recordings: list[Recording], options: O
 
 
 def _from_twin(args: argparse.Namespace, recordings: list[Recording], options: Options) -> Compensator:
-    from compensation import twin
-    from compensation.reading import UNKNOWN_LENGTH_MM
+    from compensation.series.reading import UNKNOWN_LENGTH_MM
+    from compensation.training import twin
     from gcode.support.console import Progress
     from gcode.support.errors import UserError
     from testbench.fitting.model_file import load_model_file

@@ -17,7 +17,7 @@ from testbench.recordings.versions import software_versions
 from testbench.rig.ending import EndOfMotion
 from testbench.rig.motion import played
 from testbench.rig.ports import remembered_port, stated_port
-from testbench.rig.recorder import PROGRESS_S, Limits, Part, Recorder, Status
+from testbench.rig.recorder import PROGRESS_S, Follow, Limits, Part, Recorder, Status
 from testbench.rig.resume import continued, mend, watched
 from testbench.rig.serial_port import host_clock_s
 from testbench.rig.sink import CSV, EVENTS, ROOM_BYTES, Sink, Syncer
@@ -95,8 +95,11 @@ def record(
     resume: bool = False,
     clock: Callable[[], float] = host_clock_s,
     pause: Callable[[float], None] = time.sleep,
+    follow: Follow | None = None,
 ) -> Status:
     """Record what `link` delivers into `folder`, which `begin` has made, and write its manifest.
+
+    `follow` sees each row as it is accepted; see `testbench.rig.recorder.Recorder`.
 
     Returns
     -------
@@ -117,7 +120,16 @@ def record(
     try:
         sink.write(first)
         recorder = Recorder(
-            intake, sink, job.gauge_length_mm, job.limits, motion.duration_s, ending, report, job.give_up_s, pause
+            intake,
+            sink,
+            job.gauge_length_mm,
+            job.limits,
+            motion.duration_s,
+            ending,
+            report,
+            job.give_up_s,
+            pause,
+            follow,
         )
         status = _synced(sink, lambda: recorder.run(link, stopped))
     finally:

@@ -36,12 +36,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="S",
         help="end when a lost port stays away, or a full disk full, for so long (default 60)",
     )
+    parser.add_argument(
+        "--compensator",
+        metavar="C",
+        help="show what it makes of the resistance beside the force, and keep it in CAMPAIGN/compensated.csv",
+    )
     parser.add_argument("--progress-json", action="store_true", help="progress as JSON lines on stdout")
 
 
 def run(args: argparse.Namespace) -> int:
     import sys
 
+    from testbench.campaigns.following import live_compensator
     from testbench.campaigns.record import begin, record
     from testbench.rig.progress import as_text, json_lines, terminal
     from testbench.rig.serial_port import SerialLink
@@ -49,15 +55,18 @@ def run(args: argparse.Namespace) -> int:
 
     folder = Path(args.campaign)
     job = _continued(args, folder) if args.resume else _new(args, folder)
+    live = live_compensator(args.compensator, folder) if args.compensator else None
     link = SerialLink(job.port, job.baud, args.give_up_s)
     try:
         if not args.resume:
             begin(job, folder)
         report = json_lines() if args.progress_json else terminal(f"record {folder.name}")
         with stop_signals() as stopped:
-            status = record(job, folder, link, report, stopped, args.resume)
+            status = record(job, folder, link, report, stopped, args.resume, follow=live.follow if live else None)
     finally:
         link.close()
+        if live is not None:
+            live.close()
     if not args.progress_json:
         print(f"{folder}: {status.state}: {as_text(status)}")
     if status.state in ("complete", "interrupted"):

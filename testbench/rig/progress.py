@@ -25,6 +25,8 @@ def as_text(status: Status) -> str:
         parts.append(f"the disk failed {status.sync_failures} times to keep what it took")
     if status.force_N is not None:
         parts.append(f"{status.force_N:.3f} N")
+    if status.compensated is not None:
+        parts.append(f"compensated {status.compensated:.3f} {status.compensated_unit}")
     if status.resistance_ohm is not None:
         parts.append(f"{status.resistance_ohm:.4g} ohm")
     parts.append(f"strain {status.strain:.3f}")

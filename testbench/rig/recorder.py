@@ -49,6 +49,8 @@ class End(NamedTuple):
 
 
 Part = Chunk | Lost | Tick | End
+# Takes a row, gives what a compensator makes of the resistance so far, and its unit.
+Follow = Callable[[Row], tuple[float | None, str]]
 
 
 @dataclass(frozen=True)
@@ -82,6 +84,8 @@ class Status:
     force_N, resistance_ohm : float or None
     displacement_mm, strain : float
         The last accepted sample.
+    compensated : float or None
+        What a compensator makes of the resistance, in `compensated_unit`; None without one.
     state : str
         ``recording``, then ``complete``, ``interrupted``, ``alarm``, ``disk full``, ``disk error`` or ``port lost``.
     message : str
@@ -100,6 +104,8 @@ class Status:
     resistance_ohm: float | None = None
     displacement_mm: float = 0.0
     strain: float = 0.0
+    compensated: float | None = None
+    compensated_unit: str = ""
     state: str = "recording"
     message: str = ""
 
@@ -120,6 +126,8 @@ class Recorder:
         Whether the recording is complete with this row; see `testbench.rig.ending`.
     report : callable
         Called with the `Status` about twice a second of host time, and at the end.
+    follow : callable, optional
+        Told about each accepted row as it comes; gives what `Status.compensated` shows.
     disk_patience_s : float
         How long a disk may stay full.
     pause : callable, optional
@@ -137,12 +145,14 @@ class Recorder:
         report: Callable[[Status], None] = lambda status: None,
         disk_patience_s: float = 60.0,
         pause: Callable[[float], None] | None = None,
+        follow: Follow | None = None,
     ) -> None:
         self.intake, self.sink, self.gauge_length_mm = intake, sink, gauge_length_mm
         self.limits = limits or Limits()
         self.status = Status(duration_s)
         self._is_over, self._report, self._disk_patience_s = is_over, report, disk_patience_s
         self._last: Row | None = None
+        self._follow = follow
         self._window: tuple[int, int] | None = None
         self._reported_s = float("-inf")
         self._full_since_s: float | None = None
@@ -192,6 +202,8 @@ class Recorder:
     def _ending(self, row: Row) -> list[Item]:
         """What to write last if this row ends the recording; empty if it goes on."""
         self._last = row
+        if self._follow is not None:
+            self.status.compensated, self.status.compensated_unit = self._follow(row)
         if alarm := self._alarm(row):
             self.status.state, self.status.message = "alarm", alarm
             return [row, Event("alarm", row.time_us, {"message": alarm})]

@@ -13,7 +13,7 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from compensation.compensator_files import load as load_compensator
+from compensation.model.files import load as load_compensator
 from gcode.mach4.controller import play
 from gcode.mach4.reader import parse_program, read_program, read_text
 from gcode.programs.make import make

@@ -9,7 +9,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from compensation.published import COMPENSATED, RAW
+from compensation.paper.published import COMPENSATED, RAW
 from testbench.knit.presets import preset
 
 SEEDS = tuple(range(100, 120))  # not those the presets were tuned on

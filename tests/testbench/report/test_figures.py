@@ -9,7 +9,7 @@ import plotly.graph_objects
 import pytest
 
 import tests.testbench.report.samples as samples
-from compensation.published import COMPENSATED, mean_of_tests
+from compensation.paper.published import COMPENSATED, mean_of_tests
 from testbench.report import (
     alignment_figures,
     comparison_figures,

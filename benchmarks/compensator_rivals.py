@@ -1,0 +1,252 @@
+"""The methods that `bench_compensators.py` holds `train --method auto` against; none of them is built in.
+
+Each learns from the same recordings, as the same series at 20 Hz, and predicts a recording from its first sample on.
+What a rival needs beyond the signal (standardisation, a shift of the state by 0.1 standard deviations for the linear
+and the sequence models, penalties) is given to it, so that it loses for what it is and not for how it was trained.
+"""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from sequence_networks import Gru, Tcn, adam
+
+from compensation.memories.history import History
+from compensation.model.compensator import Compensator
+from compensation.series.preprocessing import Series
+from compensation.training.arrays import training_arrays, untrained
+from compensation.training.auto import train_automatically
+from compensation.training.options import Options
+from compensation.training.training import train_on_series
+from compensation.training.tuning import MOTION_TAUS_S, PLAY_RADII, tune
+
+FloatArray = NDArray[np.float64]
+
+STRIDE = 5  # rows a regressor learns from: neighbours 50 ms apart are the same row to a forest
+STATE_SHIFT = 0.1
+SEQUENCE_EVERY = 4  # 20 Hz -> 5 Hz
+PIECE_S, WARM_S, PIECES = 200.0, 40.0, 6
+RESERVOIR = 300
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """A trained rival.
+
+    Attributes
+    ----------
+    predict : callable
+        Series -> prediction at each of its samples, in the target's unit.
+    parameters : int
+        Numbers that were learned; of a forest or boosted trees, thresholds and leaves.
+    """
+
+    predict: Callable[[Series], FloatArray]
+    parameters: int
+
+
+Rival = Callable[[Sequence[Series], str, int], Fitted]
+
+
+def line(series: Sequence[Series], target: str, seed: int) -> Fitted:
+    """A straight line through the conductance."""
+    x = np.concatenate([part.conductance_S for part in series])
+    slope, offset = np.polyfit(x / x.mean(), np.concatenate([part.truth for part in series]), 1)
+    return Fitted(lambda part: slope * part.conductance_S / x.mean() + offset, 2)
+
+
+def regressor(make: Callable[[int], object], parameters: Callable[[object], int]) -> Rival:
+    """One of scikit-learn's kind, on the paper's smoothing bank."""
+
+    def fit(series: Sequence[Series], target: str, seed: int) -> Fitted:
+        blank = untrained(series, target, Options())
+        features, truth = training_arrays(blank, series)
+        model = make(seed)
+        model.fit(features[::STRIDE], truth[::STRIDE])  # type: ignore[attr-defined]
+
+        def predict(part: Series) -> FloatArray:
+            inputs = blank.features(part.time_s, part.conductance_S)
+            return blank.scaling_out.invert(np.asarray(model.predict(inputs)))  # type: ignore[attr-defined]
+
+        return Fitted(predict, parameters(model))
+
+    return fit
+
+
+def ridge(series: Sequence[Series], target: str, seed: int) -> Fitted:
+    """Linear in bank, motion and play, on the recordings and two copies of shifted state: 15 numbers."""
+    blank = untrained(series, target, Options(history=History(MOTION_TAUS_S, PLAY_RADII)))
+    copies = [
+        [Series(p.time_s, p.conductance_S + by * blank.scaling_in.scale, p.truth, p.source) for p in series]
+        for by in (0.0, STATE_SHIFT, -STATE_SHIFT)
+    ]
+    arrays = [training_arrays(blank, copy) for copy in copies]
+    features, truth = (np.concatenate(columns) for columns in zip(*arrays, strict=True))
+    centre, spread = features.mean(axis=0), features.std(axis=0)
+    x = (features - centre) / spread
+    weights = np.linalg.solve(x.T @ x / len(x) + 0.01 * np.eye(x.shape[1]), x.T @ (truth - truth.mean()) / len(x))
+
+    def predict(part: Series) -> FloatArray:
+        inputs = (blank.features(part.time_s, part.conductance_S) - centre) / spread
+        return blank.scaling_out.invert(inputs @ weights + truth.mean())
+
+    return Fitted(predict, len(weights) + 1)
+
+
+def reservoir(series: Sequence[Series], target: str, seed: int) -> Fitted:
+    """Echo state network: random leaky units of many time constants, a ridge regression on them.
+
+    Jaeger, "The echo state approach to analysing and training recurrent neural networks" (2001).
+    """
+    rng = np.random.default_rng(seed)
+    inputs, bias = rng.uniform(-1, 1, (2, RESERVOIR))
+    inner = rng.standard_normal((RESERVOIR, RESERVOIR)) * (rng.random((RESERVOIR, RESERVOIR)) < 0.1)
+    inner *= 0.7 / np.abs(np.linalg.eigvals(inner)).max()
+    leak = np.exp(rng.uniform(np.log(0.003), 0.0, RESERVOIR))
+    scales = _scales(series)
+
+    def states(x: FloatArray) -> FloatArray:
+        out, state = np.empty((len(x), RESERVOIR + 2)), np.zeros(RESERVOIR)
+        for _ in range(100):
+            state = state + leak * (np.tanh(inputs * x[0] + inner @ state + bias) - state)
+        for row, value in enumerate(x):
+            state = state + leak * (np.tanh(inputs * value + inner @ state + bias) - state)
+            out[row, 2:], out[row, :2] = state, (1.0, value)
+        return out
+
+    lessons = [_slow(part, scales) for part in series]
+    x = np.concatenate([states(signal + by) for signal, _ in lessons for by in (0.0, STATE_SHIFT, -STATE_SHIFT)])
+    truth = np.concatenate([np.tile(values, 3) for _, values in lessons])
+    weights = np.linalg.solve(x.T @ x / len(x) + 1e-3 * np.eye(x.shape[1]), x.T @ truth / len(x))
+    return Fitted(lambda part: _fast(part, states(_slow(part, scales)[0]) @ weights, scales), len(weights))
+
+
+def sequence(network: Gru | Tcn, steps: int, rate: float) -> Rival:
+    """A recurrent or convolutional network, trained on pieces of 200 s that begin anywhere, in shifted states."""
+
+    def fit(series: Sequence[Series], target: str, seed: int) -> Fitted:
+        rng, scales = np.random.default_rng(seed), _scales(series)
+        lessons = [_slow(part, scales) for part in series]
+        length = min(int(PIECE_S * 5), *(len(signal) for signal, _ in lessons))
+        counts = np.ones((PIECES, length))
+        counts[:, : min(int(WARM_S * 5), length // 2)] = 0.0
+
+        def pieces(step: int):
+            x, truth = np.empty((2, PIECES, length))
+            for row in range(PIECES):
+                signal, values = lessons[rng.integers(len(lessons))]
+                begin = rng.integers(len(signal) - length + 1)
+                x[row] = signal[begin : begin + length] + STATE_SHIFT * rng.standard_normal()
+                truth[row] = values[begin : begin + length]
+            return x, truth, counts
+
+        flat = adam(network.loss, network.start(rng), pieces, steps, rate)
+        return Fitted(
+            lambda part: _fast(part, network(flat, _slow(part, scales)[0][None, :])[0], scales),
+            network.parameter_count,
+        )
+
+    return fit
+
+
+def auto(series: Sequence[Series], target: str, seed: int) -> Fitted:
+    """`compensation train`, as it comes."""
+    return _ours(train_automatically(series, target, Options(seed=seed)))
+
+
+def tuned(series: Sequence[Series], target: str, seed: int) -> Fitted:
+    """`compensation train --method tuned`."""
+    return _ours(tune(series, target, Options(seed=seed)))
+
+
+def paper(series: Sequence[Series], target: str, seed: int) -> Fitted:
+    """`compensation train --method paper`: (4, 2, 2), the best of five starts on the training."""
+    return _ours(train_on_series(series, target, Options(seed=seed)))
+
+
+def _ours(compensator: Compensator) -> Fitted:
+    return Fitted(compensator.predict_series, compensator.parameter_count)
+
+
+def _scales(series: Sequence[Series]) -> tuple[float, float, float, float]:
+    x = np.concatenate([part.conductance_S for part in series])
+    y = np.concatenate([part.truth for part in series])
+    return float(x.mean()), float(x.std()), float(y.mean()), float(y.std())
+
+
+def _slow(part: Series, scales: tuple[float, float, float, float]) -> tuple[FloatArray, FloatArray]:
+    """Standardised signal and truth at 5 Hz, each the mean over the four samples before."""
+    count = len(part) // SEQUENCE_EVERY * SEQUENCE_EVERY
+    thinned = [values[:count].reshape(-1, SEQUENCE_EVERY).mean(axis=1) for values in (part.conductance_S, part.truth)]
+    return (thinned[0] - scales[0]) / scales[1], (thinned[1] - scales[2]) / scales[3]
+
+
+def _fast(part: Series, output: FloatArray, scales: tuple[float, float, float, float]) -> FloatArray:
+    """Back at 20 Hz and in units."""
+    middles = (np.arange(len(output)) + 0.5) * SEQUENCE_EVERY - 0.5
+    return np.interp(np.arange(len(part)), middles, output) * scales[3] + scales[2]
+
+
+def _polynomial(degree: int) -> Callable[[int], object]:
+    def make(seed: int) -> object:
+        from sklearn.linear_model import LinearRegression
+        from sklearn.pipeline import make_pipeline
+        from sklearn.preprocessing import PolynomialFeatures
+
+        return make_pipeline(PolynomialFeatures(degree), LinearRegression())
+
+    return make
+
+
+def _forest(seed: int) -> object:
+    from sklearn.ensemble import RandomForestRegressor
+
+    return RandomForestRegressor(n_estimators=50, min_samples_leaf=5, random_state=seed)
+
+
+def _boosted(seed: int) -> object:
+    from lightgbm import LGBMRegressor
+
+    return LGBMRegressor(
+        n_estimators=200,
+        num_leaves=7,
+        learning_rate=0.05,
+        min_child_samples=50,
+        random_state=seed,
+        n_jobs=1,
+        verbose=-1,
+    )
+
+
+RIVALS: dict[str, Rival] = {
+    "line": line,
+    "linear": regressor(_polynomial(1), lambda model: 8),
+    "polynomial 3": regressor(_polynomial(3), lambda model: model[-1].n_features_in_ + 1),
+    "polynomial 4": regressor(_polynomial(4), lambda model: model[-1].n_features_in_ + 1),
+    "random forest": regressor(_forest, lambda model: sum(tree.tree_.node_count for tree in model.estimators_)),
+    "LightGBM": regressor(_boosted, lambda model: model.n_estimators_ * 13),
+    "ridge": ridge,
+    "ESN": reservoir,
+    "GRU": sequence(Gru(8), 300, 2e-2),
+    "TCN": sequence(Tcn(8, 9), 500, 1e-2),
+}
+OURS: dict[str, Rival] = {"paper": paper, "tuned": tuned, "auto": auto}
+
+
+def available() -> tuple[dict[str, Rival], list[str]]:
+    """The rivals that can run here, and a sentence for each that cannot."""
+    from importlib.util import find_spec
+
+    if find_spec("lightgbm"):
+        return RIVALS, []
+    rest = {name: rival for name, rival in RIVALS.items() if name != "LightGBM"}
+    return rest, ["LightGBM is left out: it is not installed (pip install lightgbm)"]
+
+
+def seed_of(*names: str) -> int:
+    """The same number for the same names, on any machine."""
+    return zlib.crc32(" ".join(names).encode()) % 1000

@@ -1,0 +1,65 @@
+"""``compensation recalibrate``: fit a compensator to another day or specimen from a minute of reference."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from compensation.model.compensator import Compensator
+    from compensation.series.preprocessing import Series
+
+SUMMARY = "Correct a compensator for another day or specimen, from a minute of reference."
+EXAMPLE = "compensation recalibrate pes.compensator.json today.csv --seconds 60 -o today.compensator.json"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("compensator", metavar="COMPENSATOR", help="made by `compensation train`")
+    parser.add_argument("recording", metavar="RECORDING", help="campaign folder or CSV with the reference")
+    parser.add_argument("-o", "--output", required=True, metavar="FILE", help="compensator to write (JSON)")
+    parser.add_argument("--seconds", type=float, default=60.0, help="how much of its beginning to use (default 60)")
+    parser.add_argument(
+        "--rest", action="store_true", help="the sensor rests without load: no reference is needed, it is zero"
+    )
+    parser.add_argument("--gauge-length-mm", type=float, metavar="MM", help="of a bare CSV, where it is known")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Correct, save, and say what moved."""
+    from compensation.commands.common import check_places
+    from compensation.model.files import load, save
+    from compensation.training.recalibration import LEAST_S, recalibrated
+    from gcode.support.errors import UserError
+
+    if not LEAST_S <= args.seconds < float("inf"):
+        raise UserError(f"--seconds must be a number from {LEAST_S:g} on, got {args.seconds:g}")
+    check_places(args.output, None)
+    compensator = load(args.compensator)
+    found = recalibrated(compensator, _reference(args, compensator))
+    save(args.output, found)
+    note, unit = found.recipe["recalibrated"], compensator.unit
+    print(
+        f"{note['seconds']:.0f} s of reference: RMS {note['rms_before']:.3f} -> {note['rms_after']:.3f} {unit}\n"
+        f"  conductance: gain {note['gain_in']:.3f}, zero {note['shift_in']:+.3f} standard deviations\n"
+        f"  {compensator.target}: gain {note['gain_out']:.3f}, zero {note['shift_out']:+.3f} standard deviations\n"
+        f"wrote {args.output}"
+    )
+    return 0
+
+
+def _reference(args: argparse.Namespace, compensator: Compensator) -> Series:
+    """The first seconds of the recording: its own reference, or zero throughout."""
+    from compensation.model.prediction import at_rest
+    from compensation.series.preprocessing import series_of
+    from compensation.series.reading import check_tared, read_signals
+
+    if args.rest:
+        return at_rest(compensator, args.recording, args.seconds)
+    recording = read_signals(args.recording, args.gauge_length_mm)
+    if compensator.target == "force":
+        check_tared(recording)
+    begin_s = float(recording.time_s[0])
+    return series_of(
+        recording.between(begin_s, begin_s + args.seconds), compensator.target, compensator.resampling_hz
+    )

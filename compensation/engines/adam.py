@@ -1,0 +1,108 @@
+"""Minibatch Adam for small relu networks: the training of scikit-learn's MLPRegressor, each epoch one compiled call.
+
+Random numbers come from the same stream in the same order, so that the same seed gives the same network, to rounding.
+The arithmetic is in `compensation.engines.adam_kernels`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compensation.engines.adam_kernels import epoch
+from compensation.engines.network import Network
+
+FloatArray = NDArray[np.float64]
+
+BATCH = 200
+LEARNING_RATE = 1e-3
+TOLERANCE, PATIENCE = 1e-4, 10
+
+
+def initial_network(widths: Sequence[int], rng: np.random.RandomState) -> Network:
+    """Glorot's uniform start, drawn in MLPRegressor's order. `widths` includes the inputs and the single output."""
+    weights, biases = [], []
+    for fan_in, fan_out in pairwise(widths):
+        bound = np.sqrt(6.0 / (fan_in + fan_out))
+        weights.append(rng.uniform(-bound, bound, (fan_in, fan_out)))
+        biases.append(rng.uniform(-bound, bound, fan_out))
+    return Network(tuple(weights), tuple(biases))
+
+
+def flatten(network: Network) -> FloatArray:
+    """All weights and biases in one vector, layer by layer, each layer's weights before its biases."""
+    pairs = zip(network.weights, network.biases, strict=True)
+    return np.concatenate([part.ravel() for pair in pairs for part in pair])
+
+
+def unflatten(flat: FloatArray, widths: Sequence[int]) -> Network:
+    """Inverse of `flatten`."""
+    weights, biases, at = [], [], 0
+    for fan_in, fan_out in pairwise(widths):
+        weights.append(flat[at : at + fan_in * fan_out].reshape(fan_in, fan_out).copy())
+        at += fan_in * fan_out
+        biases.append(flat[at : at + fan_out].copy())
+        at += fan_out
+    return Network(tuple(weights), tuple(biases))
+
+
+def train_adam(
+    features: FloatArray,
+    target: FloatArray,
+    sizes: Sequence[int],
+    seed: int,
+    l2: float,
+    max_epochs: int,
+    start: Network | None = None,
+    batch: int = BATCH,
+    rate: float = LEARNING_RATE,
+    averaging: float = 0.0,
+) -> tuple[Network, FloatArray]:
+    """Train one network as `MLPRegressor(hidden_layer_sizes=sizes, alpha=l2, random_state=seed)` does.
+
+    Parameters
+    ----------
+    features, target : ndarray, shapes (n, k) and (n,)
+    start : Network, optional
+        Go on from this network instead of a random one.
+    batch : int
+        Rows a step; scikit-learn's is 200.
+    rate : float
+        Adam's learning rate; scikit-learn's is 0.001.
+    averaging : float
+        Share that the running mean of the weights, taken after each epoch, keeps of itself; that mean is returned.
+        0 returns the last weights, as scikit-learn does. The mean does not jump about the minimum as the weights do
+        (B. T. Polyak and A. B. Juditsky, Acceleration of stochastic approximation by averaging, 1992).
+
+    Returns
+    -------
+    network : Network
+    loss_curve : ndarray, shape (epochs,)
+    """
+    features, target = np.ascontiguousarray(features), np.ascontiguousarray(target)
+    widths = (features.shape[1], *sizes, 1)
+    widths_array = np.array(widths)
+    rng = np.random.RandomState(seed)
+    flat = flatten(start or initial_network(widths, rng))
+    first, second = np.zeros_like(flat), np.zeros_like(flat)
+    mean, curve = flat, list[float]()
+    order, best, stale, steps = np.arange(len(features)), np.inf, 0, 0
+    while len(curve) < max_epochs and stale <= PATIENCE:
+        order = order[_permutation(rng, len(order))]
+        total, steps = epoch(features, target, order, widths_array, flat, first, second, steps, l2, batch, rate)
+        loss = total / len(order)
+        curve.append(loss)
+        stale = stale + 1 if loss > best - TOLERANCE else 0
+        best = min(best, loss)
+        share = max(1.0 - averaging, 1.0 / len(curve))
+        mean = (1.0 - share) * mean + share * flat
+    return unflatten(mean, widths), np.asarray(curve)
+
+
+def _permutation(rng: np.random.RandomState, count: int) -> NDArray[np.int64]:
+    indices = np.arange(count)
+    rng.shuffle(indices)
+    return indices

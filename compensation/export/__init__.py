@@ -1,0 +1,1 @@
+"""Compensators for a chip (C) and for ONNX."""

@@ -1,0 +1,153 @@
+"""The compensator: conductance in, force or displacement out; what `train` saves and everything else reads."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compensation.engines.network import Network
+from compensation.memories.ema import smooth, smooth_irregular
+from compensation.memories.history import NO_HISTORY, History
+from compensation.model.ranges import Beginning, Seen
+from compensation.series.preprocessing import TARGETS, Series
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Scaling:
+    """Affine standardisation: ``(value - mean) / scale``."""
+
+    mean: float
+    scale: float
+
+    @classmethod
+    def of(cls, values: FloatArray) -> Scaling:
+        """Mean and population standard deviation of `values`."""
+        return cls(float(np.mean(values)), float(np.std(values)))
+
+    def apply(self, values: FloatArray) -> FloatArray:
+        """Standardise."""
+        return (values - self.mean) / self.scale
+
+    def invert(self, values: FloatArray) -> FloatArray:
+        """Back to physical units."""
+        return values * self.scale + self.mean
+
+
+@dataclass(frozen=True)
+class Compensator:
+    """Scaler, smoothing bank (and other memories), and one or more networks whose mean is the answer.
+
+    Attributes
+    ----------
+    target : {"force", "displacement"}
+    rate_hz : float
+        Rate the smoothing factors refer to.
+    alphas : ndarray, shape (k,)
+        Smoothing factors.
+    scaling_in, scaling_out : Scaling
+        Of the conductance (S) and of the target (N or mm), fitted on the training recording.
+    networks : tuple of Network
+        Each takes the k smoothed values and the history's; the prediction is their mean.
+    irregular : bool
+        True: samples are used at the times they were taken. False: resample to `rate_hz` first (the paper).
+    start : {"paper", "causal"}
+        ``paper``: a recording is known from its beginning (`compensation.memories.ema.smooth`). ``causal``: what a
+        stream does that is switched on with the first sample.
+    per_recording : bool
+        True: each recording is standardised by its own mean and spread, as if it were known as a whole.
+    sign : float
+        +1 where conductance rises with the target, -1 where it falls; used for the raw baseline only.
+    history : History
+        Memories beside the bank; the paper has none.
+    recipe : mapping
+        How it was trained.
+    seen : Seen, optional
+        Ranges over the training recordings; see `compensation.model.runtime`.
+    beginning : Beginning, optional
+        Where a stream's memories begin.
+    margins : tuple of float, optional
+        Added to a prediction, the ends of the interval that held 90 % of the errors in cross-validation (N or mm).
+    """
+
+    target: str
+    rate_hz: float
+    alphas: FloatArray
+    scaling_in: Scaling
+    scaling_out: Scaling
+    networks: tuple[Network, ...]
+    irregular: bool = False
+    start: str = "paper"
+    per_recording: bool = False
+    sign: float = 1.0
+    history: History = NO_HISTORY
+    recipe: Mapping[str, Any] = field(default_factory=dict)
+    seen: Seen | None = None
+    beginning: Beginning | None = None
+    margins: tuple[float, float] | None = None
+
+    @property
+    def unit(self) -> str:
+        """Unit of the prediction."""
+        return TARGETS[self.target][1]
+
+    @property
+    def resampling_hz(self) -> float | None:
+        """Rate a recording is resampled to before it is fed in; None where it is taken as sampled."""
+        return None if self.irregular else self.rate_hz
+
+    @property
+    def slowest_s(self) -> float:
+        """Time constant (s) of the slowest filter of the bank."""
+        return 1.0 / (self.rate_hz * float(min(self.alphas)))
+
+    @property
+    def input_count(self) -> int:
+        """Features that each network takes."""
+        return len(self.alphas) + self.history.count
+
+    @property
+    def parameter_count(self) -> int:
+        """Weights and biases of all networks."""
+        return sum(network.parameter_count for network in self.networks)
+
+    def features(self, time_s: FloatArray, conductance_S: FloatArray) -> FloatArray:
+        """Smoothed, standardised conductance, then the history's features: shape (n, input_count)."""
+        scaling = Scaling.of(conductance_S) if self.per_recording else self.scaling_in
+        values = scaling.apply(np.asarray(conductance_S, dtype=np.float64))
+        if self.seen is not None:
+            values = self.seen.held(values)
+        filters = len(self.alphas)
+        begin = self.beginning if self.start == "causal" else None
+        affine = None if begin is None else (begin.gain[:filters], begin.offset[:filters])
+        if self.irregular:
+            smoothed = smooth_irregular(values, time_s, self.alphas, self.rate_hz, self.start, affine)
+            steps_s = np.diff(np.asarray(time_s, dtype=np.float64))
+        else:
+            smoothed = smooth(values, self.alphas, self.rate_hz, self.start, affine)
+            steps_s = np.full(len(values) - 1, 1.0 / self.rate_hz)
+        held = None if begin is None else begin.gain[filters:] * values[0] + begin.offset[filters:]
+        return np.hstack([smoothed, self.history.features(values, steps_s, held)])
+
+    def predict(self, time_s: FloatArray, conductance_S: FloatArray) -> FloatArray:
+        """Force (N) or displacement (mm) at each sample.
+
+        Parameters
+        ----------
+        time_s, conductance_S : ndarray, each shape (n,)
+            One whole recording, from its first sample. Uniform at `rate_hz` unless `irregular`.
+        """
+        features = self.features(time_s, conductance_S)
+        return self.scaling_out.invert(np.mean([network(features) for network in self.networks], axis=0))
+
+    def predict_series(self, series: Series) -> FloatArray:
+        """Prediction for one recording, in the target's unit."""
+        if not self.per_recording:
+            return self.predict(series.time_s, series.conductance_S)
+        output = self.scaling_out.apply(self.predict(series.time_s, series.conductance_S))
+        return Scaling.of(series.truth).invert(output)

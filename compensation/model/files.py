@@ -1,0 +1,191 @@
+"""Saving and reading compensators: plain JSON, checked on the way in."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, PositiveFloat
+
+from compensation.engines.network import Network
+from compensation.memories.history import SETTLE_S, History
+from compensation.model.compensator import Compensator, Scaling
+from compensation.model.ranges import Beginning, Seen
+from gcode.support.console import knitbench_version
+from gcode.support.errors import UserError, first_problem
+from gcode.support.files import read_json, write_json
+
+FORMAT, FORMAT_VERSION = "knitbench-compensator", 4
+# Version 2 has no `seen` and no `beginning`; version 3 no `settle_s`.
+READABLE = (2, 3, 4)
+
+
+class _Strict(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+
+class _Scaling(_Strict):
+    mean: FiniteFloat
+    scale: PositiveFloat
+
+
+class _Network(_Strict):
+    weights: list[list[list[FiniteFloat]]]
+    biases: list[list[FiniteFloat]]
+
+
+class _History(_Strict):
+    motion_taus_s: list[Annotated[FiniteFloat, Field(gt=0)]]
+    play_radii: list[Annotated[FiniteFloat, Field(gt=0)]]
+    settle_s: PositiveFloat = SETTLE_S
+
+
+class _Seen(_Strict):
+    low: FiniteFloat
+    high: FiniteFloat
+    inputs_low: list[FiniteFloat]
+    inputs_high: list[FiniteFloat]
+
+
+class _Beginning(_Strict):
+    gain: list[FiniteFloat]
+    offset: list[FiniteFloat]
+
+
+class _File(_Strict):
+    format: str
+    version: int
+    knitbench: str
+    target: str = Field(pattern="^(force|displacement)$")
+    rate_hz: PositiveFloat
+    alphas: list[FiniteFloat] = Field(min_length=1)
+    start: str = Field(pattern="^(paper|causal)$")
+    irregular: bool
+    per_recording: bool
+    sign: float
+    history: _History
+    scaling_in: _Scaling
+    scaling_out: _Scaling
+    networks: list[_Network] = Field(min_length=1)
+    seen: _Seen | None = None
+    beginning: _Beginning | None = None
+    margins: list[FiniteFloat] | None = Field(default=None, min_length=2, max_length=2)
+    recipe: dict[str, Any]
+    sha256: str
+
+
+def save(path: str | Path, compensator: Compensator) -> None:
+    """Write a compensator as JSON, atomically, with a digest of its own content."""
+    data: dict[str, Any] = {
+        "format": FORMAT,
+        "version": FORMAT_VERSION,
+        "knitbench": knitbench_version(),
+        "target": compensator.target,
+        "rate_hz": compensator.rate_hz,
+        "alphas": compensator.alphas.tolist(),
+        "start": compensator.start,
+        "irregular": compensator.irregular,
+        "per_recording": compensator.per_recording,
+        "sign": compensator.sign,
+        "history": _history(compensator.history),
+        "scaling_in": vars(compensator.scaling_in),
+        "scaling_out": vars(compensator.scaling_out),
+        "networks": [network.to_dict() for network in compensator.networks],
+        "seen": _plain(compensator.seen),
+        "beginning": _plain(compensator.beginning),
+        "margins": None if compensator.margins is None else list(compensator.margins),
+        "recipe": dict(compensator.recipe),
+    }
+    write_json(path, data | {"sha256": _digest(data)})
+
+
+def load(path: str | Path) -> Compensator:
+    """Read a compensator.
+
+    Raises
+    ------
+    UserError
+        If the file is missing, foreign, of another version, malformed, or changed since it was saved.
+    """
+    data = read_json(path, "compensator")
+    if not isinstance(data, dict) or data.get("format") != FORMAT:
+        raise UserError(
+            f"{path}: not a compensator (its format must be {FORMAT!r}); make one with `compensation train`"
+        )
+    if data.get("version") not in READABLE:
+        known = " and ".join(map(str, READABLE))
+        raise UserError(f"{path}: compensator version {data.get('version')!r}; this knitbench reads {known}")
+    try:
+        checked = _File.model_validate(data)
+        networks = tuple(Network.from_lists(net.weights, net.biases) for net in checked.networks)
+    except ValueError as error:
+        raise UserError(f"{path}: not a usable compensator: {first_problem(error)}") from None
+    inputs = len(checked.alphas) + len(checked.history.motion_taus_s) + len(checked.history.play_radii)
+    if any(len(net.weights[0]) != inputs for net in networks):
+        raise UserError(f"{path}: not a usable compensator: its network does not take {inputs} inputs")
+    if not all(0 < alpha <= 1 for alpha in checked.alphas):
+        raise UserError(f"{path}: not a usable compensator: each smoothing factor must be in (0, 1]")
+    _check_runtime(path, checked, inputs)
+    if _digest({key: value for key, value in data.items() if key != "sha256"}) != checked.sha256:
+        raise UserError(f"{path}: the file was changed after it was saved (its checksum is wrong); train it again")
+    return _build(checked, networks)
+
+
+def _check_runtime(path: str | Path, checked: _File, inputs: int) -> None:
+    vectors: list[list[float]] = []
+    if checked.seen:
+        vectors += [checked.seen.inputs_low, checked.seen.inputs_high]
+        if checked.seen.low > checked.seen.high:
+            raise UserError(f"{path}: not a usable compensator: the range seen in training is upside down")
+    if checked.beginning:
+        vectors += [checked.beginning.gain, checked.beginning.offset]
+    if any(len(vector) != inputs for vector in vectors):
+        raise UserError(f"{path}: not a usable compensator: `seen` and `beginning` must hold {inputs} numbers each")
+
+
+def _history(history: History) -> dict[str, Any]:
+    return {
+        "motion_taus_s": list(history.motion_taus_s),
+        "play_radii": list(history.play_radii),
+        "settle_s": history.settle_s,
+    }
+
+
+def _plain(part: Seen | Beginning | None) -> dict[str, Any] | None:
+    if part is None:
+        return None
+    return {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in vars(part).items()}
+
+
+def _arrays(part: BaseModel) -> dict[str, Any]:
+    return {name: np.asarray(value) if isinstance(value, list) else value for name, value in vars(part).items()}
+
+
+def _build(checked: _File, networks: tuple[Network, ...]) -> Compensator:
+    return Compensator(
+        target=checked.target,
+        rate_hz=checked.rate_hz,
+        alphas=np.asarray(checked.alphas),
+        scaling_in=Scaling(checked.scaling_in.mean, checked.scaling_in.scale),
+        scaling_out=Scaling(checked.scaling_out.mean, checked.scaling_out.scale),
+        networks=networks,
+        irregular=checked.irregular,
+        start=checked.start,
+        per_recording=checked.per_recording,
+        sign=checked.sign,
+        history=History(
+            tuple(checked.history.motion_taus_s), tuple(checked.history.play_radii), checked.history.settle_s
+        ),
+        recipe=checked.recipe,
+        seen=Seen(**_arrays(checked.seen)) if checked.seen else None,
+        beginning=Beginning(**_arrays(checked.beginning)) if checked.beginning else None,
+        margins=(checked.margins[0], checked.margins[1]) if checked.margins else None,
+    )
+
+
+def _digest(data: dict[str, Any]) -> str:
+    # Python writes floats shortest-exact, so content that is equal has an equal digest.
+    return hashlib.sha256(json.dumps(data, sort_keys=True, allow_nan=False).encode()).hexdigest()

@@ -1,0 +1,77 @@
+"""A compensator that follows a recording while it is made, for `testbench record --compensator`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TextIO
+
+from compensation.model.files import load
+from compensation.model.runtime import Status
+from compensation.model.streaming import CompensatorStream
+from compensation.series.preprocessing import TARGETS
+
+NAME = "compensated.csv"
+
+
+class LiveCompensator:
+    """Takes one sample after another, and keeps what it makes of them in ``compensated.csv``.
+
+    Parameters
+    ----------
+    path : path
+        Of the compensator.
+    folder : path
+        Of the campaign; the file is appended to. A disk that refuses it ends the file, not the recording.
+
+    Raises
+    ------
+    UserError
+        If the file is no compensator, or one that cannot run sample by sample.
+
+    Attributes
+    ----------
+    unit : str
+        "N" or "mm".
+    """
+
+    def __init__(self, path: str | Path, folder: str | Path) -> None:
+        compensator = load(path)
+        self.unit, self._channel = compensator.unit, TARGETS[compensator.target][0]
+        self._stream = CompensatorStream(compensator)
+        self._folder, self._refused = Path(folder), False
+        self._file: TextIO | None = None
+        self._last_us: int | None = None
+
+    def take(self, time_us: int, resistance_mohm: int | None) -> float:
+        """Feed one sample: recording time in microseconds, resistance in milliohm (None: no reading).
+
+        Returns
+        -------
+        float
+            In `unit`.
+        """
+        conductance_S = 1e3 / resistance_mohm if resistance_mohm else 0.0
+        step_s = None if self._last_us is None else (time_us - self._last_us) * 1e-6
+        value = self._stream.update(conductance_S, step_s)
+        if not self._stream.status & (Status.BAD_READING | Status.BAD_STEP):
+            self._last_us = time_us
+        self._keep(f"{time_us // 1_000_000}.{time_us % 1_000_000:06d},{value:.6f},{int(self._stream.status)}\n")
+        return value
+
+    def close(self) -> None:
+        """Close the file."""
+        if self._file is not None:
+            self._file.close()
+
+    def _keep(self, line: str) -> None:
+        if self._refused:
+            return
+        try:
+            if self._file is None:
+                path = self._folder / NAME
+                fresh = not path.exists()
+                self._file = path.open("a", buffering=1)
+                self._file.write(f"time_s,{self._channel},status\n" if fresh else "")
+            self._file.write(line)
+        except OSError:
+            self._refused = True

@@ -1,0 +1,164 @@
+"""Applying a compensator to a recording that has no reference: what a device would have shown, sample by sample."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compensation.memories.ema import start_samples
+from compensation.model.compensator import Compensator
+from compensation.model.runtime import (
+    LARGEST_CONDUCTANCE_S,
+    LONGEST_STEP_S,
+    SHORTEST_STEP_S,
+    SMALLEST_CONDUCTANCE_S,
+    Status,
+    ranges_of,
+)
+from compensation.series.preprocessing import Series
+from gcode.support.errors import UserError
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """A compensated signal.
+
+    Attributes
+    ----------
+    value : ndarray, shape (n,)
+        In the compensator's unit; the last good value where a sample is faulty.
+    low, high : ndarray, shape (n,)
+        The interval that holds 90 % of the errors of cross-validation; NaN where the compensator has none.
+    status : ndarray of int, shape (n,)
+        Flags of `compensation.model.runtime.Status`; 0 is good.
+    """
+
+    value: FloatArray
+    low: FloatArray
+    high: FloatArray
+    status: NDArray[np.int64]
+
+
+def predicted(compensator: Compensator, time_s: FloatArray, resistance_ohm: FloatArray) -> Prediction:
+    """What `Compensator.stream` gives when it is fed these samples, all at once.
+
+    Parameters
+    ----------
+    compensator : Compensator
+    time_s, resistance_ohm : ndarray, each shape (n,)
+        As sampled; a resistance or time that is no number, or time that stands still or goes back, marks a faulty
+        sample. After a gap of more than an hour it starts anew.
+
+    Raises
+    ------
+    UserError
+        If the compensator standardises each recording by itself: its target's mean and spread are not known here.
+    """
+    if compensator.per_recording:
+        raise UserError(
+            "a compensator trained with --per-recording needs the mean and spread of the target, which nobody knows "
+            "without a reference; train without it"
+        )
+    with np.errstate(divide="ignore", invalid="ignore"):
+        conductance_S = 1.0 / np.asarray(resistance_ohm, dtype=np.float64)
+    status = _faults(np.asarray(time_s, dtype=np.float64), conductance_S)
+    value = np.full(len(status), compensator.scaling_out.mean)
+    good = np.flatnonzero(status == 0)
+    breaks = np.flatnonzero(np.diff(time_s[good]) > LONGEST_STEP_S) + 1
+    for rows in np.split(good, breaks):
+        if len(rows):
+            value[rows], status[rows] = _run(compensator, time_s[rows], conductance_S[rows])
+    value = _held(value, good)
+    low, high = compensator.margins or (np.nan, np.nan)
+    return Prediction(value, value + low, value + high, status)
+
+
+def _faults(time_s: FloatArray, conductance_S: FloatArray) -> NDArray[np.int64]:
+    wrong = ~((conductance_S >= SMALLEST_CONDUCTANCE_S) & (conductance_S <= LARGEST_CONDUCTANCE_S))
+    status = np.where(wrong, int(Status.BAD_READING), 0)
+    # A step is counted from the last good sample, so this cannot be done at once.
+    last = None
+    for row, (now, fault) in enumerate(zip(time_s, wrong, strict=True)):
+        if not np.isfinite(now) or (last is not None and not now - last >= SHORTEST_STEP_S):
+            status[row] |= int(Status.BAD_STEP)
+        elif not fault:
+            last = now
+    return status
+
+
+def _run(compensator: Compensator, time_s: FloatArray, conductance_S: FloatArray) -> tuple[FloatArray, NDArray]:
+    running = replace(compensator, irregular=True, start="causal")
+    features = running.features(time_s, conductance_S)
+    output = np.mean([network(features) for network in compensator.networks], axis=0)
+    seen, reading = ranges_of(compensator), compensator.scaling_in.apply(conductance_S)
+    status = np.where((reading < seen.low) | (reading > seen.high), int(Status.UNSEEN_READING), 0)
+    outside = ((features < seen.inputs_low) | (features > seen.inputs_high)).any(axis=1)
+    status[outside] |= int(Status.UNSEEN_HISTORY)
+    longest = start_samples(compensator.alphas, compensator.rate_hz).max() - 0.5
+    status[(time_s - time_s[0]) * compensator.rate_hz < longest] |= int(Status.STARTING)
+    return compensator.scaling_out.invert(output), status
+
+
+def _held(value: FloatArray, good: NDArray[np.intp]) -> FloatArray:
+    """Faulty rows repeat the last good one; before the first, the mean of the training stands."""
+    latest = np.full(len(value), -1)
+    latest[good] = good
+    latest = np.maximum.accumulate(latest)
+    return np.where(latest >= 0, value[np.maximum(latest, 0)], value)
+
+
+def read_samples(path: str | Path) -> tuple[FloatArray, FloatArray]:
+    """Time (s) and resistance (ohm) of a recording, faulty rows included.
+
+    Raises
+    ------
+    UserError
+        If the file is missing or malformed, or lacks either column.
+    """
+    import pandas as pd
+
+    place = Path(path) / "recording.csv" if Path(path).is_dir() else Path(path)
+    try:
+        frame = pd.read_csv(place, skipinitialspace=True, low_memory=False)
+    except OSError as error:
+        raise UserError(
+            f"{path}: cannot read it: {error.strerror or error}; give a CSV or a campaign folder"
+        ) from None
+    except ValueError as error:
+        raise UserError(f"{place}: not a table of comma-separated values ({error})") from None
+    for name in ("time_s", "resistance_ohm"):
+        if name not in frame:
+            have = ", ".join(map(str, frame.columns[:8]))
+            raise UserError(f"{place}: no column {name} (found: {have}); name yours with `testbench import`")
+    if frame.empty:
+        raise UserError(f"{place}: no sample in it")
+    time_s, resistance_ohm = (
+        pd.to_numeric(frame[name], errors="coerce").to_numpy(dtype=np.float64)
+        for name in ("time_s", "resistance_ohm")
+    )
+    return time_s, resistance_ohm
+
+
+def at_rest(compensator: Compensator, path: str | Path, seconds: float) -> Series:
+    """The beginning of a recording of a sensor without load: its target is zero throughout.
+
+    Raises
+    ------
+    UserError
+        As `read_samples`; or if less than two samples are good.
+    """
+    time_s, resistance_ohm = read_samples(path)
+    good = np.isfinite(time_s) & np.isfinite(resistance_ohm) & (resistance_ohm > 0)
+    good &= time_s <= np.nanmin(time_s, initial=np.inf) + seconds
+    if good.sum() < 2 or not (np.diff(time_s[good]) > 0).all():
+        raise UserError(f"{path}: fewer than two good samples in order of time within {seconds:g} s of its beginning")
+    time_s, resistance_ohm = time_s[good], resistance_ohm[good]
+    if compensator.resampling_hz is not None:
+        grid = np.arange(time_s[0], time_s[-1], 1.0 / compensator.resampling_hz)
+        time_s, resistance_ohm = grid, np.interp(grid, time_s, resistance_ohm)
+    return Series(time_s, 1.0 / resistance_ohm, np.zeros(len(time_s)), str(path))

@@ -1,0 +1,114 @@
+"""What a compensator in use must know beside its networks: what it has seen, and where to begin.
+
+A sensor that is worn is read through loose contacts and switched on at any moment. Three rules keep it usable; the
+stream, the C header and the ONNX model follow them alike:
+
+- *A faulty sample changes nothing*: a reading that is not finite or not positive, or a time step that is not between
+  `SHORTEST_STEP_S` and `LONGEST_STEP_S`, leaves the state as it was, repeats the last value and says so.
+- *What was not seen in training is said*: a conductance, or a memory, outside the range of the training sets a
+  status. The conductance that goes into the memories is held within one width of that range to either side, so that
+  a single spark cannot fill them for minutes.
+- *Where to begin*: the first reading says something about what the memories would hold had they been running. Their
+  expected values given it, learned by linear regression over the training, are what they start from.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from enum import IntFlag
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compensation.memories.ema import start_samples
+from compensation.model.compensator import Compensator
+from compensation.model.ranges import Beginning, Seen
+from compensation.series.preprocessing import Series
+
+FloatArray = NDArray[np.float64]
+
+# Time steps within which a float32 knows them well; a longer pause is a new start.
+SHORTEST_STEP_S, LONGEST_STEP_S = 1e-6, 3600.0
+# What a float32 holds as a normal number.
+SMALLEST_CONDUCTANCE_S, LARGEST_CONDUCTANCE_S = 1e-37, 3e38
+# Where no range is known: standard deviations that a float32 can square.
+UNKNOWN_LIMIT = 1e6
+
+
+class Status(IntFlag):
+    """What is wrong with a prediction; 0 where nothing is."""
+
+    GOOD = 0
+    BAD_READING = 1  # not finite or not positive: left out, the last value repeated
+    BAD_STEP = 2  # time step not finite, not positive or too long: left out, the last value repeated
+    UNSEEN_READING = 4  # conductance outside the range of the training
+    UNSEEN_HISTORY = 8  # a memory outside the range of the training
+    STARTING = 16  # the first samples, from which the memories' start is taken
+
+
+def limits_of(compensator: Compensator) -> tuple[float, float]:
+    """Between which the standardised conductance is held."""
+    if compensator.seen is None:
+        return -UNKNOWN_LIMIT, UNKNOWN_LIMIT
+    low, high = compensator.seen.held(np.array([-np.inf, np.inf]))
+    return float(low), float(high)
+
+
+def ranges_of(compensator: Compensator) -> Seen:
+    """The ranges seen, or ranges that nothing leaves."""
+    if compensator.seen is not None:
+        return compensator.seen
+    wide = np.full(compensator.input_count, 2 * UNKNOWN_LIMIT)
+    return Seen(-UNKNOWN_LIMIT, UNKNOWN_LIMIT, -wide, wide)
+
+
+def beginning_of(compensator: Compensator) -> Beginning:
+    """Where to begin; without anything learned, as if the first reading had been there for ever and nothing moved."""
+    if compensator.beginning is not None:
+        return compensator.beginning
+    gain = np.ones(compensator.input_count)
+    gain[len(compensator.alphas) : len(compensator.alphas) + len(compensator.history.motion_taus_s)] = 0.0
+    return Beginning(gain, np.zeros(compensator.input_count))
+
+
+def fault_of(conductance_S: float, step_s: float) -> Status:
+    """What is wrong with a sample itself."""
+    fault = Status.GOOD
+    # Comparisons with a NaN are false.
+    if not SMALLEST_CONDUCTANCE_S <= conductance_S <= LARGEST_CONDUCTANCE_S:
+        fault |= Status.BAD_READING
+    if not SHORTEST_STEP_S <= step_s <= LONGEST_STEP_S:
+        fault |= Status.BAD_STEP
+    return fault
+
+
+def ready_for_use(compensator: Compensator, series: Sequence[Series]) -> Compensator:
+    """The compensator with what it has seen and where to begin, both from its training recordings."""
+    if compensator.per_recording:
+        return compensator
+    unlimited = replace(compensator, seen=None, beginning=None)
+    features = [unlimited.features(part.time_s, part.conductance_S) for part in series]
+    signals = [compensator.scaling_in.apply(part.conductance_S) for part in series]
+    everything, x = np.concatenate(features), np.concatenate(signals)
+    seen = Seen(float(x.min()), float(x.max()), everything.min(axis=0), everything.max(axis=0))
+    return replace(compensator, seen=seen, beginning=_expected(compensator, features, signals))
+
+
+def _expected(compensator: Compensator, features: Sequence[FloatArray], signals: Sequence[FloatArray]) -> Beginning:
+    """Regression of every memory on the mean of the reading over as many samples as its start is taken from."""
+    counts = np.ones(compensator.input_count, dtype=int)
+    counts[: len(compensator.alphas)] = start_samples(compensator.alphas, compensator.rate_hz)
+    gains, offsets = np.zeros(compensator.input_count), np.zeros(compensator.input_count)
+    for column, count in enumerate(counts):
+        told = np.concatenate([_trailing_mean(x, min(count, len(x))) for x in signals])
+        held = np.concatenate([part[min(count, len(part)) - 1 :, column] for part in features])
+        spread = float(np.var(told))
+        gains[column] = float(np.mean((told - told.mean()) * (held - held.mean()))) / spread if spread > 0 else 0.0
+        offsets[column] = held.mean() - gains[column] * told.mean()
+    return Beginning(gains, offsets)
+
+
+def _trailing_mean(x: FloatArray, count: int) -> FloatArray:
+    sums = np.cumsum(np.concatenate([[0.0], x]))
+    return (sums[count:] - sums[:-count]) / count

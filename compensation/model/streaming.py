@@ -1,0 +1,106 @@
+"""Sample by sample, as on the chip: the same numbers as the batch, in constant memory."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from compensation.memories.ema import start_samples
+from compensation.memories.history import RunningHistory
+from compensation.model.compensator import Compensator
+from compensation.model.runtime import Status, beginning_of, fault_of, limits_of, ranges_of
+from gcode.support.errors import UserError
+
+
+class CompensatorStream:
+    """Running state of a compensator; cannot be poisoned (see `compensation.model.runtime`).
+
+    A filter's output is its response from a zero state plus a fading share of its initial value, so the mean of the
+    first M samples can be put in when it is known, without keeping those samples. Before that, the mean of those
+    seen so far stands in (``start="causal"``).
+
+    Attributes
+    ----------
+    value : float
+        The last prediction, in N or mm; before the first one the mean of the training.
+    status : Status
+        Of the last sample.
+
+    Raises
+    ------
+    UserError
+        If recordings are standardised by themselves: a stream does not know its own mean in advance.
+    """
+
+    def __init__(self, compensator: Compensator) -> None:
+        if compensator.per_recording:
+            raise UserError("a compensator trained with --per-recording needs the whole recording; train without it")
+        self._compensator = compensator
+        self._log_keep = np.log1p(-np.minimum(compensator.alphas, 1 - 1e-16))
+        self._lengths = start_samples(compensator.alphas, compensator.rate_hz)
+        self._seen_in_training, self._beginning = ranges_of(compensator), beginning_of(compensator)
+        self._limits = limits_of(compensator)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything: the next sample is the first."""
+        count = len(self._compensator.alphas)
+        self._forced, self._fading = np.zeros(count), np.ones(count)
+        self._sums, self._seen = np.zeros(count), np.zeros(count)
+        self._elapsed_steps, self._first = 0.0, True
+        self._history = RunningHistory(self._compensator.history)
+        self.value, self.status = float(self._compensator.scaling_out.mean), Status.STARTING
+
+    def update(self, conductance_S: float, dt_s: float | None = None) -> float:
+        """Feed one sample.
+
+        Parameters
+        ----------
+        conductance_S : float
+        dt_s : float, optional
+            Time since the last sample that was not left out; by default one step at the compensator's rate. Ignored
+            for the first sample.
+
+        Returns
+        -------
+        float
+            Force (N) or displacement (mm); `status` says whether it is good.
+        """
+        compensator = self._compensator
+        step_s = 1.0 / compensator.rate_hz if dt_s is None or self._first else dt_s
+        fault = fault_of(conductance_S, step_s)
+        if fault:
+            self.status = fault
+            return self.value
+        reading = (conductance_S - compensator.scaling_in.mean) / compensator.scaling_in.scale
+        features, starting = self._remember(float(np.clip(reading, *self._limits)), step_s)
+        output = float(np.mean([network(features[None, :])[0] for network in compensator.networks]))
+        self.value = output * compensator.scaling_out.scale + compensator.scaling_out.mean
+        self.status = self._status(reading, features, starting)
+        return self.value
+
+    def _remember(self, x: float, step_s: float) -> tuple[np.ndarray, bool]:
+        """Take x into all memories: the networks' inputs, and whether any filter is still starting."""
+        count, begin = len(self._forced), self._beginning
+        if self._first:
+            self._first = False
+        else:
+            steps = step_s * self._compensator.rate_hz
+            self._elapsed_steps += steps
+            keep = np.exp(self._log_keep * steps)
+            self._forced = x + keep * (self._forced - x)
+            self._fading = self._fading * keep
+        starting = (self._elapsed_steps < self._lengths - 0.5) | (self._seen == 0)
+        self._sums[starting] += x
+        self._seen[starting] += 1
+        initial = begin.offset[:count] + begin.gain[:count] * self._sums / self._seen
+        held = begin.offset[count:] + begin.gain[count:] * x
+        remembered = self._history.update(x, step_s, held)
+        return np.concatenate([self._forced + self._fading * initial, remembered]), bool(starting.any())
+
+    def _status(self, reading: float, features: np.ndarray, starting: bool) -> Status:
+        seen, status = self._seen_in_training, Status.GOOD
+        if not seen.low <= reading <= seen.high:
+            status |= Status.UNSEEN_READING
+        if ((features < seen.inputs_low) | (features > seen.inputs_high)).any():
+            status |= Status.UNSEEN_HISTORY
+        return status | Status.STARTING if starting else status

@@ -1,0 +1,130 @@
+"""The paper's experiments on our recordings: one function an experiment, each returning rows for a table."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compensation.engines.engine import engine
+from compensation.model.compensator import Compensator
+from compensation.series import score
+from compensation.series.preprocessing import Series, series_of
+from compensation.training.arrays import scaling_of_target, training_arrays, untrained
+from compensation.training.options import Options
+from compensation.training.tuning import choose, ensemble, tune
+from testbench.recordings.recording import Recording
+
+FloatArray = NDArray[np.float64]
+
+PUBLISHED = Options(restarts=1)
+
+
+@dataclass(frozen=True)
+class Seeds:
+    """r2 of the paper's network from several seeds.
+
+    Attributes
+    ----------
+    r2 : ndarray, shape (seeds, recordings)
+    dead : ndarray of bool, shape (seeds,)
+    training_r2 : ndarray, shape (seeds,)
+    predictions : tuple of ndarray
+        One a recording, shape (seeds, n), in the target's unit.
+    """
+
+    r2: FloatArray
+    dead: NDArray[np.bool_]
+    training_r2: FloatArray
+    predictions: tuple[FloatArray, ...]
+
+    @property
+    def live(self) -> FloatArray:
+        """Rows of the networks that are not dead."""
+        return self.r2[~self.dead]
+
+    def best_of(self, count: int) -> FloatArray:
+        """r2 of the best by training score in each group of `count` seeds."""
+        groups = [range(begin, begin + count) for begin in range(0, len(self.r2) - count + 1, count)]
+        return np.array([self.r2[max(group, key=lambda seed: self.training_r2[seed])] for group in groups])
+
+
+def prepared(
+    recordings: Mapping[str, Recording], target: str, rate_hz: float = PUBLISHED.rate_hz
+) -> dict[str, Series]:
+    """Every recording as input and target."""
+    return {name: series_of(recording, target, rate_hz) for name, recording in recordings.items()}
+
+
+def over_seeds(
+    training: Series, tests: Sequence[Series], target: str, seeds: int, options: Options = PUBLISHED
+) -> Seeds:
+    """Train the network once a seed and score every recording."""
+    blank = untrained([training], target, options)
+    features, truth = training_arrays(blank, [training])
+    inputs = [blank.features(part.time_s, part.conductance_S) for part in tests]
+    scales = [scaling_of_target(blank, part) for part in tests]
+    predictions, dead, fitted = [], [], []
+    for seed in range(seeds):
+        network = engine(options.engine)(features, truth, options.sizes, seed, options.l2).network
+        predictions.append([scale.invert(network(values)) for scale, values in zip(scales, inputs, strict=True)])
+        dead.append(network.is_dead(features))
+        fitted.append(score.r2(truth, network(features)))
+    scores = [
+        [score.r2(part.truth, output) for part, output in zip(tests, outputs, strict=True)] for outputs in predictions
+    ]
+    by_recording = tuple(np.array(outputs) for outputs in zip(*predictions, strict=True))
+    return Seeds(np.array(scores), np.array(dead), np.array(fitted), by_recording)
+
+
+def tuned(training: Series, target: str, seed: int = 0) -> Compensator:
+    """The better compensator, its choices made on `training` alone."""
+    return tune([training], target, replace(PUBLISHED, seed=seed))
+
+
+def tuned_seeds(training: Series, target: str, seeds: int) -> list[Compensator]:
+    """The better compensator from several seeds, none of which share a network."""
+    choice = choose([training], target, PUBLISHED)
+    return [ensemble([training], target, choice, 100 * number) for number in range(seeds)]
+
+
+def scores_of(compensator: Compensator, tests: Sequence[Series]) -> list[float]:
+    """r2 on each recording."""
+    return [score.r2(part.truth, compensator.predict_series(part)) for part in tests]
+
+
+def predictions_of(compensators: Sequence[Compensator], tests: Sequence[Series]) -> tuple[FloatArray, ...]:
+    """What each compensator predicts: one array a recording, shape (compensators, n)."""
+    return tuple(np.array([one.predict_series(part) for one in compensators]) for part in tests)
+
+
+def intervals_of(compensator: Compensator, tests: Sequence[Series]) -> list[tuple[float, float]]:
+    """95 % block-bootstrap interval of r2 on each recording."""
+    return [score.block_interval(part.truth, compensator.predict_series(part), part.time_s) for part in tests]
+
+
+def baselines(training: Series, tests: Sequence[Series], target: str) -> dict[str, list[float]]:
+    """The regressors that the paper compares with, on the same smoothed features: name -> r2 on each test."""
+    from sklearn.ensemble import RandomForestRegressor
+    from sklearn.linear_model import LinearRegression
+    from sklearn.pipeline import make_pipeline
+    from sklearn.preprocessing import PolynomialFeatures
+
+    blank = untrained([training], target, PUBLISHED)
+    features, truth = training_arrays(blank, [training])
+    # Every 5th row: a forest over neighbours 50 ms apart only memorises them.
+    regressors = {
+        "linear": LinearRegression(),
+        "polynomial, 3rd order": make_pipeline(PolynomialFeatures(3), LinearRegression()),
+        "polynomial, 4th order": make_pipeline(PolynomialFeatures(4), LinearRegression()),
+        "random forest": RandomForestRegressor(n_estimators=50, min_samples_leaf=5, random_state=0),
+    }
+    found = {}
+    for name, regressor in regressors.items():
+        regressor.fit(features[::5], truth[::5])
+        outputs = [regressor.predict(blank.features(part.time_s, part.conductance_S)) for part in tests]
+        scaled = [blank.scaling_out.invert(output) for output in outputs]
+        found[name] = [score.r2(part.truth, output) for part, output in zip(tests, scaled, strict=True)]
+    return found

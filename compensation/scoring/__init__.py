@@ -1,0 +1,1 @@
+"""The score document and its picture."""

@@ -1,0 +1,101 @@
+"""The score of a compensator as a plain JSON document: the interface to the report and the studio.
+
+Its shape is documented in docs/compensation.md; `testbench` reads the file and never imports this package.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from compensation.model.compensator import Compensator
+from compensation.series import score
+from compensation.series.preprocessing import Series, series_of
+from testbench.recordings.recording import Recording
+
+FORMAT, FORMAT_VERSION = "knitbench-score", 1
+TRACE_POINTS = 1500
+ZOOM_POINTS = 600
+ZOOM_S, ZOOMS = 60.0, 3
+
+
+def score_recordings(compensator: Compensator, recordings: Sequence[Recording]) -> dict[str, Any]:
+    """Score a compensator on recordings.
+
+    Returns
+    -------
+    dict
+        JSON-ready; see docs/compensation.md.
+    """
+    series = [series_of(rec, compensator.target, compensator.resampling_hz) for rec in recordings]
+    rows = [_score_one(compensator, part) for part in series]
+    held_out = [row for row in rows if row["role"] == "held-out"]
+    return {
+        "format": FORMAT,
+        "version": FORMAT_VERSION,
+        "compensator": {
+            "target": compensator.target,
+            "unit": compensator.unit,
+            "parameters": compensator.parameter_count,
+            "networks": len(compensator.networks),
+            "per_recording_scaling": compensator.per_recording,
+            "recipe": dict(compensator.recipe),
+        },
+        "recordings": rows,
+        "summary": _summary(held_out or rows),
+    }
+
+
+def _score_one(compensator: Compensator, part: Series) -> dict[str, Any]:
+    prediction = compensator.predict_series(part)
+    before = score.r2_before(part.truth, part.conductance_S, compensator.sign)
+    after = score.r2(part.truth, prediction)
+    seen = part.source in compensator.recipe.get("trained_on", [])
+    return {
+        "source": part.source,
+        "role": "training" if seen else "held-out",
+        "duration_s": float(part.time_s[-1] - part.time_s[0]),
+        "samples": len(part),
+        "r2_before": before,
+        "r2_after": after,
+        "r2_ordinary": score.r2_ordinary(part.truth, prediction),
+        "r2_after_interval": list(score.block_interval(part.truth, prediction, part.time_s)),
+        "rho2_before": score.rho_squared(part.truth, part.conductance_S),
+        "gain": after - before,
+        "rms_error": float(np.sqrt(np.mean((part.truth - prediction) ** 2))),
+        **_traces(part, prediction, compensator.sign),
+    }
+
+
+def _summary(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    mean = {key: float(np.mean([row[key] for row in rows])) for key in ("r2_before", "r2_after", "gain")}
+    criterion = score.error_of_two(rows[0]["r2_after"], rows[1]["r2_after"]) if len(rows) == 2 else None
+    return {"over": rows[0]["role"], "recordings": len(rows), **mean, "E": criterion}
+
+
+def _traces(part: Series, prediction: np.ndarray, sign: float) -> dict[str, Any]:
+    """F, G and p, thinned over the whole recording, and whole in a few short windows."""
+    raw = sign * score.standardised(part.conductance_S) * part.truth.std() + part.truth.mean()
+
+    def cut(rows: np.ndarray | slice) -> dict[str, list[float]]:
+        columns = {
+            "time_s": part.time_s,
+            "F": part.truth,
+            "G": part.conductance_S,
+            "G_rescaled": raw,
+            "p": prediction,
+        }
+        return {name: [float(f"{value:.6g}") for value in column[rows]] for name, column in columns.items()}
+
+    step = -(-len(part) // TRACE_POINTS)
+    return {"trace": cut(slice(None, None, step)), "zooms": [cut(rows) for rows in _windows(part.time_s)]}
+
+
+def _windows(time_s: np.ndarray) -> list[np.ndarray]:
+    """Rows of windows at the start, the middle and the end."""
+    length = min(ZOOM_S, (time_s[-1] - time_s[0]) / ZOOMS)
+    begins = np.linspace(time_s[0], time_s[-1] - length, ZOOMS)
+    found = [np.flatnonzero((time_s >= begin) & (time_s <= begin + length)) for begin in begins]
+    return [rows[:: -(-len(rows) // ZOOM_POINTS)] for rows in found]

@@ -1,0 +1,1 @@
+"""Recordings as input and target, and how well a prediction follows the truth."""

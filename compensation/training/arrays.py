@@ -1,0 +1,63 @@
+"""What every method starts from: scalers without a network, and the arrays that networks learn from."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compensation.engines.engine import Fit
+from compensation.model.compensator import Compensator, Scaling
+from compensation.series.preprocessing import Series
+from compensation.training.options import Options
+
+FloatArray = NDArray[np.float64]
+
+
+def untrained(series: Sequence[Series], target: str, options: Options) -> Compensator:
+    """Scalers, bank and history without a network."""
+    conductance = np.concatenate([part.conductance_S for part in series])
+    truth = np.concatenate([part.truth for part in series])
+    return Compensator(
+        target=target,
+        rate_hz=options.rate_hz,
+        alphas=options.bank,
+        scaling_in=Scaling.of(conductance),
+        scaling_out=Scaling.of(truth),
+        networks=(),
+        irregular=options.irregular,
+        per_recording=options.per_recording,
+        history=options.history,
+        sign=float(np.sign(np.corrcoef(conductance, truth)[0, 1]) or 1.0),
+    )
+
+
+def training_arrays(blank: Compensator, series: Sequence[Series]) -> tuple[FloatArray, FloatArray]:
+    """Features (n, k) and standardised target (n,) of all recordings, one after the other."""
+    features = [blank.features(part.time_s, part.conductance_S) for part in series]
+    truth = [scaling_of_target(blank, part).apply(part.truth) for part in series]
+    return np.concatenate(features), np.concatenate(truth)
+
+
+def scaling_of_target(blank: Compensator, part: Series) -> Scaling:
+    """By which a recording's target is standardised: its own, or the training's."""
+    return Scaling.of(part.truth) if blank.per_recording else blank.scaling_out
+
+
+def describe(series: Sequence[Series], options: Options, fits: Sequence[Fit], features: FloatArray) -> dict[str, Any]:
+    """What a reader of the saved file wants to know."""
+    return {
+        "method": "paper",
+        "trained_on": [part.source for part in series],
+        "samples": len(features),
+        "sizes": list(options.sizes),
+        "factor": options.factor,
+        "count": options.count,
+        "alphas": options.bank.tolist(),
+        "l2": options.l2,
+        "restarts": len(fits),
+        "dead_networks": sum(fit.network.is_dead(features) for fit in fits),
+        "engine": options.engine,
+    }

@@ -1,0 +1,194 @@
+"""The method chosen by the data: whichever blocked cross-validation finds best, and never worse than a straight line.
+
+The rivals, from the simplest on:
+
+- *line*: a straight line through the conductance.
+- *ridge*: linear in the smoothing bank, motion and play operators, learned from shifted copies as well.
+- *paper*: the bank and (4, 2, 2), the best of five starts by training score.
+- *networks*: several small networks on bank, motion and play with strong L2; memories and L2 chosen within.
+- *blend*: the mean of ridge and networks.
+
+Each predicts every fold from the others and makes all its own choices there, on the training part alone. Folds are
+whole recordings where there are three or more, contiguous fifths of all rows otherwise; each fold is predicted as a
+recording of its own, its memories beginning with its first sample. The best is taken unless its
+lead over the line is within one standard error; then the line is, and that is said.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compensation.engines.engine import Fit
+from compensation.engines.network import Network
+from compensation.model.compensator import Compensator
+from compensation.model.runtime import ready_for_use
+from compensation.series import score
+from compensation.series.preprocessing import Series
+from compensation.training.arrays import describe
+from compensation.training.folds import FOLDS, GROUPS_FROM, folds_of
+from compensation.training.learners import Learner, Line, Networks, Paper, Ridge
+from compensation.training.options import Options
+from gcode.support.errors import UserError
+
+FloatArray = NDArray[np.float64]
+
+COVERAGE = 0.90
+SURE = 1.0
+
+
+LEARNERS: tuple[type[Learner], ...] = (Line, Ridge, Paper, Networks)
+BLEND = "blend"
+
+
+def train_automatically(
+    series: Sequence[Series],
+    target: str,
+    options: Options,
+    progress: Callable[[str], None] = lambda note: None,
+) -> Compensator:
+    """Choose by cross-validation, train the chosen on everything.
+
+    Parameters
+    ----------
+    series : sequence of Series
+        Training recordings; nothing else is looked at.
+    target : {"force", "displacement"}
+    options : Options
+        Seed and sampling; everything else is chosen.
+    progress : callable
+        Told about each fold of each method: `steps` times.
+
+    Returns
+    -------
+    Compensator
+        Its recipe says what was tried, what was taken and what cross-validation promises of it.
+    """
+    if options.per_recording:
+        raise UserError(
+            "--method auto learns for use, where no recording's own mean is known; leave --per-recording out"
+        )
+    folds = folds_of(series)
+    learners = [learner(series, target, options) for learner in LEARNERS]
+    predictions: dict[str, FloatArray] = {}
+    for learner in learners:
+        predictions[learner.name] = _cross_validated(learner, folds, progress)
+    predictions[BLEND] = (predictions["ridge"] + predictions["networks"]) / 2
+    truth = learners[0].lessons.truth
+    chosen = choose(predictions, truth, learners[0].lessons.block_rows)
+    compensator = _trained(chosen, {learner.name: learner for learner in learners}, series, options)
+    progress(f"trained {chosen} on everything")
+    scale = compensator.scaling_out.scale
+    tried = {name: figures(truth, values, scale) for name, values in predictions.items()}
+    residual = (truth - predictions[chosen]) * scale
+    low, high = margins_of(residual, folds, len(series) >= GROUPS_FROM)
+    promise = tried[chosen] | {
+        "r2_interval": list(_interval(truth, predictions[chosen], series, folds)),
+        "raw_r2": float(np.mean([score.r2_before(p.truth, p.conductance_S, compensator.sign) for p in series])),
+        "line_r2": tried["line"]["r2"],
+        "folds": int(folds.max()) + 1,
+        "whole_recordings": len(series) >= GROUPS_FROM,
+    }
+    recipe = dict(compensator.recipe) | {"chosen": chosen, "tried": tried, "cross_validated": promise}
+    return replace(compensator, recipe=recipe, margins=(float(low), float(high)))
+
+
+def steps() -> int:
+    """How often `train_automatically` reports progress, with one recording."""
+    return FOLDS * len(LEARNERS) + 1
+
+
+def choose(predictions: Mapping[str, FloatArray], truth: FloatArray, block_rows: int) -> str:
+    """The method with the smallest error, unless its lead over the line is within its standard error over blocks."""
+    errors = {
+        name: np.array(
+            [block.mean() for block in np.array_split((truth - values) ** 2, max(len(truth) // block_rows, 5))]
+        )
+        for name, values in predictions.items()
+    }
+    best = min(errors, key=lambda name: float(errors[name].mean()))
+    lead = errors["line"] - errors[best]
+    unsure = float(lead.std(ddof=1)) / np.sqrt(len(lead))
+    return best if lead.mean() > SURE * unsure else "line"
+
+
+def margins_of(residual: FloatArray, folds: NDArray[np.int64], whole_recordings: bool) -> tuple[float, float]:
+    """Ends of the interval for an error to come.
+
+    Folds that are recordings lie from one another as one to come will: the quantiles of all errors. Parts of one
+    recording lie nearer to one another than the next recording will: the widest of the parts' own quantiles.
+    """
+    shares = [(1 - COVERAGE) / 2, (1 + COVERAGE) / 2]
+    groups = [residual] if whole_recordings else [residual[folds == number] for number in np.unique(folds)]
+    ends = [np.quantile(group, shares) for group in groups]
+    return float(min(low for low, _ in ends)), float(max(high for _, high in ends))
+
+
+def figures(truth: FloatArray, prediction: FloatArray, scale: float) -> dict[str, float]:
+    """The paper's r2, the ordinary one, and the RMS error in units."""
+    return {
+        "r2": score.r2(truth, prediction),
+        "r2_ordinary": score.r2_ordinary(truth, prediction),
+        "rms_error": float(np.sqrt(np.mean((truth - prediction) ** 2))) * scale,
+    }
+
+
+def _cross_validated(learner: Learner, folds: NDArray[np.int64], progress: Callable[[str], None]) -> FloatArray:
+    prediction = np.empty(len(folds))
+    for number in range(int(folds.max()) + 1):
+        held_out = folds == number
+        prediction[held_out] = learner.predict(learner.fit(~held_out), held_out)
+        progress(f"{learner.name}, fold {number + 1}")
+    return prediction
+
+
+def _trained(chosen: str, learners: Mapping[str, Learner], series: Sequence[Series], options: Options) -> Compensator:
+    everything = np.ones(len(learners["line"].lessons.truth), dtype=bool)
+    names = ("ridge", "networks") if chosen == BLEND else (chosen,)
+    parts = [learners[name].fit(everything) for name in names]
+    learner = learners[names[-1]]
+    lesson, count = learner.lessons, sum(len(part.networks) for part in parts)
+    networks = [
+        _scaled(network, count / len(parts) / len(part.networks)).absorbing(lesson.shift, lesson.scale)
+        for part in parts
+        for network in part.networks
+    ]
+    settings = dict(parts[-1].settings)
+    fits = [Fit(network, np.empty(0)) for network in networks]
+    own = replace(learner.options, l2=settings["l2"])
+    recipe = describe(series, own, fits[:0], np.empty((len(everything), 0))) | {
+        "method": "auto",
+        "engine": "fast",
+        "seed": options.seed,
+        "restarts": settings.get("restarts", 1),
+        "dead_networks": settings.get("restarts", 1) - len(parts[-1].networks) if names[-1] == "networks" else 0,
+        "settings": settings,
+    }
+    return ready_for_use(replace(lesson.blank, networks=tuple(networks), recipe=recipe), series)
+
+
+def _scaled(network: Network, times: float) -> Network:
+    """The same network with `times` its output."""
+    return Network(
+        (*network.weights[:-1], network.weights[-1] * times), (*network.biases[:-1], network.biases[-1] * times)
+    )
+
+
+def _interval(
+    truth: FloatArray, prediction: FloatArray, series: Sequence[Series], folds: NDArray[np.int64]
+) -> tuple[float, float]:
+    """95 % of r2: whole recordings drawn again where they are the folds, else blocks of 60 s."""
+    if len(series) < GROUPS_FROM:
+        step_s = sum(part.time_s[-1] - part.time_s[0] for part in series) / len(truth)
+        return score.block_interval(truth, prediction, np.arange(len(truth)) * step_s)
+    owner = np.repeat(np.arange(len(series)), [len(part) for part in series])
+    rng, draws = np.random.default_rng(0), []
+    rows = [np.flatnonzero(owner == number) for number in range(len(series))]
+    for _ in range(500):
+        drawn = np.concatenate([rows[number] for number in rng.integers(len(series), size=len(series))])
+        draws.append(score.r2(truth[drawn], prediction[drawn]))
+    low, high = np.quantile(draws, [0.025, 0.975])
+    return float(low), float(high)

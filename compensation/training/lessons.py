@@ -1,0 +1,124 @@
+"""What the tuned compensator's networks learn from, and how one of them is trained.
+
+The state of a knit is never the same twice: beside the recording as it is, there are versions of it with the
+conductance shifted a little up and down, so that a network learns from changes rather than from absolute values.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compensation.engines.adam import BATCH, train_adam
+from compensation.engines.network import Network
+from compensation.model.compensator import Compensator
+from compensation.model.runtime import ready_for_use
+from compensation.series.preprocessing import Series
+from compensation.series.score import BLOCK_S
+from compensation.training.arrays import training_arrays, untrained
+from compensation.training.options import Options
+
+FloatArray = NDArray[np.float64]
+
+# The history's features are standardised to this spread: a little more penalised than the bank's, which have about 1.
+HISTORY_SPREAD = 0.5
+STATE_SHIFT = 0.1
+PIECE_S = 40.0
+ROWS, SMALL_BATCH, RATE, AVERAGING, MAX_EPOCHS = 2_000, 40, 4e-3, 0.9, 1_000
+
+
+@dataclass(frozen=True)
+class Lessons:
+    """What networks learn from: features of the recording as it is, and with its conductance shifted.
+
+    Attributes
+    ----------
+    blank : Compensator
+        Scalers, bank and history.
+    versions : tuple of ndarray, each shape (n, k)
+        The first is the recording as it is.
+    truth : ndarray, shape (n,)
+        Standardised target.
+    shift, scale : ndarray, shape (k,)
+        ``versions`` hold ``(feature - shift) * scale``.
+    block_rows : int
+        Rows of a minute.
+    """
+
+    blank: Compensator
+    versions: tuple[FloatArray, ...]
+    truth: FloatArray
+    shift: FloatArray
+    scale: FloatArray
+    block_rows: int
+
+    def fit(self, kept: NDArray[np.bool_], options: Options, seed: int) -> Network:
+        """Train one network, on standardised features, on the rows that are kept."""
+        step = max(len(self.truth) // ROWS, 1)
+        # Each version is thinned out at rows of its own, so that together they cover the recording.
+        picks = [
+            np.arange(index * step // len(self.versions), len(kept), step) for index in range(len(self.versions))
+        ]
+        picks = [rows[kept[rows]] for rows in picks]
+        features = np.concatenate([version[rows] for version, rows in zip(self.versions, picks, strict=True)])
+        truth = np.concatenate([self.truth[rows] for rows in picks])
+        # MLPRegressor divides L2 by the batch size: as much of it here as in batches of its own size.
+        l2 = options.l2 * SMALL_BATCH / BATCH
+        network, _ = train_adam(
+            features, truth, options.sizes, seed, l2, MAX_EPOCHS, batch=SMALL_BATCH, rate=RATE, averaging=AVERAGING
+        )
+        return network
+
+    def fit_on_all(self, options: Options, seed: int) -> Network:
+        """Train one network on every row, for features as they come."""
+        return self.fit(np.ones(len(self.truth), dtype=bool), options, seed).absorbing(self.shift, self.scale)
+
+
+def lessons(
+    series: Sequence[Series], target: str, options: Options, starts: bool = False, shift: float = STATE_SHIFT
+) -> Lessons:
+    """Features and target of all training recordings, one after the other.
+
+    Parameters
+    ----------
+    starts : bool
+        Begin as a stream does (`compensation.model.runtime.Beginning`), and let the shifted versions begin anew every
+        `PIECE_S`, so that a network also learns from memories that have just been switched on.
+    shift : float
+        Of the conductance in the versions, up and down, in standard deviations.
+    """
+    blank = untrained(series, target, options)
+    copies = [list(series), list(series)]
+    if starts:
+        blank = replace(ready_for_use(blank, series), start="causal")
+        copies = [pieces(series, PIECE_S, offset) for offset in (0.0, PIECE_S / 2)]
+    features, truth = training_arrays(blank, series)
+    centre, scale = np.zeros(blank.input_count), np.ones(blank.input_count)
+    own = features[:, len(blank.alphas) :]
+    centre[len(blank.alphas) :] = own.mean(axis=0)
+    scale[len(blank.alphas) :] = HISTORY_SPREAD / np.maximum(own.std(axis=0), 1e-9)
+    shifts = zip((shift, -shift), copies, strict=True)
+    moved = [training_arrays(_shifted(blank, by), copy)[0] for by, copy in shifts]
+    versions = tuple((values - centre) * scale for values in (features, *moved))
+    duration_s = sum(part.time_s[-1] - part.time_s[0] for part in series)
+    block_rows = max(int(len(truth) * BLOCK_S / duration_s), 1)
+    return Lessons(blank, versions, truth, centre, scale, block_rows)
+
+
+def pieces(series: Sequence[Series], length_s: float, offset_s: float = 0.0) -> list[Series]:
+    """The recordings cut every `length_s`, the first cut after `offset_s` more; together the same samples."""
+    found = []
+    for part in series:
+        number = np.floor((part.time_s - part.time_s[0] - offset_s) / length_s)
+        for rows in np.split(np.arange(len(part)), np.flatnonzero(np.diff(number)) + 1):
+            found.append(part.rows(rows))
+    return found
+
+
+def _shifted(blank: Compensator, by: float) -> Compensator:
+    """Reads a conductance as if it were higher by `by` standard deviations."""
+    scaling = blank.scaling_in
+    return replace(blank, scaling_in=replace(scaling, mean=scaling.mean - by * scaling.scale))

@@ -1,0 +1,64 @@
+"""The choices of a training run; the defaults are the paper's, with restarts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compensation.engines.engine import DEFAULT_L2
+from compensation.memories.ema import PAPER_COUNT, PAPER_FACTOR, PAPER_RATE_HZ, given_factors, smoothing_factors
+from compensation.memories.history import NO_HISTORY, History
+
+FloatArray = NDArray[np.float64]
+
+PAPER_SIZES = (4, 2, 2)
+
+
+@dataclass(frozen=True)
+class Options:
+    """Choices of a training run; the defaults are the paper's, with restarts.
+
+    Attributes
+    ----------
+    sizes : tuple of int
+        Hidden layers.
+    factor, count : float, int
+        Smoothing factors ``alpha_i = factor^-i``, i = 1..count.
+    alphas : tuple of float, optional
+        Smoothing factors set by hand, in place of those.
+    l2 : float
+        MLPRegressor's ``alpha``.
+    seed : int
+        Seed of the first start; the others follow it.
+    restarts : int
+        Networks trained; the one with the best training score is kept. The paper: 1.
+    irregular : bool
+        Use the samples at their own times instead of resampling to 20 Hz.
+    per_recording : bool
+        Standardise each recording by itself (needs the whole recording).
+    engine : {"exact", "fast", "sklearn"}
+    rate_hz : float
+        Rate of resampling, and the one that the smoothing factors refer to.
+    history : History
+        Memories beside the bank; the paper has none.
+    """
+
+    sizes: tuple[int, ...] = PAPER_SIZES
+    factor: float = PAPER_FACTOR
+    count: int = PAPER_COUNT
+    l2: float = DEFAULT_L2
+    seed: int = 0
+    restarts: int = 5
+    irregular: bool = False
+    per_recording: bool = False
+    engine: str = "exact"
+    rate_hz: float = PAPER_RATE_HZ
+    history: History = NO_HISTORY
+    alphas: tuple[float, ...] | None = None
+
+    @property
+    def bank(self) -> FloatArray:
+        """Smoothing factors, set or calculated."""
+        return smoothing_factors(self.factor, self.count) if self.alphas is None else given_factors(self.alphas)

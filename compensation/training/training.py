@@ -1,0 +1,68 @@
+"""Training a compensator on one or more recordings."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from compensation.engines.engine import Fit, engine
+from compensation.model.compensator import Compensator
+from compensation.model.runtime import ready_for_use
+from compensation.series.preprocessing import Series, series_of
+from compensation.series.score import r2
+from compensation.training.arrays import describe, training_arrays, untrained
+from compensation.training.options import Options
+from compensation.training.tuning import tune
+from testbench.recordings.recording import Recording
+
+MORE_STARTS = 6
+
+
+def train(
+    recordings: Sequence[Recording],
+    target: str,
+    options: Options | None = None,
+    progress: Callable[[str], None] = lambda note: None,
+    tuned: bool = False,
+) -> Compensator:
+    """Train a compensator; scalers and networks see these recordings only.
+
+    Parameters
+    ----------
+    recordings : sequence of Recording
+        Each starts with a fresh smoothing bank: no history leaks over a boundary.
+    target : {"force", "displacement"}
+    options : Options, optional
+    progress : callable
+        Told about each network that is done.
+    tuned : bool
+        Choose factors, penalty and size from the data, average several networks: see `compensation.training.tuning`.
+    """
+    options = options or Options()
+    rate_hz = None if options.irregular else options.rate_hz
+    series = [series_of(rec, target, rate_hz) for rec in recordings]
+    return (tune if tuned else train_on_series)(series, target, options, progress)
+
+
+def train_on_series(
+    series: Sequence[Series],
+    target: str,
+    options: Options,
+    progress: Callable[[str], None] = lambda note: None,
+) -> Compensator:
+    """As `train`, on prepared series."""
+    blank = untrained(series, target, options)
+    features, truth = training_arrays(blank, series)
+    fits: list[Fit] = []
+    # One start is the publication's, dead or not; where several are asked for, one that lives is looked for.
+    tries = options.restarts if options.restarts < 2 else MORE_STARTS * options.restarts
+    while len(fits) < options.restarts or (len(fits) < tries and all(f.network.is_dead(features) for f in fits)):
+        seed = options.seed + len(fits)
+        fits.append(engine(options.engine)(features, truth, options.sizes, seed, options.l2))
+        progress(f"seed {seed}: training r2 {r2(truth, fits[-1].network(features)):.4f}")
+    scores = [r2(truth, fit.network(features)) for fit in fits]
+    best = int(np.argmax(scores))
+    recipe = describe(series, options, fits, features) | {"seed": options.seed + best, "training_r2": scores[best]}
+    return ready_for_use(replace(blank, networks=(fits[best].network,), recipe=recipe), series)

@@ -1,0 +1,137 @@
+"""From the twin: learn on campaigns simulated from the fitted knit model, and on the short measurement itself.
+
+Two minutes of measurement do not show the drift of twenty. A knit model fitted on those two minutes does, as far as
+it is right. The networks are of the tuned kind (`compensation.training.lessons`: memories of motion and play, strong
+L2, shifted states), and the measurement is part of every lesson, repeated until it weighs `SHARE`: finishing on it
+afterwards would teach the networks to forget the drift.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from compensation.engines.engine import Fit
+from compensation.memories.history import History
+from compensation.model.compensator import Compensator
+from compensation.model.runtime import ready_for_use
+from compensation.series.preprocessing import Series, series_of
+from compensation.series.score import r2
+from compensation.training.arrays import describe, training_arrays
+from compensation.training.lessons import lessons
+from compensation.training.options import Options
+from compensation.training.tuning import MOTION_TAUS_S, PLAY_RADII
+from compensation.training.twin_models import plausible
+from gcode.support.errors import UserError
+from testbench.knit.model import KnitModel
+from testbench.recordings.recording import Recording
+
+FIRST_SEED = 901
+NETWORKS, SIZES, L2 = 8, (8,), 0.3
+HISTORY = History(MOTION_TAUS_S, PLAY_RADII)
+# Of the lessons, as much as the measurement makes up.
+SHARE = 0.3
+
+
+def simulated(
+    models: Sequence[KnitModel], target: str, gauge_length_mm: float, amplitude: float, rate_hz: float
+) -> list[Series]:
+    """One campaign of each model: the paper's trajectory, from a new seed each, scaled to `amplitude` strain.
+
+    The first samples rest where the trajectory begins, so the model starts unloaded, as a measurement does.
+
+    Raises
+    ------
+    UserError
+        If a model makes no conductance, or no force where that is the target.
+    """
+    from gcode.mach4.controller import play
+    from gcode.mach4.reader import read_program
+    from gcode.programs.make import make
+    from gcode.trajectories.presets import preset
+    from testbench.knit.model import inputs
+
+    found = []
+    for seed, model in enumerate(models, start=FIRST_SEED):
+        played = play(read_program(make(preset("paper-1"), seed, gauge_length_mm).program), rate_hz=rate_hz)
+        travel_mm = played.position_mm - played.position_mm.min()
+        strain = amplitude * travel_mm / travel_mm.max()
+        signals = model.simulate(inputs(played.time_s, strain), 1.0 / rate_hz)
+        for name in ("conductance_S", *(("force_N",) if target == "force" else ())):
+            if name not in signals:
+                raise UserError(f"the twin's model makes no {name}; fit one on a recording that has it")
+        truth = signals["force_N"] if target == "force" else strain * gauge_length_mm
+        found.append(Series(played.time_s, signals["conductance_S"], truth, f"twin, seed {seed}"))
+    return found
+
+
+def train_from_twin(
+    model: KnitModel,
+    recording: Recording,
+    target: str,
+    amplitude: float,
+    options: Options | None = None,
+    progress: Callable[[str], None] = lambda note: None,
+) -> Compensator:
+    """Find out what the twin may be from a short measurement, then learn from both.
+
+    Parameters
+    ----------
+    model : KnitModel
+        Start of the fit: the baseline as `testbench fit` leaves it, or a model with what a diagnosis has found.
+    recording : Recording
+        The short measurement.
+    target : {"force", "displacement"}
+    amplitude : float
+        Largest strain of the campaigns to come.
+    options : Options, optional
+        Seed and sampling; sizes, history and penalty are the twin's own.
+    progress : callable
+        Told about the fit and each network: `steps` times.
+    """
+    options = replace(options or Options(), sizes=SIZES, l2=L2, history=HISTORY)
+    measured = series_of(recording, target, None if options.irregular else options.rate_hz)
+    models = plausible(model, recording)
+    progress("fitted the model")
+    twins = simulated(models, target, recording.gauge_length_mm, amplitude, options.rate_hz)
+    compensator = learned(twins, measured, target, options, progress)
+    effects = list(models[0].effects)
+    return replace(compensator, recipe=dict(compensator.recipe) | {"twin_effects": effects})
+
+
+def steps() -> int:
+    """How often `train_from_twin` reports progress."""
+    return 1 + NETWORKS
+
+
+def learned(
+    twins: Sequence[Series],
+    measured: Series,
+    target: str,
+    options: Options,
+    progress: Callable[[str], None] = lambda note: None,
+    share: float = SHARE,
+) -> Compensator:
+    """Networks that learn from campaigns and from a measurement that makes up `share` of the rows."""
+    campaign_rows = sum(len(part) for part in twins)
+    copies = max(round(share / (1.0 - share) * campaign_rows / len(measured)), 1) if share else 0
+    series = [*twins, *[measured] * copies]
+    learning = lessons(series, target, options)
+    networks = []
+    for seed in range(options.seed, options.seed + NETWORKS):
+        networks.append(learning.fit_on_all(options, seed))
+        progress(f"network {seed}")
+    features, truth = training_arrays(learning.blank, [measured])
+    live = tuple(network for network in networks if not network.is_dead(features)) or tuple(networks[:1])
+    prediction = np.mean([network(features) for network in live], axis=0)
+    recipe = describe([measured], options, [Fit(network, np.empty(0)) for network in networks], features) | {
+        "method": "twin",
+        "engine": "fast",
+        "restarts": NETWORKS,
+        "seed": options.seed,
+        "twin_campaigns": [part.source for part in twins],
+        "training_r2": r2(truth, prediction),
+    }
+    return ready_for_use(replace(learning.blank, networks=live, recipe=recipe), series)

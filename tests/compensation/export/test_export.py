@@ -1,0 +1,146 @@
+"""The stream, the C header and the ONNX model all give the batch's numbers."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from compensation.cli import main
+from compensation.export.export_c import c_header, cost
+from compensation.export.export_onnx import write_onnx
+from compensation.export.onnx_stream import OnnxStream
+from compensation.memories.ema import start_samples
+from compensation.memories.history import History
+from compensation.model import files as compensator_files
+from compensation.model.streaming import CompensatorStream
+from compensation.training.options import Options
+from compensation.training.training import train
+from gcode.support.errors import UserError
+
+PROGRAM = """
+#include <stdio.h>
+#include "pes.h"
+int main(void) {
+    pes_state s;
+    double g, dt;
+    pes_reset(&s);
+    while (scanf("%lf %lf", &g, &dt) == 2) printf("%.9g\\n", pes_update(&s, (float)g, (float)dt));
+    return 0;
+}
+"""
+
+
+HISTORIES = [History(), History((0.1, 8.0), (0.2, 0.5, 1.0), settle_s=0.05), History((2.0,)), History((), (0.4,))]
+
+
+@pytest.fixture(scope="module", params=HISTORIES, ids=["bank", "all", "motion", "play"])
+def compensator(recordings, request):
+    """Two networks, so that the mean over them is exercised."""
+    options = Options(sizes=(6, 3), restarts=1, history=request.param, engine="fast")
+    trained = [train(recordings[:1], "force", replace(options, seed=seed)) for seed in (0, 1)]
+    return replace(trained[0], networks=trained[0].networks + trained[1].networks)
+
+
+def streamed(compensator, recording) -> np.ndarray:
+    stream = CompensatorStream(compensator)
+    steps = np.diff(recording.time_s, prepend=recording.time_s[0])
+    return np.array([stream.update(*sample) for sample in zip(recording.conductance_S, steps, strict=True)])
+
+
+def test_stream_is_the_causal_batch(compensator, recordings):
+    recording = recordings[1].resampled(20.0)
+    causal = replace(compensator, start="causal")
+    batch = causal.predict(recording.time_s, recording.conductance_S)
+    np.testing.assert_allclose(streamed(compensator, recording), batch, atol=1e-11)
+
+
+def test_stream_is_the_papers_batch_once_every_filter_has_started(compensator, recordings):
+    recording = recordings[1].resampled(20.0)
+    compensator = replace(compensator, beginning=None)
+    batch = compensator.predict(recording.time_s, recording.conductance_S)
+    last = start_samples(compensator.alphas, 20.0).max() - 1
+    np.testing.assert_allclose(streamed(compensator, recording)[last:], batch[last:], atol=1e-11)
+
+
+def test_stream_takes_irregular_samples(compensator, recordings):
+    recording = recordings[1]
+    batch = replace(compensator, start="causal", irregular=True).predict(recording.time_s, recording.conductance_S)
+    np.testing.assert_allclose(streamed(compensator, recording), batch, atol=1e-10)
+
+
+def test_irregular_and_resampled_agree(compensator, recordings):
+    recording = recordings[1]
+    at_own_times = replace(compensator, irregular=True).predict(recording.time_s, recording.conductance_S)
+    grid = recording.resampled(20.0)
+    resampled = compensator.predict(grid.time_s, grid.conductance_S)
+    difference = np.interp(grid.time_s, recording.time_s, at_own_times) - resampled
+    assert np.sqrt(np.mean(difference**2)) < 0.05 * compensator.scaling_out.scale
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc on this machine")
+@pytest.mark.parametrize("irregular", [False, True])
+def test_c_header_compiled_equals_python(compensator, recordings, tmp_path, irregular):
+    recording = recordings[2] if irregular else recordings[2].resampled(20.0)
+    (tmp_path / "pes.h").write_text(c_header(compensator, "pes"))
+    (tmp_path / "main.c").write_text(PROGRAM)
+    flags = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-O2"]
+    subprocess.run(["gcc", *flags, "main.c", "-o", "main"], cwd=tmp_path, check=True)
+    steps = np.diff(recording.time_s, prepend=recording.time_s[0])
+    lines = "\n".join(f"{g!r} {dt!r}" for g, dt in zip(recording.conductance_S.tolist(), steps.tolist(), strict=True))
+    printed = subprocess.run([tmp_path / "main"], input=lines, capture_output=True, text=True, check=True).stdout
+    from_c = np.array([float(line) for line in printed.split()])
+    np.testing.assert_allclose(from_c, streamed(compensator, recording), atol=1e-5 * compensator.scaling_out.scale)
+
+
+def test_c_header_links_no_library_and_uses_no_heap(compensator):
+    text = c_header(compensator)
+    assert text.count("#include") == 1
+    assert "malloc" not in text
+    assert f"{cost(compensator).state_bytes} bytes of RAM" in text
+
+
+def test_cost_of_the_papers_network_by_hand(recordings):
+    paper = train(recordings[:1], "force", Options(restarts=1))
+    needs = cost(paper)
+    # (7+1)4 + (4+1)2 + (2+1)2 + 3 = 51 parameters, 28+8+4+2 = 42 weights, 7 filters.
+    assert paper.parameter_count == 51
+    assert needs.constants_bytes == 4 * (51 + 35 + 14 + 4)
+    assert needs.state_bytes == 4 * 32
+    assert needs.multiplies == 42 + 28 + 1
+
+
+def test_onnx_step_equals_python(compensator, recordings, tmp_path):
+    pytest.importorskip("onnxruntime")
+    write_onnx(compensator, tmp_path / "c.onnx")
+    recording = recordings[1].between(0.0, 60.0)
+    steps = np.diff(recording.time_s, prepend=recording.time_s[0])
+    stream = OnnxStream(tmp_path / "c.onnx")
+    got = [stream.update(*sample) for sample in zip(recording.conductance_S, steps, strict=True)]
+    np.testing.assert_allclose(got, streamed(compensator, recording), atol=1e-9)
+
+
+def test_per_recording_scaling_cannot_stream(compensator, tmp_path):
+    whole = replace(compensator, per_recording=True)
+    for attempt in (
+        lambda: CompensatorStream(whole),
+        lambda: c_header(whole),
+        lambda: write_onnx(whole, tmp_path / "c.onnx"),
+    ):
+        with pytest.raises(UserError, match="needs the whole recording"):
+            attempt()
+
+
+@pytest.mark.parametrize("format_", ["c", "onnx"])
+def test_command_writes_the_file(compensator, tmp_path, capsys, format_):
+    compensator_files.save(tmp_path / "c.json", compensator)
+    out = tmp_path / f"c.{format_}"
+    assert main(["export", str(tmp_path / "c.json"), "--format", format_, "-o", str(out), "--name", "pes"]) == 0
+    assert out.stat().st_size > 1000
+    assert "wrote" in capsys.readouterr().out
+    if format_ == "c":
+        assert main(["export", str(tmp_path / "c.json"), "-o", str(out), "--name", "no good"]) == 2
+        assert "C identifier" in capsys.readouterr().err

@@ -1,0 +1,74 @@
+"""The ESP32 sketch on a PC: its lines are what the stream gives, and the header does no more than it says."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from compensation.export.export_c import c_header, cost
+from compensation.memories.history import History
+from compensation.model.runtime import Status
+from compensation.model.streaming import CompensatorStream
+from compensation.training.options import Options
+from compensation.training.training import train
+
+SHIM = Path(__file__).parent / "arduino"
+SKETCH = Path(__file__).parents[3] / "firmware" / "knitbench_compensator"
+REFERENCE_OHM, SUPPLY_V, LSB_V, CONVERSIONS_A_SAMPLE = 606e3, 3.3, 125e-6, 6.4
+
+
+@pytest.fixture(scope="module")
+def compensator(recordings):
+    history = History((0.1, 2.0, 8.0), (0.2, 0.5), 0.05)
+    return train(recordings[:1], "force", Options(sizes=(6, 3), restarts=1, history=history, engine="fast"))
+
+
+def built(folder: Path, source: str, compensator) -> Path:
+    if shutil.which("g++") is None:
+        pytest.skip("g++ is not installed")
+    (folder / "knit.h").write_text(c_header(compensator, "knit"))
+    flags = ["-std=c++17", "-O1", "-Wall", "-Wextra", "-Werror", f"-I{folder}", f"-I{SHIM}", f"-I{SKETCH}"]
+    subprocess.run(["g++", *flags, str(SHIM / source), "-o", str(folder / "program")], check=True, timeout=120)
+    return folder / "program"
+
+
+def codes(conductance_S: np.ndarray) -> np.ndarray:
+    """What the converter reads, some six times a sample."""
+    repeated = np.repeat(conductance_S, int(CONVERSIONS_A_SAMPLE))
+    share = repeated * REFERENCE_OHM
+    return np.rint(SUPPLY_V * share / (1 + share) / LSB_V).astype(int)
+
+
+def test_the_sketch_says_what_the_stream_says(compensator, recordings, tmp_path):
+    program = built(tmp_path, "run_sketch.cpp", compensator)
+    read = codes(np.interp(np.arange(0, 60, 0.05), recordings[1].time_s, recordings[1].conductance_S))
+    read[1000:1100] = 0  # a lead falls off
+    text = "\n".join(map(str, read))
+    out = subprocess.run([program], input=text, capture_output=True, check=True, text=True, timeout=60).stdout
+    lines = np.array([[float(part) for part in line.split(",")] for line in out.splitlines()])
+    assert len(lines) == pytest.approx(len(read) / CONVERSIONS_A_SAMPLE, rel=0.02)
+    stream, last_us, off = CompensatorStream(compensator), None, 0
+    for time_us, conductance_S, value, status, _ in lines:
+        step_s = 0.05 if last_us is None else ((time_us - last_us) % 2**32) * 1e-6
+        expected = stream.update(conductance_S, step_s)
+        assert value == pytest.approx(expected, abs=2e-4 * compensator.scaling_out.scale)
+        assert Status(int(status)) & Status.BAD_READING == stream.status & Status.BAD_READING
+        off += bool(stream.status & Status.BAD_READING)
+        if not stream.status & (Status.BAD_READING | Status.BAD_STEP):
+            last_us = time_us
+    assert 10 < off < 20  # 100 of the conversions, 6.4 a sample
+
+
+def test_the_header_multiplies_as_often_as_it_says(compensator, recordings, tmp_path):
+    program = built(tmp_path, "count_operations.cpp", compensator)
+    samples = "\n".join(map(str, recordings[1].conductance_S[:200]))
+    out = subprocess.run([program], input=samples, capture_output=True, check=True, text=True, timeout=60).stdout
+    multiplied, added, divided, _ = map(int, out.split())
+    said = cost(compensator).multiplies
+    assert multiplied == pytest.approx(said, abs=0.15 * said)
+    assert added < 1.6 * said
+    assert divided <= 2  # the nominal step, the speed

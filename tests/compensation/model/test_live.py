@@ -1,0 +1,80 @@
+"""A compensator beside a recording: the recorder shows what the stream gives, and a full disk stops nothing."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from compensation.model import files
+from compensation.model.live import NAME, LiveCompensator
+from compensation.model.streaming import CompensatorStream
+from compensation.training.options import Options
+from compensation.training.training import train
+from gcode.support.errors import UserError
+from testbench.campaigns.following import live_compensator
+from testbench.commands import record as command
+from testbench.rig.progress import as_text
+from testbench.rig.recorder import Chunk, End, Recorder
+from testbench.rig.sink import Sink
+from testbench.rig.stream import Intake
+from testbench.rig.wire import Sample, encode
+
+
+@pytest.fixture(scope="module")
+def compensator(recordings):
+    return train(recordings[:1], "force", Options(restarts=1, engine="fast"))
+
+
+def samples(recording, count: int = 100) -> list[tuple[int, int]]:
+    """Time (us) and resistance (mohm), 50 ms apart."""
+    ohm = np.interp(np.arange(count) * 0.05, recording.time_s, recording["resistance_ohm"])
+    return [(50_000 * index, round(1e3 * value)) for index, value in enumerate(ohm)]
+
+
+def test_the_recorder_shows_and_keeps_what_the_stream_gives(compensator, recordings, tmp_path):
+    files.save(tmp_path / "c.json", compensator)
+    following = live_compensator(tmp_path / "c.json", tmp_path)
+    read = samples(recordings[1])
+    lines = [encode(Sample(7, n, us, 100_000, mohm, 0)) for n, (us, mohm) in enumerate(read)]
+    said = []
+    sink = Sink(tmp_path)
+    Recorder(Intake(), sink, 25.0, report=lambda status: said.append(as_text(status)), follow=following.follow).run(
+        [*(Chunk(0.05 * n, line) for n, line in enumerate(lines)), End(9.0)]
+    )
+    sink.close()
+    following.close()
+    stream = CompensatorStream(compensator)
+    expected = [stream.update(1e3 / mohm, 0.05) for _, mohm in read]
+    table = pd.read_csv(tmp_path / NAME)
+    assert list(table) == ["time_s", "force_N", "status"]
+    np.testing.assert_allclose(table["force_N"], expected, atol=1e-6)
+    assert f"compensated {expected[-1]:.3f} N" in said[-1]
+
+
+def test_no_reading_and_a_lost_disk_stop_nothing(compensator, recordings, tmp_path):
+    files.save(tmp_path / "c.json", compensator)
+    live = LiveCompensator(tmp_path / "c.json", tmp_path / "not-there")
+    values = [live.take(us, mohm) for us, mohm in samples(recordings[1], 20)]
+    assert np.isfinite(values).all()
+    assert live.take(2_000_000, None) == values[-1]
+    assert live.take(1, 5) == values[-1]
+    live.close()
+    assert not (tmp_path / "not-there").exists()
+
+
+def test_what_is_no_compensator_is_said_before_the_recording(tmp_path):
+    (tmp_path / "no.json").write_text("{}")
+    with pytest.raises(UserError, match="not a compensator"):
+        live_compensator(tmp_path / "no.json", tmp_path)
+
+
+def test_the_command_takes_it():
+    import argparse
+
+    parser = argparse.ArgumentParser()
+    command.add_arguments(parser)
+    assert parser.parse_args(["-o", "x", "--compensator", "c.json"]).compensator == "c.json"
+    assert Path(NAME).suffix == ".csv"

@@ -1,0 +1,135 @@
+"""Applying a compensator without a reference, and learning from resistance and force alone."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from compensation.cli import main
+from compensation.memories.history import History
+from compensation.model import files as compensator_files
+from compensation.model.prediction import predicted
+from compensation.model.runtime import Status
+from compensation.model.streaming import CompensatorStream
+from compensation.training.options import Options
+from compensation.training.training import train
+from gcode.support.errors import UserError
+from testbench.recordings.files import write_recording_csv
+
+
+@pytest.fixture(scope="module")
+def compensator(recordings):
+    history = History((0.5, 8.0), (0.2, 0.5, 1.0))
+    return train(recordings[:1], "force", Options(sizes=(6, 3), restarts=1, history=history, engine="fast"))
+
+
+def test_equals_the_stream_faulty_samples_included(compensator, recordings):
+    time_s, ohm = recordings[1].time_s[:600].copy(), recordings[1]["resistance_ohm"][:600].copy()
+    ohm[[0, 50, 51, 200]] = [np.nan, -1.0, 0.0, np.inf]
+    time_s[[120, 300]] = [np.nan, time_s[299]]
+    ohm[400] /= 50
+    found = predicted(compensator, time_s, ohm)
+    stream, last = CompensatorStream(compensator), None
+    for row, (now, value, status) in enumerate(zip(time_s, found.value, found.status, strict=True)):
+        conductance = 1.0 / ohm[row] if ohm[row] else np.inf
+        step = now - last if last is not None else (0.05 if np.isfinite(now) else np.nan)
+        assert stream.update(conductance, step) == pytest.approx(value, abs=1e-9)
+        assert int(stream.status) == status
+        if not stream.status & (Status.BAD_READING | Status.BAD_STEP):
+            last = now
+
+
+def test_a_long_pause_starts_anew(compensator, recordings):
+    part = recordings[1].between(0, 30)
+    time_s = np.concatenate([part.time_s, part.time_s + 7200])
+    ohm = np.tile(part["resistance_ohm"], 2)
+    found = predicted(compensator, time_s, ohm)
+    np.testing.assert_allclose(found.value[len(part) :], found.value[: len(part)], atol=1e-7)
+
+
+def test_command_writes_what_it_says(compensator, recordings, tmp_path, capsys):
+    compensator_files.save(tmp_path / "c.json", compensator)
+    part = recordings[1].between(0, 60)
+    pd.DataFrame({"time_s": part.time_s, "resistance_ohm": part["resistance_ohm"]}).to_csv(
+        tmp_path / "worn.csv", index=False
+    )
+    words = ["predict", str(tmp_path / "worn.csv"), "--compensator", str(tmp_path / "c.json")]
+    assert main([*words, "-o", str(tmp_path / "out.csv")]) == 0
+    assert "wrote" in capsys.readouterr().out
+    table = pd.read_csv(tmp_path / "out.csv")
+    assert list(table) == ["time_s", "force_N", "low_N", "high_N", "status"]
+    assert len(table) == len(part)
+    error = table["force_N"] - part["force_N"]
+    assert np.sqrt(np.mean(error[60:] ** 2)) < 0.5 * part["force_N"].std()
+
+
+def test_what_cannot_be_predicted_is_said(compensator, tmp_path, capsys):
+    from dataclasses import replace
+
+    with pytest.raises(UserError, match="mean and spread of the target"):
+        predicted(replace(compensator, per_recording=True), np.arange(5.0), np.ones(5))
+    compensator_files.save(tmp_path / "c.json", compensator)
+    (tmp_path / "no.csv").write_text("time_s,force_N\n0,1\n")
+    for name, words in (("no.csv", "no column resistance_ohm"), ("absent.csv", "cannot read it")):
+        argv = ["predict", str(tmp_path / name), "--compensator", str(tmp_path / "c.json")]
+        assert main([*argv, "-o", str(tmp_path / "out.csv")]) == 2
+        assert words in capsys.readouterr().err
+
+
+def test_resistance_and_force_alone_are_enough(recordings, tmp_path, capsys):
+    """The same compensator as from the whole recording, with no gauge length given."""
+    write_recording_csv(tmp_path / "whole.csv", recordings[0])
+    pd.read_csv(tmp_path / "whole.csv").drop(columns="displacement_mm").to_csv(tmp_path / "bare.csv", index=False)
+    networks = []
+    for name in ("whole", "bare"):
+        out = tmp_path / f"{name}.json"
+        argv = ["train", str(tmp_path / f"{name}.csv"), "--target", "force", "--method", "paper", "--restarts", "1"]
+        assert main([*argv, "--engine", "fast", "-o", str(out)]) == 0
+        networks.append(compensator_files.load(out).networks[0].weights[0])
+    np.testing.assert_array_equal(*networks)
+    capsys.readouterr()
+    assert main(["train", str(tmp_path / "bare.csv"), "--target", "displacement", "-o", str(out)]) == 2
+    assert "displacement_mm is constant" in capsys.readouterr().err
+
+
+def test_an_untared_force_is_refused(recordings, tmp_path, capsys):
+    write_recording_csv(tmp_path / "t.csv", recordings[0])
+    table = pd.read_csv(tmp_path / "t.csv")
+    table["force_N"] += 20.0
+    table.to_csv(tmp_path / "t.csv", index=False)
+    assert main(["train", str(tmp_path / "t.csv"), "--target", "force", "-o", str(tmp_path / "c.json")]) == 2
+    assert "not tared" in capsys.readouterr().err
+
+
+def test_another_target_or_unit_is_refused(compensator, recordings, tmp_path, capsys):
+    compensator_files.save(tmp_path / "c.json", compensator)
+    write_recording_csv(tmp_path / "r.csv", recordings[1])
+    argv = [
+        "predict",
+        str(tmp_path / "r.csv"),
+        "--compensator",
+        str(tmp_path / "c.json"),
+        "-o",
+        str(tmp_path / "o.csv"),
+    ]
+    for option, wanted in (("--target", "displacement"), ("--unit", "mm")):
+        assert main([*argv, option, wanted]) == 2
+        assert f"gives force in N, not the {option} {wanted}" in capsys.readouterr().err
+        assert not (tmp_path / "o.csv").exists()
+    assert main([*argv, "--target", "force", "--unit", "N"]) == 0
+
+
+def test_a_recording_shorter_than_the_slowest_memory_is_refused(compensator, recordings, tmp_path, capsys):
+    compensator_files.save(tmp_path / "c.json", compensator)
+    write_recording_csv(tmp_path / "r.csv", recordings[1].between(0, compensator.slowest_s - 1))
+    argv = [
+        "predict",
+        str(tmp_path / "r.csv"),
+        "--compensator",
+        str(tmp_path / "c.json"),
+        "-o",
+        str(tmp_path / "o.csv"),
+    ]
+    assert main(argv) == 2
+    assert f"slowest memory has {compensator.slowest_s:.0f} s" in capsys.readouterr().err

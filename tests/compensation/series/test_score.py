@@ -1,0 +1,50 @@
+"""Scores: known answers and their relation to scikit-learn's."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from sklearn.metrics import r2_score
+
+from compensation.series import score
+
+
+def test_r2_takes_the_mean_of_the_prediction():
+    assert score.r2(np.array([0.0, 2.0]), np.array([1.0, 3.0])) == pytest.approx(1 - 2 / 4)
+
+
+def test_r2_is_never_below_sklearns():
+    rng = np.random.default_rng(0)
+    for _ in range(50):
+        truth = rng.normal(size=40)
+        guess = truth + rng.normal(rng.normal(), 1, size=40)
+        assert score.r2(truth, guess) >= r2_score(truth, guess)
+
+
+def test_raw_score_is_two_rho_minus_one():
+    rng = np.random.default_rng(1)
+    truth = rng.normal(size=500)
+    raw = -3.0 * truth + rng.normal(size=500)
+    rho = np.corrcoef(truth, raw)[0, 1]
+    assert score.r2_before(truth, raw, sign=-1.0) == pytest.approx(-2 * rho - 1)
+    assert score.rho_squared(truth, raw) == pytest.approx(rho**2)
+
+
+def test_error_of_two_is_the_papers():
+    assert score.error_of_two(0.8, 0.7) == pytest.approx((0.04 + 0.09) / 2)
+
+
+def test_block_interval_is_wider_for_correlated_errors():
+    """The same error variance, once white and once as a slow wave: the interval must know the difference."""
+    rng = np.random.default_rng(2)
+    time_s = np.arange(0, 1200, 0.05)
+    truth = np.sin(time_s)
+    white = rng.normal(size=len(time_s))
+    slow = np.interp(time_s, np.arange(0, 1260, 60), rng.normal(size=21))
+    widths = []
+    for error in (white, slow):
+        prediction = truth + 0.3 * (error - error.mean()) / error.std()
+        low, high = score.block_interval(truth, prediction, time_s)
+        assert low < score.r2(truth, prediction) < high
+        widths.append(high - low)
+    assert widths[1] > 3 * widths[0]

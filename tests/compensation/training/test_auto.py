@@ -1,0 +1,166 @@
+"""The method chosen by cross-validation: what it prints is what it promises, and it knows when to give up."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from compensation.cli import main
+from compensation.model import files as compensator_files
+from compensation.model.streaming import CompensatorStream
+from compensation.series import score
+from compensation.series.preprocessing import Series, series_of
+from compensation.training.auto import LEARNERS, choose, margins_of, steps, train_automatically
+from compensation.training.folds import GROUPS_FROM, folds_of
+from compensation.training.learners import Ridge, linear
+from compensation.training.least_squares import Sums
+from compensation.training.options import Options
+from gcode.support.errors import UserError
+from testbench.recordings.files import write_recording_csv
+from tests.compensation.model.test_runtime import cold_starts
+
+
+@pytest.fixture(scope="module")
+def series(recordings):
+    return [series_of(recording, "force", 20.0) for recording in recordings]
+
+
+@pytest.fixture(scope="module")
+def trained(series):
+    notes = []
+    compensator = train_automatically(series[:1], "force", Options(), notes.append)
+    assert len(notes) == steps()
+    return compensator
+
+
+def test_it_beats_the_line_on_a_knit_and_says_by_how_much(trained, series):
+    tried, promise = trained.recipe["tried"], trained.recipe["cross_validated"]
+    assert set(tried) == {"line", "ridge", "paper", "networks", "blend"}
+    assert trained.recipe["chosen"] != "line"
+    assert promise["r2"] == max(row["r2"] for row in tried.values()) > tried["line"]["r2"]
+    held_out = [score.r2(part.truth, trained.predict_series(part)) for part in series[1:]]
+    line = [score.rho_squared(part.truth, part.conductance_S) for part in series[1:]]
+    assert np.mean(held_out) > np.mean(line) + 0.01
+    assert np.mean(held_out) == pytest.approx(promise["r2"], abs=0.05)
+
+
+def test_the_interval_is_the_widest_part_of_one_recording_and_all_of_several():
+    rng = np.random.default_rng(0)
+    folds = np.repeat([0, 1], 20_000)
+    errors = rng.standard_normal(40_000) * np.where(folds == 0, 1.0, 3.0)
+    low, high = margins_of(errors, folds, whole_recordings=False)
+    assert (-low, high) == pytest.approx((3 * 1.645, 3 * 1.645), rel=0.05)
+    low, high = margins_of(errors, folds, whole_recordings=True)
+    assert np.mean((errors >= low) & (errors <= high)) == pytest.approx(0.90, abs=0.001)
+
+
+@pytest.mark.slow
+def test_the_interval_holds_on_sensors_that_were_not_trained_on(tmp_path):
+    from compensation.paper.paper_campaigns import campaigns
+
+    runs = [campaigns(tmp_path, "lycra", runs=("T",), number=number)["T"] for number in range(61, 68)]
+    series = [series_of(recording, "force", 20.0) for recording in runs]
+    compensator = train_automatically(series[:4], "force", Options())
+    low, high = compensator.margins
+    inside = [
+        (low <= error) & (error <= high) for error in (p.truth - compensator.predict_series(p) for p in series[4:])
+    ]
+    assert 0.80 < np.mean(np.concatenate(inside)) < 0.97
+
+
+def test_switched_on_in_use_it_is_nearly_as_good_as_one_that_ran(trained, recordings):
+    cold, warm = cold_starts(trained, recordings[1])
+    assert cold < 1.5 * warm
+
+
+def test_batch_and_stream_begin_alike(trained, series):
+    part = series[1]
+    stream = CompensatorStream(trained)
+    fed = [stream.update(conductance, 0.05) for conductance in part.conductance_S[:200]]
+    np.testing.assert_allclose(fed, trained.predict_series(part)[:200], atol=1e-9)
+
+
+def noisy_line(seed: int) -> Series:
+    """A target that is a straight line of the conductance, and noise that nothing explains."""
+    rng = np.random.default_rng(seed)
+    time_s = np.arange(0.0, 240.0, 0.05)
+    conductance = 1e-6 * (3 + np.sin(time_s / 3) + 0.5 * np.sin(time_s / 7.7))
+    return Series(time_s, conductance, 2e6 * conductance + 0.5 * rng.standard_normal(len(time_s)), f"line {seed}")
+
+
+def test_where_nothing_beats_the_line_the_line_is_taken():
+    for seed in range(2):
+        part = noisy_line(seed)
+        compensator = train_automatically([part], "force", Options())
+        recipe = compensator.recipe
+        assert recipe["tried"][recipe["chosen"]]["rms_error"] < 1.01 * recipe["tried"]["line"]["rms_error"]
+        fresh = noisy_line(seed + 100)
+        errors = compensator.predict_series(fresh) - 2e6 * fresh.conductance_S
+        assert np.sqrt(np.mean(errors**2)) < 0.1
+
+
+def test_a_lead_within_its_error_is_no_lead():
+    rng = np.random.default_rng(0)
+    truth, noise = np.zeros(6000), rng.standard_normal(6000)
+    spiked = noise.copy()
+    spiked[:1200] *= 0.95
+    assert choose({"line": noise, "ridge": spiked}, truth, 1200) == "line"
+    assert choose({"line": noise, "ridge": 0.9 * noise}, truth, 1200) == "ridge"
+
+
+def test_folds_are_recordings_where_there_are_enough(series):
+    assert len(series) >= GROUPS_FROM
+    folds = folds_of(series)
+    assert [len(np.unique(part)) for part in np.split(folds, np.cumsum([len(p) for p in series])[:-1])] == [1, 1, 1]
+    assert folds_of(series[:1]).max() == 4
+    assert (np.diff(folds_of(series[:1])) >= 0).all()
+
+
+def test_no_learner_looks_at_what_is_held_out(series):
+    """Another target there changes nothing of what is learned."""
+    for kind in LEARNERS:
+        learner = kind(series[:1], "force", Options())
+        kept = np.ones(len(learner.lessons.truth), dtype=bool)
+        kept[1000:2500] = False
+        first = learner.fit(kept)
+        learner.lessons = replace(learner.lessons, truth=np.where(kept, learner.lessons.truth, 99.0))
+        for one, other in zip(first.networks, learner.fit(kept).networks, strict=True):
+            np.testing.assert_array_equal(one.weights[0], other.weights[0])
+
+
+def test_ridge_is_scikit_learns(series):
+    from sklearn.linear_model import Ridge as Reference
+    from sklearn.preprocessing import StandardScaler
+
+    learner = Ridge(series[:1], "force", Options())
+    lesson = replace(learner.lessons, versions=learner.lessons.versions[:1])
+    rows = np.ones(len(lesson.truth), dtype=bool)
+    x = StandardScaler().fit_transform(lesson.versions[0])
+    expected = Reference(alpha=0.1 * len(x)).fit(x, lesson.truth).predict(x)
+    got = linear(*Sums.of(lesson, rows).solved(0.1))(lesson.versions[0])
+    np.testing.assert_allclose(got, expected, atol=1e-8)
+    weights, bias = Sums.of(lesson, rows).solved(0.1)
+    squares = float(np.sum((lesson.truth - expected) ** 2))
+    assert Sums.of(lesson, rows).error(weights, bias) == pytest.approx(squares, rel=1e-6)
+
+
+def test_it_is_the_default_and_prints_what_it_tried(recordings, tmp_path, capsys):
+    write_recording_csv(tmp_path / "r.csv", recordings[0])
+    out = tmp_path / "c.json"
+    assert main(["train", str(tmp_path / "r.csv"), "--target", "force", "-o", str(out)]) == 0
+    printed = capsys.readouterr().out
+    for words in ("cross-validated on 5 contiguous parts", "<- chosen", "expect r2", "ordinary"):
+        assert words in printed
+    assert compensator_files.load(out).margins is not None
+    assert (
+        main(["train", str(tmp_path / "r.csv"), "--target", "force", "--method", "auto", "--l2", "1", "-o", str(out)])
+        == 2
+    )
+    assert "--l2 is for --method paper only" in capsys.readouterr().err
+
+
+def test_it_does_not_learn_from_each_recordings_own_mean(series):
+    with pytest.raises(UserError, match="leave --per-recording out"):
+        train_automatically(series[:1], "force", Options(per_recording=True))

@@ -1,0 +1,90 @@
+"""Recalibration: what was changed is found again, a minute of reference is no licence to run away."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from compensation.cli import main
+from compensation.model import files as compensator_files
+from compensation.series import score
+from compensation.series.preprocessing import Series, series_of
+from compensation.training.options import Options
+from compensation.training.recalibration import Correction, correction, recalibrated
+from compensation.training.training import train
+from gcode.support.errors import UserError
+from testbench.recordings.files import write_recording_csv
+
+
+@pytest.fixture(scope="module")
+def compensator(recordings):
+    return train(recordings[:1], "force", Options(restarts=3, engine="fast"))
+
+
+@pytest.fixture(scope="module")
+def test_part(recordings):
+    return series_of(recordings[1], "force", 20.0)
+
+
+def changed(part: Series, gain: float) -> Series:
+    """The same knit with other yarn resistance: every conductance times `gain`."""
+    return replace(part, conductance_S=gain * part.conductance_S)
+
+
+def first(part: Series, seconds: float) -> Series:
+    return part.rows(np.flatnonzero(part.time_s < part.time_s[0] + seconds))
+
+
+@pytest.mark.parametrize("gain", [0.75, 1.3])
+def test_a_minute_makes_up_for_another_resistance(compensator, test_part, gain):
+    other = changed(test_part, gain)
+
+    def r2(one):
+        return score.r2_ordinary(other.truth[1200:], one.predict_series(other)[1200:])
+
+    found = recalibrated(compensator, first(other, 60))
+    right = score.r2_ordinary(test_part.truth[1200:], compensator.predict_series(test_part)[1200:])
+    lost = right - r2(compensator)
+    assert lost > 0.1
+    # The spreads hold it back: a minute is not trusted to make up for everything.
+    assert right - r2(found) < 0.6 * lost
+    assert found.recipe["recalibrated"]["rms_after"] < found.recipe["recalibrated"]["rms_before"]
+    assert compensator.recipe.get("recalibrated") is None
+
+
+def test_what_fits_already_is_left_alone(compensator, recordings):
+    part = first(series_of(recordings[0], "force", 20.0), 60)
+    own = replace(part, truth=replace(compensator, start="causal").predict_series(part))
+    found = correction(compensator, own)
+    assert vars(found) == pytest.approx(vars(Correction()), abs=0.02)
+
+
+def test_rest_moves_the_zero(compensator, test_part):
+    time_s = np.arange(0.0, 30.0, 0.05)
+    held = np.ones(len(time_s))
+    rest = Series(time_s, held * test_part.conductance_S.mean(), held * 0.0, "rest")
+    before = replace(compensator, start="causal").predict_series(rest)[-1]
+    after = replace(recalibrated(compensator, rest), start="causal").predict_series(rest)[-1]
+    assert abs(after) < 0.7 * abs(before)
+
+
+def test_the_command_saves_what_predict_reads(compensator, recordings, tmp_path, capsys):
+    compensator_files.save(tmp_path / "c.json", compensator)
+    write_recording_csv(tmp_path / "r.csv", recordings[1])
+    out = tmp_path / "new.json"
+    argv = ["recalibrate", str(tmp_path / "c.json"), str(tmp_path / "r.csv"), "-o", str(out)]
+    assert main([*argv, "--seconds", "45"]) == 0
+    assert "45 s of reference" in capsys.readouterr().out
+    assert compensator_files.load(out).recipe["recalibrated"]["seconds"] == pytest.approx(45, abs=0.1)
+    assert main([*argv, "--rest", "--seconds", "20"]) == 0
+    assert main([*argv, "--seconds", "2"]) == 2
+    assert "--seconds must be a number from 5 on" in capsys.readouterr().err
+
+
+def test_too_little_reference_is_said(compensator, test_part):
+    with pytest.raises(UserError, match=r"4.0 s of reference; a recalibration needs at least 5 s"):
+        recalibrated(compensator, first(test_part, 4))
+    with pytest.raises(UserError, match="knows no level"):
+        recalibrated(replace(compensator, per_recording=True), test_part)
