@@ -19,6 +19,7 @@ from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel, SimulationCache
 
 FINAL_WEIGHTS = 3
+NARROWEST = 1e3  # factor on a group's precision: directions that a wider prior would show are kept
 AT_REST = 0.2  # nats gained in a step
 HELD = 1e12  # precision of what is held at a bound
 
@@ -177,10 +178,10 @@ class _Search:
         self.held = at_bound | (
             own & np.array([p.address.partition(".")[0] in self.base for p in self.priors.parameters])
         )
-        for _ in range(FINAL_WEIGHTS):  # until the weights of outliers and the noise agree
+        for last in range(FINAL_WEIGHTS):  # until the weights of outliers and the noise agree
             normal, robust = self.normal()
-            tried = (maximised(normal, scale=one, iterations=12) for one in (self.scale, opened(self.scale)))
-            evidence = max(tried, key=lambda one: one.value)
+            starts = (self.scale,) if last else (self.scale, opened(self.scale))
+            evidence = max((maximised(normal, scale=one) for one in starts), key=lambda one: one.value)
             self.scale, self.sigma = evidence.scale, dict(evidence.sigma)
         held, self.held = self.held, at_bound
         normal = self.all_normal(robust)
@@ -254,7 +255,7 @@ class _Search:
         """Along the directions that the data see, and the square roots of the Huber weights."""
         if self.stale:
             share = {c: self.likelihood.share[c] / self.sigma[c] ** 2 for c in self.columns}
-            self.directions = Directions.seen(self.columns, share, self.priors, opened(self.scale) / 10)
+            self.directions = Directions.seen(self.columns, share, self.priors, np.minimum(self.scale, NARROWEST))
             self.rows = {c: self.directions.rows(rows) for c, rows in self.columns.items()}
             self.stale = False
         robust, group = {}, self.directions.group
