@@ -70,13 +70,16 @@ class Hypothesis:
         return values_of(self.model, self.priors.parameters)
 
     def idle(self, name: str) -> bool:
-        """Whether the data determine no weight of the shape `name`: the evidence has switched it off."""
+        """Whether the evidence has switched a shape off: no weight of it is determined, none changes anything."""
         mine = [i for i, p in enumerate(self.priors.parameters) if p.address.startswith(name + ".")]
         weights = [i for i in mine if self.priors.group[i] >= 0]
         if not weights:
             return False
         shrunk = self.priors.scaled(self.evidence.scale)[weights] * np.diag(self.evidence.covariance)[weights]
-        return float(np.sum(1 - shrunk)) < 0.5
+        held = self.vector[weights]
+        changed = {c: held @ rows[np.array(weights) + 1] for c, rows in self.columns.items()}
+        below = all(np.sqrt(np.mean(v**2)) < 0.1 * self.evidence.sigma[c] for c, v in changed.items())
+        return below and float(np.sum(1 - shrunk)) < 0.5
 
     @property
     def scales(self) -> dict[str, float]:
@@ -183,11 +186,22 @@ class _Search:
             starts = (self.scale,) if last else (self.scale, opened(self.scale))
             evidence = max((maximised(normal, scale=one) for one in starts), key=lambda one: one.value)
             self.scale, self.sigma = evidence.scale, dict(evidence.sigma)
+            self.settle(evidence)
         held, self.held = self.held, at_bound
         normal = self.all_normal(robust)
         evidence = maximised(_pinned(normal, held), start=evidence, scale=self.scale, iterations=2)
         tails = self.tails(robust, evidence.sigma)
         return Hypothesis(self.model, self.priors, normal, held, evidence, tails, self.columns, robust)
+
+    def settle(self, evidence: LogEvidence) -> None:
+        """Give the shapes the weights that the evidence promises, if they keep it."""
+        step = np.where(self.priors.group >= 0, self.directions.full(evidence.coefficients), 0.0)
+        x = np.clip(self.x + step, self.priors.low, self.priors.high)
+        trial = with_values(self.model, self.priors.parameters, x)
+        now = {c: rows[0] for c, rows in self.columns.items()}
+        if self.cost(self.residual(trial), x) < self.cost(now, self.x):
+            self.model, self.x = trial, values_of(trial, self.priors.parameters)
+            self.linearise([])
 
     def move(self, normal: NormalEquations, damping: float):
         cost = self.cost({c: rows[0] for c, rows in self.columns.items()}, self.x)
