@@ -383,7 +383,9 @@ def _gram(rows: FloatArray) -> FloatArray:
 def under(h: Hypothesis, likelihood: Likelihood) -> Hypothesis:
     """The same point judged with samples that count otherwise; the linear model finds the new maximum."""
     normal = replace(h.normal, counts=likelihood.counts, share=likelihood.share)
-    known = replace(_pinned(normal, h.held), least=_rms(normal))
+    # A shape that only fits what no law is asked to reach is switched off.
+    least = {c: max(sigma, likelihood.misfit[c]) for c, sigma in _rms(normal).items()}
+    known = replace(_pinned(normal, h.held), least=least)
     evidence = maximised(known, scale=h.evidence.scale, iterations=15)
     tails = sum(tail(rows[0] / evidence.sigma[c], h.robust[c], likelihood.share[c]) for c, rows in h.columns.items())
     return replace(h, normal=normal, evidence=evidence, tails=tails)
