@@ -43,7 +43,7 @@ def starting_baseline(measurement: Measurement, catalogue: Catalogue | None = No
     log_g, drift = log_g[seen], effects["drift"].model_validate({"per_decade": 0.0})
     if falls:
         signals = {"strain": strain, "conductance_S": np.exp(log_g)}
-        return KnitModel.of(*laws, effects["piezoresistance"]().initial_guess(signals, 1.0), drift)
+        return KnitModel.of(*laws, effects["piezoresistance"]().started(signals, {}), drift)
     if force is None:
         contacts: list[Effect] = [contact_start(effects["contact"](), _pressing(laws, measurement)[seen], log_g)]
     else:
@@ -58,7 +58,7 @@ def _slope(x: FloatArray, y: FloatArray) -> float:
 def _force_laws(effects: dict[str, type[Effect]], strain: FloatArray, force: FloatArray | None) -> list[Effect]:
     if force is None:
         return [effects["elasticity"](), effects["hysteresis"]()]
-    elasticity = effects["elasticity"]().initial_guess({"strain": strain, "force_N": force}, 1.0)
+    elasticity = effects["elasticity"]().started({"strain": strain, "force_N": force}, {})
     span = float(np.ptp(strain))
     hysteresis = effects["hysteresis"].model_validate(
         {"friction_N": 0.05 * float(np.ptp(force)), "threshold": float(np.clip(0.05 * span, 1e-3, 0.3))}

@@ -45,7 +45,7 @@ NAMED = [
 
 @pytest.mark.parametrize("name", NAMED)
 def test_named_effect_speaks_for_its_idea_first(name: str) -> None:
-    assert CATALOGUE.ideas()[name][0].name == name
+    assert CATALOGUE.mechanisms()[name][0].name == name
 
 
 @pytest.mark.parametrize("name", CATALOGUE.effects)
