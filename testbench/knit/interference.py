@@ -22,13 +22,6 @@ class InterferenceLaw(Effect):
     per_recording = ("phase_rad",)
     channel: ClassVar[str] = "conductance"  # of the residual
 
-    frequency_Hz: float = parameter(1.0, unit="Hz", low=0.02, high=20, scale="log", doc="frequency as sampled")
-    phase_rad: float = parameter(0.0, unit="rad", low=-3.2, high=3.2, doc="phase at the start")
-
-    def angle(self, signals: Signals) -> FloatArray:
-        """Phase of the disturbance in radians, shape (n,)."""
-        return 2 * np.pi * self.frequency_Hz * signals["time_s"] + self.phase_rad
-
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         """The sharpest lines of the residual, in and out of phase: together they reach any phase."""
         if self.channel not in residual:
@@ -51,12 +44,15 @@ class PeriodicInterference(InterferenceLaw):
     look = "a sine rides on the conductance, in holds too; a sharp line in the spectrum"
 
     amplitude: float = parameter(0.01, unit="1", low=0, high=0.5, doc="relative amplitude")
+    frequency_Hz: float = parameter(1.0, unit="Hz", low=0.02, high=20, scale="log", doc="frequency as sampled")
+    phase_rad: float = parameter(0.0, unit="rad", low=-3.2, high=3.2, doc="phase at the start")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        return {"conductance_S": signals["conductance_S"] * (1 + self.amplitude * np.sin(self.angle(signals)))}
+        wave = np.sin(2 * np.pi * self.frequency_Hz * signals["time_s"] + self.phase_rad)
+        return {"conductance_S": signals["conductance_S"] * (1 + self.amplitude * wave)}
 
 
-class PeriodicInterferenceWave(InterferenceLaw):
+class PeriodicInterferenceWave(PeriodicInterference):
     """A periodic disturbance that is no pure sine rides on the conductance.
 
     ln G += amplitude * (sin(a) + second * sin(2 a) + third * sin(3 a)),   a = 2 pi f t + phase
@@ -73,7 +69,7 @@ class PeriodicInterferenceWave(InterferenceLaw):
     third: float = parameter(0.0, unit="1", low=-2, high=2, doc="third harmonic over the first")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        angle = self.angle(signals)
+        angle = 2 * np.pi * self.frequency_Hz * signals["time_s"] + self.phase_rad
         wave = np.sin(angle) + self.second * np.sin(2 * angle) + self.third * np.sin(3 * angle)
         return {"conductance_S": shifted(signals["conductance_S"], self.amplitude * wave)}
 
@@ -94,9 +90,12 @@ class PeriodicInterferenceForce(InterferenceLaw):
     look = "a sine rides on the force, in holds too; a sharp line in the spectrum"
 
     amplitude_N: float = parameter(0.02, unit="N", low=0, high=50, doc="amplitude")
+    frequency_Hz: float = parameter(1.0, unit="Hz", low=0.02, high=20, scale="log", doc="frequency as sampled")
+    phase_rad: float = parameter(0.0, unit="rad", low=-3.2, high=3.2, doc="phase at the start")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        return {"force_N": signals["force_N"] + self.amplitude_N * np.sin(self.angle(signals))}
+        wave = np.sin(2 * np.pi * self.frequency_Hz * signals["time_s"] + self.phase_rad)
+        return {"force_N": signals["force_N"] + self.amplitude_N * wave}
 
 
 def sharpest_lines_Hz(x: FloatArray, dt_s: float, most: int) -> list[float]:
