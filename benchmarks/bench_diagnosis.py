@@ -30,7 +30,8 @@ from joblib import Parallel, delayed
 from testbench import worlds, worlds_second, worlds_third
 from testbench.diagnosis import diagnose
 from testbench.knit.catalogue import Catalogue, load_catalogue
-from testbench.recordings.recording import FORCE, RESISTANCE, Recording
+from testbench.recordings.channels import FORCE, RESISTANCE
+from testbench.recordings.recording import Recording
 from testbench.worlds.base import WORLDS
 from testbench.worlds.motion import PROTOCOLS
 

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcode.support.errors import UserError
-from testbench.recordings.recording import DISPLACEMENT, FORCE, RESISTANCE, Recording
+from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE
+from testbench.recordings.recording import Recording
 
 FloatArray = NDArray[np.float64]
 

@@ -15,7 +15,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gcode.support.errors import UserError
-from testbench.recordings.recording import DISPLACEMENT, FloatArray, Recording
+from testbench.recordings.channels import DISPLACEMENT, FloatArray
+from testbench.recordings.recording import Recording
 from testbench.rig.simulated import Motion
 
 PLANNED = "displacement_planned_mm"

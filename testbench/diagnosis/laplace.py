@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from testbench.diagnosis.directions import Directions
 from testbench.diagnosis.evidence import LogEvidence, NormalEquations, maximised, opened
 from testbench.diagnosis.likelihood import Likelihood
 from testbench.diagnosis.priors import Priors, priors_of
+from testbench.fitting.downhill import downhill, huber, huber_weight
 from testbench.fitting.measurement import CONDUCTANCE_CHANNEL
 from testbench.fitting.parameters import values_of, with_values
 from testbench.fitting.sensitivity import RELATIVE_STEP
@@ -205,15 +207,16 @@ class _Search:
 
     def move(self, normal: NormalEquations, damping: float):
         cost = self.cost({c: rows[0] for c, rows in self.columns.items()}, self.x)
-        while damping < 1e9:
-            step = self.step(normal, damping)
-            trial = with_values(self.model, self.priors.parameters, self.x + step)
-            then = self.cost(self.residual(trial), self.x + step)
-            if then < cost:
-                self.model, self.x = trial, values_of(trial, self.priors.parameters)
-                return cost - then, max(damping / 10, 1e-3)
-            damping *= 10
-        return None, 1.0
+        found = downhill(partial(self.step, normal), self.cost_after, cost, damping, up=10.0, most=1e8)
+        if found is None:
+            return None, 1.0
+        self.model = with_values(self.model, self.priors.parameters, self.x + found.step)
+        self.x = values_of(self.model, self.priors.parameters)
+        return cost - found.cost, max(found.damping / 10, 1e-3)
+
+    def cost_after(self, step: FloatArray) -> float:
+        trial = with_values(self.model, self.priors.parameters, self.x + step)
+        return self.cost(self.residual(trial), self.x + step)
 
     def residual(self, model: KnitModel) -> dict[str, FloatArray]:
         left = self.likelihood.measurement.residual(model, self.cache)
@@ -275,7 +278,7 @@ class _Search:
         robust, group = {}, self.directions.group
         for c, rows in self.rows.items():
             z = np.abs(rows[0]) / self.sigma[c]
-            robust[c] = np.sqrt(np.minimum(1.0, constants.HUBER / np.maximum(z, 1e-12)))
+            robust[c] = np.sqrt(huber_weight(z))
         own = np.argmax(self.directions.basis != 0, axis=0)  # members of a group have one precision
         mean, precision = self.believed()
         return self.equations(self.rows, robust, self.directions.along(mean), precision[own], group), robust
@@ -328,11 +331,6 @@ def tail(z: FloatArray, robust: FloatArray, share: float) -> float:
     """What a Huber density says more of outliers than the weighted squares in ln Z."""
     z = np.abs(z)
     return -float(np.sum(huber(z) - 0.5 * (robust * z) ** 2)) * share
-
-
-def huber(z: FloatArray) -> FloatArray:
-    """Minus the log density of noise with exponential tails, shape of `z`."""
-    return np.where(z < constants.HUBER, 0.5 * z * z, constants.HUBER * (z - 0.5 * constants.HUBER))
 
 
 def _trimmed(values: FloatArray) -> float:

@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from testbench.recordings.recording import DISPLACEMENT, RESISTANCE, TEMPERATURE, Recording
-from testbench.recordings.recording import FORCE as FORCE_CHANNEL
+from testbench.recordings.channels import DISPLACEMENT, RESISTANCE, TEMPERATURE
+from testbench.recordings.channels import FORCE as FORCE_CHANNEL
+from testbench.recordings.recording import Recording
 from testbench.report import style
 from testbench.report.downsample import POINTS, rows_to_draw, thinned, window
 from testbench.report.numbers import span

@@ -9,7 +9,7 @@ import pytest
 from scipy.optimize import least_squares
 
 from gcode.support.errors import UserError
-from testbench.recordings.recording import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE
+from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE
 from testbench.worlds import CATALOGUE, OUTSIDE, make_case
 from testbench.worlds.base import WORLDS, draw_world
 from testbench.worlds.case import _Bench, _choose, _rng
