@@ -14,8 +14,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
-from testbench.recordings.channels import DISPLACEMENT, FloatArray
+from testbench.recordings.channels import DISPLACEMENT
 from testbench.recordings.recording import Recording
 from testbench.rig.simulated import Motion
 

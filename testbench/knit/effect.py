@@ -28,11 +28,11 @@ from collections.abc import Mapping
 from enum import IntEnum
 from typing import Any, ClassVar
 
-from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field
 from pydantic.fields import FieldInfo
 
-FloatArray = NDArray[Any]
+from gcode.support.arrays import FloatArray
+
 Signals = Mapping[str, FloatArray]
 
 

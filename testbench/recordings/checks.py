@@ -6,8 +6,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
-from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, FloatArray
+from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE
 
 HEADER_ROWS = 2  # row numbers in messages count from 1 and the header is row 1
 

@@ -15,13 +15,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
-from testbench.recordings.channels import (
-    DISPLACEMENT,
-    RESISTANCE,
-    TIME,
-    FloatArray,
-)
+from testbench.recordings.channels import DISPLACEMENT, RESISTANCE, TIME
 from testbench.recordings.checks import check
 
 if TYPE_CHECKING:
