@@ -85,7 +85,9 @@ class Live:
         ):
             one = channel_of(self.follower, name, title, factor, colour)
             if one is not None:
-                beside = channel_of(self.compensated, name, f"Compensated {title[0].lower()}{title[1:]}", factor, style.VERMILION)
+                beside = channel_of(
+                    self.compensated, name, f"Compensated {title[0].lower()}{title[1:]}", factor, style.VERMILION
+                )
                 found.append(replace(one, limit=self.limits.get(name), beside=beside))
         return found
 

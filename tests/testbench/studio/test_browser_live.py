@@ -10,7 +10,9 @@ from tests.testbench.studio.browsing import IN_CHROMIUM, browser, choose, finish
 pytestmark = IN_CHROMIUM
 __all__ = ["browser", "finished", "full", "page", "running"]  # pytest finds its fixtures by name
 
-DRAWN = "() => [...document.querySelectorAll('.js-plotly-plot')].flatMap(plot => (plot.data || []).map(one => one.name))"
+DRAWN = (
+    "() => [...document.querySelectorAll('.js-plotly-plot')].flatMap(plot => (plot.data || []).map(one => one.name))"
+)
 
 
 def test_the_compensated_force_stands_beside_the_measured_one(full, page) -> None:
