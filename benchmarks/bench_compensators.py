@@ -166,8 +166,8 @@ def _pairs(known, cases: Sequence[Case], methods: Sequence[str]) -> list[str]:
                 count += 1
     if count:
         lines.append(
-            f"auto: within 0.01 of the best in {near} of {count}; not below raw in {above} of {count}, and in {as_raw} "
-            f"where it is scored as raw is, by each recording's own mean and spread"
+            f"auto: within 0.01 of the best in {near} of {count}; not below raw in {above} of {count}, and in "
+            f"{as_raw} where it is scored as raw is, by each recording's own mean and spread"
         )
     return lines
 
