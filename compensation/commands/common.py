@@ -83,7 +83,7 @@ def score_table(scores: dict[str, Any]) -> str:
 
 
 def cross_validation_table(recipe: Mapping[str, Any], unit: str) -> str:
-    """What cross-validation found of every method, and what it promises of the chosen one."""
+    """What cross-validation found of every method, what it took, and what it promises of that."""
     promise = recipe["cross_validated"]
     how = "whole recordings" if promise["whole_recordings"] else "contiguous parts of the training"
     lines = [f"cross-validated on {promise['folds']} {how}: r2, ordinary r2, RMS error in {unit}"]

@@ -22,7 +22,7 @@ from testbench.studio.workspace import RESULTS
 TARGETS = {"force": "force", "displacement": "displacement"}
 AUTO, TUNED = "auto", "tuned"
 NETWORKS = {
-    AUTO: "auto: the best by cross-validation",
+    AUTO: "auto: several, weighted by cross-validation",
     "4,2,2": "4, 2, 2 (the paper)",
     "8,4,4": "8, 4, 4",
     "16,8": "16, 8",

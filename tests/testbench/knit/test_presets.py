@@ -45,13 +45,19 @@ def test_raw_signal_is_as_poor_as_published(name: str, figures: ModuleType) -> N
     assert drifts.mean() > 1.04
 
 
+# Decision 0015: the two of the 24 that the presets miss, by this much.
+MISSED = {("pes", "force"): [0.055, 0, 0], ("lycra", "displacement"): [0.075, 0, 0]}
+WITHIN = 0.05
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["pes", "lycra"])
 def test_each_recording_is_as_poor_as_published(name: str, figures: ModuleType) -> None:
-    """T, A and B one by one. A single figure of `pes` scatters by 0.05 with the trajectory, so many seeds."""
-    force, displacement, _ = before(name, SEEDS, figures)
-    assert force == pytest.approx(RAW[name, "force"], abs=0.06)
-    assert displacement == pytest.approx(RAW[name, "displacement"], abs=0.08)
+    """T, A and B one by one, within 0.05 but for two of them; means over ten campaigns."""
+    found = before(name, SEEDS[:10], figures)
+    for target, values in zip(("force", "displacement"), found[:2], strict=True):
+        allowed = np.maximum(WITHIN, MISSED.get((name, target), [0, 0, 0]))
+        assert (np.abs(values - RAW[name, target]) <= allowed).all(), (target, values)
 
 
 SETS = {"permanent_set_recovering.fraction": 0.0, "permanent_set_worked.amount": 0.0}
@@ -88,7 +94,8 @@ def test_displacement_creeps_away_from_force(name: str, figures: ModuleType) -> 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["pes", "lycra"])
 def test_compensated_signal_is_as_good_as_published(name: str, figures: ModuleType) -> None:
-    """r2 of the paper's network on T, A and B, each recording scaled by itself; means over five campaigns."""
-    after = np.mean([figures.compensated(figures.campaign(preset(name), seed)) for seed in SEEDS[:5]], axis=0)
-    assert after[:3] == pytest.approx(COMPENSATED[name, "force"], abs=0.06)
-    assert after[3:6] == pytest.approx(COMPENSATED[name, "displacement"], abs=0.06)
+    """r2 of the paper's network on T, A and B, each recording scaled by itself; means over ten campaigns."""
+    runs = [figures.campaign(preset(name), seed, figures.SLOW) for seed in SEEDS[:10]]
+    after = np.mean([figures.compensated(run, wanted=figures.AFTER_SLOW) for run in runs], axis=0)
+    assert after[:3] == pytest.approx(COMPENSATED[name, "force"], abs=WITHIN)
+    assert after[3:] == pytest.approx(COMPENSATED[name, "displacement"], abs=WITHIN)
