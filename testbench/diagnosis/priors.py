@@ -72,6 +72,8 @@ def priors_of(
             believed.append(known[p.address])
         elif index:
             believed.append((0.0, p.width))
+        elif name in reference and key == type(model[name]).strength:
+            believed.append(declared(type(model[name]), key, scales))
         elif name in reference and type(reference[name]) is type(model[name]):
             believed.append((p.to_fit(_lookup(reference, p.address)), p.width))
         else:
@@ -101,4 +103,4 @@ def typical(effect: type[Effect], scales: Mapping[str, float]) -> float:
     if extra["unit"] == "1/N":
         return 0.1 / scales["N"]
     default = effect.model_fields[effect.strength].default
-    return float(extra.get("typical") or abs(default) or 0.1 * max(abs(extra["high"]), abs(extra["low"])))
+    return float(abs(default) or 0.1 * max(abs(extra["high"]), abs(extra["low"])))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -17,7 +17,6 @@ from testbench.diagnosis.laplace import Hypothesis, fitted, under
 from testbench.diagnosis.likelihood import Likelihood, correlated, likelihood_of, noise_of, telling
 from testbench.diagnosis.proposals import Proposal, Screen, laws_of
 from testbench.fitting.baseline import SHAPES, starting_baseline, with_shapes, without_shapes
-from testbench.fitting.fit import fit
 from testbench.fitting.measurement import Measurement, coarser
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import Effect
@@ -162,7 +161,7 @@ class Search:
         tell("fitting the baseline")
         start = start or starting_baseline(self.measurement, catalogue)
         self.start = without_shapes(start)
-        self.reference = fit(self.start, [self.measurement]).model
+        self.reference = self.start
         self.likelihood = likelihood_of(self.reference, self.measurement, noise)
         tell("fitting the shape of the base laws")
         flexible = with_shapes(self.reference, self.measurement, catalogue, like=start)
@@ -190,6 +189,8 @@ class Search:
                     break
                 found.append(step.candidate)
                 current = step.candidate.hypothesis
+                if step.is_named() and not step.candidate.excess:
+                    break  # what is left is noise
         return rounds, found
 
     def round(self, current: Hypothesis) -> Round:
@@ -210,6 +211,7 @@ class Search:
             before.append(
                 fitted(best.hypothesis.model.without(best.name), likelihood, self.reference, best.hypothesis)
             )
+            likelihood = replace(likelihood, explained=explained(current, best.hypothesis))
         bare = max(
             (self.entry("", under(h, likelihood), likelihood) for h in before),
             key=lambda e: e.log_z,
@@ -223,17 +225,11 @@ class Search:
 
     def other_laws(self, current: Hypothesis) -> list[Effect]:
         """Laws that could take the place of one in the model, drawn to the data."""
-        present = {
-            effect.idea or effect.name: effect.name
-            for effect in current.model.effects.values()
-            if not effect.strength
-        }
+        present = {effect.mechanism: effect.name for effect in current.model.effects.values() if not effect.strength}
         forms = [
             form
             for form in self.catalogue.effects.values()
-            if not form.strength
-            and (form.idea or form.name) in present
-            and form.name != present[form.idea or form.name]
+            if not form.strength and form.mechanism in present and form.name != present[form.mechanism]
         ]
         return [drawn_to_data(form(), self.measurement) for form in forms]
 
@@ -297,7 +293,12 @@ def _named(share_left: float) -> float:
     return 0.5 * (constants.MOST_LEFT**2 - share_left**2) / constants.LAW_ERROR**2
 
 
+def explained(without: Hypothesis, with_it: Hypothesis) -> dict[str, float]:
+    """Standard deviation of what an effect explains, per channel."""
+    before, after = without.evidence.sigma, with_it.evidence.sigma
+    return {c: float(np.sqrt(max(before[c] ** 2 - after[c] ** 2, 0.0))) for c in before}
+
+
 def excess(h: Hypothesis, likelihood: Likelihood) -> float:
     """Squared error above the least that a law leaves, in units of it, summed over the channels."""
-    least = {c: constants.LEAST_MISFIT * floor for c, floor in likelihood.floor.items()}
-    return sum(max((sigma / least[c]) ** 2 - 1, 0.0) for c, sigma in h.evidence.sigma.items())
+    return sum(max((sigma / likelihood.misfit[c]) ** 2 - 1, 0.0) for c, sigma in h.evidence.sigma.items())
