@@ -99,7 +99,7 @@ def typical(effect: type[Effect], scales: Mapping[str, float]) -> float:
     """Typical size of an effect's strength: as declared, on the scale of this sensor's force where it is a force."""
     extra = bounds_of(effect.model_fields[effect.strength])
     if extra["unit"] == "N":
-        return scales["N"]
+        return (extra["typical"] or 0.1) * 10 * scales["N"]
     if extra["unit"] == "1/N":
         return 0.1 / scales["N"]
     default = effect.model_fields[effect.strength].default

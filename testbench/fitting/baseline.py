@@ -13,11 +13,8 @@ from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.knit.effect import Effect, FloatArray
 from testbench.knit.model import KnitModel
 
-# Bouc-Wen friction is a freedom of the loops, as free slip elements are: neither can imitate all of the other.
-LOOP_SHAPES = ("hysteresis_shape", "hysteresis_bouc_wen")
 FORCE_SHAPES = ("elasticity_shape", "hysteresis_shape")
 CONDUCTANCE_SHAPES = ("contact_shape", "contact_loops_shape", "contact_drift_shape", "drift_shape")
-BOUC_WEN_SHARE = 0.3  # of the slip elements' friction, where its search starts
 SHAPES = FORCE_SHAPES + CONDUCTANCE_SHAPES
 
 
@@ -106,14 +103,6 @@ def with_shapes(
         wanted += CONDUCTANCE_SHAPES
     for name in wanted:
         if name not in model:
-            shape = like[name] if like is not None and name in like else _started(effects[name](), model)
+            shape = like[name] if like is not None and name in like else effects[name]()
             model = model.plus(framed(shape, model, measurement))
     return model
-
-
-def _started(shape: Effect, model: KnitModel) -> Effect:
-    """A shape where its search starts: at zero, but for Bouc-Wen, whose other parameters do nothing there."""
-    if shape.name != "hysteresis_bouc_wen":
-        return shape
-    friction_N = getattr(model["hysteresis"], "friction_N", 0.1) if "hysteresis" in model else 0.1
-    return shape.replaced(friction_N=BOUC_WEN_SHARE * friction_N)

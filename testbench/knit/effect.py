@@ -56,6 +56,7 @@ def parameter(
     doc: str,
     scale: str = "linear",
     source: str = "",
+    typical: float | None = None,
 ) -> Any:
     """Declare one parameter of an effect: value, unit, bounds, scale, meaning, source, in one place.
 
@@ -74,8 +75,11 @@ def parameter(
         How a fit should step; ``"log"`` needs ``low > 0``.
     doc, source : str
         What it means, and where its usual value comes from.
+    typical : float, optional
+        Of a strength: its usual size, the width of its prior around zero; in N, as a share of the range of the force.
+        Default: `default`, or a tenth of that range.
     """
-    extra = {"unit": unit, "low": low, "high": high, "scale": scale, "source": source}
+    extra = {"unit": unit, "low": low, "high": high, "scale": scale, "source": source, "typical": typical}
     if isinstance(default, tuple):
         return Field(default=default, description=doc, json_schema_extra=extra)  # type: ignore[arg-type]
     return Field(default=default, ge=low, le=high, description=doc, json_schema_extra=extra)  # type: ignore[arg-type]

@@ -39,7 +39,9 @@ class Hysteresis(FrictionLaw):
     name = "hysteresis"
     look = "force is higher while stretching than while releasing, at any speed"
 
-    friction_N: float = parameter(0.3, unit="N", low=0, high=100, doc="friction force when every element slips")
+    friction_N: float = parameter(
+        0.3, unit="N", low=0, high=100, typical=0.05, doc="friction force when every element slips"
+    )
     threshold: float = parameter(
         0.02, unit="1", low=5e-4, high=0.5, scale="log", doc="strain after a reversal at which slip is under way"
     )

@@ -142,7 +142,9 @@ class StressRelaxationFindley(StressRelaxationLaw):
     name = "stress_relaxation_findley"
     look = "in a hold the force sinks over all times at once, towards a level that it keeps"
 
-    fraction: float = parameter(0.4, unit="1", low=0, high=0.99, doc="share of the force that is lost in the end")
+    fraction: float = parameter(
+        0.4, unit="1", low=0, high=0.99, typical=0.7, doc="share of the force that is lost in the end"
+    )
     exponent: float = parameter(0.3, unit="1", low=0.02, high=3, scale="log", doc="slope of the decay, log-log")
     tau_s: float = parameter(1.0, unit="s", low=0.01, high=300, scale="log", doc="when the power law sets in")
 
