@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 import tempfile
 import time
+from functools import cache
 from pathlib import Path
 
 from joblib import Parallel, delayed, parallel_config
@@ -19,6 +20,7 @@ from joblib import Parallel, delayed, parallel_config
 from testbench.campaigns.dataset import Task, run, tasks_of, write_index
 from testbench.campaigns.dataset_spec import DatasetSpec, TrajectoryWish
 from testbench.rig.motion import played
+from testbench.rig.simulated import Motion
 
 PARTS = 4
 MEMORY_LIMIT = "1GB"
@@ -34,8 +36,12 @@ def spec_of(campaigns: int) -> DatasetSpec:
 
 def simulated(task: Task) -> int:
     """The campaign without a disk: model and instruments, as far as the bytes on the wire; how many samples."""
-    motion, _ = played(task.program, task.gauge_length_mm)
-    return sum(1 for _ in task.plan().rig(motion).lines())
+    return sum(1 for _ in task.plan().rig(_motion(task.program, task.gauge_length_mm)).lines())
+
+
+@cache
+def _motion(program: Path, gauge_length_mm: float) -> Motion:
+    return played(program, gauge_length_mm)[0]
 
 
 def memory_MB(which: str = "VmRSS") -> float:
