@@ -91,10 +91,13 @@ async def _answer(studio: Studio, diagnosis: Mapping[str, Any], where: Address) 
         if nothing and diagnosis.get("other_laws"):
             _better_law(studio, c, list(diagnosis["other_laws"]))
     ranking = diagnosis["ranking"][:SHOWN]
+    if not nothing:
+        with ui.row():
+            if len(ranking) > 1:
+                _experiment(c, diagnosis)
+            _propose(c, unknown=diagnosis["verdict"] == "unknown")
     if not ranking:
         return
-    if len(ranking) > 1 and not nothing:
-        _experiment(c, diagnosis)
     plot(
         figures.candidates(diagnosis),
         "What a refit with each effect takes off the error on samples that no fit has seen, with the 95 % interval "
@@ -126,6 +129,12 @@ def _experiment(c: str, diagnosis: Mapping[str, Any]) -> None:
     words = "Design the experiment that tells them apart" if tied else "Design an experiment on the first two"
     button = ui.button(words, icon="science")
     button.on_click(lambda: ui.navigate.to(address("/experiment", c=c))).props("unelevated" if tied else "flat")
+
+
+def _propose(c: str, unknown: bool) -> None:
+    """The way out where no effect fits: a law of its own."""
+    button = ui.button("Propose a law", icon="auto_awesome")
+    button.on_click(lambda: ui.navigate.to(address("/propose", c=c))).props("unelevated" if unknown else "flat")
 
 
 class _Candidates:
