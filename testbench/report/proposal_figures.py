@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from testbench.fitting.errors import channel_name
 from testbench.fitting.measurement import UNIT_OF, Measurement
-from testbench.fitting.remounting import remounted
+from testbench.fitting.remounting import brought_together
 from testbench.knit.model import KnitModel
 from testbench.proposing.proposal import Proposed, Step, numbered
 from testbench.proposing.writing import in_words, plain
@@ -89,7 +89,8 @@ def binned(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray, FloatA
 
 
 def _residuals(model: KnitModel, held: Measurement) -> dict[str, FloatArray]:
-    found = held.residual(remounted(model, held))
+    model, there = brought_together(model, held)
+    found = there.residual(model)
     return {channel: values - values[held.counts].mean() for channel, values in found.items()}
 
 

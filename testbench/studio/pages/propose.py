@@ -27,6 +27,7 @@ from testbench.studio.widgets import (
     subheading,
     table,
     trouble,
+    working,
 )
 
 MOST_LAWS = 4
@@ -63,18 +64,20 @@ def _ask(studio: Studio, c: str) -> None:
         with ui.row().classes("items-start"):
             name = ui.input("Name of the law", value=laws.free_law_name(studio, c))
             name.props("outlined dense bottom-slots").style("min-width:220px")
-            most = number_field("At most so many laws", 1, whole=True)
+            most = number_field("Laws at most", 1, whole=True)
             most.props(f"min=1 max={MOST_LAWS}")
         button = ui.button("Look for a law", icon="auto_awesome").props("unelevated")
         holder = ui.column().classes("w-full")
 
-    def start() -> None:
+    async def start() -> None:
         running = studio.jobs.find(key)
-        if running is None or not running.running:
-            check(most)
-            wanted = min(max(int(most.value), 1), MOST_LAWS)
-            command = laws.propose_command(studio, c, (name.value or "").strip(), wanted)
-            models.run_in_turn(studio, key, [command], holder, ui.navigate.reload)
+        if running is not None and running.running:
+            return
+        check(most)
+        wanted = min(max(int(most.value), 1), MOST_LAWS)
+        with holder, working("Reading the library of laws"):
+            command = await aside(laws.propose_command, studio, c, (name.value or "").strip(), wanted)
+        models.run_in_turn(studio, key, [command], holder, ui.navigate.reload)
 
     button.on_click(lambda: attempt(start))
     models.join_running(studio, key, holder, ui.navigate.reload)
@@ -111,9 +114,8 @@ def _errors(found: laws.Proposal) -> list[tuple[str, str]]:
     pairs = []
     for channel, before in found.error_before.items():
         after, floor, unit = found.error_after[channel], found.noise_floor[channel], UNITS[channel]
-        pairs.append((f"held-out {channel}, without", f"{plain(before)} {unit}"))
-        if found.laws:
-            pairs.append((f"held-out {channel}, with it", f"{plain(after)} {unit}"))
+        fall = f"{plain(before)} → {plain(after)} {unit}" if found.laws else f"{plain(before)} {unit}"
+        pairs.append((f"held-out {channel}{', without and with it' if found.laws else ''}", fall))
         pairs.append((f"noise floor of the {channel}", f"{plain(floor)} {unit}"))
     return pairs
 
@@ -133,7 +135,8 @@ def _adding(studio: Studio, c: str, kept: laws.Kept) -> None:
         button = ui.button(f"Add {names}", icon="add", on_click=lambda: attempt(add))
         button.props("unelevated color=accent")
         words = (
-            f"Writes the code below into {studio.effects_path.name}, where the studio may run it, and refits nothing."
+            f"Writes the class below into {studio.effects_path.name}, so that every fit and diagnosis knows it. "
+            "The model has been refitted with it already."
         )
         ui.label(words).classes("quiet text-sm")
 
