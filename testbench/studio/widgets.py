@@ -149,7 +149,7 @@ def trouble(text: str, remedy: str = "") -> None:
                 ui.label(remedy).classes("text-sm")
 
 
-@contextmanager
+@contextlib.contextmanager
 def invitation(title: str, text: str) -> Iterator[None]:
     """What an empty page says: what is missing, and the buttons that bring it."""
     with ui.column().classes("card items-center gap-3").style("padding:44px 20px"):
