@@ -8,7 +8,7 @@ import re
 LONGEST = 400  # characters; a longer line is not drawn
 # What our formulas use and matplotlib spells otherwise.
 RESPELT = ((r"\tfrac", r"\frac"), (r"\text{", r"\mathrm{"))
-RELATION = re.compile(r"\\mathrel\{(.)\}")
+RELATION = re.compile(r"\\mathrel\{(.)\}=")
 
 
 def lines_of(latex: str) -> list[str]:
@@ -32,7 +32,7 @@ def formula_svg(line: str, size_pt: float = 13.0) -> str:
         return ""
     for ours, theirs in RESPELT:
         line = line.replace(ours, theirs)
-    line = RELATION.sub(r"\;{\1}", line)
+    line = RELATION.sub(r"\\;{\1}\\!{=}\\;", line)
     drawn = io.BytesIO()
     font = FontProperties(size=size_pt, math_fontfamily="dejavuserif")
     try:

@@ -33,6 +33,7 @@ class Option(_Read):
     latex: Remark
     parameters: dict[Label, Finite]
     units: dict[Label, Label]
+    meanings: dict[Label, Remark] = Field(default_factory=dict)
     log_evidence: Finite
     gains_in: Finite
     best_in: Finite

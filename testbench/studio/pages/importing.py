@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import re
 import tempfile
 from functools import partial
@@ -26,6 +27,7 @@ from testbench.studio.widgets import (
     name_in_page,
     subheading,
     trouble,
+    working,
 )
 
 if TYPE_CHECKING:
@@ -81,6 +83,7 @@ class _Form:
         self.holder = ui.column().classes("w-full gap-4")
         self.job: Job | None = None
         self.seen: tuple[Sheet, Choice, dict[str, str]] | None = None
+        self.looking = asyncio.Lock()  # one look after the other; who imports waits for the last
 
     def forget_upload(self) -> None:
         """Remove what was uploaded; at the latest, that happens when the studio ends."""
@@ -105,6 +108,7 @@ class _Form:
             with ui.column().classes("card gap-3"):
                 subheading(path.name)
                 self.found = ui.label().classes("quiet")
+                self.signs = ui.row()
                 self._hints()
                 self.lines = ui.html("", sanitize=False).classes("rawbox")
             with ui.column().classes("card gap-3"):
@@ -155,6 +159,11 @@ class _Form:
 
     async def look(self) -> None:
         """Look at the file once more with what has been chosen, and show it."""
+        async with self.looking:
+            with self.signs, working("Reading the file"):
+                await self._look()
+
+    async def _look(self) -> None:
         try:
             self.seen = await aside(_look, self.choices)
         except UserError as error:
@@ -253,6 +262,8 @@ class _Form:
 
     async def _import(self, name: str) -> None:
         """Start the import, or say right here what is missing."""
+        async with self.looking:  # what was chosen last is still being looked at
+            pass
         self.result.clear()
         with self.result:
             try:

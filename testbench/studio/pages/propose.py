@@ -157,7 +157,8 @@ async def _law(law: laws.FoundLaw, errors: Mapping[str, float]) -> None:
             _formula(line, svg)
         with ui.expansion("LaTeX").props("dense").classes("w-full"):
             ui.label(law.latex).classes("formula")
-    table(("Parameter", "Value"), [(key, _value(law, key, errors)) for key in law.parameters], _evidence(law))
+    rows = [(*_named(law, key), _value(law, key, errors)) for key in law.parameters]
+    table(("Symbol", "What it is", "Value"), rows, _evidence(law))
     if law.alternatives:
         rows = [(other.words, _against(other, law)) for other in law.alternatives[:SHOWN]]
         table(("Instead of it", "Evidence"), rows)
@@ -171,6 +172,12 @@ def _formula(line: str, svg: str) -> None:
         ui.html(svg, sanitize=False).classes("typeset").props(f'role=img aria-label="{escape(words)}"')
     else:
         ui.label(words).classes("formula")
+
+
+def _named(law: laws.FoundLaw, key: str) -> tuple[str, str]:
+    """Symbol and meaning of a parameter."""
+    symbol, _, meaning = law.meanings.get(key, "").partition(": ")
+    return symbol or spoken(key), meaning
 
 
 def _value(law: laws.FoundLaw, key: str, errors: Mapping[str, float]) -> str:
