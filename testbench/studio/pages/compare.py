@@ -140,7 +140,7 @@ def _compare(studio: Studio, c: str, on: str, second: Beside | None) -> View:
     from testbench.fitting.errors import rms_errors
     from testbench.fitting.measurement import prepare, split
     from testbench.fitting.model_file import check_same_set_up, load_model_file
-    from testbench.report.overlays import failings_of, overlay_of
+    from testbench.report.overlays import as_clamped, failings_of, overlay_of
 
     path = model_path(studio, c)
     file = load_model_file(path, studio.catalogue())
@@ -148,6 +148,8 @@ def _compare(studio: Studio, c: str, on: str, second: Beside | None) -> View:
     check_same_set_up(file, recording, path)
     on_its_third = on == c and held_out_of(studio, c) == LAST_THIRD
     measurement = split(recording, None)[1] if on_its_third else prepare(recording)
+    if on == held_out_of(studio, c):
+        measurement = as_clamped(file, measurement)
     elsewhere = on != c or on_its_third
     label = spoken(str(file.history[-1]["step"])) if file.history else "model"
     drawn = ({second.label: second.model} if second else {}) | {label: file.model}

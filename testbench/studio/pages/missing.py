@@ -296,12 +296,15 @@ def predicted(studio: Studio, c: str, diagnosis: Mapping[str, Any], entry: Mappi
     """
     from testbench.fitting.contribution import contribution
     from testbench.fitting.measurement import split
+    from testbench.fitting.model_file import load_model_file
     from testbench.knit.catalogue import model_from_dict
+    from testbench.report.overlays import as_clamped
 
     catalogue = studio.catalogue()
     held = models.held_out_of(studio, c)
     other = None if held == models.LAST_THIRD else studio.workspace.recording(held)
-    _, judged = split(studio.workspace.recording(c), other)
+    mine = load_model_file(models.model_path(studio, c), catalogue)
+    judged = as_clamped(mine, split(studio.workspace.recording(c), other)[1])
     effect = catalogue[entry["form"]].model_validate(entry["start"])
     without = model_from_dict(_before(diagnosis), catalogue, "diagnosis")
     found = contribution(without, effect, judged)
