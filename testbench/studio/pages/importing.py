@@ -363,9 +363,9 @@ def _described(sheet: Sheet) -> str:
     layout = sheet.layout
     header = f"names in row {layout.header_row}" if layout.header_row else "no row of names"
     units = f"units in row {layout.units_row}, " if layout.units_row else ""
-    names = {**SEPARATORS, "": ""}
+    names: dict[str, dict[str, str]] = {"separator": SEPARATORS, "decimal": DECIMALS, "thousands": THOUSANDS}
     how = ", ".join(
-        f"{what} {names.get(str(value), value) if what == 'separator' else value}"
+        f"{what} {names.get(what, {}).get(str(value), value)}"
         for what, value in sheet.details.items()
         if value and not (what == "decimal" and value == ".")
     )
