@@ -11,7 +11,7 @@ from gcode.support.files import read_json
 from testbench.comparing.words import percent
 from testbench.report.formula import formula_svg, lines_of
 from testbench.report.ladder_figures import UNITS
-from testbench.report.numbers import in_unit, plain, with_error
+from testbench.report.numbers import in_words, plain, with_error
 from testbench.report.words import spoken
 from testbench.studio import laws, models
 from testbench.studio.fields import check, number_field
@@ -186,8 +186,7 @@ def _value(law: laws.FoundLaw, key: str, errors: Mapping[str, float]) -> str:
     error = errors.get(f"{law.effect}.{stored}")
     if error:
         return with_error(value, error, unit)
-    factor, name = in_unit(value, unit)
-    return f"{plain(factor * value)} {name}".strip()
+    return in_words(value, unit)
 
 
 def _evidence(law: laws.FoundLaw) -> str:
