@@ -10,48 +10,17 @@ from pathlib import Path
 import pytest
 
 from gcode.support.errors import UserError
-from testbench.knit.catalogue import baseline, load_catalogue
 from testbench.knit.template import write_template
 from testbench.studio import laws, models
 from testbench.studio.studio import Studio
-
-FOUND = {
-    "verdict": "proposed",
-    "laws": [
-        {
-            "effect": "sleeve_law",
-            "words": "the force rises with the memory of the strain",
-            "latex": r"F \mathrel{+}= a\,z,\quad z = e",
-            "parameters": {"gain": 0.51},
-            "units": {"gain": "N"},
-            "meanings": {"gain": "a: change of F for each unit of z"},
-            "log_evidence": 88.0,
-            "gains_in": 1.0,
-            "best_in": 0.9,
-            "tied": 0,
-            "alternatives": [],
-        }
-    ],
-    "not_judged": ["no temperature was recorded"],
-    "error_before": {"force": 0.05},
-    "error_after": {"force": 0.01},
-    "noise_floor": {"force": 0.009},
-}
+from tests.testbench.studio.proposals import FOUND, write_proposal
 
 
 @pytest.fixture
 def proposed(studio: Studio, fitted_model: Path) -> Studio:
-    """A studio with a model for ``sleeve`` and a law proposed for it; the law is the template's."""
+    """A studio with a model for ``sleeve`` and a law proposed for it."""
     shutil.copy(fitted_model, models.model_path(studio, "sleeve"))
-    folder = laws.folder_of(studio, "sleeve")
-    folder.mkdir()
-    write_template("sleeve_law", folder / "sleeve_law.py")
-    model = json.loads(fitted_model.read_text())
-    effect = load_catalogue(folder / "sleeve_law.py")["sleeve_law"]()
-    with_law = {**model, **baseline().plus(effect, "sleeve_law").to_dict()}
-    with_law["history"] = [*model["history"], {**model["history"][-1], "step": "+ sleeve_law"}]
-    (folder / laws.MODEL).write_text(json.dumps(with_law))
-    (folder / laws.JSON).write_text(json.dumps(FOUND))
+    write_proposal(laws.folder_of(studio, "sleeve"), models.model_path(studio, "sleeve"))
     return studio
 
 
