@@ -103,4 +103,4 @@ def typical(effect: type[Effect], scales: Mapping[str, float]) -> float:
     if extra["unit"] == "1/N":
         return 0.1 / scales["N"]
     default = effect.model_fields[effect.strength].default
-    return float(extra.get("typical") or abs(default) or 0.1 * max(abs(extra["high"]), abs(extra["low"])))
+    return float(abs(default) or 0.1 * max(abs(extra["high"]), abs(extra["low"])))

@@ -17,7 +17,6 @@ from testbench.diagnosis.laplace import Hypothesis, fitted, under
 from testbench.diagnosis.likelihood import Likelihood, correlated, likelihood_of, noise_of, telling
 from testbench.diagnosis.proposals import Proposal, Screen, laws_of
 from testbench.fitting.baseline import SHAPES, starting_baseline, with_shapes, without_shapes
-from testbench.fitting.fit import fit
 from testbench.fitting.measurement import Measurement, coarser
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import Effect
@@ -190,6 +189,8 @@ class Search:
                     break
                 found.append(step.candidate)
                 current = step.candidate.hypothesis
+                if step.is_named() and not step.candidate.excess:
+                    break  # what is left is noise
         return rounds, found
 
     def round(self, current: Hypothesis) -> Round:
@@ -224,17 +225,11 @@ class Search:
 
     def other_laws(self, current: Hypothesis) -> list[Effect]:
         """Laws that could take the place of one in the model, drawn to the data."""
-        present = {
-            effect.idea or effect.name: effect.name
-            for effect in current.model.effects.values()
-            if not effect.strength
-        }
+        present = {effect.mechanism: effect.name for effect in current.model.effects.values() if not effect.strength}
         forms = [
             form
             for form in self.catalogue.effects.values()
-            if not form.strength
-            and (form.idea or form.name) in present
-            and form.name != present[form.idea or form.name]
+            if not form.strength and form.mechanism in present and form.name != present[form.mechanism]
         ]
         return [drawn_to_data(form(), self.measurement) for form in forms]
 
