@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from testbench.importing.from_file import Wish
 
 NOT_THERE = "none"
-SAID = ("columns", "units", "clocks", "hints", "negate", "zero")
+SAID: tuple[str, ...] = ("columns", "units", "clocks", "hints", "negate", "zero")
 SAID += ("rate_hz", "r0_ohm", "gauge_length_mm", "sort", "drop_bad")
 HINT_FLAGS = {
     "header_row": "--header-row",
@@ -74,7 +74,7 @@ class Choices:
         data = json_of(text, "choices", "the address") if text else {}
         if not isinstance(data, dict) or set(data) - set(SAID):
             raise UserError(f"the address asks for something else than choices: {text[:80]!r}")
-        choices = validated({"path": path, **data}, cls, "the address", "choice")
+        choices = validated({"path": path, **data}, cls, "the address", "choice")  # type: ignore[type-var]
         roles = {*choices.columns, *choices.units, *choices.clocks, *choices.negate, *choices.zero}
         unknown = sorted(roles - set(TITLES)) + sorted(set(choices.hints) - set(HINT_FLAGS))
         if unknown:

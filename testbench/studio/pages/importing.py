@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from nicegui import events, ui
+from nicegui.elements.mixins.value_element import ValueElement
 
 from gcode.support.errors import UserError
 from testbench.studio.import_form import NOT_THERE, Choices
@@ -168,7 +169,9 @@ class _Form:
             name = ui.input("Campaign name", value=free).props("outlined dense")
             name.on_value_change(lambda event: self.where.note(name=event.value or ""))
             boxes = ("Put rows in the order of time", "sort"), ("Leave out rows that cannot be used", "drop_bad")
-            for field in (gauge, *(ui.checkbox(title).bind_value(self.choices, key) for title, key in boxes)):
+            fields: list[ValueElement] = [gauge]
+            fields += [ui.checkbox(title).bind_value(self.choices, key) for title, key in boxes]
+            for field in fields:
                 field.on_value_change(self._note)
         ui.button("Import", icon="check", on_click=lambda: self._import(name.value))
         self.result = ui.column().classes("w-full gap-3").props("aria-live=polite")

@@ -160,8 +160,8 @@ async def _law(law: laws.FoundLaw, errors: Mapping[str, float]) -> None:
     rows = [(*_named(law, key), _value(law, key, errors)) for key in law.parameters]
     table(("Symbol", "What it is", "Value"), rows, _evidence(law))
     if law.alternatives:
-        rows = [(other.words, _against(other, law)) for other in law.alternatives[:SHOWN]]
-        table(("Instead of it", "Evidence"), rows)
+        others = [(other.words, _against(other, law)) for other in law.alternatives[:SHOWN]]
+        table(("Instead of it", "Evidence"), others)
 
 
 def _formula(line: str, svg: str) -> None:
