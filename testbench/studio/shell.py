@@ -19,6 +19,7 @@ from testbench.studio.pages import (
     ladder,
     missing,
     plan,
+    propose,
     record,
     recording,
     side,
@@ -46,6 +47,7 @@ PAGES: dict[str, Callable] = {
     "/compare": compare.page,
     "/missing": missing.page,
     "/experiment": experiment.page,
+    "/propose": propose.page,
     "/ladder": ladder.page,
     "/compensate": compensate.page,
 }
@@ -77,6 +79,7 @@ TITLES = {
     "/compare": "Compare",
     "/missing": "Missing effect",
     "/experiment": "Experiment",
+    "/propose": "Propose a law",
     "/ladder": "Error ladder",
     "/compensate": "Compensate",
 } | {path: title for path, _, title in NAVIGATION}
