@@ -145,6 +145,7 @@ def diagnose(
     effects: Effects = None,
     most: int = MOST,
     gauge_length_mm: float | None = None,
+    clamp_play_mm: float = 0.0,
     progress: Tell | bool | None = None,
 ) -> DiagnosisResult:
     """Find out which physical effects a model is missing.
@@ -163,6 +164,9 @@ def diagnose(
         Effects to find at most, one after the other.
     gauge_length_mm : float, optional
         In mm, for paths of bare CSV files; default: the model's.
+    clamp_play_mm : float
+        The sensor was clamped anew for `held_out`: the zero of its displacement is free, within so many mm.
+        Default: as the model was fitted.
     progress : callable or bool, optional
         See `testbench.api.progress.telling`.
 
@@ -194,5 +198,7 @@ def diagnose(
     held = None if held_out is None else recording_of(held_out, gauge_length_mm)
     if given is not None:
         check_same_set_up(given, first, "model" if not isinstance(model, str | Path) else model)
+    play_mm = clamp_play_mm or (given.clamp_play_mm if given and held else 0.0)
     with telling(progress) as tell:
-        return DiagnosisResult(core.diagnose(first, held, given.model if given else None, catalogue, tell, most))
+        found = core.diagnose(first, held, given.model if given else None, catalogue, tell, most, play_mm)
+    return DiagnosisResult(found)

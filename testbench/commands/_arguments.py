@@ -26,3 +26,14 @@ def add_effects(parser: argparse.ArgumentParser) -> None:
     from testbench.trust import EFFECTS_HELP
 
     parser.add_argument("--effects", metavar="FILE.py", help=EFFECTS_HELP)
+
+
+def add_clamp_play(parser: argparse.ArgumentParser) -> None:
+    """Declare the play of the clamps between the two recordings."""
+    parser.add_argument(
+        "--clamp-play-mm",
+        type=float,
+        default=0.0,
+        metavar="MM",
+        help="the sensor was clamped anew for --held-out: the zero of its displacement is free, within so many mm",
+    )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from testbench.api.progress import Telling
-from testbench.commands._arguments import add_effects, add_recording
+from testbench.commands._arguments import add_clamp_play, add_effects, add_recording
 
 SUMMARY = "say which physical effect the model is missing, with the evidence"
 EXAMPLE = "testbench diagnose campaign-1 --held-out campaign-2 --json diagnosis.json"
@@ -16,6 +16,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     add_recording(parser)
     parser.add_argument("--model", metavar="M", help="diagnose this model.json instead of the baseline")
+    add_clamp_play(parser)
     add_effects(parser)
     parser.add_argument(
         "--repeat", type=int, default=4, metavar="N", help="find at most N effects, one after the other (default 4)"
@@ -44,6 +45,7 @@ def run(args: argparse.Namespace) -> int:
         effects=args.effects,
         most=args.repeat,
         gauge_length_mm=args.gauge_length_mm,
+        clamp_play_mm=args.clamp_play_mm,
         progress=tell,
     )
     if tell and sys.stderr.isatty():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from testbench.commands._arguments import add_effects, add_recording
+from testbench.commands._arguments import add_clamp_play, add_effects, add_recording
 
 SUMMARY = "calibrate the baseline (or a given model) on a recording; write model.json"
 EXAMPLE = "testbench fit campaign-1 --held-out campaign-2 -o model.json"
@@ -14,13 +14,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     add_recording(parser)
     parser.add_argument("--model", metavar="M", help="start from this model.json instead of the baseline")
-    parser.add_argument(
-        "--clamp-play-mm",
-        type=float,
-        default=0.0,
-        metavar="MM",
-        help="the sensor was clamped anew for --held-out: the zero of its displacement is free, within so many mm",
-    )
+    add_clamp_play(parser)
     add_effects(parser)
     parser.add_argument("-o", "--output", default="model.json", help="where to write (default: model.json)")
 

@@ -167,6 +167,7 @@ def diagnose(
     catalogue: Catalogue | None = None,
     progress: Progress | None = None,
     most: int = constants.ROUNDS,
+    clamp_play_mm: float = 0.0,
 ) -> Diagnosis:
     """Find out which physical effects a model is missing.
 
@@ -184,6 +185,8 @@ def diagnose(
         Called with a short text at each step.
     most : int
         Effects to find at most.
+    clamp_play_mm : float
+        The sensor was clamped anew for `held_out`: the zero of its displacement is free, within so many mm.
 
     Raises
     ------
@@ -191,7 +194,7 @@ def diagnose(
         If the recordings are too short or still, have a constant channel, or do not fit together.
     """
     catalogue = catalogue or load_catalogue()
-    calibration, held = split(recording, held_out)
+    calibration, held = split(recording, held_out, clamp_play_mm=clamp_play_mm)
     # The kernels let go of the interpreter, so threads do run side by side; those of BLAS would only fight them.
     with threadpool_limits(1, "blas"):
         search = Search(calibration, catalogue, progress or (lambda text: None), model)

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from testbench.fitting.measurement import Measurement
-from testbench.fitting.remounting import remounted
+from testbench.fitting.remounting import brought_together
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
 
@@ -51,10 +51,11 @@ def _gain(before: Mapping[str, FloatArray], after: Mapping[str, FloatArray], blo
 
 def _block_energies(model: KnitModel, held: Measurement) -> dict[str, FloatArray]:
     """Squared held-out errors summed over blocks, each channel's mean taken out first, as in `held_errors`."""
+    model, held = brought_together(model, held)
     rows = held.counts
     count = int(rows.sum())
     blocks = max(int(count * held.dt_s / BLOCK_S), min(FEWEST_BLOCKS, count))
     edges = np.linspace(0, count, blocks, endpoint=False).astype(int)
-    residual = held.residual(remounted(model, held))
+    residual = held.residual(model)
     centred = {channel: values[rows] - values[rows].mean() for channel, values in residual.items()}
     return {channel: np.add.reduceat(values**2, edges) for channel, values in centred.items()}
