@@ -32,12 +32,12 @@ from compensation.series import score
 from compensation.series.preprocessing import Series
 from compensation.training.arrays import describe
 from compensation.training.folds import FOLDS, GROUPS_FROM, folds_of
+from compensation.training.intervals import of_another, widest_part
 from compensation.training.learners import Learner, Line, Networks, Paper, Ridge
 from compensation.training.options import Options
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
 
-COVERAGE = 0.90
 SURE = 1.0
 
 
@@ -86,7 +86,7 @@ def train_automatically(
     scale = compensator.scaling_out.scale
     tried = {name: figures(truth, values, scale) for name, values in predictions.items()}
     residual = (truth - predictions[chosen]) * scale
-    low, high = margins_of(residual, folds, len(series) >= GROUPS_FROM)
+    margins = margins_of(residual, folds, [len(part) for part in series])
     promise = tried[chosen] | {
         "r2_interval": list(_interval(truth, predictions[chosen], series, folds)),
         "raw_r2": float(np.mean([score.r2_before(p.truth, p.conductance_S, compensator.sign) for p in series])),
@@ -100,7 +100,7 @@ def train_automatically(
         "tried": tried,
         "cross_validated": promise,
     }
-    return replace(compensator, recipe=recipe, margins=(float(low), float(high)))
+    return replace(compensator, recipe=recipe, margins=margins)
 
 
 def steps() -> int:
@@ -139,16 +139,11 @@ def stacked(predictions: Mapping[str, FloatArray], truth: FloatArray, folds: NDA
     return result
 
 
-def margins_of(residual: FloatArray, folds: NDArray[np.int64], whole_recordings: bool) -> tuple[float, float]:
-    """Ends of the interval for an error to come.
-
-    Folds that are recordings lie from one another as one to come will: the quantiles of all errors. Parts of one
-    recording lie nearer to one another than the next recording will: the widest of the parts' own quantiles.
-    """
-    shares = [(1 - COVERAGE) / 2, (1 + COVERAGE) / 2]
-    groups = [residual] if whole_recordings else [residual[folds == number] for number in np.unique(folds)]
-    ends = [np.quantile(group, shares) for group in groups]
-    return float(min(low for low, _ in ends)), float(max(high for _, high in ends))
+def margins_of(residual: FloatArray, folds: NDArray[np.int64], lengths: Sequence[int]) -> tuple[float, float]:
+    """Ends of the interval for an error to come, from whole recordings where there are enough, else from parts."""
+    if len(lengths) >= GROUPS_FROM:
+        return of_another(np.split(residual, np.cumsum(lengths)[:-1]))
+    return widest_part([residual[folds == number] for number in np.unique(folds)])
 
 
 def figures(truth: FloatArray, prediction: FloatArray, scale: float) -> dict[str, float]:

@@ -16,7 +16,6 @@ from compensation.training.auto import (
     LEARNERS,
     STACKED,
     choose,
-    margins_of,
     stacked,
     steps,
     train_automatically,
@@ -57,16 +56,6 @@ def test_it_beats_the_line_on_a_knit_and_says_by_how_much(trained, series):
     assert np.mean(held_out) == pytest.approx(promise["r2"], abs=0.05)
 
 
-def test_the_interval_is_the_widest_part_of_one_recording_and_all_of_several():
-    rng = np.random.default_rng(0)
-    folds = np.repeat([0, 1], 20_000)
-    errors = rng.standard_normal(40_000) * np.where(folds == 0, 1.0, 3.0)
-    low, high = margins_of(errors, folds, whole_recordings=False)
-    assert (-low, high) == pytest.approx((3 * 1.645, 3 * 1.645), rel=0.05)
-    low, high = margins_of(errors, folds, whole_recordings=True)
-    assert np.mean((errors >= low) & (errors <= high)) == pytest.approx(0.90, abs=0.001)
-
-
 @pytest.mark.slow
 def test_the_interval_holds_on_sensors_that_were_not_trained_on(tmp_path):
     from compensation.paper.paper_campaigns import campaigns
@@ -78,7 +67,7 @@ def test_the_interval_holds_on_sensors_that_were_not_trained_on(tmp_path):
     inside = [
         (low <= error) & (error <= high) for error in (p.truth - compensator.predict_series(p) for p in series[4:])
     ]
-    assert 0.80 < np.mean(np.concatenate(inside)) < 0.97
+    assert 0.85 < np.mean(np.concatenate(inside)) < 0.95
 
 
 def test_switched_on_in_use_it_is_nearly_as_good_as_one_that_ran(trained, recordings):

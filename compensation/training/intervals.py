@@ -1,0 +1,57 @@
+"""The interval of a prediction on a recording to come, from errors on recordings or parts that were held out.
+
+Recordings of several specimens differ in the level and the width of their errors. So few of them do not know by how
+much: another one is thought to lie from their mean as Student's t says (the usual predictive distribution of a normal
+variable whose mean and variance are both estimated), and its errors to have the shape that theirs have together.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+COVERAGE = 0.90
+SHARES = ((1 - COVERAGE) / 2, (1 + COVERAGE) / 2)
+DRAWS = 30_000
+
+
+def widest_part(parts: Sequence[FloatArray]) -> tuple[float, float]:
+    """Parts of one recording lie nearer to one another than the next one will: the widest of their own intervals."""
+    ends = [np.quantile(part, SHARES) for part in parts]
+    return float(min(low for low, _ in ends)), float(max(high for _, high in ends))
+
+
+def of_another(recordings: Sequence[FloatArray]) -> tuple[float, float]:
+    """Ends between which 90 % of the errors on another recording are expected.
+
+    Parameters
+    ----------
+    recordings : sequence of ndarray
+        Errors on each recording, by a method that had learned from the others; three or more recordings.
+    """
+    rng, count = np.random.default_rng(0), len(recordings)
+    levels = np.array([errors.mean() for errors in recordings])
+    widths = np.array([max(float(errors.std()), 1e-12) for errors in recordings])
+    each = DRAWS // count
+    shape = np.concatenate(
+        [
+            rng.choice((errors - level) / width, each)
+            for errors, level, width in zip(recordings, levels, widths, strict=True)
+        ]
+    )
+    # Off its own mean and that of the others, a level is count / (count - 1) times as far out as off the mean of all.
+    apart = levels * (count - 1) / count
+    errors = _another(apart, len(shape), rng) + np.exp(_another(np.log(widths), len(shape), rng)) * shape
+    low, high = np.quantile(errors, SHARES)
+    return float(low), float(high)
+
+
+def _another(values: FloatArray, draws: int, rng: np.random.Generator) -> FloatArray:
+    """Draws of one value more of the same kind."""
+    count = len(values)
+    spread = float(values.std(ddof=1)) * np.sqrt(1 + 1 / count)
+    return values.mean() + spread * rng.standard_t(count - 1, draws)

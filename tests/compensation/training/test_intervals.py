@@ -1,0 +1,54 @@
+"""The interval of a prediction: true on the average over recordings that differ, however few are known."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from compensation.training.auto import margins_of
+from compensation.training.intervals import of_another, widest_part
+
+
+def held_out(rng: np.random.Generator, count: int, level: float, width: float) -> tuple[list, np.ndarray]:
+    """Errors on recordings whose levels and widths differ by so much, and on another one.
+
+    Each is predicted with the mean level of the others as its level, as by a method that learned from them.
+    """
+    levels = level * rng.standard_normal(count + 1)
+    noise = [np.exp(width * rng.standard_normal()) * rng.standard_normal(400) for _ in levels]
+    known = [levels[i] - np.delete(levels[:count], i).mean() + noise[i] for i in range(count)]
+    return known, levels[count] - levels[:count].mean() + noise[count]
+
+
+@pytest.mark.parametrize("count", [3, 4, 8])
+@pytest.mark.parametrize(("level", "width"), [(0.1, 0.05), (0.2, 0.1), (0.3, 0.2)])
+def test_it_holds_nine_of_ten_errors_on_another_recording(count: int, level: float, width: float) -> None:
+    """85 to 95 %. Levels in standard deviations of the noise, widths as logarithms; the presets' are within these."""
+    rng = np.random.default_rng(count)
+    inside = []
+    for _ in range(150):
+        known, another = held_out(rng, count, level, width)
+        low, high = of_another(known)
+        inside.append(np.mean((low <= another) & (another <= high)))
+    assert 0.85 < np.mean(inside) < 0.95
+
+
+def test_of_many_that_are_alike_it_is_their_own() -> None:
+    rng = np.random.default_rng(0)
+    low, high = of_another([rng.standard_normal(5000) for _ in range(40)])
+    assert (-low, high) == pytest.approx((1.645, 1.645), abs=0.05)
+
+
+def test_of_one_recording_it_is_the_widest_part() -> None:
+    rng = np.random.default_rng(0)
+    folds = np.repeat([0, 1], 20_000)
+    errors = rng.standard_normal(40_000) * np.where(folds == 0, 1.0, 3.0)
+    low, high = margins_of(errors, folds, [40_000])
+    assert (low, high) == widest_part([errors[:20_000], errors[20_000:]])
+    assert (-low, high) == pytest.approx((3 * 1.645, 3 * 1.645), rel=0.05)
+
+
+def test_folds_of_several_recordings_are_told_apart() -> None:
+    rng = np.random.default_rng(0)
+    three = [rng.standard_normal(1000) + level for level in (-1.0, 0.0, 1.0)]
+    assert margins_of(np.concatenate(three), np.zeros(3000, dtype=int), [1000] * 3) == of_another(three)
