@@ -15,6 +15,7 @@ from testbench.campaigns.plan import PROGRAM
 from testbench.recordings.manifest import NAME, Campaign, read_manifest, write_manifest
 from testbench.recordings.versions import software_versions
 from testbench.rig.ending import EndOfMotion
+from testbench.rig.held import held
 from testbench.rig.motion import played
 from testbench.rig.ports import remembered_port, stated_port
 from testbench.rig.recorder import PROGRESS_S, Follow, Limits, Part, Recorder, Status
@@ -105,12 +106,33 @@ def record(
     -------
     Status
         How it ended. Whatever that is, the files hold every accepted sample and the manifest says how it ended.
+
+    Raises
+    ------
+    UserError
+        If another recorder is at work in `folder`.
     """
+    with held(folder):
+        return _record(job, folder, link, report, stopped, resume, clock, pause, follow)
+
+
+def _record(
+    job: Job,
+    folder: Path,
+    link: Iterable[Part],
+    report: Callable[[Status], None],
+    stopped: Callable[[], bool],
+    resume: bool,
+    clock: Callable[[], float],
+    pause: Callable[[float], None],
+    follow: Follow | None,
+) -> Status:
     motion, _ = played(job.program, job.gauge_length_mm)
     ending, intake = EndOfMotion.of(motion), Intake()
     first: list[Event] = []
     if resume:
-        Sink(folder).close()  # refuses what another recorder is writing, before anything is cut
+        job_of(folder, job.port)  # another recorder may have finished it since somebody looked
+        Sink(folder).close()  # where folders cannot be locked: refuses what is being written, before anything is cut
         now_s = clock()  # reading a day's rows takes a while
         left = mend(folder, time.time())
         intake, ending = continued(left, now_s), watched(ending, left)
