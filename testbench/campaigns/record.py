@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict, dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +22,7 @@ from testbench.rig.ports import remembered_port, stated_port
 from testbench.rig.recorder import PROGRESS_S, Follow, Limits, Part, Recorder, Status
 from testbench.rig.resume import continued, mend, watched
 from testbench.rig.serial_port import host_clock_s
+from testbench.rig.simulated import Motion
 from testbench.rig.sink import CSV, EVENTS, ROOM_BYTES, Sink, Syncer
 from testbench.rig.stream import Event, Intake
 
@@ -49,6 +51,17 @@ class Job:
     limits: Limits
     sensor: str = ""
     give_up_s: float = 60.0
+
+    @cached_property
+    def motion(self) -> Motion:
+        """What the controller makes of the program; takes a while when it is asked for first."""
+        return played(self.program, self.gauge_length_mm)[0]
+
+    def prepare(self) -> Job:
+        """Do what takes a while and needs no port: lines that come meanwhile would wait in memory."""
+        software_versions()
+        _ = self.motion
+        return self
 
     def recipe(self) -> dict[str, Any]:
         """As written into the manifest."""
@@ -127,8 +140,7 @@ def _record(
     pause: Callable[[float], None],
     follow: Follow | None,
 ) -> Status:
-    motion, _ = played(job.program, job.gauge_length_mm)
-    ending, intake = EndOfMotion.of(motion), Intake()
+    ending, intake = EndOfMotion.of(job.motion), Intake()
     first: list[Event] = []
     if resume:
         job_of(folder, job.port)  # another recorder may have finished it since somebody looked
@@ -146,7 +158,7 @@ def _record(
             sink,
             job.gauge_length_mm,
             job.limits,
-            motion.duration_s,
+            job.motion.duration_s,
             ending,
             report,
             job.give_up_s,

@@ -1,4 +1,4 @@
-"""What a recorder holds in its hands: one batch, never a disk that is slow to keep what it took; and one folder alone.
+"""What a recorder holds in its hands: one batch, and a folder for itself; no slow disk makes it more.
 
 These say without a clock what `test_nothing_lost` sees with one.
 """
