@@ -148,7 +148,7 @@ def zoo(folder: Path, good: dict[str, Path]) -> dict[str, Path]:
     for name in ("pipe", "loop", "to nowhere", "a folder", "a\nb\x1b[31m.csv", "missing", "pipe/below", "n" * 300):
         found[name] = folder / name
     folders = _campaigns(folder, good["campaign"])
-    devices = {name: Path(name) for name in ("/dev/zero", "/dev/full", "/dev/null", "/proc/self/mem", "/", "a\0b")}
+    devices = {name: Path(name) for name in ("/dev/zero", "/dev/full", "/dev/null", "/proc/self/mem", "/")}
     return found | folders | devices
 
 
