@@ -14,6 +14,7 @@ from pathlib import Path
 
 from gcode.support.errors import UserError
 from gcode.support.files import make_folder, sha256_of, write_text
+from gcode.support.strict import read_text
 
 EFFECTS_HELP = "Python file with effects of your own: a program that runs as you, so read a stranger's first"
 STORE = Path("knitbench") / "trusted-effects.txt"
@@ -55,7 +56,7 @@ def is_trusted(path: str | Path) -> bool:
     """Whether this user has said yes, once and on this machine, to the bytes that are in this file now."""
     try:
         return Path(path).is_file() and sha256_of(path) in _remembered()
-    except OSError:
+    except UserError:
         return False
 
 
@@ -77,8 +78,7 @@ def _store() -> Path:
 
 def _remembered() -> set[str]:
     try:
-        with _store().open("rb") as stream:
-            text = stream.read(_MOST_BYTES).decode("ascii", "replace")
-    except OSError:
+        text = read_text(_store(), "list of trusted effects", _MOST_BYTES)
+    except UserError:
         return set()
     return set(re.findall(r"^[0-9a-f]{64}$", text, re.MULTILINE))

@@ -22,6 +22,7 @@ from gcode.support.errors import UserError
 PAPER_FACTOR, PAPER_COUNT, PAPER_RATE_HZ = 2.5, 7, 20.0
 # At 20 Hz a memory of 14 h: a slower filter never leaves its initial value.
 SMALLEST_ALPHA = 1e-6
+MOST_FILTERS = 1000
 
 
 def smoothing_factors(factor: float = PAPER_FACTOR, count: int = PAPER_COUNT) -> FloatArray:
@@ -36,7 +37,7 @@ def smoothing_factors(factor: float = PAPER_FACTOR, count: int = PAPER_COUNT) ->
         raise UserError(f"the smoothing factor a must be a number above 1 (the paper: 2.5), got {factor}")
     if count < 1:
         raise UserError(f"the bank needs at least 1 filter (the paper: 7), got {count}")
-    if count * np.log(factor) > -np.log(SMALLEST_ALPHA):
+    if count > MOST_FILTERS or count * np.log(factor) > -np.log(SMALLEST_ALPHA):
         raise UserError(
             f"the slowest filter a^-N must be at least {SMALLEST_ALPHA:g}, got {factor:g}^-{count}; "
             "take a smaller a or fewer filters"

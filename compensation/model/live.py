@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import contextlib
+import logging
+import os
 from pathlib import Path
-from typing import TextIO
 
 from compensation.model.files import load
 from compensation.model.runtime import Status
 from compensation.model.streaming import CompensatorStream
 from compensation.series.preprocessing import TARGETS
+from gcode.support import disk
+from gcode.support.errors import UserError
 
 NAME = "compensated.csv"
+TAIL_BYTES = 4096
 
 
 class LiveCompensator:
@@ -39,7 +44,7 @@ class LiveCompensator:
         self.unit, self._channel = compensator.unit, TARGETS[compensator.target][0]
         self._stream = CompensatorStream(compensator)
         self._folder, self._refused = Path(folder), False
-        self._file: TextIO | None = None
+        self._file: int | None = None
         self._last_us: int | None = None
 
     def take(self, time_us: int, resistance_mohm: int | None) -> float:
@@ -61,17 +66,33 @@ class LiveCompensator:
     def close(self) -> None:
         """Close the file."""
         if self._file is not None:
-            self._file.close()
+            os.close(self._file)
+            self._file = None
 
     def _keep(self, line: str) -> None:
         if self._refused:
             return
         try:
             if self._file is None:
-                path = self._folder / NAME
-                fresh = not path.exists()
-                self._file = path.open("a", buffering=1)
-                self._file.write(f"time_s,{self._channel},status\n" if fresh else "")
-            self._file.write(line)
-        except OSError:
+                self._file = disk.open_growing(self._folder / NAME)
+                if not _cut_half_line(self._file):
+                    line = f"time_s,{self._channel},status\n{line}"
+            disk.write_all(self._file, line.encode())
+        except (OSError, UserError) as error:
             self._refused = True
+            logging.getLogger("knitbench").warning(
+                f"{self._folder / NAME}: ends here, the recording goes on: {error}"
+            )
+            if self._file is not None:
+                with contextlib.suppress(OSError):
+                    _cut_half_line(self._file)
+
+
+def _cut_half_line(handle: int) -> int:
+    """Cut what follows the last line feed: a kill or a full disk left it. The size of the file then."""
+    size = os.fstat(handle).st_size
+    tail = os.pread(handle, TAIL_BYTES, max(0, size - TAIL_BYTES))
+    whole = size - (len(tail) - tail.rfind(b"\n") - 1)
+    if whole < size:
+        disk.DISK.truncate(handle, whole)
+    return whole

@@ -21,6 +21,7 @@ from compensation.model.runtime import (
 from compensation.series.preprocessing import Series
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
+from testbench.recordings.files import read_frame, verified
 
 
 @dataclass(frozen=True)
@@ -117,19 +118,15 @@ def read_samples(path: str | Path) -> tuple[FloatArray, FloatArray]:
     Raises
     ------
     UserError
-        If the file is missing or malformed, or lacks either column.
+        If the file is missing, malformed or not the one that its manifest describes, or lacks either column.
     """
     import pandas as pd
 
-    place = Path(path) / "recording.csv" if Path(path).is_dir() else Path(path)
-    try:
-        frame = pd.read_csv(place, skipinitialspace=True, low_memory=False)
-    except OSError as error:
-        raise UserError(
-            f"{path}: cannot read it: {error.strerror or error}; give a CSV or a campaign folder"
-        ) from None
-    except ValueError as error:
-        raise UserError(f"{place}: not a table of comma-separated values ({error})") from None
+    place, growing = Path(path), False
+    if place.is_dir():
+        place, campaign = verified(place)
+        growing = campaign.in_progress
+    frame = read_frame(place, growing)
     for name in ("time_s", "resistance_ohm"):
         if name not in frame:
             have = ", ".join(map(str, frame.columns[:8]))

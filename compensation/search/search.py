@@ -11,6 +11,7 @@ from typing import Any
 
 from compensation.search.candidates import Candidate
 from gcode.support.errors import UserError
+from gcode.support.strict import json_of, read_text
 
 DASK_ROUND = 50
 RANKED_BY = ("seed", "parameters", "dead", "E", "r2_A", "r2_B")
@@ -169,10 +170,10 @@ def _open_results(path: Path, task: Task) -> list[dict[str, Any]]:
             ) from error
         return []
     try:
-        text = path.read_text(encoding="utf-8")
+        text = read_text(path, "search")
         whole = text[: text.rfind("\n") + 1]
-        first, *rows = [json.loads(line) for line in whole.splitlines()]
-    except (OSError, ValueError):
+        first, *rows = [json_of(line, "search") for line in whole.splitlines()]
+    except ValueError:
         raise UserError(f"{path}: not a search of knitbench; choose another file with -o") from None
     if first != header:
         raise UserError(f"{path}: holds a search of other recordings, target or engine; choose another file with -o")

@@ -40,6 +40,7 @@ def run(args: argparse.Namespace) -> int:
     from gcode.mach4.controller import Machine
     from gcode.mach4.reader import read_text
     from gcode.programs.provenance import check_file
+    from gcode.support.console import printable
     from gcode.trajectories.trajectory import Limits
 
     limits = Limits(
@@ -65,7 +66,7 @@ def run(args: argparse.Namespace) -> int:
         print(json.dumps(result.as_json() | {"origin": origin.words, "genuine": origin.genuine}, indent=2))
         return 0 if result.ok else 1
     for problem in result.problems[:SHOWN]:
-        print(f"{args.program}: {problem}")
+        print(printable(f"{args.program}: {problem}"))
     if len(result.problems) > SHOWN:
         print(f"... and {len(result.problems) - SHOWN} more (all of them with --json)")
     if result.statistics:

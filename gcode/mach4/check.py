@@ -97,6 +97,10 @@ def check_program(
         problems.append(Problem(1, unplayed))
     else:
         motion = execute(program, machine or _machine(limits, rapid_mm_per_s))
+        # A controller of next to no acceleration takes as long as it likes, whatever the feeds are.
+        if not motion.end_s * rate_hz <= MOST_SAMPLES:
+            took = f"not executed, since this controller would take {_long(motion.end_s)}: more than can be looked at"
+            return CheckResult(sorted([*problems, Problem(1, took)], key=lambda problem: problem.line), None)
         samples = max(int(np.ceil(motion.end_s * rate_hz - 1e-6)) + 1, 2)
         position = motion.position_at(np.arange(samples) / rate_hz)
         statistics = motion_statistics(position, rate_hz)

@@ -74,6 +74,11 @@ def main(prog: str, description: str, package: str, commands: Sequence[str], arg
         return 0
     except OSError as error:
         return _fail(args.command, f"{error.filename or 'system'}: {error.strerror or error}")
+    except RuntimeError as error:
+        # How pathlib of Python 3.11 and 3.12 says what the system calls ELOOP.
+        if "Symlink loop" not in str(error):
+            raise
+        return _fail(args.command, f"{error}; give a file or a folder that is one")
     except ValueError as error:
         if type(error).__name__ != "ValidationError":
             raise

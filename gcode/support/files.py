@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import json
+import os
 import secrets
 import shutil
 from collections.abc import Callable, Iterator
@@ -134,6 +135,8 @@ def make_folder(path: str | Path) -> Path:
 
 
 def sha256_of(path: str | Path) -> str:
-    """Hex digest of a file's bytes."""
-    with Path(path).open("rb") as stream:
+    """Hex digest of a plain file's bytes; what is no plain file is a `UserError`."""
+    from gcode.support.strict import open_plain
+
+    with os.fdopen(open_plain(path), "rb") as stream:
         return hashlib.file_digest(stream, "sha256").hexdigest()

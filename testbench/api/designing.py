@@ -11,7 +11,6 @@ from gcode.programs.make import Made
 from gcode.support.errors import UserError
 from gcode.support.figures import panels, picture
 from gcode.support.html import card, frame_table
-from gcode.support.strict import read_json
 from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, recording_of
 from testbench.api.diagnosing import DiagnosisResult
 from testbench.api.progress import Tell, telling
@@ -21,6 +20,7 @@ from testbench.design.experiment_words import experiment_table, verdict
 from testbench.design.protocols import Bounds
 from testbench.design.rivals import rivals_from_diagnosis, rivals_of
 from testbench.fitting.measurement import split
+from testbench.fitting.results import read_diagnosis
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import FloatArray
 from testbench.recordings.channels import TEMPERATURE
@@ -193,7 +193,7 @@ def _fitted(
 def _diagnosis(diagnosis: DiagnosisResult | str | Path) -> tuple[Any, str]:
     if isinstance(diagnosis, DiagnosisResult):
         return diagnosis.to_dict(), "diagnosis"
-    return read_json(diagnosis, "diagnosis"), str(diagnosis)
+    return read_diagnosis(diagnosis), str(diagnosis)
 
 
 def _bounds(fields: Mapping[str, float]) -> Bounds:

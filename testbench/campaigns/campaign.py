@@ -23,6 +23,8 @@ from testbench.rig.simulated import Motion
 from testbench.rig.sink import CSV, EVENTS, Sink
 from testbench.rig.stream import Intake
 
+COMPENSATED = "compensated.csv"  # what a compensator made of it while it was recorded
+
 
 def matches(folder: Path, plan: Plan) -> bool:
     """Whether `folder` already holds the finished campaign of `plan`, every byte of it."""
@@ -148,7 +150,7 @@ def write_derived(folder: Path, recording: Recording, how: str, details: dict[st
 def campaign_files(folder: Path) -> list[str]:
     """The files of a campaign, recording first; the manifest itself is not among them."""
     count = len(list(folder.glob("before-*.tap")))
-    names = [CSV, PROGRAM, EVENTS, "recording.bad", *past_names(count), EFFECTS]
+    names = [CSV, PROGRAM, EVENTS, "recording.bad", COMPENSATED, *past_names(count), EFFECTS]
     return [name for name in names if (folder / name).exists()]
 
 

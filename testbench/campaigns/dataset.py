@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from gcode.support import strict
 from gcode.support.errors import UserError, first_problem
 from gcode.support.files import make_folder, sha256_of, write_text
 from testbench.campaigns.campaign import matches, simulate_campaign, vacant
@@ -158,7 +159,7 @@ def run(
 
 def write_index(out: Path, spec: Path, tasks: Sequence[Task]) -> None:
     """Copy the spec and list the campaigns, with the checksum of each one's manifest."""
-    write_text(out / "dataset.toml", spec.read_text(encoding="utf-8"))
+    write_text(out / "dataset.toml", strict.read_text(spec, "spec", strict.MOST_TOML_BYTES))
     entries = []
     splits = split_of(task.specimen for task in tasks)
     for task in tasks:
@@ -285,6 +286,6 @@ def _programs(wish: TrajectoryWish, gauge_length_mm: float, base: Path, folder: 
     for seed in wish.seeds:
         path = folder / f"{source.name}-{seed:05d}.tap"
         text = make_program(source, seed, gauge_length_mm).program
-        if not path.is_file() or path.read_text(encoding="utf-8") != text:
+        if not path.is_file() or strict.read_bytes(path, "program") != text.encode():
             write_text(path, text)
         yield path

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict, dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -15,11 +16,13 @@ from testbench.campaigns.plan import PROGRAM
 from testbench.recordings.manifest import NAME, Campaign, read_manifest, write_manifest
 from testbench.recordings.versions import software_versions
 from testbench.rig.ending import EndOfMotion
+from testbench.rig.held import held
 from testbench.rig.motion import played
 from testbench.rig.ports import remembered_port, stated_port
 from testbench.rig.recorder import PROGRESS_S, Follow, Limits, Part, Recorder, Status
 from testbench.rig.resume import continued, mend, watched
 from testbench.rig.serial_port import host_clock_s
+from testbench.rig.simulated import Motion
 from testbench.rig.sink import CSV, EVENTS, ROOM_BYTES, Sink, Syncer
 from testbench.rig.stream import Event, Intake
 
@@ -48,6 +51,17 @@ class Job:
     limits: Limits
     sensor: str = ""
     give_up_s: float = 60.0
+
+    @cached_property
+    def motion(self) -> Motion:
+        """What the controller makes of the program; takes a while when it is asked for first."""
+        return played(self.program, self.gauge_length_mm)[0]
+
+    def prepare(self) -> Job:
+        """Do what takes a while and needs no port: lines that come meanwhile would wait in memory."""
+        software_versions()
+        _ = self.motion
+        return self
 
     def recipe(self) -> dict[str, Any]:
         """As written into the manifest."""
@@ -105,12 +119,32 @@ def record(
     -------
     Status
         How it ended. Whatever that is, the files hold every accepted sample and the manifest says how it ended.
+
+    Raises
+    ------
+    UserError
+        If another recorder is at work in `folder`.
     """
-    motion, _ = played(job.program, job.gauge_length_mm)
-    ending, intake = EndOfMotion.of(motion), Intake()
+    with held(folder):
+        return _record(job, folder, link, report, stopped, resume, clock, pause, follow)
+
+
+def _record(
+    job: Job,
+    folder: Path,
+    link: Iterable[Part],
+    report: Callable[[Status], None],
+    stopped: Callable[[], bool],
+    resume: bool,
+    clock: Callable[[], float],
+    pause: Callable[[float], None],
+    follow: Follow | None,
+) -> Status:
+    ending, intake = EndOfMotion.of(job.motion), Intake()
     first: list[Event] = []
     if resume:
-        Sink(folder).close()  # refuses what another recorder is writing, before anything is cut
+        job_of(folder, job.port)  # another recorder may have finished it since somebody looked
+        Sink(folder).close()  # where folders cannot be locked: refuses what is being written, before anything is cut
         now_s = clock()  # reading a day's rows takes a while
         left = mend(folder, time.time())
         intake, ending = continued(left, now_s), watched(ending, left)
@@ -124,7 +158,7 @@ def record(
             sink,
             job.gauge_length_mm,
             job.limits,
-            motion.duration_s,
+            job.motion.duration_s,
             ending,
             report,
             job.give_up_s,

@@ -54,7 +54,7 @@ def run(args: argparse.Namespace) -> int:
     from testbench.rig.signals import stop_signals
 
     folder = Path(args.campaign)
-    job = _continued(args, folder) if args.resume else _new(args, folder)
+    job = (_continued(args, folder) if args.resume else _new(args, folder)).prepare()
     live = live_compensator(args.compensator, folder) if args.compensator else None
     link = SerialLink(job.port, job.baud, args.give_up_s)
     try:

@@ -60,8 +60,8 @@ def rivals_from_diagnosis(
     try:
         base = _base(data, catalogue, source, calibration.recording.gauge_length_mm)
         forms = {entry["effect"]: entry["form"] for entry in data["ranking"]}
-        names = list(data["tied"]) or list(forms)[:2]
-    except (KeyError, TypeError) as error:
+        names = list(data.get("tied", ())) or list(forms)[:2]
+    except (KeyError, IndexError, TypeError) as error:
         raise UserError(f"{source}: not a diagnosis ({error}); write one with `testbench diagnose --json`") from None
     if len(names) < 2:
         raise UserError(f"{source}: it ranks {len(names)} effects; an experiment needs two rivals")

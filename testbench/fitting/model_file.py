@@ -21,19 +21,19 @@ from testbench.recordings.recording import Recording
 from testbench.recordings.stored import Label, StoredModel, checked_model
 
 
-class _Open(StrictModel):
+class OpenModel(StrictModel):
     """What a later version adds beside the entries that are checked is passed on as it is."""
 
     model_config = ConfigDict(frozen=True, extra="allow", allow_inf_nan=False)
 
 
-class _Parameter(_Open):
+class _Parameter(OpenModel):
     value: float
     unit: Label
     standard_error: Annotated[float, Field(ge=0)]
 
 
-class _Summary(_Open):
+class Summary(OpenModel):
     """What `fit_summary` writes."""
 
     parameters: dict[Label, _Parameter] = Field(default_factory=dict)
@@ -43,12 +43,12 @@ class _Summary(_Open):
     residual_scale: dict[Label, float] = Field(default_factory=dict)
 
 
-class _Errors(_Open):
+class Errors(OpenModel):
     calibration: dict[Label, Annotated[float, Field(ge=0)]]
     held_out: dict[Label, Annotated[float, Field(ge=0)]]
 
 
-class _Zero(_Open):
+class _Zero(OpenModel):
     """A `testbench.fitting.clamping.Zero`."""
 
     shift_mm: float
@@ -57,17 +57,17 @@ class _Zero(_Open):
     force_N: float | None = None
 
 
-class _Step(_Open):
+class Step(OpenModel):
     """What `testbench.comparing.ladder.ladder_step` makes."""
 
     step: Label
     model: StoredModel
-    errors: _Errors
+    errors: Errors
     noise_floor: dict[Label, Annotated[float, Field(ge=0)]]
     zero: _Zero | None = None
 
     @model_validator(mode="after")
-    def _same_channels(self) -> _Step:
+    def _same_channels(self) -> Step:
         known = set(self.errors.held_out)
         if known - set(UNIT_OF) or known != set(self.errors.calibration) or known != set(self.noise_floor):
             raise ValueError(f"errors and noise_floor must be of the same channels, of {', '.join(UNIT_OF)}")
@@ -82,8 +82,8 @@ class _Rest(StrictModel):
     gauge_length_mm: Annotated[float, Field(ge=0, le=1e6)] = 0.0
     fitted_on: Annotated[str, Field(max_length=4096)] = ""
     held_out: Annotated[str, Field(max_length=4096)] = ""
-    fit: _Summary = _Summary()
-    history: Annotated[list[_Step], Field(max_length=1000)] = Field(default_factory=list)
+    fit: Summary = Summary()
+    history: Annotated[list[Step], Field(max_length=1000)] = Field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -148,6 +148,19 @@ def load_model_file(path: str | Path, catalogue: Catalogue | None = None) -> Mod
     fit = rest.fit.model_dump(mode="json", exclude_unset=True)
     history = tuple(step.model_dump(mode="json", exclude_unset=True) for step in rest.history)
     return ModelFile(model, rest.gauge_length_mm, rest.fitted_on, rest.held_out, fit, history)
+
+
+def about_model(path: str | Path) -> Mapping[str, Any]:
+    """What a model file says beside the model: gauge_length_mm, fitted_on, held_out, fit, history; those it has.
+
+    Raises
+    ------
+    UserError
+        As `load_model_file`; only the effects are not made.
+    """
+    return validated(checked_model(read_json(path, "model"), path), _Rest, path, "model").model_dump(
+        mode="json", exclude_unset=True
+    )
 
 
 def check_same_set_up(file: ModelFile, recording: Recording, path: str | Path) -> None:

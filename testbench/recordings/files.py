@@ -15,13 +15,14 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from gcode.support.files import atomic_writer
-from gcode.support.strict import check_plain
+from gcode.support.strict import check_plain, read_bytes
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TIME, UNITS
 from testbench.recordings.recording import Recording
 
 if TYPE_CHECKING:
     import pandas as pd
 
+    from testbench.recordings.manifest import Campaign
     from testbench.recordings.stored import Resource
 
 ORDER = (TIME, DISPLACEMENT, FORCE, RESISTANCE)
@@ -60,6 +61,19 @@ def read_recording(path: str | Path, gauge_length_mm: float | None = None) -> Re
 
 
 def _load_campaign(folder: Path, gauge_length_mm: float | None) -> Recording:
+    path, campaign = verified(folder)
+    columns = read_columns(path, growing=campaign.in_progress)
+    return _recording(path, columns, gauge_length_mm or campaign.gauge_length_mm, asdict(campaign))
+
+
+def verified(folder: Path) -> tuple[Path, Campaign]:
+    """The CSV of a campaign, held against its manifest, and what the manifest says.
+
+    Raises
+    ------
+    UserError
+        If it is not the file that the manifest describes. One that is still growing is not verified, which is said.
+    """
     from testbench.recordings.manifest import read_manifest
 
     campaign, resources = read_manifest(folder)
@@ -70,8 +84,7 @@ def _load_campaign(folder: Path, gauge_length_mm: float | None) -> Recording:
         raise UserError(f"{folder}: no sample has been recorded yet")
     else:
         _say_once(f"{folder}: this recording is unfinished, so it has no checksum yet and is read unverified")
-    columns = read_columns(path, growing=campaign.in_progress)
-    return _recording(path, columns, gauge_length_mm or campaign.gauge_length_mm, asdict(campaign))
+    return path, campaign
 
 
 def _verify(folder: Path, path: Path, resources: Sequence[Resource]) -> None:
@@ -141,21 +154,32 @@ def read_columns(path: Path, growing: bool = False) -> dict[str, np.ndarray]:
     UserError
         If the file is empty, is not comma-separated, or a cell is not a number.
     """
+    frame = read_frame(path, growing)
+    names = [name for name in frame.columns if not _is_remark(frame, name)]
+    return {str(name).strip(): _numbers(path, str(name), frame[name]) for name in names}
+
+
+def read_frame(path: Path, growing: bool = False) -> pd.DataFrame:
+    """All columns of a comma-separated file, bad cells included; see `read_columns`.
+
+    Raises
+    ------
+    UserError
+        If the file is empty or is not comma-separated.
+    """
     import pandas as pd
 
     check_plain(path, "recording", MOST_BYTES)
     try:
         _check_head(path)
         source: Path | io.BytesIO = _whole_lines(path) if growing else path
-        frame = pd.read_csv(source, skipinitialspace=True, low_memory=False, compression=None)
+        return pd.read_csv(source, skipinitialspace=True, low_memory=False, compression=None)
     except pd.errors.EmptyDataError:
         raise UserError(f"{path}: the file is empty") from None
     except (pd.errors.ParserError, UnicodeError) as error:
         raise UserError(f"{path}: {in_words(error)}; mend it, or try `testbench import`") from None
     except OSError as error:
         raise UserError(f"{path}: cannot read it: {error.strerror or error}") from None
-    names = [name for name in frame.columns if not _is_remark(frame, name)]
-    return {str(name).strip(): _numbers(path, str(name), frame[name]) for name in names}
 
 
 def _check_head(path: Path) -> None:
@@ -203,7 +227,7 @@ def in_words(error: Exception) -> str:
 
 
 def _whole_lines(path: Path) -> io.BytesIO:
-    data = path.read_bytes()
+    data = read_bytes(path, "recording", MOST_BYTES)
     return io.BytesIO(data[: data.rfind(b"\n") + 1])
 
 

@@ -210,7 +210,7 @@ def _fields(path: Path) -> list[dict[str, Any]]:
 
 
 def _field(name: str) -> dict[str, Any]:
-    entry = {"name": name, "type": "number", "unit": UNITS.get(name, name.rpartition("_")[2] or "1")}
+    entry = {"name": name, "type": "number", "unit": UNITS.get(name, name.rpartition("_")[2] if "_" in name else "1")}
     return entry | ({"title": _TITLES[name]} if name in _TITLES else {})
 
 

@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError
-from gcode.support.files import read_json
+from testbench.fitting.results import read_diagnosis, read_score
 from testbench.recordings.files import read_recording
 from testbench.report import sections
 from testbench.report.document import Item, Report, Section
 from testbench.report.provenance import provenance, today
 from testbench.report.story import Story
-
-SCORE_FORMAT = "knitbench-score"
-IN_A_DIAGNOSIS = ("verdict", "probabilities", "found", "ranking", "error_before", "error_after", "noise_floor")
 
 
 @dataclass(frozen=True)
@@ -96,33 +91,3 @@ def build_report(given: Inputs) -> Report:
 def _files_of(given: Inputs) -> list[str]:
     named = (*given.recordings, given.held_out, given.model, given.effects, *given.diagnoses, given.compensator)
     return [path for path in named if path]
-
-
-def read_score(path: str) -> Mapping[str, Any]:
-    """What `compensation score -o` wrote.
-
-    Raises
-    ------
-    UserError
-        If it is missing or is something else.
-    """
-    data = read_json(path, "score")
-    if not isinstance(data, dict) or data.get("format") != SCORE_FORMAT:
-        raise UserError(
-            f"{path}: not a score (its format must be {SCORE_FORMAT!r}); `compensation score -o` writes one"
-        )
-    return data
-
-
-def read_diagnosis(path: str) -> Mapping[str, Any]:
-    """What `testbench diagnose --json` wrote.
-
-    Raises
-    ------
-    UserError
-        If it is missing or is something else.
-    """
-    data = read_json(path, "diagnosis")
-    if not isinstance(data, dict) or any(key not in data for key in IN_A_DIAGNOSIS):
-        raise UserError(f"{path}: not a diagnosis of this version; `testbench diagnose --json FILE` writes one")
-    return data

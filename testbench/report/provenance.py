@@ -6,11 +6,12 @@ import time
 from collections.abc import Iterable
 from pathlib import Path
 
-from gcode.support.errors import UserError
 from gcode.support.files import sha256_of
+from gcode.support.strict import read_text
 from testbench.report.document import Item, Section, Table
 
 RECORDING = "recording.csv"
+MOST_BYTES = 1 << 20
 
 
 def today() -> str:
@@ -38,12 +39,8 @@ def provenance(paths: Iterable[str], commands: str | None) -> Section:
 
 def _commands(path: Path) -> list[tuple[str, str]]:
     """Lines of ``date time  command``; a line without a date is a command."""
-    try:
-        lines = path.read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeError) as error:
-        raise UserError(f"{path}: cannot read the commands: {error}") from None
     rows = []
-    for line in filter(str.strip, lines):
+    for line in filter(str.strip, read_text(path, "list of commands", MOST_BYTES).splitlines()):
         when, gap, command = line.partition("  ")
         rows.append((when, command) if gap and when[:1].isdigit() else ("", line.strip()))
     return rows

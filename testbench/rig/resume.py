@@ -12,7 +12,7 @@ from pathlib import Path
 from gcode.support import disk
 from gcode.support.errors import UserError
 from gcode.support.files import write_bytes
-from gcode.support.strict import check_plain, json_of, validated
+from gcode.support.strict import check_plain, json_of, read_bytes, validated
 from testbench.recordings.channels import DISPLACEMENT, TIME, UNITS
 from testbench.recordings.stored import StoredEvent
 from testbench.rig.ending import EndOfMotion
@@ -237,7 +237,7 @@ def _kept_events(path: Path, found: list[tuple[StoredEvent | None, bytes]], last
         return []
     kept = [(event, line) for event, line in found if event and round(event.time_s * 1e6) <= last_time_us]
     text = b"".join(line + b"\n" for _, line in kept)
-    if text != path.read_bytes():
+    if text != read_bytes(path, "list of events", MOST_BYTES):
         write_bytes(path, text)
     return [event for event, _ in kept]
 

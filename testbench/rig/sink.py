@@ -16,6 +16,7 @@ import os
 import secrets
 import threading
 from collections.abc import Iterable
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 
 from gcode.support import disk
@@ -28,6 +29,7 @@ STAMPS = ("start", "reboot", "clock jump", "renumbered", "resume")
 ROOM = ".room"
 ROOM_BYTES = 256 << 10
 TAIL_BYTES = 4096
+HURRY_S = 0.3
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 
@@ -87,12 +89,13 @@ class Appender:
         self.refusal: OSError | None = None
         self.sync_failures = 0
         self._handle: int | None = None
+        self._named = False
 
     def open(self) -> int:
-        """The open file, made if it is not there."""
+        """The open file, made if it is not there; its name is kept with the first sync."""
         if self._handle is None:
             self._handle = disk.open_growing(self.path)
-            disk.sync_quietly(self.path.parent)
+            self._named = False
         return self._handle
 
     def write(self, text: str) -> bool:
@@ -121,13 +124,16 @@ class Appender:
             raise UserError(f"{self.path}: another recorder is writing this file; choose another with -o") from None
 
     def sync(self) -> None:
-        """Have the disk keep what was written."""
+        """Have the disk keep what was written, and the file's name."""
         if self._handle is None:
             return
         try:
             disk.DISK.sync(self._handle)
         except OSError:
             self.sync_failures += 1
+        if not self._named:
+            disk.sync_quietly(self.path.parent)
+            self._named = True
 
     def take(self, data: bytes) -> int:
         """Give `data` to the operating system; how many bytes it took."""
@@ -208,6 +214,8 @@ class Sink:
         self._folder = folder
         self._csv, self._bad, self._events = (Appender(folder / name) for name in (CSV, BAD, EVENTS))
         self._room = folder / ROOM
+        self._hurry, self._hurried = ThreadPoolExecutor(1, "events to the disk"), Future[None]()
+        self._hurried.set_result(None)
         self._csv.lock()
         try:
             self._events.open()
@@ -235,11 +243,21 @@ class Sink:
         # Events first: a row without its gap record would be worse than a gap record without its row.
         if self._events.write("".join(events)):
             if stamped:
-                # The device's clock stands in these alone: rows that no event explains cannot be continued.
-                self._events.sync()
+                self._sync_events()
             return self._csv.write("".join(rows)) and whole
         self._csv.hold("".join(rows))
         return False
+
+    def _sync_events(self) -> None:
+        """Have the disk keep the events before their rows are written; a slow disk is waited for `HURRY_S`, no more.
+
+        The device's clock stands in them alone: a power cut that took them and left their rows would leave rows that
+        only the host's clock explains. But rows that wait in memory for a disk are lost if the recorder is killed.
+        """
+        if self._hurried.done():
+            self._hurried = self._hurry.submit(self._events.sync)
+        with contextlib.suppress(TimeoutError):
+            self._hurried.result(HURRY_S)
 
     @property
     def refusal(self) -> str:
@@ -291,6 +309,7 @@ class Sink:
     def close(self) -> bool:
         """Write what is pending (as far as the disk takes it), sync and close; whether every file is whole."""
         self.release_room()
+        self._hurry.shutdown()
         whole = [part.close() for part in self._parts()]
         return all(whole)
 

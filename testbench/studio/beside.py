@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from gcode.support.errors import UserError
-from gcode.support.files import read_json
+from testbench.fitting.model_file import about_model
 from testbench.knit.catalogue import model_from_dict
 from testbench.knit.model import KnitModel
 from testbench.report.document import Table
@@ -48,7 +48,7 @@ def beside_choices(studio: Studio, c: str) -> dict[str, str]:
 
 
 def _steps(studio: Studio, c: str) -> dict[str, str]:
-    history = read_json(models.model_path(studio, c), "model").get("history", [])
+    history = about_model(models.model_path(studio, c)).get("history", [])
     return {str(number): f"step {number}: {spoken(step['step'])}" for number, step in enumerate(history[:-1])}
 
 

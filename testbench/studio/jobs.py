@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import json
 import os
 import shlex
 import signal
@@ -21,6 +20,8 @@ from enum import Enum
 from pathlib import Path
 from typing import Any
 
+from gcode.support.errors import UserError
+from gcode.support.strict import json_of
 from testbench.studio.outliving import About, Outliving
 from testbench.studio.pace import Pace, Paces
 
@@ -140,8 +141,8 @@ def _counted(event: dict[str, Any]) -> str:
 def _event(line: str) -> dict[str, Any] | None:
     if not line.startswith("{"):
         return None
-    with contextlib.suppress(json.JSONDecodeError):
-        return json.loads(line)
+    with contextlib.suppress(UserError):
+        return json_of(line, "event")
     return None
 
 

@@ -6,11 +6,14 @@ full, neighbours are merged and each new one covers twice the time.
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import numpy as np
 
 from gcode.support.arrays import FloatArray
+from gcode.support.errors import UserError
+from gcode.support.strict import open_plain
 
 RECENT_S = 60.0
 BUCKETS = 512
@@ -37,10 +40,10 @@ class Follower:
     def look(self) -> bool:
         """Take in what is new; False when nothing is."""
         try:
-            with self.path.open("rb") as stream:
+            with os.fdopen(open_plain(self.path, "recording"), "rb") as stream:
                 stream.seek(self._offset)
                 raw = stream.read(READ_BYTES)
-        except FileNotFoundError:
+        except UserError:
             return False
         self._offset += len(raw)
         whole, newline, self._tail = (self._tail + raw).rpartition(b"\n")

@@ -9,7 +9,8 @@ from pathlib import Path
 
 from nicegui import ui
 
-from gcode.support.files import make_folder, read_json
+from gcode.support.files import make_folder
+from testbench.fitting.model_file import about_model
 from testbench.studio.fields import check, number_field, typed
 from testbench.studio.jobs import Commands, Job, State
 from testbench.studio.studio import Studio
@@ -56,7 +57,7 @@ def companions(studio: Studio, c: str) -> tuple[list[str], list[str]]:
 
 def held_out_of(studio: Studio, c: str) -> str:
     """What the model of a campaign was judged on, so that its next step is judged on the same."""
-    source = Path(str(read_json(model_path(studio, c), "model").get("held_out", "")))
+    source = Path(str(about_model(model_path(studio, c)).get("held_out", "")))
     folder = source.parent if source.name == "recording.csv" else source
     for name in held_out_choices(studio, c)[1:]:
         if studio.workspace.campaign(name).folder == folder:
@@ -85,7 +86,7 @@ def diagnosed_path(studio: Studio, c: str) -> Path:
 def steps_in(studio: Studio, c: str) -> int:
     """How many steps the ladder of a campaign has."""
     path = model_path(studio, c)
-    return len(read_json(path, "model").get("history", ())) if path.is_file() else 0
+    return len(about_model(path).get("history", ())) if path.is_file() else 0
 
 
 def step_diagnosis(studio: Studio, c: str, step: int) -> Path:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import contextlib
-import json
 from dataclasses import dataclass
 from pathlib import Path
 
 from gcode.support.files import make_folder, write_json
+from gcode.support.strict import read_json
 
 FILE = "notes.json"
+MOST_BYTES = 64 << 20
 
 
 @dataclass(frozen=True)
@@ -39,7 +40,7 @@ class Notes:
             made = self._path.stat()
             mark = (made.st_mtime_ns, made.st_size)
             if mark != self._mark:
-                told = json.loads(self._path.read_text(encoding="utf-8"))
+                told = read_json(self._path, "list of notes", MOST_BYTES)
                 self._notes = {
                     name: Note(tuple(map(str, one.get("tags", ()))), str(one.get("note", "")))
                     for name, one in told.items()

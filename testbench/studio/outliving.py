@@ -19,6 +19,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from gcode.support.files import make_folder, write_text
+from gcode.support.strict import read_json, read_text
 
 LOOK_S = 0.1
 LEFT: list[subprocess.Popen] = []  # running children that this process may forget, but not disown with a warning
@@ -101,7 +102,7 @@ class Outliving:
     def last(self) -> About | None:
         """The last job, whether it still runs or not."""
         with contextlib.suppress(OSError, ValueError, TypeError):
-            told = json.loads((self.folder / ABOUT).read_text(encoding="utf-8"))
+            told = read_json(self.folder / ABOUT, "job", 1 << 20)
             return About(**(told | {"argv": tuple(told["argv"])}))
         return None
 
@@ -121,7 +122,7 @@ class Outliving:
     def code(self) -> int | None:
         """How it ended; None when something ended it from outside."""
         with contextlib.suppress(OSError, ValueError):
-            return int((self.folder / CODE).read_text())
+            return int(read_text(self.folder / CODE, "exit code", 100))
         return None
 
     def signal(self, about: About, number: int) -> None:

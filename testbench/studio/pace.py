@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from gcode.support.files import make_folder, write_text
+from gcode.support.strict import read_json
 
 LIKE_LAST_TIME = 0.03  # so much of the whole is believed to go as fast as it did last time
 EARLY = 0.08  # below this share of its steps a job that was never seen before is not extrapolated
@@ -111,7 +112,7 @@ class Paces:
         self._known: dict[str, Profile] = {}
         if path is not None:
             with contextlib.suppress(OSError, ValueError, TypeError, KeyError, AttributeError):
-                told = json.loads(path.read_text(encoding="utf-8"))
+                told = read_json(path, "list of paces", 1 << 20)
                 self._known = {kind: Profile(float(one["total_s"]), dict(one["marks"])) for kind, one in told.items()}
 
     def start(self, argv: Sequence[str]) -> Pace:

@@ -9,6 +9,7 @@ from typing import Any
 from nicegui import ui
 
 from gcode.support.errors import UserError
+from gcode.support.strict import read_text
 from testbench.recordings.manifest import read_manifest
 from testbench.report.words import spoken
 from testbench.studio.studio import Studio
@@ -31,7 +32,7 @@ def provenance(studio: Studio, c: str) -> None:
         table(("File", "SHA-256"), files)
         path = studio.commands_path(c)
         if path.is_file():
-            ui.label(path.read_text(encoding="utf-8")).classes("formula")
+            ui.label(read_text(path, "list of commands", 1 << 20)).classes("formula")
 
 
 def _flat(title: str, values: Mapping[str, Any]) -> list[tuple[str, str]]:

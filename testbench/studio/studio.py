@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING
 
 from gcode.support.errors import UserError
 from gcode.support.files import make_folder, write_text
+from gcode.support.strict import read_text
 from testbench.studio.jobs import Job, JobBoard
 from testbench.studio.memory import Memory
 from testbench.studio.notes import Notes
-from testbench.studio.trust import is_trusted, trust
 from testbench.studio.workspace import RESULTS, Workspace
+from testbench.trust import is_trusted, trust
 
 if TYPE_CHECKING:
     from testbench.knit.catalogue import Catalogue
@@ -68,7 +69,7 @@ class Studio:
         """Where the user's own effects are, or would be: in the workspace, or in the file that was pointed to."""
         pointer = self._pointer
         if pointer.is_file():
-            return Path(pointer.read_text(encoding="utf-8").strip())
+            return Path(read_text(pointer, "name of a file", 4096).strip())
         return self.workspace.root / OWN_EFFECTS
 
     @property

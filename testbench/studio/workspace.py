@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import json
 import os
 import shutil
 import time
@@ -13,7 +12,9 @@ from pathlib import Path
 
 from gcode.support.errors import UserError
 from gcode.support.files import make_folder, write_text
+from gcode.support.strict import read_json, read_text
 from testbench.recordings.files import read_recording
+from testbench.recordings.manifest import MOST_BYTES
 from testbench.recordings.recording import Recording
 from testbench.studio.memory import Memory, stamp
 
@@ -25,6 +26,7 @@ COMPENSATED = "compensated"
 MADE = {"model.json": "fitted", "diagnosis.json": "diagnosed"}
 KEPT_RECORDINGS = 4  # 23 min take about 2 MB; hours of recording some 100 MB
 KEPT_VERDICTS = 1000
+MOST_NAME_BYTES = 4096
 
 
 @dataclass(frozen=True)
@@ -96,8 +98,7 @@ class Workspace:
         path = Path(folder)
         name = folder[len(str(self.root)) :].replace(os.sep, "/").strip("/")
         try:
-            with open(os.path.join(folder, MANIFEST), "rb") as stream:
-                made = json.load(stream)["knitbench"]
+            made = read_json(os.path.join(folder, MANIFEST), "campaign manifest", MOST_BYTES)["knitbench"]
             words = (str(made.get("status", "")), str(made["recipe"].get("sensor") or ""))
             gauge = made["gauge_length_mm"]
             gauge_mm = None if gauge is None else float(gauge)
@@ -166,7 +167,7 @@ class Workspace:
     def deleted(self) -> list[tuple[str, Path]]:
         """Deleted campaigns by name, the last first, and where they are now."""
         places = sorted((self.root / RESULTS / DELETED).glob("*/name.txt"), reverse=True)
-        return [(path.read_text(encoding="utf-8").strip(), path.parent) for path in places]
+        return [(read_text(path, "name", MOST_NAME_BYTES).strip(), path.parent) for path in places]
 
     def restore(self, place: Path) -> str:
         """Bring a deleted campaign back; its name.
@@ -176,7 +177,7 @@ class Workspace:
         UserError
             If its name has been taken since.
         """
-        name = (place / "name.txt").read_text(encoding="utf-8").strip()
+        name = read_text(place / "name.txt", "name", MOST_NAME_BYTES).strip()
         folder = self.free_name(name)
         make_folder(folder.parent)
         (place / "campaign").replace(folder)

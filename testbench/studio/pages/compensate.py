@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -9,7 +10,7 @@ from typing import Any
 from nicegui import ui
 
 from gcode.support.errors import UserError
-from gcode.support.files import read_json
+from testbench.fitting.results import read_score
 from testbench.report import compensator_figures as figures
 from testbench.report.sections import short_name
 from testbench.studio.jobs import State
@@ -40,7 +41,7 @@ def page(studio: Studio, c: str = "", target: str = "force") -> None:
     _form(studio, c, target)
     score = score_path(studio, c, target)
     if score.is_file():
-        _show(studio, c, target, read_json(score, "score"))
+        _show(studio, c, target, read_score(score))
 
 
 def _judged_on(summary: dict[str, Any]) -> str:
@@ -102,7 +103,7 @@ def _scoring(studio: Studio, c: str, target: str, judged: list[str]) -> list[str
     return [*argv, "-o", str(score_path(studio, c, target))]
 
 
-def _show(studio: Studio, c: str, target: str, score: dict[str, Any]) -> None:
+def _show(studio: Studio, c: str, target: str, score: Mapping[str, Any]) -> None:
     rows = score["recordings"]
     names = [short_name(row["source"]) for row in rows]
     summary = score["summary"]

@@ -10,9 +10,12 @@ from nicegui import ui
 
 from gcode.support.errors import UserError
 from gcode.support.files import write_text
+from gcode.support.strict import read_text
 from testbench.studio.jobs import Job, State
 from testbench.studio.studio import OWN_EFFECTS, Studio
 from testbench.studio.widgets import attempt, guarded, heading, job_card, name_in_page
+
+MOST_BYTES = 1 << 20
 
 
 @guarded
@@ -88,4 +91,4 @@ class _Editor:
 
 
 def _text(studio: Studio) -> str:
-    return studio.effects_file.read_text(encoding="utf-8") if studio.effects_file else ""
+    return read_text(studio.effects_file, "effects file", MOST_BYTES) if studio.effects_file else ""

@@ -9,9 +9,8 @@ from typing import Any
 from nicegui import ui
 
 from gcode.support.errors import UserError
-from gcode.support.files import read_json
+from testbench.fitting.results import read_diagnosis, read_experiment
 from testbench.report import experiment_figures as figures
-from testbench.report.build import read_diagnosis
 from testbench.report.words import experiment_in_words, spoken
 from testbench.studio import models
 from testbench.studio.fields import asked, check, keep_in, number_field, typed
@@ -36,7 +35,7 @@ async def page(
     _ask(studio, c, diagnosis, Address("/experiment", c=c, **limits))
     path = experiment_path(studio, c)
     if path.is_file() and path.stat().st_mtime >= known.stat().st_mtime:
-        await _answer(studio, c, read_json(path, "experiment"))
+        await _answer(studio, c, read_experiment(path))
 
 
 def experiment_path(studio: Studio, c: str) -> Path:

@@ -12,9 +12,9 @@ from urllib.parse import quote
 from nicegui import ui
 
 from testbench.fitting.model_file import ModelFile
+from testbench.fitting.results import read_diagnosis
 from testbench.report import diagnosis_figures
 from testbench.report import ladder_figures as figures
-from testbench.report.build import read_diagnosis
 from testbench.report.comparison_figures import busiest_window
 from testbench.report.numbers import plain
 from testbench.report.parameters import parameter_table

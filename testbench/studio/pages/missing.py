@@ -10,8 +10,9 @@ from typing import Any
 from nicegui import ui
 
 from gcode.support.arrays import FloatArray
+from gcode.support.strict import read_text
+from testbench.fitting.results import read_diagnosis
 from testbench.report import diagnosis_figures as figures
-from testbench.report.build import read_diagnosis
 from testbench.report.kohm import residuals_kohm
 from testbench.report.words import (
     base_in_words,
@@ -232,7 +233,7 @@ class _Candidates:
             if found:
                 done()
                 return
-        have = models.model_path(self.studio, self.c).read_text(encoding="utf-8")
+        have = read_text(models.model_path(self.studio, self.c), "model")
         missing = [name for name in self._base_misfits() if f'"{name}"' not in have]
         commands = [models.add_command(self.studio, self.c, name) for name in (*missing, entry["form"])]
         models.run_in_turn(self.studio, f"model:{self.c}", commands, self.holder, done)

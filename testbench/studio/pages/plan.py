@@ -9,8 +9,8 @@ from typing import Any
 
 from nicegui import ui
 
+from gcode.programs.stored import read_plan
 from gcode.support.errors import UserError
-from gcode.support.files import read_json
 from testbench.report.trajectory_figures import motion
 from testbench.studio.fields import asked, check, keep_in, number_field, typed
 from testbench.studio.jobs import Job, State
@@ -127,8 +127,8 @@ def _result(studio: Studio, program: str) -> None:
     folder = (studio.workspace.root / PROGRAMS / program).resolve()
     if not folder.is_relative_to(studio.workspace.root) or not (folder / "trajectory.json").is_file():
         raise UserError(f"no plan called {program!r}; plan it again")
-    made = read_json(folder / "trajectory.json", "plan")
-    statistics, limits = made["statistics"], made["spec"]["limits"]
+    made = read_plan(folder / "trajectory.json")
+    statistics, limits = made.statistics.model_dump(), made.spec.limits.model_dump()
     subheading(program, "as executed by the controller, sampled at the plan's rate")
     facts(_figures(statistics))
     with ui.row():

@@ -9,10 +9,10 @@ from typing import Any
 from nicegui import ui
 
 from gcode.support.errors import UserError
-from gcode.support.files import read_json
+from testbench.fitting.model_file import about_model
+from testbench.fitting.results import read_diagnosis, read_score
 from testbench.recordings.recording import Recording
 from testbench.report import recording_figures as figures
-from testbench.report.build import read_diagnosis
 from testbench.report.ladder_figures import UNITS
 from testbench.report.numbers import plain
 from testbench.report.parameters import parameter_name
@@ -66,7 +66,7 @@ def _side(studio: Studio, name: str, kohm: bool) -> Side:
     path = models.model_path(studio, name)
     if not path.is_file():
         return Side(name, recording, told | {"Model": "not fitted"}, {})
-    file = read_json(path, "model")
+    file = about_model(path)
     told |= _model_facts(file) | _verdict(studio, name) | _score(studio, name)
     return Side(name, recording, told, file.get("fit", {}))
 
@@ -98,5 +98,5 @@ def _score(studio: Studio, name: str) -> dict[str, str]:
     path = studio.workspace.results(name) / "force.score.json"
     if not path.is_file():
         return {}
-    summary = read_json(path, "score")["summary"]
+    summary = read_score(path)["summary"]
     return {"r² of the force, compensated": f"{summary['r2_after']:.3f} (raw {summary['r2_before']:.3f})"}

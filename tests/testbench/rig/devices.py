@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import subprocess
 import sys
 import threading
 import time
+from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
+from testbench.cli import main
 from testbench.rig.pty_port import PtyPort
 from testbench.rig.wire import MICROS_WRAP, Sample, encode
 
 MAIN = "import sys; from testbench.cli import main; sys.exit(main())"
 CHILDREN: list[subprocess.Popen] = []
+# A server that has imported everything once: a process from it starts in milliseconds, and dies like any other.
+FORKS = multiprocessing.get_context("forkserver")
+FORKS.set_forkserver_preload(
+    ["testbench.campaigns.record", "testbench.commands.record", "tests.testbench.rig.devices"]
+)
 BOOT = 0xC0FFEE01
 # Starts shortly before a wrap: every test that runs longer than 2 s sees one.
 FIRST_MICROS = MICROS_WRAP - 2_000_000
@@ -50,6 +58,11 @@ class Device:
         """Cut the wire in the middle of a line; plug in again `lines` later."""
         self._away = lines
 
+    @property
+    def away(self) -> bool:
+        """Whether the wire is cut."""
+        return self._away > 0
+
     def _send(self, line: bytes) -> bool:
         if not self._away:
             return self.port.write(line)
@@ -77,6 +90,55 @@ def recorder(folder: Path, port: str, program: Path, *more: str, **popen) -> sub
     return command(*words, **popen)
 
 
+def forked_recorder(folder: Path, port: str, program: Path, *more: str) -> multiprocessing.process.BaseProcess:
+    """``testbench record`` as a process that starts at once."""
+    words = ["record", "--port", port, "--program", str(program), "-o", str(folder), "--progress-json", *more]
+    child = FORKS.Process(target=main, args=(words,), daemon=True)
+    child.start()
+    return child
+
+
+class Witness:
+    """A process that does nothing but write a line every 5 ms, synced once a second as a recording is.
+
+    How long the machine keeps it from that is how long it may keep a recorder.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._child = FORKS.Process(target=_write_on, args=(path,), daemon=True)
+
+    def __enter__(self) -> Witness:
+        self._child.start()
+        until(self._path.exists)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._child.kill()
+        self._child.join()
+
+    def longest_stall_s(self, since_s: float, until_s: float) -> float:
+        """The longest time without a line between two instants of `time.monotonic`."""
+        text = self._path.read_text()
+        times_s = [float(line) for line in text[: text.rfind("\n") + 1].splitlines()]
+        around = [times_s[0], *times_s, until_s]
+        return max(later - earlier for earlier, later in pairwise(around) if since_s < later <= until_s)
+
+
+def _write_on(path: Path) -> None:
+    handle = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND)
+
+    def sync() -> None:
+        while True:
+            time.sleep(1.0)
+            os.fsync(handle)
+
+    threading.Thread(target=sync, daemon=True).start()
+    while True:
+        os.write(handle, f"{time.monotonic()}\n".encode())
+        time.sleep(0.005)
+
+
 def command(*words: str, **popen) -> subprocess.Popen:
     """A `testbench` command as a child process."""
     environment = {**os.environ, "OMP_NUM_THREADS": "1"}
@@ -85,11 +147,12 @@ def command(*words: str, **popen) -> subprocess.Popen:
     return CHILDREN[-1]
 
 
-def until(condition, child: subprocess.Popen | None = None, timeout_s: float = 60.0) -> None:
+def until(condition, child=None, timeout_s: float = 60.0) -> None:
     """Wait for something that another process does; fail loudly if it never does."""
     end_s = time.monotonic() + timeout_s
     while not condition():
-        if child is not None and child.poll() is not None:
+        if isinstance(child, subprocess.Popen) and child.poll() is not None:
             raise AssertionError(f"the child ended: {child.communicate()}")
+        assert not isinstance(child, multiprocessing.process.BaseProcess) or child.is_alive(), "the child ended"
         assert time.monotonic() < end_s, "waited too long"
         time.sleep(0.01)

@@ -1,0 +1,33 @@
+"""``trajectory.json``, read again: what was planned and how it is executed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from pydantic import ConfigDict
+
+from gcode.motion.statistics import MotionStatistics
+from gcode.support.strict import StrictModel, load
+from gcode.trajectories.trajectory import TrajectorySpec
+
+MOST_BYTES = 16 << 20
+
+
+class StoredPlan(StrictModel):
+    """As far as others read it."""
+
+    model_config = ConfigDict(frozen=True, extra="ignore", allow_inf_nan=False)
+
+    spec: TrajectorySpec
+    statistics: MotionStatistics
+
+
+def read_plan(path: str | Path) -> StoredPlan:
+    """What `gcode generate` wrote beside the program.
+
+    Raises
+    ------
+    UserError
+        If it is missing or is something else.
+    """
+    return load(path, StoredPlan, "plan", MOST_BYTES)

@@ -1,0 +1,41 @@
+"""Numbers that once led to a traceback or to no end; found by ``benchmarks/attack_commands.py``."""
+
+from __future__ import annotations
+
+import pytest
+
+from gcode.cli import main
+from gcode.programs.make import make
+from gcode.support.errors import UserError
+from tests.fuzz.targets import SPEC
+
+LIMITS = ["--v-max", "5", "--a-max", "20", "--x-min", "-1", "--x-max", "10"]
+
+
+@pytest.fixture
+def program(tmp_path):
+    (tmp_path / "p\x1b[31m.tap").write_text(make(SPEC, 1, 25.0).program)
+    return str(tmp_path / "p\x1b[31m.tap")
+
+
+@pytest.mark.parametrize("option", ["--a-max", "--machine-acceleration", "--rapid"])
+def test_a_controller_that_never_arrives_is_refused(program, capsys, option):
+    assert main(["check", program, *LIMITS, option, "1e-300"]) == 1
+    assert "not executed, since this controller would take" in capsys.readouterr().out
+
+
+def test_the_name_of_a_file_does_not_steer_the_terminal(program, capsys):
+    assert main(["check", program, *LIMITS, "--v-max", "0.001"]) == 1
+    assert "\x1b" not in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("gauge_length_mm", [1e-300, 0.0, -1.0, 1e300, float("nan")])
+def test_a_gauge_length_that_no_sample_has_is_refused(gauge_length_mm):
+    with pytest.raises(UserError, match="gauge length must be"):
+        make(SPEC, 1, gauge_length_mm)
+
+
+def test_links_that_lead_in_a_circle_are_a_sentence(tmp_path, program, capsys):
+    (tmp_path / "loop").symlink_to(tmp_path / "loop")
+    assert main(["play", program, "-o", str(tmp_path / "loop" / "x.csv")]) == 2
+    assert "Traceback" not in capsys.readouterr().err
