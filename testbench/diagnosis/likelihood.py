@@ -38,6 +38,8 @@ class Likelihood:
         Standard deviation of the white noise at a typical sample.
     share : mapping of channel to float
         Independent samples that each of them stands for.
+    pieces : float
+        Independent pieces of the measurement: those of one recording for each that it consists of.
     """
 
     measurement: Measurement
@@ -45,6 +47,7 @@ class Likelihood:
     weight: Mapping[str, FloatArray]
     floor: Mapping[str, float]
     share: Mapping[str, float]
+    pieces: float = constants.INDEPENDENT
 
     @property
     def counts(self) -> dict[str, float]:
@@ -84,7 +87,7 @@ class Likelihood:
     @property
     def temperature(self) -> float:
         """Independent samples for each independent piece."""
-        return max(float(np.mean(list(self.counts.values()))) / constants.INDEPENDENT, 1.0)
+        return max(float(np.mean(list(self.counts.values()))) / self.pieces, 1.0)
 
     def picked(self, values: FloatArray, channel: str) -> FloatArray:
         """The samples that enter, over their relative noise; along the last axis."""
@@ -117,7 +120,9 @@ def noise_of(measurement: Measurement) -> dict[str, float]:
     return found
 
 
-def likelihood_of(model: KnitModel, measurement: Measurement, noise: Mapping[str, float]) -> Likelihood:
+def likelihood_of(
+    model: KnitModel, measurement: Measurement, noise: Mapping[str, float], pieces: float = constants.INDEPENDENT
+) -> Likelihood:
     """Samples and their relative noise, taken as independent."""
     counting = np.flatnonzero(measurement.counts)
     thin = max(1, -(-len(counting) // constants.SAMPLES))
@@ -130,7 +135,7 @@ def likelihood_of(model: KnitModel, measurement: Measurement, noise: Mapping[str
         sd = np.hypot(read, (slope[channel] * measurement.strain_noise)[rows])
         floor[channel] = float(np.mean(sd**-2.0) ** -0.5)
         weight[channel] = floor[channel] / sd
-    return Likelihood(measurement, rows, weight, floor, dict.fromkeys(weight, constants.ETA))
+    return Likelihood(measurement, rows, weight, floor, dict.fromkeys(weight, constants.ETA), pieces)
 
 
 def correlated(likelihood: Likelihood, left: Mapping[str, FloatArray]) -> Likelihood:
