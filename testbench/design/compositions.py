@@ -1,6 +1,6 @@
 """Motions put together freely: holds, rests, cycles, steps, sweeps, waves and random motion, of any size and speed.
 
-A motion is a row of genes. A gene is a kind of piece, its share of the time, and three numbers from 0 to 1 that choose
+A motion is a row of genes. A gene is a kind of piece, its share of the time, and three numbers from 0 to 1 for its
 levels and speed within the bounds, so that every row is a motion that keeps them, and near rows are near motions.
 """
 

@@ -102,7 +102,7 @@ class Forecaster:
         return Prediction(mean, factor @ vector[:, value > NEGLIGIBLE]), extremes
 
     def _linearised(self, measurement: Measurement, share: float) -> tuple[FloatArray, FloatArray, _Modelled]:
-        """Means and sensitivities over the noise, of all channels in a row, shapes (m,) and (p, m); and what is read."""
+        """Means and sensitivities over the noise, channels in a row, shapes (m,) and (p, m); and what is read."""
         modelled, jacobian = sensitivities(self.likely.model, self._parameters, measurement, SimulationCache())
         over = {c: np.sqrt(share) / noise for c, noise in self.reading.noise.items()}
         counts = measurement.counts

@@ -88,7 +88,8 @@ def over_specimens(beliefs: Sequence[Mapping[str, float]]) -> dict[str, float]:
     names = list(dict.fromkeys(name for one in beliefs for name in one))
     prior = _prior(names)
     logs = {
-        name: sum(np.log(max(one.get(name, 0.0), 1e-12)) for one in beliefs) - (len(beliefs) - 1) * np.log(prior[name])
+        name: sum(np.log(max(one.get(name, 0.0), 1e-12)) for one in beliefs)
+        - (len(beliefs) - 1) * np.log(prior[name])
         for name in names
     }
     total = logsumexp(list(logs.values()))

@@ -176,6 +176,8 @@ class PortBench:
             status = record(job, order.folder, link, report, stopped, resume)
         finally:
             link.close()
+        if status.state == "interrupted":
+            raise KeyboardInterrupt
         if status.state != "complete":
             raise UserError(
                 f"{order.folder}: the recording ended early ({status.state}{': ' if status.message else ''}"

@@ -39,7 +39,8 @@ def joined(recordings: Sequence[Recording], rests_s: Sequence[float]) -> Measure
     if len(parts) == 1:
         return parts[0]
     gaps = [0, *(max(round(rest_s * rate_hz), 1) for rest_s in rests_s)]
-    starts = np.cumsum([gap + before for gap, before in zip(gaps, [0, *(len(p.counts) for p in parts)])])
+    lengths = [0, *(len(p.counts) for p in parts[:-1])]
+    starts = np.cumsum([gap + before for gap, before in zip(gaps, lengths, strict=True)])
     strain = _chained([p.signals["strain"] for p in parts], gaps)
     warm = [p.signals["temperature_C"] for p in parts if "temperature_C" in p.signals]
     temperature = _chained(warm, gaps) if len(warm) == len(parts) else None
@@ -56,7 +57,7 @@ def joined(recordings: Sequence[Recording], rests_s: Sequence[float]) -> Measure
 def _chained(values: Sequence[FloatArray], gaps: Sequence[int]) -> FloatArray:
     """Arrays in a row, with straight lines over the gaps."""
     parts = [values[0]]
-    for before, gap, after in zip(values, gaps[1:], values[1:]):
+    for before, gap, after in zip(values[:-1], gaps[1:], values[1:], strict=True):
         parts += [np.linspace(before[-1], after[0], gap + 2)[1:-1], after]
     return np.concatenate(parts)
 

@@ -154,9 +154,7 @@ class _Loop:
             )
             made, words, expected, perlin = found.made, found.words, found.expected.low, found.perlin.low
         made.write(program_folder(self.folder, number))
-        run = RunState(
-            words=words, seconds=made.trajectory.duration_s, expected_nats=expected, perlin_nats=perlin
-        )
+        run = RunState(words=words, seconds=made.trajectory.duration_s, expected_nats=expected, perlin_nats=perlin)
         self._keep(self.state.with_run(number - 1, run))
 
     def _random(self, number: int) -> Made:
