@@ -92,10 +92,9 @@ def cases_of(count: int, seed: int) -> list[tuple[str, str, int]]:
     """Hidden effect, base world and seed: sides of the pairs in turn, each case with a sensor of its own."""
     found = []
     for number in range(count):
-        pair = PAIRS[number % len(PAIRS)]
-        turn = number // len(PAIRS)
-        world = "matched" if (number + turn) % 2 == 0 else "mismatched"
-        found.append((pair[(turn + number) % 2], world, 1000 * seed + number))
+        turn, place = divmod(number, len(PAIRS))
+        world = "matched" if (place + turn // 2) % 2 == 0 else "mismatched"
+        found.append((PAIRS[place][(place + turn) % 2], world, 1000 * seed + number))
     return found
 
 
@@ -163,6 +162,7 @@ def row_of(
         "of_answer": [belief.probabilities.get(answer, 0.0) for belief in beliefs],
         "tops": [list(belief.top) for belief in beliefs],
         "motions": [run.words for run in ended.runs],
+        "expected": [[run.expected_nats, run.perlin_nats] for run in ended.runs],
         "seconds": seconds,
     }
 
@@ -208,9 +208,9 @@ def arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--cases", type=int, default=2, metavar="N", help="hidden cases (2); 14 is one of each side")
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--strength", type=float, default=10.0, help="over the noise floor (10)")
-    parser.add_argument("--run-minutes", type=float, default=2.5, help="length of each run (2.5)")
-    parser.add_argument("--budget-minutes", type=float, default=15.0, help="of motion (15)")
+    parser.add_argument("--strength", type=float, default=3.0, help="over the noise floor (3)")
+    parser.add_argument("--run-minutes", type=float, default=2.0, help="length of each run (2)")
+    parser.add_argument("--budget-minutes", type=float, default=12.0, help="of motion (12)")
     parser.add_argument("--trials", type=int, default=16, help="motions weighed for each run, beside the named (16)")
     parser.add_argument("--repeat", type=int, default=1, help="effects found at most in a diagnosis (1)")
     parser.add_argument("--results", type=Path, help="JSON lines to append to and to resume from")
