@@ -221,7 +221,7 @@ def _kept(found: Belief, together: dict[str, float]) -> BeliefState:
     return BeliefState(
         probabilities=together,
         own=dict(found.probabilities),
-        verdict=found.verdict,  # type: ignore[arg-type]
+        verdict=found.verdict,
         noise=dict(found.reading.noise),
         pieces=found.reading.pieces,
         likely=likely,
