@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -19,6 +20,8 @@ from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel, SimulationCache
 
 FINAL_WEIGHTS = 3
+AGREED = 0.02  # relative change of the noise from one to the next
+PARTS = (1.0, 0.3, 0.0)  # of the last step, where the whole does not hold
 NARROWEST = 1e3  # factor on a group's precision: directions that a wider prior would show are kept
 AT_REST = 0.2  # nats gained in a step
 HELD = 1e12  # precision of what is held at a bound
@@ -57,7 +60,13 @@ class Hypothesis:
 
     @property
     def log_z(self) -> float:
-        return self.evidence.value + self.tails
+        return self.evidence.value + self.tails - self._unlikely
+
+    @cached_property
+    def _unlikely(self) -> float:
+        """What the priors say against the parameters that are held, in nats."""
+        off = (self.vector - self.priors.mean)[self.held]
+        return 0.5 * float(self.priors.scaled(self.evidence.scale)[self.held] @ off**2)
 
     @property
     def pinned(self) -> NormalEquations:
@@ -188,20 +197,34 @@ class _Search:
             self.scale, self.sigma = evidence.scale, dict(evidence.sigma)
             self.settle(evidence)
         held, self.held = self.held, at_bound
-        normal = self.all_normal(robust)
-        evidence = maximised(_pinned(normal, held), start=evidence, scale=self.scale, iterations=2)
+        for _ in range(FINAL_WEIGHTS):
+            robust = self.robust(self.columns)
+            normal = self.all_normal(robust)
+            before, self.sigma = self.sigma, _rms(normal)
+            if all(abs(np.log(self.sigma[c] / before[c])) < AGREED for c in before):
+                break
+        there = maximised(
+            _pinned(normal, held), start=replace(evidence, sigma=self.sigma), scale=self.scale, iterations=1
+        )
+        evidence = replace(there, sigma=self.sigma, scale=self.scale)
         tails = self.tails(robust, evidence.sigma)
         return Hypothesis(self.model, self.priors, normal, held, evidence, tails, self.columns, robust)
 
     def settle(self, evidence: LogEvidence) -> None:
-        """Give the shapes the weights that the evidence promises, if they keep it."""
-        step = np.where(self.priors.group >= 0, self.directions.full(evidence.coefficients), 0.0)
-        x = np.clip(self.x + step, self.priors.low, self.priors.high)
-        trial = with_values(self.model, self.priors.parameters, x)
-        now = {c: rows[0] for c, rows in self.columns.items()}
-        if self.cost(self.residual(trial), x) < self.cost(now, self.x):
-            self.model, self.x = trial, values_of(trial, self.priors.parameters)
-            self.linearise([])
+        """Take the step that the evidence promises: of the weights the whole, of the rest as much of it as holds.
+
+        What is held stays.
+        """
+        step = np.where(self.held, 0.0, self.directions.full(evidence.coefficients))
+        now = self.cost({c: rows[0] for c, rows in self.columns.items()}, self.x)
+        for part in PARTS:
+            whole = np.where(self.priors.group >= 0, step, part * step)
+            x = np.clip(self.x + whole, self.priors.low, self.priors.high)
+            trial = with_values(self.model, self.priors.parameters, x)
+            if self.cost(self.residual(trial), x) < now:
+                self.model, self.x = trial, values_of(trial, self.priors.parameters)
+                self.linearise(np.flatnonzero(~self.held & (self.priors.group < 0)))
+                return
 
     def move(self, normal: NormalEquations, damping: float):
         cost = self.cost({c: rows[0] for c, rows in self.columns.items()}, self.x)
@@ -272,13 +295,15 @@ class _Search:
             self.directions = Directions.seen(self.columns, share, self.priors, np.minimum(self.scale, NARROWEST))
             self.rows = {c: self.directions.rows(rows) for c, rows in self.columns.items()}
             self.stale = False
-        robust, group = {}, self.directions.group
-        for c, rows in self.rows.items():
-            z = np.abs(rows[0]) / self.sigma[c]
-            robust[c] = np.sqrt(np.minimum(1.0, constants.HUBER / np.maximum(z, 1e-12)))
+        robust, group = self.robust(self.rows), self.directions.group
         own = np.argmax(self.directions.basis != 0, axis=0)  # members of a group have one precision
         mean, precision = self.believed()
         return self.equations(self.rows, robust, self.directions.along(mean), precision[own], group), robust
+
+    def robust(self, rows: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+        """Square roots of the Huber weights."""
+        z = {c: np.abs(values[0]) / self.sigma[c] for c, values in rows.items()}
+        return {c: np.sqrt(np.minimum(1.0, constants.HUBER / np.maximum(one, 1e-12))) for c, one in z.items()}
 
     def believed(self) -> tuple[FloatArray, FloatArray]:
         """Prior of the step from here; what is held makes none."""
@@ -339,6 +364,12 @@ def _trimmed(values: FloatArray) -> float:
     return float(np.sqrt(np.mean(np.minimum(values**2, np.quantile(values**2, 0.98)))))
 
 
+def _rms(normal: NormalEquations) -> dict[str, float]:
+    """Noise that the point itself leaves, not a step that was not taken."""
+    here = {c: np.sqrt(g[0, 0] * normal.share[c] / normal.counts[c]) for c, g in normal.products.items()}
+    return {c: max(float(here[c]), low) for c, low in normal.least.items()}
+
+
 def _pinned(normal: NormalEquations, held: np.ndarray) -> NormalEquations:
     """The same with some coefficients kept where they are."""
     mean, precision = np.where(held, 0.0, normal.mean), np.where(held, HELD, normal.precision)
@@ -352,6 +383,9 @@ def _gram(rows: FloatArray) -> FloatArray:
 def under(h: Hypothesis, likelihood: Likelihood) -> Hypothesis:
     """The same point judged with samples that count otherwise; the linear model finds the new maximum."""
     normal = replace(h.normal, counts=likelihood.counts, share=likelihood.share)
-    evidence = maximised(_pinned(normal, h.held), scale=h.evidence.scale, iterations=15)
+    # A shape that only fits what no law is asked to reach is switched off.
+    least = {c: max(sigma, likelihood.misfit[c]) for c, sigma in _rms(normal).items()}
+    known = replace(_pinned(normal, h.held), least=least)
+    evidence = maximised(known, scale=h.evidence.scale, iterations=15)
     tails = sum(tail(rows[0] / evidence.sigma[c], h.robust[c], likelihood.share[c]) for c, rows in h.columns.items())
     return replace(h, normal=normal, evidence=evidence, tails=tails)

@@ -7,7 +7,7 @@ the slope of the model (effective variance, Orear, Am. J. Phys. 50 (1982) 912).
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
@@ -38,6 +38,8 @@ class Likelihood:
         Standard deviation of the white noise at a typical sample.
     share : mapping of channel to float
         Independent samples that each of them stands for.
+    explained : mapping of channel to float, optional
+        Standard deviation of what the best law explains.
     pieces : float
         Independent pieces of the measurement: those of one recording for each that it consists of.
     """
@@ -47,6 +49,7 @@ class Likelihood:
     weight: Mapping[str, FloatArray]
     floor: Mapping[str, float]
     share: Mapping[str, float]
+    explained: Mapping[str, float] = field(default_factory=dict)
     pieces: float = constants.INDEPENDENT
 
     @property
@@ -58,6 +61,14 @@ class Likelihood:
     def least(self) -> dict[str, float]:
         """What no model can be expected to leave less than: half of the white noise, for that is estimated."""
         return {channel: 0.5 * floor for channel, floor in self.floor.items()}
+
+    @property
+    def misfit(self) -> dict[str, float]:
+        """What a law is expected to leave, standard deviation: it is not the sensor's own, and instruments wander."""
+        return {
+            channel: float(np.hypot(constants.LEAST_MISFIT * floor, constants.INEXACT * self.explained.get(channel, 0)))
+            for channel, floor in self.floor.items()
+        }
 
     def judged(self, log_z: float, sigma: Mapping[str, float]) -> float:
         """Log evidence of a model as it is compared with other models, none of which is quite true.
@@ -72,7 +83,7 @@ class Likelihood:
             At `sigma`, the noise that was found in each channel.
         """
         for channel, found in sigma.items():
-            least = max(constants.LEAST_MISFIT * self.floor[channel], found)
+            least = max(self.misfit[channel], found)
             log_z += self.counts[channel] * (np.log(found / least) + 0.5 * (1 - (found / least) ** 2))
         return log_z / self.temperature
 
@@ -80,7 +91,7 @@ class Likelihood:
         """Log evidence that is lost, as models are compared, if the noise is known and not what was found."""
         total = 0.0
         for channel, found in sigma.items():
-            ratio = max(found / (constants.LEAST_MISFIT * self.floor[channel]), 1.0) ** 2
+            ratio = max(found / self.misfit[channel], 1.0) ** 2
             total += 0.5 * self.counts[channel] * (ratio - 1 - np.log(ratio))
         return float(total / self.temperature)
 
@@ -120,9 +131,7 @@ def noise_of(measurement: Measurement) -> dict[str, float]:
     return found
 
 
-def likelihood_of(
-    model: KnitModel, measurement: Measurement, noise: Mapping[str, float], pieces: float = constants.INDEPENDENT
-) -> Likelihood:
+def likelihood_of(model: KnitModel, measurement: Measurement, noise: Mapping[str, float]) -> Likelihood:
     """Samples and their relative noise, taken as independent."""
     counting = np.flatnonzero(measurement.counts)
     thin = max(1, -(-len(counting) // constants.SAMPLES))
@@ -135,7 +144,7 @@ def likelihood_of(
         sd = np.hypot(read, (slope[channel] * measurement.strain_noise)[rows])
         floor[channel] = float(np.mean(sd**-2.0) ** -0.5)
         weight[channel] = floor[channel] / sd
-    return Likelihood(measurement, rows, weight, floor, dict.fromkeys(weight, constants.ETA), pieces)
+    return Likelihood(measurement, rows, weight, floor, dict.fromkeys(weight, constants.ETA))
 
 
 def correlated(likelihood: Likelihood, left: Mapping[str, FloatArray]) -> Likelihood:

@@ -72,6 +72,8 @@ def priors_of(
             believed.append(known[p.address])
         elif index:
             believed.append((0.0, p.width))
+        elif name in reference and key == type(model[name]).strength:
+            believed.append(declared(type(model[name]), key, scales))
         elif name in reference and type(reference[name]) is type(model[name]):
             believed.append((p.to_fit(_lookup(reference, p.address)), p.width))
         else:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -163,8 +163,8 @@ class Search:
         tell("fitting the baseline")
         start = start or starting_baseline(self.measurement, catalogue)
         self.start = without_shapes(start)
-        self.reference = fit(self.start, [self.measurement]).model
-        self.likelihood = likelihood_of(self.reference, self.measurement, noise, pieces)
+        self.reference = self.start
+        self.likelihood = replace(likelihood_of(self.reference, self.measurement, noise), pieces=pieces)
         tell("fitting the shape of the base laws")
         flexible = with_shapes(self.reference, self.measurement, catalogue, like=start)
         self.flexible = fitted(flexible, self.likelihood, self.reference, iterations=16)
@@ -211,6 +211,7 @@ class Search:
             before.append(
                 fitted(best.hypothesis.model.without(best.name), likelihood, self.reference, best.hypothesis)
             )
+            likelihood = replace(likelihood, explained=explained(current, best.hypothesis))
         bare = max(
             (self.entry("", under(h, likelihood), likelihood) for h in before),
             key=lambda e: e.log_z,
@@ -298,7 +299,12 @@ def _named(share_left: float) -> float:
     return 0.5 * (constants.MOST_LEFT**2 - share_left**2) / constants.LAW_ERROR**2
 
 
+def explained(without: Hypothesis, with_it: Hypothesis) -> dict[str, float]:
+    """Standard deviation of what an effect explains, per channel."""
+    before, after = without.evidence.sigma, with_it.evidence.sigma
+    return {c: float(np.sqrt(max(before[c] ** 2 - after[c] ** 2, 0.0))) for c in before}
+
+
 def excess(h: Hypothesis, likelihood: Likelihood) -> float:
     """Squared error above the least that a law leaves, in units of it, summed over the channels."""
-    least = {c: constants.LEAST_MISFIT * floor for c, floor in likelihood.floor.items()}
-    return sum(max((sigma / least[c]) ** 2 - 1, 0.0) for c, sigma in h.evidence.sigma.items())
+    return sum(max((sigma / likelihood.misfit[c]) ** 2 - 1, 0.0) for c, sigma in h.evidence.sigma.items())

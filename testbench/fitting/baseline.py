@@ -15,7 +15,7 @@ from testbench.knit.model import KnitModel
 
 # Bouc-Wen friction is a freedom of the loops, as free slip elements are: neither can imitate all of the other.
 LOOP_SHAPES = ("hysteresis_shape", "hysteresis_bouc_wen")
-FORCE_SHAPES = ("elasticity_shape", *LOOP_SHAPES)
+FORCE_SHAPES = ("elasticity_shape", "hysteresis_shape")
 CONDUCTANCE_SHAPES = ("contact_shape", "contact_loops_shape", "contact_drift_shape", "drift_shape")
 BOUC_WEN_SHARE = 0.3  # of the slip elements' friction, where its search starts
 SHAPES = FORCE_SHAPES + CONDUCTANCE_SHAPES

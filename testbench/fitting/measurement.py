@@ -21,6 +21,7 @@ UNIT_OF = {FORCE_CHANNEL: "N", CONDUCTANCE_CHANNEL: "ln S"}
 
 MAX_GRID_HZ = 25.0
 BURN_IN_S = 3.0
+BURN_IN_WAY = 0.01  # of all the way that the strain goes: a ramp before a long hold is no burn-in
 MOST_GRID_POINTS = 200_000
 MIN_SAMPLES, MIN_DURATION_S, MIN_STRAIN_RANGE = 200, 20.0, 2e-3
 MIN_PART = 170  # samples that count in each part; the evidence is weighed in 40 blocks of every fourth sample
@@ -122,11 +123,18 @@ def prepare(
         measured[CONDUCTANCE_CHANNEL] = binned(-np.log(recording[RESISTANCE]))
     temperature = binned(recording[TEMPERATURE]) if recording.has(TEMPERATURE) else None
     start_s, end_s = span or (0.0, np.inf)
-    counts = (grid_s >= max(start_s, BURN_IN_S)) & (grid_s < end_s)
+    settled_s = _burn_in_s(time_s, recording.strain)
+    counts = (grid_s >= max(start_s, settled_s)) & (grid_s < end_s)
     # Times far apart, as in a hold of hours, tell little of the noise between them: the lower estimate is meant.
     noise = min(reading_noise(time_s, recording.strain), noise_floor(recording.strain)) / np.sqrt(binned.averaged)
     signals = inputs(grid_s, without_reading_noise(binned(recording.strain), noise), temperature)
     return Measurement(signals, 1.0 / rate_hz, measured, counts, recording, float(grid_s[0]), noise, binned.averaged)
+
+
+def _burn_in_s(time_s: FloatArray, strain: FloatArray) -> float:
+    """Time from the start in which a model need not be right yet: it does not know what was before."""
+    way = np.cumsum(np.abs(np.diff(strain)))
+    return min(BURN_IN_S, float(time_s[1:][way >= BURN_IN_WAY * way[-1]][0]))
 
 
 def _usual_rate_hz(time_s: FloatArray) -> float:

@@ -54,6 +54,7 @@ BUILT_IN = {
     "stress_relaxation": "testbench.knit.relaxation:StressRelaxation",
     "stress_relaxation_two_times": "testbench.knit.relaxation:StressRelaxationTwoTimes",
     "stress_relaxation_spectrum": "testbench.knit.relaxation:StressRelaxationSpectrum",
+    "stress_relaxation_findley": "testbench.knit.relaxation:StressRelaxationFindley",
     "stress_relaxation_power": "testbench.knit.relaxation:StressRelaxationPower",
     "stress_relaxation_log": "testbench.knit.relaxation:StressRelaxationLog",
     "stress_relaxation_nonlinear": "testbench.knit.relaxation:StressRelaxationNonlinear",

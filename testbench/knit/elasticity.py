@@ -9,6 +9,8 @@ import numpy as np
 
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 
+LEVELS = 50  # of the strain that count alike where a law is drawn to data
+
 
 class ElasticLaw(Effect):
     """Base of elastic laws: a few curves over strain, each times a coefficient.
@@ -32,11 +34,14 @@ class ElasticLaw(Effect):
         return {"force_N": sum(getattr(self, key) * curve for key, curve in zip(self.linear, curves, strict=True))}
 
     def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
-        """The law that follows the measured force best, its loops averaged."""
+        """The law that follows the measured force best, its loops averaged, each strain alike.
+
+        A hold of half an hour says nothing of the other strains.
+        """
         if "force_N" not in signals:
             return self
-        force_N = signals["force_N"]
-        return self.drawn_to(signals["strain"], force_N, np.ones_like(force_N))[0]
+        strain, force_N = signals["strain"], signals["force_N"]
+        return self.drawn_to(strain, force_N, 1 / _times_seen(strain))[0]
 
     def drawn_to(
         self, e: FloatArray, force_N: FloatArray, weight: FloatArray, beside: FloatArray | None = None
@@ -70,6 +75,13 @@ class ElasticLaw(Effect):
                 coefficients = zip(self.linear, found, strict=False)  # without that of the curve beside
                 best = (law.near(**{key: float(value) for key, value in coefficients}), coefficient, misfit_N)
         return best
+
+
+def _times_seen(strain: FloatArray) -> FloatArray:
+    """Samples that lie within the same `LEVELS`th of the range, shape (n,)."""
+    low, high = float(np.min(strain)), float(np.max(strain))
+    level = np.minimum((LEVELS * (strain - low) / max(high - low, 1e-12)).astype(int), LEVELS - 1)
+    return np.bincount(level, minlength=LEVELS)[level].astype(float)
 
 
 class Elasticity(ElasticLaw):

@@ -131,6 +131,36 @@ class StressRelaxationPower(Effect):
         return {"force_N": signals["force_N"] - memory(signals["force_N"], times, weights, dt_s)}
 
 
+class StressRelaxationFindley(Effect):
+    """Part of the force decays with a power of time, the rest lasts.
+
+    F(t) = F_e(t) - fraction * integral of (1 - (1 + (t - s) / tau)^-exponent) dF_e(s)
+
+    Source: Findley, Lai & Onaran, Creep and Relaxation of Nonlinear Viscoelastic Materials (1976), ch. 5 (power law
+    with a part that lasts).
+    Valid: as `stress_relaxation`; from a fraction of a second to days, as in elastomers.
+    """
+
+    name = "stress_relaxation_findley"
+    idea = "stress_relaxation"
+    stage = Stage.MECHANICS
+    reads, writes = ("force_N",), ("force_N",)
+    strength = "fraction"
+    look = "in a hold the force sinks over all times at once, towards a level that it keeps"
+
+    fraction: float = parameter(0.4, unit="1", low=0, high=0.99, doc="share of the force that is lost in the end")
+    exponent: float = parameter(0.3, unit="1", low=0.02, high=3, scale="log", doc="slope of the decay, log-log")
+    tau_s: float = parameter(1.0, unit="s", low=0.01, high=300, scale="log", doc="when the power law sets in")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        times, weights = spectra.power(self.tau_s, self.exponent)
+        force_N = signals["force_N"]
+        return {"force_N": force_N - self.fraction * memory(force_N, times, weights, dt_s)}
+
+    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+        return [{"tau_s": tau_s, "exponent": exponent} for tau_s in (0.1, 1.0, 10.0) for exponent in (0.3, 1.0)]
+
+
 class StressRelaxationLog(Effect):
     """Force decays with the logarithm of time.
 
