@@ -12,5 +12,5 @@ PRIOR_UNKNOWN = 0.1  # before seeing data, that what is missing is in no catalog
 GRID_HZ = 12.5  # grid of the comparison: quicker than the motion, slower than most samplings
 SAMPLES = 9_000  # samples of one channel that enter the normal equations; longer recordings are thinned
 REFITS, SETTLED = 6, 4  # mechanisms refitted in one round of the search; refits that are carried to their end
-ITERATIONS = 24  # steps of a refit at most
+ITERATIONS = 14  # steps of a refit at most
 ROUNDS = 4  # effects at most

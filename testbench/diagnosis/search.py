@@ -190,6 +190,8 @@ class Search:
                     break
                 found.append(step.candidate)
                 current = step.candidate.hypothesis
+                if step.is_named() and not step.candidate.excess:
+                    break  # what is left is noise
         return rounds, found
 
     def round(self, current: Hypothesis) -> Round:
