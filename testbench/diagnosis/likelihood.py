@@ -66,7 +66,9 @@ class Likelihood:
     def misfit(self) -> dict[str, float]:
         """What a law is expected to leave, standard deviation: it is not the sensor's own, and instruments wander."""
         return {
-            channel: float(np.hypot(constants.LEAST_MISFIT * floor, constants.INEXACT * self.explained.get(channel, 0)))
+            channel: float(
+                np.hypot(constants.LEAST_MISFIT * floor, constants.INEXACT * self.explained.get(channel, 0))
+            )
             for channel, floor in self.floor.items()
         }
 
