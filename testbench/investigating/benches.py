@@ -6,6 +6,7 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import takewhile
 from pathlib import Path
 from typing import Protocol
 
@@ -23,6 +24,7 @@ from testbench.rig.pty_port import PtyPort, serve
 from testbench.rig.recorder import Limits, Status
 from testbench.rig.serial_port import SerialLink
 
+PATIENCE_S = 5.0  # for the rig to notice that nobody listens any more
 HOLD_S = 3.0  # the simulated rig stands still so long after its motion, for the recorder's end
 
 Report = Callable[[Status], None]
@@ -129,13 +131,15 @@ class PtyBench:
         _remove_unfinished(order.folder)
         motion, _ = played(order.program, order.gauge_length_mm)
         lines = list(self.simulated.plan(order).rig(motion.held(HOLD_S)).lines())
-        port = PtyPort()
-        worker = threading.Thread(target=lambda: serve(port, paced(lines, self.speed)), daemon=True)
+        port, heard = PtyPort(), threading.Event()
+        wire = takewhile(lambda _line: not heard.is_set(), paced(lines, self.speed))
+        worker = threading.Thread(target=lambda: serve(port, wire), daemon=True)
         try:
             worker.start()
-            recorder = PortBench(port.device)
-            recorder.run(order, report, stopped)
+            PortBench(port.device).run(order, report, stopped)
         finally:
+            heard.set()
+            worker.join(timeout=PATIENCE_S)
             port.close()
 
 
