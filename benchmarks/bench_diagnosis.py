@@ -30,7 +30,8 @@ from joblib import Parallel, delayed
 from testbench import worlds, worlds_second, worlds_third
 from testbench.diagnosis import diagnose
 from testbench.knit.catalogue import Catalogue, load_catalogue
-from testbench.recordings.recording import FORCE, RESISTANCE, Recording
+from testbench.recordings.channels import FORCE, RESISTANCE
+from testbench.recordings.recording import Recording
 from testbench.worlds.base import WORLDS
 from testbench.worlds.motion import PROTOCOLS
 
@@ -158,18 +159,18 @@ def run_job(job: Job, diagnose: Diagnose) -> Row:
     """Make the case, diagnose it, score it. A diagnosis that raises is a row too: it must not stop the others."""
     row: Row = {"key": job.key, "simulator": job.simulator, **asdict(job)}
     catalogue = load_catalogue()
-    ideas = {name: effect.idea or name for name, effect in catalogue.effects.items()}
+    mechanisms = {name: effect.mechanism for name, effect in catalogue.effects.items()}
     try:
         case = job.made()
         if job.left_out:
-            catalogue = catalogue.without(ideas.get(job.effect, job.effect))
+            catalogue = catalogue.without(mechanisms.get(job.effect, job.effect))
         start = time.perf_counter()
         said = diagnose(case.calibration, case.held_out, catalogue).to_dict()
     except Exception as error:
         return {**row, "error": f"{type(error).__name__}: {error}"}
     row |= {"noise_kind": case.truth["noise_kind"], "seconds": time.perf_counter() - start}
     expected = "unknown" if job.left_out else case.truth["verdict"]
-    return row | score(case.truth, said, expected, ideas)
+    return row | score(case.truth, said, expected, mechanisms)
 
 
 def run_all(jobs: Sequence[Job], diagnose: Diagnose, results: Path | None, workers: int) -> list[Row]:

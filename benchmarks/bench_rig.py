@@ -19,8 +19,8 @@ from testbench.campaigns.campaign import simulate_campaign
 from testbench.campaigns.plan import Plan
 from testbench.importing.from_file import Wish, import_csv
 from testbench.knit.presets import preset
+from testbench.recordings.files import read_recording
 from testbench.recordings.manifest import problems
-from testbench.recordings.recording import read_recording
 from testbench.rig.motion import played
 from testbench.rig.stream import Intake
 

@@ -33,7 +33,8 @@ from testbench.fitting.baseline import starting_baseline
 from testbench.fitting.fit import fit
 from testbench.fitting.measurement import coarser, prepare
 from testbench.knit.model import KnitModel
-from testbench.recordings.recording import Recording, read_recording
+from testbench.recordings.files import read_recording
+from testbench.recordings.recording import Recording
 
 STRIP = Path(__file__).resolve().parents[1] / "../shared/data/real/cb_silicone_strip"
 STRIP_RUNS = ("cb7.5_s2_multisine_600s", "cb7.5_s2_multisine_300s_a", "cb7.5_s2_random_sawtooth_a")

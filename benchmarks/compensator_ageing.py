@@ -11,7 +11,8 @@ from gcode.support.files import make_folder
 from gcode.trajectories.presets import preset as trajectory
 from testbench.campaigns.campaign import Plan, matches, simulate_campaign, vacant
 from testbench.knit.presets import preset
-from testbench.recordings.recording import Recording, read_recording
+from testbench.recordings.files import read_recording
+from testbench.recordings.recording import Recording
 from testbench.rig.motion import played
 
 TRAJECTORIES = ("paper-1", "paper-2", "paper-3")

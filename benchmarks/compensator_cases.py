@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from compensation.paper.paper_campaigns import TAB, campaigns
-from testbench.recordings.recording import Recording, read_recording
+from testbench.recordings.files import read_recording
+from testbench.recordings.recording import Recording
 
 REAL = Path(__file__).resolve().parents[1] / "../shared/data/real/cb_silicone_strip"
 GAUGE_LENGTH_MM, FIRST_PART = 40.0, 0.6

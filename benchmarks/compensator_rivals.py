@@ -12,7 +12,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from sequence_networks import Gru, Tcn, adam
 
 from compensation.memories.history import History
@@ -23,8 +22,7 @@ from compensation.training.auto import train_automatically
 from compensation.training.options import Options
 from compensation.training.training import train_on_series
 from compensation.training.tuning import MOTION_TAUS_S, PLAY_RADII, tune
-
-FloatArray = NDArray[np.float64]
+from gcode.support.arrays import FloatArray
 
 STRIDE = 5  # rows a regressor learns from: neighbours 50 ms apart are the same row to a forest
 STATE_SHIFT = 0.1

@@ -14,7 +14,7 @@ SURE = 0.9  # a wrong name given with more than this is the worst of errors
 BINS = 10  # of the reliability diagram
 
 
-def score(truth: Mapping[str, Any], said: Mapping[str, Any], expected: str, ideas: Mapping[str, str]) -> Row:
+def score(truth: Mapping[str, Any], said: Mapping[str, Any], expected: str, mechanisms: Mapping[str, str]) -> Row:
     """One row from the truth and `Diagnosis.to_dict()`.
 
     Parameters
@@ -25,10 +25,10 @@ def score(truth: Mapping[str, Any], said: Mapping[str, Any], expected: str, idea
         ``verdict``, ``ranking``, ``error_after`` and so on.
     expected : str
         The right verdict (another than the truth's where the effect was taken out of the catalogue).
-    ideas : mapping
-        Form of an effect -> the idea that it belongs to.
+    mechanisms : mapping
+        Law of an effect -> the mechanism that it belongs to.
     """
-    hidden = _distinct(ideas.get(entry["effect"], entry["effect"]) for entry in truth["effects"])
+    hidden = _distinct(mechanisms.get(entry["effect"], entry["effect"]) for entry in truth["effects"])
     found = [entry["effect"] for entry in said["found"]]
     return {
         "hidden": hidden,

@@ -13,9 +13,9 @@ from collections.abc import Callable
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from gcode.support.arrays import FloatArray
+
 # Parameters, inputs, truth, rows that count -> loss and its gradient.
 Loss = Callable[[FloatArray, FloatArray, FloatArray, FloatArray], tuple[float, FloatArray]]
 

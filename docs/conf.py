@@ -26,3 +26,17 @@ napoleon_use_rtype = False
 napoleon_use_ivar = True
 napoleon_custom_sections = [("Class attributes", "params_style")]
 default_role = "literal"
+
+
+def catalogue_table(_app, docname, source):
+    """Put the table of all effects into effects.md: a new effect is one class and one line, and no word here."""
+    if docname == "effects":
+        from testbench.knit.card import catalogue_markdown
+        from testbench.knit.catalogue import load_catalogue
+
+        source[0] = source[0].replace("<!-- table of the catalogue -->", catalogue_markdown(load_catalogue()))
+
+
+def setup(app):
+    app.connect("source-read", catalogue_table)
+    app.connect("env-get-outdated", lambda *_: ["effects"])

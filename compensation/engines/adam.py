@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 
 from compensation.engines.adam_kernels import epoch
 from compensation.engines.network import Network
-
-FloatArray = NDArray[np.float64]
+from gcode.support.arrays import FloatArray
 
 BATCH = 200
 LEARNING_RATE = 1e-3

@@ -6,13 +6,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compensation.engines.adam import BATCH, train_adam
 from compensation.engines.network import Network
+from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
-
-FloatArray = NDArray[np.float64]
 
 MAX_EPOCHS = 10_000
 DEFAULT_L2 = 1e-4

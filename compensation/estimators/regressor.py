@@ -18,8 +18,7 @@ from compensation.training.auto import train_automatically
 from compensation.training.options import Options
 from compensation.training.training import train_on_series
 from compensation.training.tuning import tune
-
-FloatArray = NDArray[np.float64]
+from gcode.support.arrays import FloatArray
 
 METHODS = ("auto", "paper", "tuned", "ridge")
 # 20 s at 20 Hz: below, the networks of auto have nothing to be validated on.

@@ -16,9 +16,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
-
-FloatArray = NDArray[np.float64]
 
 PAPER_FACTOR, PAPER_COUNT, PAPER_RATE_HZ = 2.5, 7, 20.0
 # At 20 Hz a memory of 14 h: a slower filter never leaves its initial value.

@@ -14,9 +14,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from gcode.support.arrays import FloatArray
 
 # Light smoothing before the speed is taken: longer than a sample and its noise, shorter than any motion.
 SETTLE_S = 0.4

@@ -7,15 +7,13 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compensation.engines.network import Network
 from compensation.memories.ema import smooth, smooth_irregular
 from compensation.memories.history import NO_HISTORY, History
 from compensation.model.ranges import Beginning, Seen
 from compensation.series.preprocessing import TARGETS, Series
-
-FloatArray = NDArray[np.float64]
+from gcode.support.arrays import FloatArray
 
 
 @dataclass(frozen=True)

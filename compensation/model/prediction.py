@@ -19,9 +19,8 @@ from compensation.model.runtime import (
     ranges_of,
 )
 from compensation.series.preprocessing import Series
+from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

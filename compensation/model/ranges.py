@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from gcode.support.arrays import FloatArray
 
 # Of the range seen in training, as much to either side still goes into the memories.
 MARGIN_WIDTHS = 1.0

@@ -19,14 +19,12 @@ from dataclasses import replace
 from enum import IntFlag
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compensation.memories.ema import start_samples
 from compensation.model.compensator import Compensator
 from compensation.model.ranges import Beginning, Seen
 from compensation.series.preprocessing import Series
-
-FloatArray = NDArray[np.float64]
+from gcode.support.arrays import FloatArray
 
 # Time steps within which a float32 knows them well; a longer pause is a new start.
 SHORTEST_STEP_S, LONGEST_STEP_S = 1e-6, 3600.0

@@ -15,9 +15,8 @@ from compensation.series.preprocessing import Series, series_of
 from compensation.training.arrays import scaling_of_target, training_arrays, untrained
 from compensation.training.options import Options
 from compensation.training.tuning import choose, ensemble, tune
+from gcode.support.arrays import FloatArray
 from testbench.recordings.recording import Recording
-
-FloatArray = NDArray[np.float64]
 
 PUBLISHED = Options(restarts=1)
 

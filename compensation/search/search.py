@@ -58,7 +58,7 @@ def check(task: Task) -> None:
 def _series(task: Task) -> list[Any]:
     from compensation.memories.ema import PAPER_RATE_HZ
     from compensation.series.preprocessing import series_of
-    from testbench.recordings.recording import read_recording
+    from testbench.recordings.files import read_recording
 
     recordings = (read_recording(path, task.gauge_length_mm) for path in task.recordings)
     return [series_of(recording, task.target, PAPER_RATE_HZ) for recording in recordings]

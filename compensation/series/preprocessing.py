@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
-from testbench.recordings.recording import DISPLACEMENT, FORCE, RESISTANCE, Recording
-
-FloatArray = NDArray[np.float64]
+from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE
+from testbench.recordings.recording import Recording
 
 TARGETS = {"force": (FORCE, "N"), "displacement": (DISPLACEMENT, "mm")}
 MIN_DURATION_S = 10.0

@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from gcode.support.errors import UserError
-from testbench.recordings.files import read_columns
-from testbench.recordings.recording import DISPLACEMENT, FORCE, RESISTANCE, TIME, Recording, read_recording
+from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TIME
+from testbench.recordings.files import read_columns, read_recording
+from testbench.recordings.recording import Recording
 
 UNKNOWN_LENGTH_MM = 1.0
 TIMES_THE_RANGE = 1.0

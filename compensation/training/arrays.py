@@ -6,14 +6,12 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compensation.engines.engine import Fit
 from compensation.model.compensator import Compensator, Scaling
 from compensation.series.preprocessing import Series
 from compensation.training.options import Options
-
-FloatArray = NDArray[np.float64]
+from gcode.support.arrays import FloatArray
 
 
 def untrained(series: Sequence[Series], target: str, options: Options) -> Compensator:

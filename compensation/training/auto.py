@@ -32,9 +32,8 @@ from compensation.training.arrays import describe
 from compensation.training.folds import FOLDS, GROUPS_FROM, folds_of
 from compensation.training.learners import Learner, Line, Networks, Paper, Ridge
 from compensation.training.options import Options
+from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
-
-FloatArray = NDArray[np.float64]
 
 COVERAGE = 0.90
 SURE = 1.0

@@ -24,8 +24,8 @@ from compensation.training.least_squares import Sums
 from compensation.training.lessons import Lessons, lessons
 from compensation.training.options import PAPER_SIZES, Options
 from compensation.training.tuning import PLAY_RADII
+from gcode.support.arrays import FloatArray
 
-FloatArray = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 # A knit answers to motion within a tenth of a second and for half a minute: developed on specimens 101 to 104 of both

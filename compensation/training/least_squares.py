@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compensation.training.lessons import Lessons
+from gcode.support.arrays import FloatArray
 
-FloatArray = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 

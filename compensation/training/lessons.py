@@ -20,8 +20,7 @@ from compensation.series.preprocessing import Series
 from compensation.series.score import BLOCK_S
 from compensation.training.arrays import training_arrays, untrained
 from compensation.training.options import Options
-
-FloatArray = NDArray[np.float64]
+from gcode.support.arrays import FloatArray
 
 # The history's features are standardised to this spread: a little more penalised than the bank's, which have about 1.
 HISTORY_SPREAD = 0.5

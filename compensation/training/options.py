@@ -4,14 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from compensation.engines.engine import DEFAULT_L2
 from compensation.memories.ema import PAPER_COUNT, PAPER_FACTOR, PAPER_RATE_HZ, given_factors, smoothing_factors
 from compensation.memories.history import NO_HISTORY, History
-
-FloatArray = NDArray[np.float64]
+from gcode.support.arrays import FloatArray
 
 PAPER_SIZES = (4, 2, 2)
 

@@ -10,13 +10,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compensation.model.compensator import Compensator, Scaling
 from compensation.series.preprocessing import Series
+from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
-
-FloatArray = NDArray[np.float64]
 
 # How far each wanders between specimens and with age, as standard deviations: log gain and zero (in standard
 # deviations of the training) of the input, then of the output. Errors APART_S apart are about independent, and as

@@ -20,7 +20,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compensation.engines.engine import Fit
 from compensation.engines.network import Network
@@ -32,8 +31,7 @@ from compensation.series.score import r2
 from compensation.training.arrays import describe, training_arrays, untrained
 from compensation.training.lessons import Lessons, lessons
 from compensation.training.options import Options
-
-FloatArray = NDArray[np.float64]
+from gcode.support.arrays import FloatArray
 
 MOTION_TAUS_S, PLAY_RADII = (0.5, 2.0, 8.0, 32.0), (0.2, 0.5, 1.0)
 HISTORIES = (NO_HISTORY, History((), PLAY_RADII), History(MOTION_TAUS_S), History(MOTION_TAUS_S, PLAY_RADII))

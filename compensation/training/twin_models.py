@@ -35,16 +35,12 @@ def with_memories(model: KnitModel) -> KnitModel:
     """The model with every effect of `MEMORIES` that it lacks and whose signals it has."""
     effects = load_catalogue().effects
     known = {"strain"}.union(*(effect.reads + effect.writes for effect in model.effects.values()))
-    present = {_idea(effect) for effect in model.effects.values()}
+    present = {effect.mechanism for effect in model.effects.values()}
     for name, start in MEMORIES.items():
         memory = effects[name].model_validate(start)
-        if _idea(memory) not in present and known.issuperset(memory.reads + memory.writes):
+        if memory.mechanism not in present and known.issuperset(memory.reads + memory.writes):
             model = model.plus(memory)
     return model
-
-
-def _idea(effect) -> str:
-    return effect.idea or effect.name
 
 
 def plausible(model: KnitModel, recording: Recording, seed: int = 0) -> tuple[KnitModel, ...]:

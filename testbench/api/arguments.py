@@ -13,8 +13,9 @@ from testbench.fitting.model_file import ModelFile, load_model_file
 from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
-from testbench.recordings.checks import check_displacement
-from testbench.recordings.recording import TIME, Recording, read_recording
+from testbench.recordings.channels import TIME
+from testbench.recordings.files import read_recording
+from testbench.recordings.recording import Recording
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -67,7 +68,7 @@ def read(source: str | Path | pd.DataFrame | Mapping[str, Any], gauge_length_mm:
 def recording_of(source: Source, gauge_length_mm: float | None = None) -> Recording:
     """A recording with its displacement, which every model needs."""
     recording = source if isinstance(source, Recording) else read_recording(source, gauge_length_mm)
-    check_displacement(recording)
+    recording.needs_displacement()
     return recording
 
 

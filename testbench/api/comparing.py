@@ -13,7 +13,8 @@ from gcode.support.figures import panels, picture
 from gcode.support.html import card, table
 from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, recording_of
 from testbench.comparing import compare as comparing
-from testbench.comparing.compare import Cell, Comparison
+from testbench.comparing.cell import Cell
+from testbench.comparing.compare import Comparison
 from testbench.comparing.coordinates import LABELS
 from testbench.comparing.tables import comparison_table
 from testbench.fitting.errors import channel_name

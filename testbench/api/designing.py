@@ -23,7 +23,7 @@ from testbench.design.rivals import rivals_from_diagnosis, rivals_of
 from testbench.fitting.measurement import split
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import FloatArray
-from testbench.recordings.recording import TEMPERATURE
+from testbench.recordings.channels import TEMPERATURE
 from testbench.report import style
 from testbench.report.downsample import rows_to_draw
 

@@ -17,8 +17,9 @@ from testbench.campaigns.plan import Plan
 from testbench.knit.catalogue import baseline
 from testbench.knit.effect import Effect
 from testbench.knit.presets import preset
+from testbench.recordings.files import read_recording
 from testbench.recordings.instruments import Instruments
-from testbench.recordings.recording import Recording, read_recording
+from testbench.recordings.recording import Recording
 from testbench.rig.motion import played
 from testbench.rig.past import DEFAULT_REST_S
 

@@ -14,8 +14,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
-from testbench.recordings.recording import DISPLACEMENT, FloatArray, Recording
+from testbench.recordings.channels import DISPLACEMENT
+from testbench.recordings.recording import Recording
 from testbench.rig.simulated import Motion
 
 PLANNED = "displacement_planned_mm"

@@ -9,7 +9,7 @@ from typing import Any
 from gcode.support.console import knitbench_version
 from gcode.support.files import write_json
 from testbench.campaigns.parquet import PARQUET
-from testbench.recordings.recording import UNITS
+from testbench.recordings.channels import UNITS
 
 NAME = "croissant.json"
 CONFORMS = "http://mlcommons.org/croissant/1.0"

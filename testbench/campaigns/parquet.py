@@ -11,7 +11,8 @@ from gcode.support.errors import UserError
 from gcode.support.files import atomic_path, make_folder, sha256_of
 from testbench.campaigns.splits import SPLITS, split_of
 from testbench.recordings import manifest
-from testbench.recordings.recording import TIME, read_recording
+from testbench.recordings.channels import TIME
+from testbench.recordings.files import read_recording
 
 if TYPE_CHECKING:
     import pyarrow as pa

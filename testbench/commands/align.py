@@ -28,14 +28,13 @@ def run(args: argparse.Namespace) -> int:
     from testbench.campaigns.campaign import vacant, write_derived
     from testbench.campaigns.plan import PROGRAM
     from testbench.campaigns.sensors import existing_file
-    from testbench.recordings.checks import check_displacement
-    from testbench.recordings.recording import read_recording
+    from testbench.recordings.files import read_recording
     from testbench.rig.motion import played
 
     path = Path(args.recording)
     program = existing_file(args.program or path / PROGRAM, "program; name it with --program")
     recording = read_recording(path, args.gauge_length_mm)
-    check_displacement(recording)
+    recording.needs_displacement()
     motion, _ = played(program, recording.gauge_length_mm)
     found = align(recording, motion)
     if args.json:

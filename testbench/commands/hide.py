@@ -44,7 +44,7 @@ def run(args: argparse.Namespace) -> None:
     """Make the case and write it, telling nothing of what is in it."""
     import secrets
 
-    from testbench.recordings.recording import FORCE, RESISTANCE
+    from testbench.recordings.channels import FORCE, RESISTANCE
     from testbench.worlds import make_case
     from testbench.worlds.files import write_case
 

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from testbench.comparing.cell import Cell
 from testbench.comparing.coordinates import LABELS, coordinates
 from testbench.comparing.words import place_in_words
 from testbench.fitting.errors import channel_name, noise_floors, rms_errors
@@ -20,35 +21,6 @@ BINS = 10
 BLOCK_S = 20.0  # samples closer than this are not taken as independent
 MIN_SHARE = 0.005  # a place must hold this share of the samples to be named
 MIN_T = 3.0  # and stand out by this many standard errors
-
-
-@dataclass(frozen=True)
-class Cell:
-    """One bin of a residual map.
-
-    Attributes
-    ----------
-    low, high : float
-        Edges of the bin in the coordinate's unit.
-    direction : int
-        +1 stretching, -1 releasing, 0 both.
-    mean, standard_error : float
-        Of measured minus modelled, N or ln S; the error from blocks of `BLOCK_S`.
-    share : float
-        Share of the samples.
-    """
-
-    low: float
-    high: float
-    direction: int
-    mean: float
-    standard_error: float
-    share: float
-
-    @property
-    def t(self) -> float:
-        """Mean over its standard error."""
-        return self.mean / self.standard_error if self.standard_error > 0 else 0.0
 
 
 @dataclass(frozen=True)

@@ -70,13 +70,13 @@ def ladder_step(step: str, model: KnitModel, calibration: Measurement, held: Mea
 
 
 def drawn_to_data(law: Effect, calibration: Measurement) -> Effect:
-    """A law where its own first guess from the measured curve puts it."""
+    """A law where it starts on the measured curve."""
     signals = {"strain": calibration.signals["strain"]}
     if FORCE_CHANNEL in calibration.measured:
         signals["force_N"] = calibration.measured[FORCE_CHANNEL]
     if CONDUCTANCE_CHANNEL in calibration.measured:
         signals["conductance_S"] = np.exp(calibration.measured[CONDUCTANCE_CHANNEL])
-    return law.initial_guess(signals, calibration.dt_s)
+    return law.started(signals, {})
 
 
 def undo(file: ModelFile, catalogue: Catalogue) -> ModelFile:

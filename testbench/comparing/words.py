@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from testbench.comparing.compare import Cell
+from testbench.comparing.cell import Cell
 
 PERCENT = {"strain", "largest_strain"}
 

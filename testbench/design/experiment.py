@@ -25,7 +25,8 @@ from testbench.fitting.fit import independent_share
 from testbench.fitting.measurement import BURN_IN_S, Measurement
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel, inputs
-from testbench.recordings.recording import DISPLACEMENT, Recording
+from testbench.recordings.channels import DISPLACEMENT
+from testbench.recordings.recording import Recording
 
 SHORTLIST = 4  # protocols on which the imitation is driven to its end, beside the noise
 SHARES = (1.0, 0.9, 0.75, 0.5)  # of the limits that a design uses

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from testbench.fitting.downhill import Linearised, minimised
 from testbench.fitting.fit import independent_share
 from testbench.fitting.measurement import CONDUCTANCE_CHANNEL, FORCE_CHANNEL, Measurement
 from testbench.fitting.parameters import FreeParameter, free_parameters, values_of, with_values
@@ -50,28 +51,9 @@ def imitate(
         gain belong to each mounting.
     """
     problem = _Imitation(model, measurement, clean, noise)
-    start = x = values_of(model, problem.parameters)
-    left = problem.left(model)
-    cost, damping, quiet = problem.reweighted(left, x - start), 1e-3, 0
-    matrix, goal = problem.linearised(model, left)
-    for _ in range(iterations):
-        damped = matrix + np.diag(problem.precision) + damping * np.diag(np.diag(matrix) + problem.precision)
-        move = bounded(damped, goal - problem.precision * (x - start), problem.low - x, problem.high - x)
-        trial = with_values(model, problem.parameters, x + move)
-        left_then = problem.left(trial)
-        cost_then = problem.cost(left_then, x + move - start)
-        if cost_then < cost:
-            quiet = quiet + 1 if cost - cost_then < SMALL_GAIN * cost else 0
-            model, x, left, damping = trial, x + move, left_then, max(damping / 10, 1e-8)
-            if quiet == 2:
-                break
-            cost = problem.reweighted(left, x - start)
-            matrix, goal = problem.linearised(model, left)
-        else:
-            damping = max(damping * 10, 1e-3)
-            if damping > 1e6:
-                break
-    return model, left
+    x, _, _ = minimised(problem, problem.start, iterations, SMALL_GAIN, quiet=2)
+    closest = with_values(model, problem.parameters, x)
+    return closest, problem.left(closest)
 
 
 class _Imitation:
@@ -84,8 +66,9 @@ class _Imitation:
         clean: Mapping[str, FloatArray],
         noise: Mapping[str, float],
     ) -> None:
-        self.measurement, self.clean, self.noise = measurement, clean, noise
+        self.model, self.measurement, self.clean, self.noise = model, measurement, clean, noise
         self.parameters: Sequence[FreeParameter] = free_parameters(model, _scales(clean))
+        self.start = values_of(model, self.parameters)
         self.low = np.array([p.to_fit(p.low) for p in self.parameters])
         self.high = np.array([p.to_fit(p.high) for p in self.parameters])
         self.precision = np.array([p.width for p in self.parameters]) ** -2.0
@@ -98,32 +81,32 @@ class _Imitation:
         modelled = self.measurement.modelled(model, self.cache)
         return {c: self._counted(self.clean[c] - modelled[c], c) for c in self.noise}
 
-    def reweighted(self, left: Mapping[str, FloatArray], moved: FloatArray) -> float:
-        """Set the weights for what is left now, and return the cost with them.
+    def cost(self, x: FloatArray) -> float:
+        """Minus the log-likelihood, autocorrelation allowed for, with the priors."""
+        return self._cost(self.left(with_values(self.model, self.parameters, x)), x)
+
+    def _cost(self, left: Mapping[str, FloatArray], x: FloatArray) -> float:
+        misfit = sum(self.weights[c] * float(np.sum(v**2)) for c, v in left.items()) * self.share
+        total = 0.5 * (misfit + float(np.sum(self.precision * (x - self.start) ** 2)))
+        return total if np.isfinite(total) else np.inf
+
+    def linearised(self, x: FloatArray) -> Linearised:
+        """Normal equations with the weights for what is left here.
 
         While it is far off, a channel weighs by its misfit instead of its noise: else the priors are too weak to keep
         ill-determined parameters from running away on the first steps.
         """
+        model = with_values(self.model, self.parameters, x)
+        left = self.left(model)
         self.weights = {c: 1 / max(1.0, float(np.mean(values**2))) for c, values in left.items()}
-        return self.cost(left, moved)
-
-    def cost(self, left: Mapping[str, FloatArray], moved: FloatArray) -> float:
-        """Minus the log-likelihood, autocorrelation allowed for, with the priors."""
-        misfit = sum(self.weights[c] * float(np.sum(v**2)) for c, v in left.items()) * self.share
-        total = 0.5 * (misfit + float(np.sum(self.precision * moved**2)))
-        return total if np.isfinite(total) else np.inf
-
-    def linearised(self, model: KnitModel, left: Mapping[str, FloatArray]) -> tuple[FloatArray, FloatArray]:
-        """Normal matrix and right-hand side, priors apart."""
         _, jacobian = sensitivities(model, self.parameters, self.measurement, self.cache)
-        count = len(self.parameters)
-        matrix, goal = np.zeros((count, count)), np.zeros(count)
+        matrix, gradient = np.diag(self.precision), -self.precision * (x - self.start)
         for channel, gap in left.items():
             columns = self._counted(jacobian[channel], channel)[:, ::STRIDE]
             weight = self.weights[channel] * STRIDE * self.share
-            matrix += columns @ columns.T * weight
-            goal += columns @ gap[::STRIDE] * weight
-        return matrix, goal
+            matrix = matrix + columns @ columns.T * weight
+            gradient = gradient + columns @ gap[::STRIDE] * weight
+        return Linearised(matrix, gradient, self._cost(left, x))
 
     def _counted(self, values: FloatArray, channel: str) -> FloatArray:
         picked = values[..., self.measurement.counts] / self.noise[channel]
@@ -137,25 +120,3 @@ def _scales(clean: Mapping[str, FloatArray]) -> dict[str, float]:
         if channel in clean:
             scales[unit] = max(0.1 * float(np.ptp(clean[channel])), least)
     return scales
-
-
-def bounded(matrix: FloatArray, goal: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:
-    """Solve ``matrix x = goal`` with ``low <= x <= high``: what leaves is put on its bound, the rest solved.
-
-    Parameters
-    ----------
-    matrix : ndarray, shape (p, p)
-        Positive definite.
-    goal, low, high : ndarray, shape (p,)
-    """
-    x = np.zeros(len(goal))
-    free = np.ones(len(goal), bool)
-    while free.any():
-        rest = goal[free] - matrix[np.ix_(free, ~free)] @ x[~free]
-        x[free] = np.linalg.solve(matrix[np.ix_(free, free)], rest)
-        out = free & ((x < low) | (x > high))
-        if not out.any():
-            break
-        x[out] = np.clip(x[out], low[out], high[out])
-        free &= ~out
-    return x

@@ -1,7 +1,6 @@
 """The numbers of the diagnosis that nothing else determines, each with its reason."""
 
 ETA = 0.05  # knowledge in a sample of white residual: every model is a little wrong, and samples share its error
-HUBER = 3.0  # standard deviations beyond which a sample counts linearly, not squared (Huber 1981, ch. 7)
 INDEPENDENT = 30  # pieces of a recording whose errors of a law are independent
 LEAST_MISFIT = 1.25  # noise floors: no law of a catalogue is nearer to a sensor, and instruments have slow noise, too
 INEXACT = 0.05  # of what a law explains: so far is it from the sensor's own at least, however low the noise

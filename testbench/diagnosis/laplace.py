@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from testbench.diagnosis.directions import Directions
 from testbench.diagnosis.evidence import LogEvidence, NormalEquations, maximised, opened
 from testbench.diagnosis.likelihood import Likelihood
 from testbench.diagnosis.priors import Priors, priors_of
+from testbench.fitting.downhill import downhill, huber, huber_weight
 from testbench.fitting.measurement import CONDUCTANCE_CHANNEL
 from testbench.fitting.parameters import values_of, with_values
 from testbench.fitting.sensitivity import RELATIVE_STEP
@@ -228,15 +229,16 @@ class _Search:
 
     def move(self, normal: NormalEquations, damping: float):
         cost = self.cost({c: rows[0] for c, rows in self.columns.items()}, self.x)
-        while damping < 1e9:
-            step = self.step(normal, damping)
-            trial = with_values(self.model, self.priors.parameters, self.x + step)
-            then = self.cost(self.residual(trial), self.x + step)
-            if then < cost:
-                self.model, self.x = trial, values_of(trial, self.priors.parameters)
-                return cost - then, max(damping / 10, 1e-3)
-            damping *= 10
-        return None, 1.0
+        found = downhill(partial(self.step, normal), self.cost_after, cost, damping, up=10.0, most=1e8)
+        if found is None:
+            return None, 1.0
+        self.model = with_values(self.model, self.priors.parameters, self.x + found.step)
+        self.x = values_of(self.model, self.priors.parameters)
+        return cost - found.cost, max(found.damping / 10, 1e-3)
+
+    def cost_after(self, step: FloatArray) -> float:
+        trial = with_values(self.model, self.priors.parameters, self.x + step)
+        return self.cost(self.residual(trial), self.x + step)
 
     def residual(self, model: KnitModel) -> dict[str, FloatArray]:
         left = self.likelihood.measurement.residual(model, self.cache)
@@ -303,7 +305,7 @@ class _Search:
     def robust(self, rows: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
         """Square roots of the Huber weights."""
         z = {c: np.abs(values[0]) / self.sigma[c] for c, values in rows.items()}
-        return {c: np.sqrt(np.minimum(1.0, constants.HUBER / np.maximum(one, 1e-12))) for c, one in z.items()}
+        return {c: np.sqrt(huber_weight(one)) for c, one in z.items()}
 
     def believed(self) -> tuple[FloatArray, FloatArray]:
         """Prior of the step from here; what is held makes none."""
@@ -353,11 +355,6 @@ def tail(z: FloatArray, robust: FloatArray, share: float) -> float:
     """What a Huber density says more of outliers than the weighted squares in ln Z."""
     z = np.abs(z)
     return -float(np.sum(huber(z) - 0.5 * (robust * z) ** 2)) * share
-
-
-def huber(z: FloatArray) -> FloatArray:
-    """Minus the log density of noise with exponential tails, shape of `z`."""
-    return np.where(z < constants.HUBER, 0.5 * z * z, constants.HUBER * (z - 0.5 * constants.HUBER))
 
 
 def _trimmed(values: FloatArray) -> float:

@@ -65,12 +65,8 @@ class Likelihood:
     @property
     def misfit(self) -> dict[str, float]:
         """What a law is expected to leave, standard deviation: it is not the sensor's own, and instruments wander."""
-        return {
-            channel: float(
-                np.hypot(constants.LEAST_MISFIT * floor, constants.INEXACT * self.explained.get(channel, 0))
-            )
-            for channel, floor in self.floor.items()
-        }
+        inexact = {channel: constants.INEXACT * self.explained.get(channel, 0.0) for channel in self.floor}
+        return {c: float(np.hypot(constants.LEAST_MISFIT * floor, inexact[c])) for c, floor in self.floor.items()}
 
     def judged(self, log_z: float, sigma: Mapping[str, float]) -> float:
         """Log evidence of a model as it is compared with other models, none of which is quite true.

@@ -99,8 +99,8 @@ def typical(effect: type[Effect], scales: Mapping[str, float]) -> float:
     """Typical size of an effect's strength: as declared, on the scale of this sensor's force where it is a force."""
     extra = bounds_of(effect.model_fields[effect.strength])
     if extra["unit"] == "N":
-        return scales["N"]
+        return (extra["typical"] or 0.1) * 10 * scales["N"]
     if extra["unit"] == "1/N":
         return 0.1 / scales["N"]
     default = effect.model_fields[effect.strength].default
-    return float(extra.get("typical") or abs(default) or 0.1 * max(abs(extra["high"]), abs(extra["low"])))
+    return float(abs(default) or 0.1 * max(abs(extra["high"]), abs(extra["low"])))

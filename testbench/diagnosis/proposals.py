@@ -12,7 +12,7 @@ from testbench.diagnosis.evidence import LogEvidence, NormalEquations, maximised
 from testbench.diagnosis.laplace import Hypothesis
 from testbench.diagnosis.likelihood import Likelihood
 from testbench.diagnosis.priors import typical
-from testbench.fitting.candidates import Candidate, candidate_ideas, expand, is_vector, two_signed
+from testbench.fitting.candidates import Candidate, candidate_mechanisms, expand, is_vector, two_signed
 from testbench.fitting.fit import shape_scales
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import Effect, FloatArray
@@ -85,7 +85,7 @@ def laws_of(hypothesis: Hypothesis, likelihood: Likelihood, catalogue: Catalogue
                 found.append(Law(mechanism, tuple(tried), {c: np.stack([row[c] for row in rows]) for c in plain}))
         return found
 
-    parts = list(pool.map(of_mechanism, candidate_ideas(catalogue, model).items()))
+    parts = list(pool.map(of_mechanism, candidate_mechanisms(catalogue, model).items()))
     return [law for part in parts for law in part]
 
 
@@ -143,7 +143,7 @@ class Screen:
         effect = candidate.at(amount)
         size = abs(getattr(effect, effect.strength))
         believed = (size, 0.3 * size) if candidate.from_data or effect.nonlinear else None
-        return Proposal(law.mechanism, candidate.form, effect, gain, believed)
+        return Proposal(law.mechanism, candidate.law, effect, gain, believed)
 
     def _vector(self, law: Law, rows: Rows) -> Proposal:
         """A law with a vector of weights: all its columns at once, their scale found by evidence."""
@@ -152,7 +152,7 @@ class Screen:
         weights = tuple(float(a) * first.strength for a in found.coefficients[-count:])
         effect = first.effect.near(**{first.effect.strength: weights})
         gain = found.value - self.plain.value
-        return Proposal(law.mechanism, first.form, effect, gain)
+        return Proposal(law.mechanism, first.law, effect, gain)
 
     def evidence(self, rows: Rows, mean: float, precision: float, group: int, iterations: int = 6) -> LogEvidence:
         """The model beside more columns of one prior; `group` 0: their scale is found by evidence."""

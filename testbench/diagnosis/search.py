@@ -226,17 +226,11 @@ class Search:
 
     def other_laws(self, current: Hypothesis) -> list[Effect]:
         """Laws that could take the place of one in the model, drawn to the data."""
-        present = {
-            effect.idea or effect.name: effect.name
-            for effect in current.model.effects.values()
-            if not effect.strength
-        }
+        present = {effect.mechanism: effect.name for effect in current.model.effects.values() if not effect.strength}
         forms = [
             form
             for form in self.catalogue.effects.values()
-            if not form.strength
-            and (form.idea or form.name) in present
-            and form.name != present[form.idea or form.name]
+            if not form.strength and form.mechanism in present and form.name != present[form.mechanism]
         ]
         return [drawn_to_data(form(), self.measurement) for form in forms]
 

@@ -13,11 +13,8 @@ from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.knit.effect import Effect, FloatArray
 from testbench.knit.model import KnitModel
 
-# Bouc-Wen friction is a freedom of the loops, as free slip elements are: neither can imitate all of the other.
-LOOP_SHAPES = ("hysteresis_shape", "hysteresis_bouc_wen")
 FORCE_SHAPES = ("elasticity_shape", "hysteresis_shape")
 CONDUCTANCE_SHAPES = ("contact_shape", "contact_loops_shape", "contact_drift_shape", "drift_shape")
-BOUC_WEN_SHARE = 0.3  # of the slip elements' friction, where its search starts
 SHAPES = FORCE_SHAPES + CONDUCTANCE_SHAPES
 
 
@@ -43,7 +40,7 @@ def starting_baseline(measurement: Measurement, catalogue: Catalogue | None = No
     log_g, drift = log_g[seen], effects["drift"].model_validate({"per_decade": 0.0})
     if falls:
         signals = {"strain": strain, "conductance_S": np.exp(log_g)}
-        return KnitModel.of(*laws, effects["piezoresistance"]().initial_guess(signals, 1.0), drift)
+        return KnitModel.of(*laws, effects["piezoresistance"]().started(signals, {}), drift)
     if force is None:
         contacts: list[Effect] = [contact_start(effects["contact"](), _pressing(laws, measurement)[seen], log_g)]
     else:
@@ -58,7 +55,7 @@ def _slope(x: FloatArray, y: FloatArray) -> float:
 def _force_laws(effects: dict[str, type[Effect]], strain: FloatArray, force: FloatArray | None) -> list[Effect]:
     if force is None:
         return [effects["elasticity"](), effects["hysteresis"]()]
-    elasticity = effects["elasticity"]().initial_guess({"strain": strain, "force_N": force}, 1.0)
+    elasticity = effects["elasticity"]().started({"strain": strain, "force_N": force}, {})
     span = float(np.ptp(strain))
     hysteresis = effects["hysteresis"].model_validate(
         {"friction_N": 0.05 * float(np.ptp(force)), "threshold": float(np.clip(0.05 * span, 1e-3, 0.3))}
@@ -106,14 +103,6 @@ def with_shapes(
         wanted += CONDUCTANCE_SHAPES
     for name in wanted:
         if name not in model:
-            shape = like[name] if like is not None and name in like else _started(effects[name](), model)
+            shape = like[name] if like is not None and name in like else effects[name]()
             model = model.plus(framed(shape, model, measurement))
     return model
-
-
-def _started(shape: Effect, model: KnitModel) -> Effect:
-    """A shape where its search starts: at zero, but for Bouc-Wen, whose other parameters do nothing there."""
-    if shape.name != "hysteresis_bouc_wen":
-        return shape
-    friction_N = getattr(model["hysteresis"], "friction_N", 0.1) if "hysteresis" in model else 0.1
-    return shape.replaced(friction_N=BOUC_WEN_SHARE * friction_N)

@@ -10,7 +10,7 @@ from testbench.fitting.measurement import CONDUCTANCE_CHANNEL, FORCE_CHANNEL, Me
 from testbench.fitting.noise import noise_floor
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
-from testbench.recordings.recording import FORCE, RESISTANCE
+from testbench.recordings.channels import FORCE, RESISTANCE
 
 
 def sampled(measurement: Measurement, channel: str) -> tuple[FloatArray, FloatArray]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gcode.support.errors import UserError
+from testbench.fitting.downhill import Linearised, huber, huber_weight, minimised
 from testbench.fitting.measurement import CONDUCTANCE_CHANNEL, FORCE_CHANNEL, Measurement
 from testbench.fitting.noise import noise_floor, spread
 from testbench.fitting.parameters import FreeParameter, free_parameters, values_of, with_values
@@ -19,7 +20,6 @@ MAX_ITERATIONS = 25
 # Residuals are autocorrelated: what this time spans is worth one independent sample. Weakens the data against the
 # priors and widens the standard errors; measured on residuals of simulated and real recordings it is 0.5 to 3 s.
 INDEPENDENT_S = 0.8
-HUBER_LIMIT = 3.0
 SMALL_GAIN = 1e-4
 
 
@@ -131,37 +131,10 @@ def fit(
     parameters = free_parameters(model, shape_scales(measurements[0]), only)
     if addresses is not None:
         parameters = [p for p in parameters if addresses(p.address)]
-    problem = _Problem(parameters, measurements, scale_by)
-    x = values_of(model, parameters)
-    scale = problem.scale_of(model)
-    damping, iterations = 1e-3, 0
-    normal = problem.linearise(model, x, scale)
-    for iterations in range(1, max_iterations + 1):
-        step = _projected_step(normal, x, problem, damping)
-        trial = with_values(model, parameters, x + step)
-        cost = problem.cost(trial, scale)
-        if progress:
-            progress(f"iteration {iterations}: cost {cost:.4g}")
-        if cost < normal.cost:
-            gain = (normal.cost - cost) / normal.cost
-            model, x, damping = trial, values_of(trial, parameters), max(damping / 5, 1e-8)
-            scale = problem.scale_of(model)
-            normal = problem.linearise(model, x, scale)
-            if gain < SMALL_GAIN:
-                break
-        else:
-            damping *= 8
-            if damping > 1e6:
-                break
-    covariance = np.linalg.pinv(normal.matrix, hermitian=True)
-    return Fit(model, tuple(parameters), x, covariance, scale, iterations)
-
-
-@dataclass(frozen=True)
-class _Normal:
-    matrix: FloatArray
-    gradient: FloatArray
-    cost: float
+    problem = _Problem(model, parameters, measurements, scale_by, progress)
+    x, here, iterations = minimised(problem, values_of(model, parameters), max_iterations, SMALL_GAIN)
+    covariance = np.linalg.pinv(here.matrix, hermitian=True)
+    return Fit(problem.model(x), tuple(parameters), x, covariance, problem.scale, iterations)
 
 
 class _Problem:
@@ -169,11 +142,15 @@ class _Problem:
 
     def __init__(
         self,
+        start: KnitModel,
         parameters: Sequence[FreeParameter],
         measurements: Sequence[Measurement],
         scale_by: Callable[[FloatArray], float],
+        progress: Callable[[str], None] | None,
     ) -> None:
-        self.parameters, self.measurements, self.scale_by = parameters, measurements, scale_by
+        self.start, self.parameters, self.measurements = start, parameters, measurements
+        self.scale_by, self.progress, self.tried = scale_by, progress, 0
+        self.scale: dict[str, float] = {}
         self.caches = [SimulationCache() for _ in measurements]
         self.low = np.array([p.to_fit(p.low) for p in parameters])
         self.high = np.array([p.to_fit(p.high) for p in parameters])
@@ -184,49 +161,47 @@ class _Problem:
             for channel, values in measurements[0].measured.items()
         }
 
-    def scale_of(self, model: KnitModel) -> dict[str, float]:
-        residuals: dict[str, list[FloatArray]] = {}
-        for measurement, cache in zip(self.measurements, self.caches, strict=True):
-            for channel, values in measurement.residual(model, cache).items():
-                residuals.setdefault(channel, []).append(values[measurement.counts])
-        return {c: max(self.scale_by(np.concatenate(r)), self.floor[c], 1e-12) for c, r in residuals.items()}
+    def model(self, x: FloatArray) -> KnitModel:
+        return with_values(self.start, self.parameters, x)
 
-    def cost(self, model: KnitModel, scale: Mapping[str, float]) -> float:
-        total = self._prior_cost(values_of(model, self.parameters))
+    def cost(self, x: FloatArray) -> float:
+        total = self._cost(self.model(x))
+        self.tried += 1
+        if self.progress:
+            self.progress(f"iteration {self.tried}: cost {total:.4g}")
+        return total
+
+    def _cost(self, model: KnitModel) -> float:
+        moved = values_of(model, self.parameters) - self.centre
+        total = 0.5 * float(np.sum(self.precision * moved**2))
         for measurement, cache in zip(self.measurements, self.caches, strict=True):
             for channel, values in measurement.residual(model, cache).items():
-                z = np.abs(values[measurement.counts]) / scale[channel]
-                huber = np.where(z < HUBER_LIMIT, 0.5 * z * z, HUBER_LIMIT * (z - 0.5 * HUBER_LIMIT))
-                total += float(huber.sum()) * independent_share(measurement)
+                z = np.abs(values[measurement.counts]) / self.scale[channel]
+                total += float(huber(z).sum()) * independent_share(measurement)
         return total if np.isfinite(total) else np.inf
 
-    def _prior_cost(self, x: FloatArray) -> float:
-        return 0.5 * float(np.sum(self.precision * (x - self.centre) ** 2))
-
-    def linearise(self, model: KnitModel, x: FloatArray, scale: Mapping[str, float]) -> _Normal:
+    def linearised(self, x: FloatArray) -> Linearised:
+        model = self.model(x)
+        self.scale = self._scale_of(model)
         matrix = np.diag(self.precision)
         gradient = -self.precision * (x - self.centre)
         for measurement, cache in zip(self.measurements, self.caches, strict=True):
             modelled, jacobian = sensitivities(model, self.parameters, measurement, cache)
             share = independent_share(measurement)
             for channel, rows in jacobian.items():
-                residual = (measurement.measured[channel] - modelled[channel]) / scale[channel]
-                weight = np.minimum(1.0, HUBER_LIMIT / np.maximum(np.abs(residual), 1e-12)) * share
-                weight *= measurement.counts
-                columns = rows * (np.sqrt(weight) / scale[channel])
+                scale = self.scale[channel]
+                residual = (measurement.measured[channel] - modelled[channel]) / scale
+                weight = huber_weight(np.abs(residual)) * share * measurement.counts
+                columns = rows * (np.sqrt(weight) / scale)
                 matrix = matrix + columns @ columns.T  # of an array with itself: half the work
-                gradient = gradient + rows @ (weight * residual) / scale[channel]
+                gradient = gradient + rows @ (weight * residual) / scale
         if not np.all(np.isfinite(matrix)):
             raise UserError(f"the model ({', '.join(model)}) gives NaN on {self.measurements[0].recording.source}")
-        return _Normal(matrix, gradient, self.cost(model, scale))
+        return Linearised(matrix, gradient, self._cost(model))
 
-
-def _projected_step(normal: _Normal, x: FloatArray, problem: _Problem, damping: float) -> FloatArray:
-    """Damped Newton step in which parameters that push against a bound stay there."""
-    held = ((x <= problem.low) & (normal.gradient < 0)) | ((x >= problem.high) & (normal.gradient > 0))
-    free = np.flatnonzero(~held)
-    matrix = normal.matrix[np.ix_(free, free)]
-    damped = matrix + damping * np.diag(np.diag(matrix))
-    step = np.zeros_like(x)
-    step[free] = np.linalg.solve(damped, normal.gradient[free])
-    return np.clip(x + step, problem.low, problem.high) - x
+    def _scale_of(self, model: KnitModel) -> dict[str, float]:
+        residuals: dict[str, list[FloatArray]] = {}
+        for measurement, cache in zip(self.measurements, self.caches, strict=True):
+            for channel, values in measurement.residual(model, cache).items():
+                residuals.setdefault(channel, []).append(values[measurement.counts])
+        return {c: max(self.scale_by(np.concatenate(r)), self.floor[c], 1e-12) for c, r in residuals.items()}

@@ -13,7 +13,8 @@ from testbench.fitting.noise import noise_floor
 from testbench.knit.effect import FloatArray
 from testbench.knit.filters import log_conductance
 from testbench.knit.model import KnitModel, SimulationCache, inputs
-from testbench.recordings.recording import FORCE, RESISTANCE, TEMPERATURE, Recording
+from testbench.recordings.channels import FORCE, RESISTANCE, TEMPERATURE
+from testbench.recordings.recording import Recording
 
 FORCE_CHANNEL, CONDUCTANCE_CHANNEL = "force", "conductance"
 SIGNAL_OF = {FORCE_CHANNEL: "force_N", CONDUCTANCE_CHANNEL: "conductance_S"}

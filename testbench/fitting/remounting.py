@@ -36,8 +36,9 @@ def _placed(model: KnitModel, name: str, measurement: Measurement) -> KnitModel:
     """The model with an effect's events where the misfit of the rest has them in this recording."""
     base = model.without(name)
     state = base.simulate(measurement.signals, measurement.dt_s)
-    there = model[name].for_recording(state, measurement.residual(base), measurement.dt_s)
-    return model.replacing(name, there)
+    effect = model[name]
+    there = next(iter(effect.starts(state, measurement.residual(base))), {})
+    return model.replacing(name, effect.near(**{key: there[key] for key in effect.per_recording if key in there}))
 
 
 def _best_of_turn(model: KnitModel, address: str, measurement: Measurement) -> KnitModel:

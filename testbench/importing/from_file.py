@@ -19,14 +19,16 @@ from testbench.importing.choice import NOT_THERE, Choice, Said, choose, in_words
 from testbench.importing.columns import Read, on_main_clock, read_columns
 from testbench.importing.layout import Column, misfit
 from testbench.importing.notation import numbers
+from testbench.importing.opening import open_sheet
 from testbench.importing.repeats import repeats_of
-from testbench.importing.sheet import Hints, Sheet, open_sheet
+from testbench.importing.sheet import Hints, Sheet
 from testbench.importing.signs import SIGNED, doubts, zero_of
 from testbench.importing.words import STRETCH, counts_repeats
+from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE, TIME
 from testbench.recordings.checks import such
 from testbench.recordings.files import write_recording_csv
 from testbench.recordings.manifest import Campaign, write_manifest
-from testbench.recordings.recording import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE, TIME, Recording
+from testbench.recordings.recording import Recording
 from testbench.recordings.versions import software_versions
 
 SLOWEST_HZ = 0.1

@@ -9,7 +9,7 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from testbench.importing.units import Unit, conversion, unit_of
-from testbench.recordings.recording import DISPLACEMENT, FORCE
+from testbench.recordings.channels import DISPLACEMENT, FORCE
 
 SIGNED = ("displacement", "strain", "force")
 AGAINST = -0.5  # correlation of force and displacement below which one of them runs the wrong way

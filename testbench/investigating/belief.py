@@ -105,10 +105,9 @@ def _prior(names: Sequence[str]) -> dict[str, float]:
 
 
 def _noise(first: Round) -> dict[str, float]:
-    """What the best model leaves in each channel, at least the least misfit of a law."""
+    """What the best model leaves in each channel, at least what a law is expected to leave."""
     best = max((first.before, *first.entries), key=lambda e: e.log_z).hypothesis
-    floors = first.likelihood.floor
-    return {c: float(max(s, constants.LEAST_MISFIT * floors[c])) for c, s in best.evidence.sigma.items()}
+    return {c: float(max(sigma, first.likelihood.misfit[c])) for c, sigma in best.evidence.sigma.items()}
 
 
 def _likely(first: Round, chances: Mapping[str, float]) -> tuple[Likely, ...]:

@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
-from testbench.knit.filters import shifted
+from testbench.knit.contact_relaxation import SpotsLaw
+from testbench.knit.effect import FloatArray, Signals, parameter
 from testbench.knit.turning import since_turn_s
 
 
-class ContactAgeing(Effect):
+class ContactAgeing(SpotsLaw):
     """A turn of the motion makes the contacts anew; from then on they grow with the logarithm of time.
 
     ln G += gain * ln(1 + t / tau),   t = time since the last turn
@@ -22,20 +22,16 @@ class ContactAgeing(Effect):
     """
 
     name = "contact_ageing"
-    idea = "contact_relaxation"
-    stage = Stage.ELECTRICAL
-    reads, writes = ("strain", "conductance_S"), ("conductance_S",)
-    strength = "gain"
     look = "conductance falls at each turn of the motion and creeps up until the next, fast at first"
 
     gain: float = parameter(0.05, unit="1", low=-2, high=2, doc="change of ln G by e-fold of the time")
     tau_s: float = parameter(1.0, unit="s", low=0.05, high=100, scale="log", doc="when the growth sets in")
     back: float = parameter(0.01, unit="1", low=5e-4, high=0.2, scale="log", doc="strain that makes a turn")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         age_s, _ = since_turn_s(np.ascontiguousarray(signals["strain"]), self.back, dt_s)
-        return {"conductance_S": shifted(signals["conductance_S"], self.gain * np.log1p(age_s / self.tau_s))}
+        return self.gain * np.log1p(age_s / self.tau_s)
 
-    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         # No gradient leads from one number of turns to another.
         return [{"back": back, "tau_s": tau_s} for back in (0.002, 0.005, 0.01, 0.02) for tau_s in (0.3, 2.0)]

@@ -58,10 +58,9 @@ def _shown(value: Any) -> str:
     return f"({value[0]:g}, ...) x {len(value)}" if isinstance(value, tuple) else f"{value:g}"
 
 
-def other_forms(effect: type[Effect], catalogue: Catalogue) -> list[str]:
-    """Names of the other effects with the same physical idea."""
-    idea = effect.idea or effect.name
-    return [form.name for form in catalogue.ideas().get(idea, []) if form.name != effect.name]
+def other_laws(effect: type[Effect], catalogue: Catalogue) -> list[str]:
+    """Names of the other laws of the same mechanism."""
+    return [law.name for law in catalogue.mechanisms().get(effect.mechanism, []) if law.name != effect.name]
 
 
 def card_text(effect: type[Effect], catalogue: Catalogue) -> str:
@@ -70,8 +69,8 @@ def card_text(effect: type[Effect], catalogue: Catalogue) -> str:
     lines = [f"{effect.name}   ({_chain(effect)})", doc.summary, "", _indented(doc.formula), ""]
     lines += [f"in data    {effect.look}", "", *_table(parameter_rows(effect)), ""]
     lines += [_wrapped("source", doc.source), _wrapped("valid", doc.valid)]
-    forms = other_forms(effect, catalogue)
-    return "\n".join([*lines, _wrapped("forms", ", ".join(forms))] if forms else lines)
+    laws = other_laws(effect, catalogue)
+    return "\n".join([*lines, _wrapped("other laws", ", ".join(laws))] if laws else lines)
 
 
 def _wrapped(label: str, text: str) -> str:
@@ -98,16 +97,16 @@ def _table(rows: list[dict[str, str]]) -> list[str]:
 
 
 def catalogue_text(catalogue: Catalogue) -> str:
-    """All effects by stage; further forms of an idea indented below its namesake."""
+    """All effects by stage; further laws of a mechanism indented below its namesake."""
     lines = []
     for stage in Stage:
         lines.append(stage.name.lower())
-        for forms in catalogue.ideas().values():
-            of_stage = [form for form in forms if form.stage is stage]
-            lines += [_entry(form, form is not forms[0]) for form in of_stage]
+        for laws in catalogue.mechanisms().values():
+            lines += [_entry(law, law is not laws[0]) for law in laws if law.stage is stage]
         lines.append("")
     lines += [f"broken: {name}: {reason}" for name, reason in catalogue.broken.items()]
-    lines.append(f"{len(catalogue.effects)} effects of {len(catalogue.ideas())} ideas. Card: testbench effects NAME")
+    count = len(catalogue.mechanisms())
+    lines.append(f"{len(catalogue.effects)} effects of {count} mechanisms. Card: testbench effects NAME")
     return "\n".join(lines)
 
 
@@ -119,8 +118,8 @@ def _entry(effect: type[Effect], indent: bool) -> str:
 def catalogue_markdown(catalogue: Catalogue) -> str:
     """The table of docs/effects.md."""
     lines = ["| effect | stage | in data |", "|---|---|---|"]
-    for forms in catalogue.ideas().values():
-        for form in forms:
-            name = f"`{form.name}`" if form is forms[0] else f"&nbsp;&nbsp;`{form.name}`"
-            lines.append(f"| {name} | {form.stage.name.lower()} | {form.look} |")
+    for laws in catalogue.mechanisms().values():
+        for law in laws:
+            name = f"`{law.name}`" if law is laws[0] else f"&nbsp;&nbsp;`{law.name}`"
+            lines.append(f"| {name} | {law.stage.name.lower()} | {law.look} |")
     return "\n".join(lines)

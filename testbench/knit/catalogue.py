@@ -20,7 +20,7 @@ BUILT_IN = {
     "contact": "testbench.knit.contact:Contact",
     "contact_drive": "testbench.knit.pressure:ContactDrive",
     "drift": "testbench.knit.electrical:Drift",
-    # other forms of the baseline's ideas
+    # other laws of the baseline's mechanisms
     "elasticity_cubic": "testbench.knit.elasticity:ElasticityCubic",
     "elasticity_ogden": "testbench.knit.elasticity:ElasticityOgden",
     "elasticity_two_slopes": "testbench.knit.elasticity:ElasticityTwoSlopes",
@@ -157,16 +157,16 @@ class Catalogue:
         except KeyError:
             raise UserError(f"no effect called {name}; `testbench effects` lists them all") from None
 
-    def without(self, idea: str) -> Catalogue:
-        """The catalogue without any form of an idea."""
-        rest = {name: form for name, form in self.effects.items() if (form.idea or name) != idea}
+    def without(self, mechanism: str) -> Catalogue:
+        """The catalogue without any law of a mechanism."""
+        rest = {name: law for name, law in self.effects.items() if law.mechanism != mechanism}
         return Catalogue(rest, self.broken)
 
-    def ideas(self) -> dict[str, list[type[Effect]]]:
-        """Effects grouped by physical idea: the name of the idea -> its forms, the namesake first."""
+    def mechanisms(self) -> dict[str, list[type[Effect]]]:
+        """Effects grouped by what happens physically: the name of the mechanism -> its laws, the namesake first."""
         groups: dict[str, list[type[Effect]]] = {}
         for effect in self.effects.values():
-            groups.setdefault(effect.idea or effect.name, []).append(effect)
+            groups.setdefault(effect.mechanism, []).append(effect)
         return groups
 
 
@@ -211,7 +211,10 @@ def _effects_in_file(path: Path) -> dict[str, type[Effect]]:
     found = {
         value.name: value
         for value in vars(module).values()
-        if isinstance(value, type) and issubclass(value, Effect) and value.__module__ == module.__name__
+        if isinstance(value, type)
+        and issubclass(value, Effect)
+        and value.__module__ == module.__name__
+        and value.name
     }
     if not found:
         raise UserError(f"{path}: no Effect class in it; `testbench effects --new NAME` writes a template")

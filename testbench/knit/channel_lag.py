@@ -8,7 +8,17 @@ from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 from testbench.knit.filters import lowpass
 
 
-class ChannelLag(Effect):
+class ChannelLagLaw(Effect):
+    """Base of the laws of a reading that comes late."""
+
+    mechanism = "channel_lag"
+    stage = Stage.READOUT
+    reads, writes = ("conductance_S",), ("conductance_S",)
+    strength = "tau_s"
+    nonlinear = True
+
+
+class ChannelLag(ChannelLagLaw):
     """The resistance channel is slower than the force channel: a filter in its way.
 
     tau y' = G - y,   the reading is y
@@ -18,10 +28,6 @@ class ChannelLag(Effect):
     """
 
     name = "channel_lag"
-    stage = Stage.READOUT
-    reads, writes = ("conductance_S",), ("conductance_S",)
-    strength = "tau_s"
-    nonlinear = True
     look = "conductance comes later than force, so their loop widens with speed"
 
     tau_s: float = parameter(0.2, unit="s", low=0, high=10, doc="time constant of the filter")
@@ -30,7 +36,7 @@ class ChannelLag(Effect):
         return {"conductance_S": lowpass(signals["conductance_S"], self.tau_s, dt_s)}
 
 
-class ChannelLagResistance(Effect):
+class ChannelLagResistance(ChannelLagLaw):
     """The reading of the resistance, not of the conductance, is filtered: steps up and steps down differ.
 
     tau y' = R - y,   the reading is 1 / y
@@ -40,11 +46,6 @@ class ChannelLagResistance(Effect):
     """
 
     name = "channel_lag_resistance"
-    idea = "channel_lag"
-    stage = Stage.READOUT
-    reads, writes = ("conductance_S",), ("conductance_S",)
-    strength = "tau_s"
-    nonlinear = True
     look = "conductance comes later than force, and later when it rises than when it falls"
 
     tau_s: float = parameter(0.2, unit="s", low=0, high=10, doc="time constant of the filter")
@@ -53,7 +54,7 @@ class ChannelLagResistance(Effect):
         return {"conductance_S": 1 / lowpass(1 / signals["conductance_S"], self.tau_s, dt_s)}
 
 
-class ChannelLagForce(Effect):
+class ChannelLagForce(ChannelLagLaw):
     """The force channel is slower than the resistance channel.
 
     tau y' = F - y,   the reading is y
@@ -63,11 +64,7 @@ class ChannelLagForce(Effect):
     """
 
     name = "channel_lag_force"
-    idea = "channel_lag"
-    stage = Stage.READOUT
     reads, writes = ("force_N",), ("force_N",)
-    strength = "tau_s"
-    nonlinear = True
     look = "force comes later than displacement and conductance"
 
     tau_s: float = parameter(0.2, unit="s", low=0, high=10, doc="time constant of the filter")
@@ -76,7 +73,7 @@ class ChannelLagForce(Effect):
         return {"force_N": lowpass(signals["force_N"], self.tau_s, dt_s)}
 
 
-class ChannelLagDelay(Effect):
+class ChannelLagDelay(ChannelLagLaw):
     """The resistance channel is late by a fixed time.
 
     reading(t) = G(t - delay)
@@ -86,11 +83,7 @@ class ChannelLagDelay(Effect):
     """
 
     name = "channel_lag_delay"
-    idea = "channel_lag"
-    stage = Stage.READOUT
-    reads, writes = ("conductance_S",), ("conductance_S",)
     strength = "delay_s"
-    nonlinear = True
     look = "conductance is the same curve, later"
 
     delay_s: float = parameter(0.2, unit="s", low=0, high=10, doc="delay")

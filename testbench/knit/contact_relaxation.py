@@ -6,11 +6,29 @@ from typing import Any
 
 import numpy as np
 
+from testbench.knit.conductance import ConductanceLaw
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
-from testbench.knit.filters import highpass, log_conductance, lowpass, memory_of_box, memory_of_decades, shifted
+from testbench.knit.filters import highpass, log_conductance, lowpass, memory_of_box, memory_of_decades
 
 
-class ContactRelaxation(Effect):
+class ContactRelaxationLaw(Effect):
+    """Base of the laws of a pressing force that changes while the knit's force holds."""
+
+    mechanism = "contact_relaxation"
+    stage = Stage.PRESSURE
+    reads, writes = ("contact_force_N",), ("contact_force_N",)
+    strength = "fraction"
+
+    def gained_N(self, pressing_N: FloatArray, dt_s: float) -> FloatArray:
+        """What is added to a pressing force that would stay, shape (n,)."""
+        raise NotImplementedError
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        pressing_N = signals["contact_force_N"]
+        return {"contact_force_N": pressing_N + self.gained_N(pressing_N, dt_s)}
+
+
+class ContactRelaxation(ContactRelaxationLaw):
     """The yarns yield where they touch: the pressing force fades although the knit's force holds.
 
     With a negative fraction the contacts bed in instead, and seem pressed the harder the longer.
@@ -22,9 +40,6 @@ class ContactRelaxation(Effect):
     """
 
     name = "contact_relaxation"
-    stage = Stage.PRESSURE
-    reads, writes = ("contact_force_N",), ("contact_force_N",)
-    strength = "fraction"
     look = "in a hold the conductance sinks while the force does not"
 
     fraction: float = parameter(
@@ -33,13 +48,11 @@ class ContactRelaxation(Effect):
     # Quicker than this it is an overshoot.
     tau_s: float = parameter(20.0, unit="s", low=1, high=3000, scale="log", doc="time in which 63 % of it is lost")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        pressing_N = signals["contact_force_N"]
-        lost = lowpass(pressing_N, self.tau_s, dt_s) - pressing_N[0]
-        return {"contact_force_N": pressing_N - self.fraction * lost}
+    def gained_N(self, pressing_N: FloatArray, dt_s: float) -> FloatArray:
+        return -self.fraction * (lowpass(pressing_N, self.tau_s, dt_s) - pressing_N[0])
 
 
-class ContactRelaxationSpectrum(Effect):
+class ContactRelaxationSpectrum(ContactRelaxationLaw):
     """The pressing force fades over decades of time.
 
     P(t) = P_0(t) - fraction * integral of phi(t - s) dP_0(s)
@@ -50,10 +63,6 @@ class ContactRelaxationSpectrum(Effect):
     """
 
     name = "contact_relaxation_spectrum"
-    idea = "contact_relaxation"
-    stage = Stage.PRESSURE
-    reads, writes = ("contact_force_N",), ("contact_force_N",)
-    strength = "fraction"
     look = "in a hold the conductance sinks ever more slowly while the force does not"
 
     fraction: float = parameter(
@@ -62,13 +71,17 @@ class ContactRelaxationSpectrum(Effect):
     shortest_s: float = parameter(1.0, unit="s", low=0.05, high=100, scale="log", doc="shortest relaxation time")
     longest_s: float = parameter(100.0, unit="s", low=1, high=1e5, scale="log", doc="longest relaxation time")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        pressing_N = signals["contact_force_N"]
-        lost = memory_of_box(pressing_N, self.fraction, self.shortest_s, self.longest_s, dt_s)
-        return {"contact_force_N": pressing_N - lost}
+    def gained_N(self, pressing_N: FloatArray, dt_s: float) -> FloatArray:
+        return -memory_of_box(pressing_N, self.fraction, self.shortest_s, self.longest_s, dt_s)
 
 
-class ContactRelaxationAsymmetric(Effect):
+class SpotsLaw(ConductanceLaw):
+    """Base of the laws of contact spots that part, grow or age under a pressing force that stays."""
+
+    mechanism = "contact_relaxation"
+
+
+class ContactRelaxationAsymmetric(SpotsLaw):
     """Contacts close quickly under load and part slowly when it goes.
 
     ln G += gain_per_N * (y - P),   tau y' = P - y,   tau = tau_up where y rises, tau_down where it falls
@@ -79,9 +92,7 @@ class ContactRelaxationAsymmetric(Effect):
     """
 
     name = "contact_relaxation_asymmetric"
-    idea = "contact_relaxation"
-    stage = Stage.ELECTRICAL
-    reads, writes = ("contact_force_N", "conductance_S"), ("conductance_S",)
+    reads = ("contact_force_N", "conductance_S")
     strength = "gain_per_N"
     look = "conductance follows a pull at once and lags behind a release"
 
@@ -89,16 +100,16 @@ class ContactRelaxationAsymmetric(Effect):
     tau_up_s: float = parameter(1.0, unit="s", low=0.05, high=30, scale="log", doc="time in which contacts close")
     tau_down_s: float = parameter(30.0, unit="s", low=1, high=1000, scale="log", doc="time in which contacts part")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         from testbench.knit.kernels import two_way_lowpass
 
         pressing_N = signals["contact_force_N"]
         keep_up, keep_down = np.exp(-dt_s / self.tau_up_s), np.exp(-dt_s / self.tau_down_s)
         lag_N = two_way_lowpass(pressing_N, keep_up, keep_down) - pressing_N
-        return {"conductance_S": shifted(signals["conductance_S"], self.gain_per_N * lag_N)}
+        return self.gain_per_N * lag_N
 
 
-class ContactRelaxationSpots(Effect):
+class ContactRelaxationSpots(SpotsLaw):
     """Contact spots part again after each change: part of what the conductance gained fades over decades of time.
 
     ln G(t) = ln G_0(t) - fraction * integral of phi(t - s) d(ln G_0)(s)
@@ -109,9 +120,7 @@ class ContactRelaxationSpots(Effect):
     """
 
     name = "contact_relaxation_spots"
-    idea = "contact_relaxation"
-    stage = Stage.ELECTRICAL
-    reads, writes = ("conductance_S",), ("conductance_S",)
+    reads = ("conductance_S",)
     strength = "fraction"
     look = "after every move part of the change of conductance comes back over seconds to minutes"
 
@@ -121,13 +130,13 @@ class ContactRelaxationSpots(Effect):
     shortest_s: float = parameter(6.0, unit="s", low=3, high=100, scale="log", doc="shortest relaxation time")
     longest_s: float = parameter(300.0, unit="s", low=30, high=1e5, scale="log", doc="longest relaxation time")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         conductance = signals["conductance_S"]
         lost = memory_of_box(log_conductance(conductance), self.fraction, self.shortest_s, self.longest_s, dt_s)
-        return {"conductance_S": shifted(conductance, -lost)}
+        return -lost
 
 
-class ContactRelaxationActivated(Effect):
+class ContactRelaxationActivated(SpotsLaw):
     """Contact spots part the sooner, the more the knit is stretched.
 
     ln G(t) = ln G_0(t) - fraction * y,   tau(e) y' = ln G_0 - y,   tau(e) = tau exp(-activation e / span)
@@ -137,9 +146,6 @@ class ContactRelaxationActivated(Effect):
     """
 
     name = "contact_relaxation_activated"
-    idea = "contact_relaxation"
-    stage = Stage.ELECTRICAL
-    reads, writes = ("strain", "conductance_S"), ("conductance_S",)
     strength = "fraction"
     look = "after every move part of the change of conductance comes back, quickly where the knit is stretched"
 
@@ -150,20 +156,20 @@ class ContactRelaxationActivated(Effect):
     activation: float = parameter(1.0, unit="1", low=0, high=5, doc="e-folds by which it is shorter at `span`")
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="largest strain")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         from testbench.knit.kernels import varying_lowpass
 
         conductance = signals["conductance_S"]
         log_g = log_conductance(conductance)
         tau_s = self.tau_s * np.exp(-self.activation * np.clip(signals["strain"] / self.span, 0.0, 1.0))
         lost = varying_lowpass(log_g, np.exp(-dt_s / tau_s)) - log_g[0]
-        return {"conductance_S": shifted(conductance, -self.fraction * lost)}
+        return -self.fraction * lost
 
-    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         return [{"tau_s": tau_s, "activation": a} for tau_s in (15.0, 50.0, 150.0) for a in (0.7, 2.0)]
 
 
-class ContactCreep(Effect):
+class ContactCreep(ContactRelaxationLaw):
     """Contact spots creep and grow under constant load: the pressing force seems to rise with time.
 
     P(t) = P_0(t) + per_decade * integral of log10(1 + (t - s) / tau) dP_0(s)
@@ -173,21 +179,17 @@ class ContactCreep(Effect):
     """
 
     name = "contact_creep"
-    idea = "contact_relaxation"
-    stage = Stage.PRESSURE
-    reads, writes = ("contact_force_N",), ("contact_force_N",)
     strength = "per_decade"
     look = "in a hold the conductance rises while the force does not"
 
     per_decade: float = parameter(0.05, unit="1", low=0, high=0.5, doc="relative gain per decade of time")
     tau_s: float = parameter(1.0, unit="s", low=0.05, high=300, scale="log", doc="when the creep sets in")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        pressing_N = signals["contact_force_N"]
-        return {"contact_force_N": pressing_N + memory_of_decades(pressing_N, self.per_decade, self.tau_s, dt_s)}
+    def gained_N(self, pressing_N: FloatArray, dt_s: float) -> FloatArray:
+        return memory_of_decades(pressing_N, self.per_decade, self.tau_s, dt_s)
 
 
-class ElectricalOvershootForce(Effect):
+class ElectricalOvershootForce(SpotsLaw):
     """The conductance overshoots with sudden changes of the contact force.
 
     ln G += gain * (P - y) / 1 N,   tau y' = P - y
@@ -198,15 +200,13 @@ class ElectricalOvershootForce(Effect):
 
     name = "electrical_overshoot_force"
     # What relaxes is the contact under its force, so it speaks for that idea.
-    idea = "contact_relaxation"
-    stage = Stage.ELECTRICAL
-    reads, writes = ("contact_force_N", "conductance_S"), ("conductance_S",)
+    reads = ("contact_force_N", "conductance_S")
     strength = "gain_per_N"
     look = "conductance shoots beyond its final value, most where the knit is stiff"
 
     gain_per_N: float = parameter(0.1, unit="1/N", low=-5, high=5, doc="change of ln G per newton of sudden force")
     tau_s: float = parameter(15.0, unit="s", low=5, high=300, scale="log", doc="time in which it settles")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         sudden = highpass(signals["contact_force_N"], self.tau_s, dt_s)
-        return {"conductance_S": shifted(signals["conductance_S"], self.gain_per_N * sudden)}
+        return self.gain_per_N * sudden

@@ -10,7 +10,16 @@ from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 from testbench.knit.filters import DEAD_BAND_STRAIN
 
 
-class MullinsSoftening(Effect):
+class MullinsLaw(Effect):
+    """Base of the laws of Mullins softening: a knit softer than a virgin one."""
+
+    mechanism = "mullins_softening"
+    stage = Stage.MECHANICS
+    reads, writes = ("strain", "force_N"), ("force_N",)
+    strength = "softening"
+
+
+class MullinsSoftening(MullinsLaw):
     """Below the largest stretch so far the knit is softer than a virgin one (pseudo-elastic).
 
     F *= 1 - softening * erf((w_max - w) / (width + w_max / 2)),   w = e^2 / 2
@@ -24,9 +33,6 @@ class MullinsSoftening(Effect):
     """
 
     name = "mullins_softening"
-    stage = Stage.MECHANICS
-    reads, writes = ("strain", "force_N"), ("force_N",)
-    strength = "softening"
     look = "the first stretch to a new length needs more force than all later ones"
 
     softening: float = parameter(0.2, unit="1", low=0, high=0.9, doc="largest share of the force that is lost")
@@ -45,7 +51,7 @@ class MullinsSoftening(Effect):
         return {"force_N": signals["force_N"] * (1 - self.softening * lost)}
 
 
-class MullinsSofteningPower(Effect):
+class MullinsSofteningPower(MullinsLaw):
     """Below the largest stretch so far the knit is softer, as a power of how far below it is.
 
     F *= 1 - softening * (e_max / span)^growth * (1 - (e / e_max)^power)
@@ -55,10 +61,6 @@ class MullinsSofteningPower(Effect):
     """
 
     name = "mullins_softening_power"
-    idea = "mullins_softening"
-    stage = Stage.MECHANICS
-    reads, writes = ("strain", "force_N"), ("force_N",)
-    strength = "softening"
     look = "after a stretch, shorter ones need less force, until the old largest stretch is reached again"
 
     softening: float = parameter(0.2, unit="1", low=0, high=0.9, doc="share of the force lost at zero strain")
@@ -75,7 +77,7 @@ class MullinsSofteningPower(Effect):
         return {"force_N": signals["force_N"] * (1 - self.softening * lost)}
 
 
-class MullinsSofteningDamage(Effect):
+class MullinsSofteningDamage(MullinsLaw):
     """Each new largest stretch breaks bonds for good: one damage variable for all strains.
 
     F *= 1 - softening * (d(e_max) - d(e_0)),   d(e) = 1 - exp(-e / scale)
@@ -85,10 +87,6 @@ class MullinsSofteningDamage(Effect):
     """
 
     name = "mullins_softening_damage"
-    idea = "mullins_softening"
-    stage = Stage.MECHANICS
-    reads, writes = ("strain", "force_N"), ("force_N",)
-    strength = "softening"
     look = "after each new largest stretch the knit stays softer at every strain"
 
     softening: float = parameter(0.2, unit="1", low=0, high=0.9, doc="share of the force lost in the end")
@@ -102,14 +100,6 @@ class MullinsSofteningDamage(Effect):
         return {"force_N": signals["force_N"] * (1 - self.softening * damage)}
 
 
-def share_of_strain(effect: Effect, signals: Signals, **shares: float) -> Effect:
-    """Parameters set to these shares of the largest measured strain, within their bounds."""
-    if "strain" not in signals:
-        return effect
-    top = float(np.max(signals["strain"]))
-    return effect.near(**{key: share * top for key, share in shares.items()})
-
-
 def cycled_strain(signals: Signals) -> FloatArray:
     """Strain path travelled so far, noise left out."""
     from testbench.knit.kernels import travelled
@@ -117,7 +107,16 @@ def cycled_strain(signals: Signals) -> FloatArray:
     return travelled(signals["strain"], DEAD_BAND_STRAIN)
 
 
-class CyclicFatigue(Effect):
+class FatigueLaw(Effect):
+    """Base of the laws of fatigue: force lost with the strain path."""
+
+    mechanism = "cyclic_fatigue"
+    stage = Stage.MECHANICS
+    reads, writes = ("strain", "force_N"), ("force_N",)
+    strength = "loss"
+
+
+class CyclicFatigue(FatigueLaw):
     """The knit loses force with every cycle and levels off.
 
     F *= 1 - loss * (1 - exp(-path / scale)),   path = integral of |de|
@@ -127,9 +126,6 @@ class CyclicFatigue(Effect):
     """
 
     name = "cyclic_fatigue"
-    stage = Stage.MECHANICS
-    reads, writes = ("strain", "force_N"), ("force_N",)
-    strength = "loss"
     look = "the peaks of the force sink from cycle to cycle, not in a hold"
 
     loss: float = parameter(0.1, unit="1", low=0, high=0.9, doc="share of the force lost in the end")
@@ -142,7 +138,7 @@ class CyclicFatigue(Effect):
         return {"force_N": signals["force_N"] * (1 - self.loss * tired)}
 
 
-class CyclicFatigueLog(Effect):
+class CyclicFatigueLog(FatigueLaw):
     """The knit loses the same share of force in every tenfold number of cycles.
 
     F *= max(1 - per_decade * log10(1 + path / scale), 0),   path = integral of |de|
@@ -152,9 +148,6 @@ class CyclicFatigueLog(Effect):
     """
 
     name = "cyclic_fatigue_log"
-    idea = "cyclic_fatigue"
-    stage = Stage.MECHANICS
-    reads, writes = ("strain", "force_N"), ("force_N",)
     strength = "per_decade"
     look = "the peaks of the force sink with the logarithm of the cycle number"
 
@@ -166,7 +159,16 @@ class CyclicFatigueLog(Effect):
         return {"force_N": signals["force_N"] * np.maximum(1 - self.per_decade * decades, 0.0)}
 
 
-class JammingStiffening(Effect):
+class JammingLaw(Effect):
+    """Base of the laws of jamming: force added where the loops are drawn straight."""
+
+    mechanism = "jamming_stiffening"
+    stage = Stage.MECHANICS
+    reads, writes = ("strain", "force_N"), ("force_N",)
+    strength = "stiffness_N"
+
+
+class JammingStiffening(JammingLaw):
     """Beyond an onset the loops are drawn straight and jam: an extra stiffness sets in.
 
     F += stiffness * ((e - onset)+)^2 / (2 width)        until e - onset = width, then with constant slope
@@ -177,10 +179,6 @@ class JammingStiffening(Effect):
     """
 
     name = "jamming_stiffening"
-    stage = Stage.MECHANICS
-    reads, writes = ("strain", "force_N"), ("force_N",)
-    strength = "stiffness_N"
-    imitated_by = "elasticity"
     look = "above a certain strain the force suddenly rises much faster"
 
     stiffness_N: float = parameter(20.0, unit="N", low=0, high=1e4, doc="extra force per unit strain when jammed")
@@ -192,16 +190,13 @@ class JammingStiffening(Effect):
         within = np.minimum(beyond, self.width)
         return {"force_N": signals["force_N"] + self.stiffness_N * (beyond - within + within**2 / (2 * self.width))}
 
-    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         top = float(np.max(signals["strain"]))
         onsets = [share * top for share in (0.35, 0.5, 0.62, 0.72, 0.82, 0.9)]
         return [{"onset": onset, "width": width} for onset in onsets for width in (0.02, 0.3)]
 
-    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
-        return share_of_strain(self, signals, onset=0.7, width=0.1)
 
-
-class JammingStiffeningPower(Effect):
+class JammingStiffeningPower(JammingLaw):
     """Loops jam little by little: an extra force with a high power of strain.
 
     F += force * (e+ / 0.3)^exponent
@@ -211,11 +206,7 @@ class JammingStiffeningPower(Effect):
     """
 
     name = "jamming_stiffening_power"
-    idea = "jamming_stiffening"
-    stage = Stage.MECHANICS
-    reads, writes = ("strain", "force_N"), ("force_N",)
     strength = "force_at_30_percent_N"
-    imitated_by = "elasticity"
     look = "the last third of the stretch is much stiffer than the first two"
 
     force_at_30_percent_N: float = parameter(0.5, unit="N", low=0, high=1e3, doc="extra force at 30 % strain")
@@ -226,7 +217,7 @@ class JammingStiffeningPower(Effect):
         return {"force_N": signals["force_N"] + self.force_at_30_percent_N * relative**self.exponent}
 
 
-class JammingStiffeningLocking(Effect):
+class JammingStiffeningLocking(JammingLaw):
     """Loops that lock: the force rises without bound towards a locking strain.
 
     F += force * e^2 / (limit * (limit - e))
@@ -236,11 +227,7 @@ class JammingStiffeningLocking(Effect):
     """
 
     name = "jamming_stiffening_locking"
-    idea = "jamming_stiffening"
-    stage = Stage.MECHANICS
-    reads, writes = ("strain", "force_N"), ("force_N",)
     strength = "force_N"
-    imitated_by = "elasticity"
     look = "force rises ever more steeply towards one strain"
 
     force_N: float = parameter(
@@ -252,6 +239,6 @@ class JammingStiffeningLocking(Effect):
         e = np.clip(signals["strain"] / self.limit, 0.0, 0.99)
         return {"force_N": signals["force_N"] + self.force_N * e * e / (1 - e)}
 
-    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         top = float(np.max(signals["strain"]))
         return [{"limit": share * top} for share in (1.03, 1.1, 1.25, 1.5, 2.0) if share * top > 0.05]

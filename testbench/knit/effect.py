@@ -1,4 +1,4 @@
-"""An effect: one physical idea, one class, all data in and all data out.
+"""An effect: one law of one mechanism, one class, all data in and all data out.
 
 A signal is a whole array on a uniform time grid. An effect reads some signals and returns new arrays for the
 ones it writes; it keeps no state between calls and changes nothing in place. Adding an effect to knitbench
@@ -28,11 +28,11 @@ from collections.abc import Mapping
 from enum import IntEnum
 from typing import Any, ClassVar
 
-from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field
 from pydantic.fields import FieldInfo
 
-FloatArray = NDArray[Any]
+from gcode.support.arrays import FloatArray
+
 Signals = Mapping[str, FloatArray]
 
 
@@ -56,6 +56,7 @@ def parameter(
     doc: str,
     scale: str = "linear",
     source: str = "",
+    typical: float | None = None,
 ) -> Any:
     """Declare one parameter of an effect: value, unit, bounds, scale, meaning, source, in one place.
 
@@ -64,17 +65,21 @@ def parameter(
     Parameters
     ----------
     default : float or tuple of float
-        Value when nothing is said; a tuple declares a vector whose entries share unit and bounds.
+        Value when nothing is said, and the centre of a diagnosis's prior; a tuple declares a vector whose entries
+        share unit and bounds.
     unit : str
         SI symbol; ``"1"`` for dimensionless.
     low, high : float
-        Inclusive bounds. A fit stays within; a value outside is refused.
+        Inclusive bounds. A fit stays within; a value outside is refused. The prior is as wide as half of them.
     scale : {"linear", "log"}
         How a fit should step; ``"log"`` needs ``low > 0``.
     doc, source : str
         What it means, and where its usual value comes from.
+    typical : float, optional
+        Of a strength: its usual size, the width of its prior around zero; in N, as a share of the range of the force.
+        Default: `default`, or a tenth of that range.
     """
-    extra = {"unit": unit, "low": low, "high": high, "scale": scale, "source": source}
+    extra = {"unit": unit, "low": low, "high": high, "scale": scale, "source": source, "typical": typical}
     if isinstance(default, tuple):
         return Field(default=default, description=doc, json_schema_extra=extra)  # type: ignore[arg-type]
     return Field(default=default, ge=low, le=high, description=doc, json_schema_extra=extra)  # type: ignore[arg-type]
@@ -93,8 +98,9 @@ class Effect(BaseModel):
     strength : str
         The parameter whose value 0 makes the effect the identity; ``""`` for laws that have no such parameter
         (an elastic law cannot be absent).
-    idea : str
-        Name of the physical idea; several forms of one idea (classes) share it. Empty: the same as `name`.
+    mechanism : str
+        What happens physically; several laws (classes) of one mechanism share it, mostly through a base class. Not
+        said: the same as `name`.
     look : str
         What a person sees in the data when this effect is there, in one plain sentence.
     optional_reads : tuple of str
@@ -102,24 +108,8 @@ class Effect(BaseModel):
     nonlinear : bool
         The response has a threshold (a gap, a clipping level), so a small strength says little about a large one:
         try a grid of magnitudes instead of a finite difference at zero.
-    imitated_by : {"", "elasticity", "contact", "slip"}
-        Freedom of the base laws that could imitate the effect, because it depends on the present strain or force
-        alone ("elasticity", "contact") or on direction alone ("slip"). The diagnosis then lets the effect stand in
-        for that freedom, and prefers it if it does as well with fewer numbers.
-    cost : float
-        Share of what it explains that a diagnosis takes off, because the effect is rare or imitates others easily (an
-        unmeasured room explains any slow drift). Nothing is taken off where all `optional_reads` were measured.
-    quick : bool
-        What it does may be quicker than the time grid of the diagnosis, which thins it: what it leaves unexplained
-        then says nothing against it.
     per_recording : tuple of str
         Parameters that belong to one recording, not to the sensor (the phase of a hum): each has its own.
-    akin : tuple of str
-        Ideas whose traces agree so nearly that a grid of first-order trials does not tell them: where one of them
-        leads, the others are refitted, too.
-    absent_at : mapping of str to float
-        Parameters, and the values from which on their part of the law is never reached. A recording that does not
-        reach it cannot tell how far off it is: a fit stops at the edge, and the next recording may go beyond.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
@@ -129,16 +119,15 @@ class Effect(BaseModel):
     reads: ClassVar[tuple[str, ...]]
     writes: ClassVar[tuple[str, ...]]
     strength: ClassVar[str] = ""
-    idea: ClassVar[str] = ""
+    mechanism: ClassVar[str] = ""
     look: ClassVar[str] = ""
     optional_reads: ClassVar[tuple[str, ...]] = ()
     nonlinear: ClassVar[bool] = False
-    imitated_by: ClassVar[str] = ""
-    cost: ClassVar[float] = 0.0
-    quick: ClassVar[bool] = False
     per_recording: ClassVar[tuple[str, ...]] = ()
-    akin: ClassVar[tuple[str, ...]] = ()
-    absent_at: ClassVar[Mapping[str, float]] = {}
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        super().__init_subclass__(**kwargs)
+        cls.mechanism = cls.mechanism or cls.name
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         """Return new arrays for the signals in `writes`.
@@ -152,47 +141,24 @@ class Effect(BaseModel):
         """
         raise NotImplementedError
 
-    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
-        """Parameter points worth a try on these data, where a generic grid would miss them; default: none.
+    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+        """Points of the parameters where a fit may start on these data; default: none, a coarse grid of the bounds.
 
-        What lies beyond a bound is moved onto it.
+        What lies beyond a bound is moved onto it; parameters that a point leaves out stay as they are.
 
         Parameters
         ----------
         signals : mapping of str to ndarray, each shape (n,)
-            Everything the model without this effect makes.
+            Everything the model without this effect makes, or the measured signals; with ``time_s``.
         residual : mapping of str to ndarray, each shape (n,)
-            Measured minus modelled: ``force`` in N, ``conductance`` in ln S, as far as measured.
+            Measured minus `signals`: ``force`` in N, ``conductance`` in ln S, as far as measured.
         """
         return []
 
-    @property
-    def imitable(self) -> bool:
-        """Whether a freely bending base law could imitate the effect."""
-        return bool(self.imitated_by)
-
-    def for_recording(self, signals: Signals, residual: Signals, dt_s: float) -> Effect:
-        """The effect with those `per_recording` parameters that no gradient finds (moments of slips) set from data.
-
-        Arguments as `data_grid`. Default: the effect as it is.
-        """
-        return self
-
-    def seen(self, signals: Signals, residual: Signals, dt_s: float) -> Effect | None:
-        """The effect as the readings themselves show it, whatever the model; None where they do not, or never can.
-
-        Arguments as `data_grid`. A reading that stands at exactly one extreme value for thousands of samples is cut
-        off, however well a bent law may follow it.
-        """
-        return None
-
-    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
-        """A start for a fit, made from measured ``force_N``, ``conductance_S`` and ``strain``.
-
-        Sets parameters whose scale only the data know: a clipping level, an onset of strain, a frequency. Signals
-        that were not measured may be missing. The default start keeps the default parameters.
-        """
-        return self
+    def started(self, signals: Signals, residual: Signals) -> Effect:
+        """The effect at the first of its `starts`, or as it is where it has none; arguments as there."""
+        points = self.starts(signals, residual)
+        return self.near(**points[0]) if points else self
 
     def model_post_init(self, _context: Any) -> None:
         for key, field in type(self).model_fields.items():
@@ -229,3 +195,9 @@ def bounds_of(field: FieldInfo) -> dict[str, Any]:
     extra = field.json_schema_extra
     assert isinstance(extra, dict), "declare effect parameters with parameter(...)"
     return extra
+
+
+def step_s(signals: Signals) -> float:
+    """Step of the time grid in seconds."""
+    time_s = signals["time_s"]
+    return float(time_s[-1] - time_s[0]) / max(len(time_s) - 1, 1)

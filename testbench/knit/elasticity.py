@@ -20,7 +20,7 @@ class ElasticLaw(Effect):
     """
 
     stage = Stage.MECHANICS
-    idea = "elasticity"
+    mechanism = "elasticity"
     reads, writes = ("strain",), ("force_N",)
     linear: ClassVar[tuple[str, ...]]
     bends: ClassVar[tuple[Mapping[str, float], ...]] = ({},)
@@ -33,15 +33,15 @@ class ElasticLaw(Effect):
         curves = self.curves(signals["strain"])
         return {"force_N": sum(getattr(self, key) * curve for key, curve in zip(self.linear, curves, strict=True))}
 
-    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
-        """The law that follows the measured force best, its loops averaged, each strain alike.
+    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+        """Where the law follows the measured force best, its loops averaged, each strain alike.
 
         A hold of half an hour says nothing of the other strains.
         """
         if "force_N" not in signals:
-            return self
-        strain, force_N = signals["strain"], signals["force_N"]
-        return self.drawn_to(strain, force_N, 1 / _times_seen(strain))[0]
+            return []
+        strain, force_N = signals["strain"], signals["force_N"] + residual.get("force", 0.0)
+        return [self.drawn_to(strain, force_N, 1 / _times_seen(strain))[0].model_dump()]
 
     def drawn_to(
         self, e: FloatArray, force_N: FloatArray, weight: FloatArray, beside: FloatArray | None = None

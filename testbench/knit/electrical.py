@@ -4,13 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 
+from testbench.knit.conductance import ConductanceLaw
 from testbench.knit.damage import cycled_strain
-from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
-from testbench.knit.filters import shifted
+from testbench.knit.effect import FloatArray, Signals, parameter
 from testbench.knit.hysteresis import mean_slip
 
 
-class Drift(Effect):
+class DriftLaw(ConductanceLaw):
+    """Base of the laws of drift: ln G depends on the time elapsed."""
+
+    mechanism = "drift"
+    reads = ("time_s", "conductance_S")
+
+
+class Drift(DriftLaw):
     """Logarithmic drift of the conductance as contacts settle.
 
     ln G += ln(10) * per_decade * log10(1 + t / tau)
@@ -20,23 +27,17 @@ class Drift(Effect):
     """
 
     name = "drift"
-    stage = Stage.ELECTRICAL
-    reads, writes = ("time_s", "conductance_S"), ("conductance_S",)
     strength = "per_decade"
     look = "conductance creeps in one direction, quickly at first, ever more slowly"
 
     per_decade: float = parameter(0.03, unit="1", low=-1, high=1, doc="log10 change of G per decade of time")
     tau_s: float = parameter(10.0, unit="s", low=0.1, high=1e5, scale="log", doc="when the drift sets in")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        return {
-            "conductance_S": shifted(
-                signals["conductance_S"], self.per_decade * np.log1p(signals["time_s"] / self.tau_s)
-            )
-        }
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
+        return self.per_decade * np.log1p(signals["time_s"] / self.tau_s)
 
 
-class DriftExponential(Effect):
+class DriftExponential(DriftLaw):
     """Drift of the conductance that comes to an end.
 
     ln G += amount * (1 - exp(-t / tau))
@@ -46,21 +47,18 @@ class DriftExponential(Effect):
     """
 
     name = "drift_exponential"
-    idea = "drift"
-    stage = Stage.ELECTRICAL
-    reads, writes = ("time_s", "conductance_S"), ("conductance_S",)
     strength = "amount"
     look = "conductance creeps in one direction and stops"
 
     amount: float = parameter(0.1, unit="1", low=-3, high=3, doc="change of ln G in the end")
     tau_s: float = parameter(300.0, unit="s", low=1, high=1e5, scale="log", doc="time in which 63 % of it is done")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         done = -np.expm1(-signals["time_s"] / self.tau_s)
-        return {"conductance_S": shifted(signals["conductance_S"], self.amount * done)}
+        return self.amount * done
 
 
-class DriftPower(Effect):
+class DriftPower(DriftLaw):
     """Drift of the conductance with a power of time: straight for 1, diffusive for 1/2.
 
     ln G += per_hour * (t / 1 h)^exponent
@@ -70,21 +68,25 @@ class DriftPower(Effect):
     """
 
     name = "drift_power"
-    idea = "drift"
-    stage = Stage.ELECTRICAL
-    reads, writes = ("time_s", "conductance_S"), ("conductance_S",)
     strength = "per_hour"
     look = "conductance creeps on and on in one direction"
 
     per_hour: float = parameter(0.1, unit="1", low=-5, high=5, doc="change of ln G in the first hour")
     exponent: float = parameter(1.0, unit="1", low=0.2, high=1.5, doc="1: linear; 0.5: diffusion")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         hours = (signals["time_s"] / 3600) ** self.exponent
-        return {"conductance_S": shifted(signals["conductance_S"], self.per_hour * hours)}
+        return self.per_hour * hours
 
 
-class CoatingWear(Effect):
+class WearLaw(ConductanceLaw):
+    """Base of the laws of wear: conductance lost with the path that the yarns rub."""
+
+    mechanism = "coating_wear"
+    strength = "loss"
+
+
+class CoatingWear(WearLaw):
     """Rubbing yarns wear their conductive coating off: conductance falls with the path they rub.
 
     ln G -= loss * path / 100,   path = integral of |de|
@@ -94,20 +96,16 @@ class CoatingWear(Effect):
     """
 
     name = "coating_wear"
-    cost = 0.15
-    stage = Stage.ELECTRICAL
-    reads, writes = ("strain", "conductance_S"), ("conductance_S",)
-    strength = "loss"
     look = "conductance falls with every cycle, not in a rest"
 
     loss: float = parameter(0.05, unit="1", low=0, high=20, doc="fall of ln G in 100 units of strain path")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         worn = cycled_strain(signals) / 100
-        return {"conductance_S": shifted(signals["conductance_S"], -self.loss * worn)}
+        return -self.loss * worn
 
 
-class CoatingWearThrough(Effect):
+class CoatingWearThrough(WearLaw):
     """The coating gets thinner by the same amount on every path, until it is worn through.
 
     ln G += ln(1 - loss * path / 100),   path = integral of |de|
@@ -117,22 +115,18 @@ class CoatingWearThrough(Effect):
     """
 
     name = "coating_wear_through"
-    idea = "coating_wear"
-    stage = Stage.ELECTRICAL
-    reads, writes = ("strain", "conductance_S"), ("conductance_S",)
-    strength = "loss"
     look = "conductance falls with every cycle, ever faster, not in a rest"
 
     loss: float = parameter(
         0.05, unit="1", low=0, high=20, doc="share of the coating lost in 100 units of strain path"
     )
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         left = np.maximum(1 - self.loss * cycled_strain(signals) / 100, 0.01)
-        return {"conductance_S": shifted(signals["conductance_S"], np.log(left))}
+        return np.log(left)
 
 
-class CoatingWearRunningIn(Effect):
+class CoatingWearRunningIn(WearLaw):
     """The coating wears most at first: what stands out is rubbed off, the rest is pressed flat.
 
     ln G -= loss * ln(1 + path / running_in),   path = integral of |de|
@@ -142,21 +136,17 @@ class CoatingWearRunningIn(Effect):
     """
 
     name = "coating_wear_running_in"
-    idea = "coating_wear"
-    stage = Stage.ELECTRICAL
-    reads, writes = ("strain", "conductance_S"), ("conductance_S",)
-    strength = "loss"
     look = "conductance falls with the first cycles, ever less with each, not in a rest"
 
     loss: float = parameter(0.05, unit="1", low=0, high=20, doc="fall of ln G in each e-fold of the path")
     running_in: float = parameter(5.0, unit="1", low=0.1, high=1000, scale="log", doc="strain path of the running-in")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         worn = np.log1p(cycled_strain(signals) / self.running_in)
-        return {"conductance_S": shifted(signals["conductance_S"], -self.loss * worn)}
+        return -self.loss * worn
 
 
-class CoatingWearLoad(Effect):
+class CoatingWearLoad(WearLaw):
     """Rubbing under load wears the coating: wear is load times path.
 
     ln G -= loss * integral (P / 1 N)^exponent |de| / 100
@@ -165,22 +155,19 @@ class CoatingWearLoad(Effect):
     """
 
     name = "coating_wear_load"
-    idea = "coating_wear"
-    stage = Stage.ELECTRICAL
-    reads, writes = ("strain", "conductance_S", "contact_force_N"), ("conductance_S",)
-    strength = "loss"
+    reads = ("strain", "conductance_S", "contact_force_N")
     look = "conductance falls with every cycle, the more the higher it goes, not in a rest"
 
     loss: float = parameter(0.05, unit="1", low=0, high=20, doc="fall of ln G in 100 units of strain path at 1 N")
     exponent: float = parameter(1.0, unit="1", low=0.5, high=3, doc="growth of the wear with the load")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         path = np.diff(cycled_strain(signals), prepend=0.0)
         worn = np.cumsum(path * np.maximum(signals["contact_force_N"], 0.0) ** self.exponent) / 100
-        return {"conductance_S": shifted(signals["conductance_S"], -self.loss * worn)}
+        return -self.loss * worn
 
 
-class CoatingCracks(Effect):
+class CoatingCracks(ConductanceLaw):
     """Each new largest stretch cracks the coating further; the cracks stay.
 
     ln G -= loss * (m - m(0)),   m = largest strain so far
@@ -191,22 +178,19 @@ class CoatingCracks(Effect):
     """
 
     name = "coating_cracks"
-    cost = 0.15
-    stage = Stage.ELECTRICAL
-    reads, writes = ("strain", "conductance_S"), ("conductance_S",)
     strength = "loss"
     look = "conductance falls for good at each new largest stretch, force does not"
 
     loss: float = parameter(0.5, unit="1", low=0, high=20, doc="fall of ln G per unit of largest strain")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         from testbench.knit.kernels import running_max
 
         top = running_max(signals["strain"])
-        return {"conductance_S": shifted(signals["conductance_S"], -self.loss * (top - top[0]))}
+        return -self.loss * (top - top[0])
 
 
-class ElectricalHysteresis(Effect):
+class ElectricalHysteresis(ConductanceLaw):
     """The conductance remembers the direction: friction of the contacts that the force does not show.
 
     ln G += gain * mean_k( stop_k(e) / r_k ),   r_k = threshold * spread_k
@@ -216,10 +200,7 @@ class ElectricalHysteresis(Effect):
     """
 
     name = "electrical_hysteresis"
-    idea = "contact_hysteresis"
-    stage = Stage.ELECTRICAL
-    reads, writes = ("strain", "conductance_S"), ("conductance_S",)
-    strength = "gain"
+    mechanism = "contact_hysteresis"
     look = "conductance over strain is a loop, at any speed, wider (or narrower) than the force's"
 
     gain: float = parameter(0.05, unit="1", low=-3, high=3, doc="shift of ln G when every element slips")
@@ -227,6 +208,6 @@ class ElectricalHysteresis(Effect):
         0.02, unit="1", low=5e-4, high=0.5, scale="log", doc="strain after a reversal at which slip is under way"
     )
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         slip = mean_slip(signals["strain"], self.threshold)
-        return {"conductance_S": shifted(signals["conductance_S"], self.gain * slip)}
+        return self.gain * slip

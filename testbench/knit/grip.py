@@ -12,7 +12,16 @@ TURN_STRAIN = 2e-4  # that the motion comes back by for a turn to count
 JOINTS = np.linspace(-1, 1, 5)  # relative gaps of a drive whose play closes little by little
 
 
-class ActuatorBacklash(Effect):
+class BacklashLaw(Effect):
+    """Base of the laws of motion lost between out and back."""
+
+    mechanism = "actuator_backlash"
+    stage = Stage.KINEMATICS
+    reads, writes = ("strain",), ("strain",)
+    strength = "gap"
+
+
+class ActuatorBacklash(BacklashLaw):
     """Play in the drive: after each reversal the clamp stands still until the gap is crossed.
 
     e = mean of play operators of the nominal strain with half widths gap / 2 * (1 +- spread)
@@ -24,11 +33,7 @@ class ActuatorBacklash(Effect):
     """
 
     name = "actuator_backlash"
-    stage = Stage.KINEMATICS
-    reads, writes = ("strain",), ("strain",)
-    strength = "gap"
     nonlinear = True
-    imitated_by = "slip"
     look = "after each reversal force and conductance stand still for a fixed displacement"
 
     gap: float = parameter(0.004, unit="1", low=0, high=0.2, doc="full gap, as strain (divide mm by gauge length)")
@@ -43,11 +48,11 @@ class ActuatorBacklash(Effect):
         half_widths = 0.5 * self.gap * (1 + self.spread * JOINTS)
         return {"strain": play(signals["strain"], half_widths).mean(axis=0)}
 
-    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         return [{"spread": spread} for spread in (0.0, 0.5)]
 
 
-class ActuatorBacklashWindup(Effect):
+class ActuatorBacklashWindup(BacklashLaw):
     """A drive with friction winds up elastically after each reversal before the clamp follows.
 
     e -= (gap / 2) * z,   dz/de = (1 - z sign(de)) / travel,   z = 0 at the start
@@ -58,11 +63,6 @@ class ActuatorBacklashWindup(Effect):
     """
 
     name = "actuator_backlash_windup"
-    idea = "actuator_backlash"
-    stage = Stage.KINEMATICS
-    reads, writes = ("strain",), ("strain",)
-    strength = "gap"
-    imitated_by = "slip"
     look = "after each reversal force and conductance are late by a displacement that builds up over a short travel"
 
     gap: float = parameter(0.004, unit="1", low=0, high=0.2, doc="lost motion between out and back, as strain")
@@ -74,7 +74,7 @@ class ActuatorBacklashWindup(Effect):
         return {"strain": signals["strain"] - 0.5 * self.gap * dahl(signals["strain"], self.travel)}
 
 
-class ActuatorBacklashCompensated(Effect):
+class ActuatorBacklashCompensated(BacklashLaw):
     """A controller makes up for a play at every reversal, however short the stroke, and not by the right amount.
 
     e -= (gap / 2) * d * (1 - 2 exp(-s / travel)),   s = strain since the last turn,   d = 1 out, -1 back
@@ -85,11 +85,6 @@ class ActuatorBacklashCompensated(Effect):
     """
 
     name = "actuator_backlash_compensated"
-    idea = "actuator_backlash"
-    stage = Stage.KINEMATICS
-    reads, writes = ("strain",), ("strain",)
-    strength = "gap"
-    imitated_by = "slip"
     look = "after each reversal, also of the shortest stroke, force and conductance jump by the same displacement"
 
     gap: float = parameter(0.004, unit="1", low=-0.2, high=0.2, doc="motion lost at each turn, as strain")
@@ -116,7 +111,6 @@ class LeadscrewRipple(Effect):
     """
 
     name = "leadscrew_ripple"
-    cost = 0.15
     stage = Stage.KINEMATICS
     reads, writes = ("strain",), ("strain",)
     strength = "amplitude"
@@ -142,7 +136,6 @@ class Slack(Effect):
     """
 
     name = "slack"
-    cost = 0.15
     stage = Stage.KINEMATICS
     reads, writes = ("strain",), ("strain",)
     strength = "slack"

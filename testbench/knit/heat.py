@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from testbench.knit.conductance import ConductanceLaw
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
-from testbench.knit.filters import lowpass, shifted
+from testbench.knit.filters import lowpass
 
 
 def _coefficient(power: str) -> float:
@@ -19,7 +20,15 @@ def _coefficient(power: str) -> float:
 WANDER_BUMPS = 22
 
 
-class SelfHeating(Effect):
+class SelfHeatingLaw(ConductanceLaw):
+    """Base of the laws of a sensor that its measuring current warms."""
+
+    mechanism = "self_heating"
+    reads = ("conductance_S",)
+    strength = "coefficient"
+
+
+class SelfHeating(SelfHeatingLaw):
     """The measuring current warms the sensor; at constant voltage the more, the better it conducts.
 
     ln G += coefficient * y,   tau y' = G / G(0) - y,   y(0) = 0: cold when switched on
@@ -29,21 +38,18 @@ class SelfHeating(Effect):
     """
 
     name = "self_heating"
-    stage = Stage.ELECTRICAL
-    reads, writes = ("conductance_S",), ("conductance_S",)
-    strength = "coefficient"
     look = "conductance drifts after switching on and after each change of the mean stretch"
 
     coefficient: float = _coefficient("starting")
     tau_s: float = parameter(60.0, unit="s", low=1, high=3000, scale="log", doc="thermal time constant")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         conductance = signals["conductance_S"]
         warmth = lowpass(conductance / conductance[0], self.tau_s, dt_s, start=0.0)
-        return {"conductance_S": shifted(conductance, self.coefficient * warmth)}
+        return self.coefficient * warmth
 
 
-class SelfHeatingTwoMasses(Effect):
+class SelfHeatingTwoMasses(SelfHeatingLaw):
     """The measuring current warms the yarn at once and the fabric around it slowly.
 
     ln G += coefficient * (share * y_1 + (1 - share) * y_2),   tau_k y_k' = G / G(0) - y_k,   y_k(0) = 0
@@ -53,10 +59,6 @@ class SelfHeatingTwoMasses(Effect):
     """
 
     name = "self_heating_two_masses"
-    idea = "self_heating"
-    stage = Stage.ELECTRICAL
-    reads, writes = ("conductance_S",), ("conductance_S",)
-    strength = "coefficient"
     look = "conductance comes back within seconds after each change of the stretch, and drifts for minutes besides"
 
     coefficient: float = _coefficient("starting")
@@ -64,18 +66,18 @@ class SelfHeatingTwoMasses(Effect):
     slow_s: float = parameter(300.0, unit="s", low=30, high=3000, scale="log", doc="that of the fabric")
     share: float = parameter(0.5, unit="1", low=0, high=1, doc="share of the yarn")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         conductance = signals["conductance_S"]
         power = conductance / conductance[0]
         yarn, fabric = (lowpass(power, tau_s, dt_s, start=0.0) for tau_s in (self.fast_s, self.slow_s))
         warmth = self.share * yarn + (1 - self.share) * fabric
-        return {"conductance_S": shifted(conductance, self.coefficient * warmth)}
+        return self.coefficient * warmth
 
-    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         return [{"fast_s": fast_s, "slow_s": slow_s} for fast_s in (4.0, 12.0, 30.0) for slow_s in (150.0, 500.0)]
 
 
-class SelfHeatingCurrent(Effect):
+class SelfHeatingCurrent(SelfHeatingLaw):
     """The measuring current warms the sensor; at constant current the more, the worse it conducts.
 
     ln G += coefficient * y,   tau y' = G(0) / G - y,   y(0) = 0: cold when switched on
@@ -85,22 +87,18 @@ class SelfHeatingCurrent(Effect):
     """
 
     name = "self_heating_current"
-    idea = "self_heating"
-    stage = Stage.ELECTRICAL
-    reads, writes = ("conductance_S",), ("conductance_S",)
-    strength = "coefficient"
     look = "conductance drifts after switching on and after each change of the mean stretch"
 
     coefficient: float = _coefficient("starting")
     tau_s: float = parameter(60.0, unit="s", low=1, high=3000, scale="log", doc="thermal time constant")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         conductance = signals["conductance_S"]
         warmth = lowpass(conductance[0] / conductance, self.tau_s, dt_s, start=0.0)
-        return {"conductance_S": shifted(conductance, self.coefficient * warmth)}
+        return self.coefficient * warmth
 
 
-class SelfHeatingDivider(Effect):
+class SelfHeatingDivider(SelfHeatingLaw):
     """The measuring current warms the sensor of a voltage divider: most where it matches the fixed resistor.
 
     ln G += coefficient * y,   tau y' = 4 q / (1 + q)^2 - y,   q = match * G(0) / G,   y(0) = 0
@@ -110,23 +108,19 @@ class SelfHeatingDivider(Effect):
     """
 
     name = "self_heating_divider"
-    idea = "self_heating"
-    stage = Stage.ELECTRICAL
-    reads, writes = ("conductance_S",), ("conductance_S",)
-    strength = "coefficient"
     look = "conductance drifts after switching on and after each change of the mean stretch, up or down"
 
     coefficient: float = _coefficient("largest")
     tau_s: float = parameter(60.0, unit="s", low=1, high=3000, scale="log", doc="thermal time constant")
     match: float = parameter(1.0, unit="1", low=0.02, high=50, scale="log", doc="R(0) / R_d")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         conductance = signals["conductance_S"]
         ratio = self.match * conductance[0] / conductance
         warmth = lowpass(4 * ratio / (1 + ratio) ** 2, self.tau_s, dt_s, start=0.0)
-        return {"conductance_S": shifted(conductance, self.coefficient * warmth)}
+        return self.coefficient * warmth
 
-    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         conductance, end_s = signals["conductance_S"], float(signals["time_s"][-1])
         # matched at the middle, the top and the bottom of what the sensor shows
         matches = [float(np.quantile(conductance, q) / conductance[0]) for q in (0.1, 0.5, 0.9)]
@@ -134,7 +128,14 @@ class SelfHeatingDivider(Effect):
         return [{"match": match, "tau_s": tau_s} for match in matches for tau_s in taus_s]
 
 
-class TemperatureDrift(Effect):
+class RoomLaw(ConductanceLaw):
+    """Base of the laws of a conductance that follows the temperature of the room."""
+
+    mechanism = "temperature_drift"
+    reads = ("time_s", "conductance_S")
+
+
+class TemperatureDrift(RoomLaw):
     """The conductance follows the temperature of the room.
 
     ln G += coefficient * (T - T(0))        T: measured `temperature_C`, followed with the lag `lag_s`
@@ -145,10 +146,6 @@ class TemperatureDrift(Effect):
     """
 
     name = "temperature_drift"
-    cost = 0.25
-    akin = ("self_heating",)
-    stage = Stage.ELECTRICAL
-    reads, writes = ("time_s", "conductance_S"), ("conductance_S",)
     optional_reads = ("temperature_C",)
     strength = "coefficient_per_K"
     look = "conductance wanders slowly, with the room and not with the motion"
@@ -160,17 +157,17 @@ class TemperatureDrift(Effect):
     )
     phase_rad: float = parameter(0.0, unit="rad", low=-3.2, high=3.2, doc="phase of the swing at the start")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         measured = signals.get("temperature_C")
         if measured is not None:
             kelvin = lowpass(measured, self.lag_s, dt_s) - measured[0]
         else:
             angle = 2 * np.pi * signals["time_s"] / self.period_s + self.phase_rad
             kelvin = np.sin(angle) - np.sin(self.phase_rad)
-        return {"conductance_S": shifted(signals["conductance_S"], self.coefficient_per_K * kelvin)}
+        return self.coefficient_per_K * kelvin
 
 
-class TemperatureDriftTrend(Effect):
+class TemperatureDriftTrend(RoomLaw):
     """An unmeasured room that warms (or cools) steadily.
 
     ln G += coefficient * t / 1 h        (1 K per hour)
@@ -180,22 +177,17 @@ class TemperatureDriftTrend(Effect):
     """
 
     name = "temperature_drift_trend"
-    idea = "temperature_drift"
-    cost = 0.25
-    akin = ("self_heating",)
-    stage = Stage.ELECTRICAL
-    reads, writes = ("time_s", "conductance_S"), ("conductance_S",)
     strength = "coefficient_per_h"
     look = "conductance drifts at a steady pace from the first to the last minute"
 
     coefficient_per_h: float = parameter(0.02, unit="1/h", low=-2, high=2, doc="change of ln G per hour")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         hours = signals["time_s"] / 3600
-        return {"conductance_S": shifted(signals["conductance_S"], self.coefficient_per_h * hours)}
+        return self.coefficient_per_h * hours
 
 
-class TemperatureDriftWander(Effect):
+class TemperatureDriftWander(RoomLaw):
     """An unmeasured room whose temperature wanders slowly, in its own way in each recording.
 
     ln G += sum_j w_j B_j(t / duration)
@@ -205,11 +197,6 @@ class TemperatureDriftWander(Effect):
     """
 
     name = "temperature_drift_wander"
-    idea = "temperature_drift"
-    cost = 0.25
-    akin = ("self_heating",)
-    stage = Stage.ELECTRICAL
-    reads, writes = ("time_s", "conductance_S"), ("conductance_S",)
     strength = "weights"
     per_recording = ("weights",)
     look = "conductance wanders slowly, differently in every recording, whatever the motion"
@@ -218,12 +205,11 @@ class TemperatureDriftWander(Effect):
         (0.0,) * WANDER_BUMPS, unit="1", low=-5, high=5, doc="height of each bump over time"
     )
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         from testbench.knit.kernels import bspline
 
         t = signals["time_s"]
-        wander = bspline(t / max(t[-1], dt_s), np.asarray(self.weights))
-        return {"conductance_S": shifted(signals["conductance_S"], wander)}
+        return bspline(t / max(t[-1], dt_s), np.asarray(self.weights))
 
 
 class ThermalSoftening(Effect):
@@ -236,7 +222,7 @@ class ThermalSoftening(Effect):
     """
 
     name = "thermal_softening"
-    idea = "temperature_drift"
+    mechanism = "temperature_drift"
     stage = Stage.MECHANICS
     reads, writes = ("force_N",), ("force_N",)
     optional_reads = ("temperature_C",)

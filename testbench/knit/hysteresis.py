@@ -17,7 +17,16 @@ def mean_slip(x: FloatArray, threshold: float) -> FloatArray:
     return mean_stop(x, threshold * SPREAD)
 
 
-class Hysteresis(Effect):
+class FrictionLaw(Effect):
+    """Base of the laws of friction between the yarns."""
+
+    mechanism = "hysteresis"
+    stage = Stage.MECHANICS
+    reads, writes = ("strain", "force_N"), ("force_N",)
+    strength = "friction_N"
+
+
+class Hysteresis(FrictionLaw):
     """Friction between the yarns: a Prandtl-Ishlinskii (Maxwell-slip) sum of stop operators.
 
     F += friction * (1 + growth e) * mean_k( stop_k(e) / r_k )
@@ -28,12 +37,11 @@ class Hysteresis(Effect):
     """
 
     name = "hysteresis"
-    stage = Stage.MECHANICS
-    reads, writes = ("strain", "force_N"), ("force_N",)
-    strength = "friction_N"
     look = "force is higher while stretching than while releasing, at any speed"
 
-    friction_N: float = parameter(0.3, unit="N", low=0, high=100, doc="friction force when every element slips")
+    friction_N: float = parameter(
+        0.3, unit="N", low=0, high=100, typical=0.05, doc="friction force when every element slips"
+    )
     threshold: float = parameter(
         0.02, unit="1", low=5e-4, high=0.5, scale="log", doc="strain after a reversal at which slip is under way"
     )
@@ -45,7 +53,7 @@ class Hysteresis(Effect):
         return {"force_N": signals["force_N"] + self.friction_N * width * mean_slip(e, self.threshold)}
 
 
-class HysteresisBoucWen(Effect):
+class HysteresisBoucWen(FrictionLaw):
     """Friction between the yarns as one smooth hysteretic variable (Bouc-Wen, exponent 1).
 
     F += friction * (1 + growth e) * z
@@ -58,10 +66,6 @@ class HysteresisBoucWen(Effect):
     """
 
     name = "hysteresis_bouc_wen"
-    idea = "hysteresis"
-    stage = Stage.MECHANICS
-    reads, writes = ("strain", "force_N"), ("force_N",)
-    strength = "friction_N"
     look = "force is higher while stretching than while releasing, with smooth corners"
 
     friction_N: float = parameter(0.3, unit="N", low=0, high=100, doc="friction force when fully slipping")

@@ -2,17 +2,36 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
-from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
+from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter, step_s
 from testbench.knit.filters import shifted
 
 LINES, LINE_BINS = 3, 4  # lines of a spectrum that are tried, and how wide one is
 
 
-class PeriodicInterference(Effect):
+class InterferenceLaw(Effect):
+    """Base of the laws of a periodic disturbance that rides on a reading, in phase with the clock."""
+
+    mechanism = "periodic_interference"
+    stage = Stage.READOUT
+    reads, writes = ("time_s", "conductance_S"), ("conductance_S",)
+    strength = "amplitude"
+    per_recording = ("phase_rad",)
+    channel: ClassVar[str] = "conductance"  # of the residual
+
+    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+        """The sharpest lines of the residual, in and out of phase: together they reach any phase."""
+        if self.channel not in residual:
+            return []
+        lines_Hz = sharpest_lines_Hz(residual[self.channel], step_s(signals), LINES)
+        phases = (-np.pi / 2, 0.0, np.pi / 2, np.pi)
+        return [{"frequency_Hz": frequency, "phase_rad": phase} for frequency in lines_Hz for phase in phases]
+
+
+class PeriodicInterference(InterferenceLaw):
     """A periodic disturbance rides on the conductance: mains hum folded down by sampling, a pump, a motor.
 
     G *= 1 + amplitude * sin(2 pi f t + phase)
@@ -22,11 +41,6 @@ class PeriodicInterference(Effect):
     """
 
     name = "periodic_interference"
-    stage = Stage.READOUT
-    quick = True
-    reads, writes = ("time_s", "conductance_S"), ("conductance_S",)
-    strength = "amplitude"
-    per_recording = ("phase_rad",)
     look = "a sine rides on the conductance, in holds too; a sharp line in the spectrum"
 
     amplitude: float = parameter(0.01, unit="1", low=0, high=0.5, doc="relative amplitude")
@@ -36,14 +50,6 @@ class PeriodicInterference(Effect):
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         wave = np.sin(2 * np.pi * self.frequency_Hz * signals["time_s"] + self.phase_rad)
         return {"conductance_S": signals["conductance_S"] * (1 + self.amplitude * wave)}
-
-    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
-        if "conductance_S" not in signals:
-            return self
-        return self.near(frequency_Hz=strongest_frequency_Hz(np.log(signals["conductance_S"]), dt_s))
-
-    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
-        return _waves(residual.get("conductance"), dt_s)
 
 
 class PeriodicInterferenceWave(PeriodicInterference):
@@ -56,7 +62,6 @@ class PeriodicInterferenceWave(PeriodicInterference):
     """
 
     name = "periodic_interference_wave"
-    idea = "periodic_interference"
     look = "a wave of fixed shape rides on the conductance, in holds too; lines at multiples of one frequency"
 
     amplitude: float = parameter(0.01, unit="1", low=0, high=0.5, doc="amplitude of the first harmonic in ln G")
@@ -69,7 +74,7 @@ class PeriodicInterferenceWave(PeriodicInterference):
         return {"conductance_S": shifted(signals["conductance_S"], self.amplitude * wave)}
 
 
-class PeriodicInterferenceForce(Effect):
+class PeriodicInterferenceForce(InterferenceLaw):
     """A periodic disturbance rides on the force reading.
 
     F += amplitude * sin(2 pi f t + phase)
@@ -79,12 +84,9 @@ class PeriodicInterferenceForce(Effect):
     """
 
     name = "periodic_interference_force"
-    idea = "periodic_interference"
-    stage = Stage.READOUT
-    quick = True
     reads, writes = ("time_s", "force_N"), ("force_N",)
     strength = "amplitude_N"
-    per_recording = ("phase_rad",)
+    channel = "force"
     look = "a sine rides on the force, in holds too; a sharp line in the spectrum"
 
     amplitude_N: float = parameter(0.02, unit="N", low=0, high=50, doc="amplitude")
@@ -94,28 +96,6 @@ class PeriodicInterferenceForce(Effect):
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         wave = np.sin(2 * np.pi * self.frequency_Hz * signals["time_s"] + self.phase_rad)
         return {"force_N": signals["force_N"] + self.amplitude_N * wave}
-
-    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
-        if "force_N" not in signals:
-            return self
-        return self.near(frequency_Hz=strongest_frequency_Hz(signals["force_N"], dt_s))
-
-    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
-        return _waves(residual.get("force"), dt_s)
-
-
-def _waves(residual: FloatArray | None, dt_s: float) -> list[dict[str, Any]]:
-    """The sharpest lines of the residual, in and out of phase: together they reach any phase."""
-    if residual is None:
-        return []
-    lines_Hz = sharpest_lines_Hz(residual, dt_s, LINES)
-    phases = (-np.pi / 2, 0.0, np.pi / 2, np.pi)
-    return [{"frequency_Hz": frequency, "phase_rad": phase} for frequency in lines_Hz for phase in phases]
-
-
-def strongest_frequency_Hz(x: FloatArray, dt_s: float) -> float:
-    """Frequency of the sharpest line of `x`, above 0.02 Hz and below 20 Hz: the peak over its surroundings."""
-    return sharpest_lines_Hz(x, dt_s, 1)[0]
 
 
 def sharpest_lines_Hz(x: FloatArray, dt_s: float, most: int) -> list[float]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from testbench.knit.effect import FloatArray, Signals
+from testbench.knit.effect import FloatArray, Signals, step_s
 
 WINDOW_S = 0.3  # long enough to average the noise, short enough that the misfit runs straight
 SKIP_S = 0.05  # around the jump itself, which the averaging of samples blurs
@@ -17,7 +17,7 @@ MAD_TO_SD = 1.4826
 SIGNAL = {"force": "force_N", "conductance": "conductance_S"}
 
 
-def slips(signals: Signals, residual: Signals, dt_s: float) -> list[tuple[float, float]]:
+def slips(signals: Signals, residual: Signals) -> list[tuple[float, float]]:
     """Moments at which the knit seems to have slipped [s], and by how much (as strain), the largest slip first.
 
     Straight lines are fitted to the misfit just before and just after each sample; where they do not meet, something
@@ -32,7 +32,9 @@ def slips(signals: Signals, residual: Signals, dt_s: float) -> list[tuple[float,
     residual : mapping of str to ndarray, each shape (n,)
         Measured minus modelled: ``force`` in N, ``conductance`` in ln S.
     """
-    strain = signals["strain"]
+    if not residual:
+        return []
+    strain, dt_s = signals["strain"], step_s(signals)
     jump = {channel: jumps(values, dt_s) for channel, values in residual.items()}
     usual = {channel: _usual(residual[channel], jump[channel], dt_s) for channel in residual}
     steep = {channel: _steepness(strain, signals[SIGNAL[channel]], channel) / usual[channel] for channel in residual}

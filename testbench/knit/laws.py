@@ -243,13 +243,14 @@ def knows_no_future(effect: Effect) -> str:
 
 
 def starts_a_fit(effect: Effect) -> str:
-    """`initial_guess` gives an effect of the same kind, from all measured channels, or from any one alone."""
+    """Every one of its `starts` sets parameters that the effect has, whichever channels were measured."""
     signals = example_signals(0.05)
-    channels = ("force_N", "conductance_S")
-    for measured in (channels, channels[:1], channels[1:]):
-        known = {key: signals[key] for key in ("time_s", "strain_nominal", "strain", *measured)}
-        if type(effect.initial_guess(known, 0.05)) is not type(effect):
-            return f"initial_guess from {' and '.join(measured)} returns another kind of effect"
+    wave = 0.01 * np.sin(signals["time_s"])
+    for measured in (("force", "conductance"), ("force",), ("conductance",), ()):
+        for point in effect.starts(signals, dict.fromkeys(measured, wave)):
+            if unknown := set(point) - set(type(effect).model_fields):
+                return f"starts sets {sorted(unknown)[0]}, which is no parameter of it"
+            effect.near(**point)
     return ""
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import ClassVar
 
 import numpy as np
@@ -26,8 +25,6 @@ class Lengthening(Effect):
     stage = Stage.KINEMATICS
     reads: ClassVar[tuple[str, ...]] = ("strain",)
     writes = ("strain",)
-    akin = ("permanent_set", "clamp_slip")
-    absent_at: ClassVar[Mapping[str, float]] = {"pretension": TAUT}
 
     pretension: float = parameter(
         0.0, unit="1", low=0, high=TAUT, doc="strain it was mounted with: so far below the start it still pulls"

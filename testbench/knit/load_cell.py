@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -10,7 +10,17 @@ from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 from testbench.knit.filters import lowpass, memory_of_decades, memory_of_two_times
 
 
-class LoadCellCreep(Effect):
+class LoadCellLaw(Effect):
+    """Base of the laws of a load cell whose reading creeps."""
+
+    mechanism = "load_cell_creep"
+    stage = Stage.READOUT
+    reads: ClassVar[tuple[str, ...]] = ("force_N",)
+    writes = ("force_N",)
+    strength = "fraction"
+
+
+class LoadCellCreep(LoadCellLaw):
     """The load cell's reading goes on changing under a constant load.
 
     reading(t) = F(t) + fraction * integral of (1 - exp(-(t - s) / tau)) dF(s)
@@ -20,10 +30,6 @@ class LoadCellCreep(Effect):
     """
 
     name = "load_cell_creep"
-    cost = 0.1  # data sheets promise hundredths of a per cent
-    stage = Stage.READOUT
-    reads, writes = ("force_N",), ("force_N",)
-    strength = "fraction"
     look = "in a hold the force reading creeps while the conductance holds; after a release zero is off"
 
     fraction: float = parameter(0.02, unit="1", low=-1, high=1, doc="share of the load by which it creeps")
@@ -34,7 +40,7 @@ class LoadCellCreep(Effect):
         return {"force_N": force_N + self.fraction * (lowpass(force_N, self.tau_s, dt_s) - force_N[0])}
 
 
-class LoadCellCreepTwoTimes(Effect):
+class LoadCellCreepTwoTimes(LoadCellLaw):
     """The load cell's reading creeps in two steps: a quick one of the glue, a slow one of the spring.
 
     reading(t) = F(t) + fraction * integral of phi(t - s) dF(s)
@@ -45,11 +51,6 @@ class LoadCellCreepTwoTimes(Effect):
     """
 
     name = "load_cell_creep_two_times"
-    idea = "load_cell_creep"
-    cost = 0.1  # data sheets promise hundredths of a per cent
-    stage = Stage.READOUT
-    reads, writes = ("force_N",), ("force_N",)
-    strength = "fraction"
     look = "in a hold the force reading creeps within seconds, and then on for minutes, while the conductance holds"
 
     fraction: float = parameter(0.02, unit="1", low=-1, high=1, doc="share of the load by which it creeps")
@@ -57,7 +58,7 @@ class LoadCellCreepTwoTimes(Effect):
     slow_s: float = parameter(400.0, unit="s", low=30, high=1e4, scale="log", doc="time of the slow step")
     share: float = parameter(0.5, unit="1", low=0, high=1, doc="share of the quick step")
 
-    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         return [{"fast_s": fast_s, "slow_s": slow_s} for fast_s in (10.0, 40.0) for slow_s in (200.0, 800.0)]
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
@@ -66,7 +67,7 @@ class LoadCellCreepTwoTimes(Effect):
         return {"force_N": force_N + crept}
 
 
-class LoadCellCreepLog(Effect):
+class LoadCellCreepLog(LoadCellLaw):
     """The load cell's reading creeps with the logarithm of time.
 
     reading(t) = integral of (1 + per_decade log10(1 + (t - s) / tau)) dF(s)
@@ -76,10 +77,6 @@ class LoadCellCreepLog(Effect):
     """
 
     name = "load_cell_creep_log"
-    idea = "load_cell_creep"
-    cost = 0.1  # data sheets promise hundredths of a per cent
-    stage = Stage.READOUT
-    reads, writes = ("force_N",), ("force_N",)
     strength = "per_decade"
     look = "in a hold the force reading creeps ever more slowly while the conductance holds"
 
@@ -91,7 +88,7 @@ class LoadCellCreepLog(Effect):
         return {"force_N": force_N + memory_of_decades(force_N, self.per_decade, self.tau_s, dt_s)}
 
 
-class LoadCellZeroDrift(Effect):
+class LoadCellZeroDrift(LoadCellLaw):
     """The zero of the load cell drifts with time, as its bridge warms up.
 
     reading += drift * (1 - exp(-t / tau))
@@ -101,10 +98,7 @@ class LoadCellZeroDrift(Effect):
     """
 
     name = "load_cell_zero_drift"
-    idea = "load_cell_creep"
-    cost = 0.1  # data sheets promise hundredths of a per cent
-    stage = Stage.READOUT
-    reads, writes = ("time_s", "force_N"), ("force_N",)
+    reads = ("time_s", "force_N")
     strength = "drift_N"
     look = "the whole force curve is shifted, more and more, at every strain alike"
 

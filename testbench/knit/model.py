@@ -50,7 +50,7 @@ class KnitModel:
             raise UserError(f"the model has no effect {name}; it has {', '.join(self.effects)}") from None
 
     def plus(self, effect: Effect, name: str | None = None) -> KnitModel:
-        """A model with `effect` at the end of its stage; a law takes the place of another law of the same idea."""
+        """A model with `effect` at the end of its stage; a law takes the place of another of the same mechanism."""
         place = "" if name else self._place_of_law(effect)
         if place:
             return self.replacing(place, effect)
@@ -63,12 +63,11 @@ class KnitModel:
     __add__ = plus
 
     def _place_of_law(self, law: Effect) -> str:
-        """Name of the law, which cannot be absent as an effect can, that `law` is another form of; empty if none."""
+        """Name of the law, which cannot be absent as an effect can, whose place `law` takes; empty if none."""
         if law.strength:
             return ""
         laws = {name: effect for name, effect in self.effects.items() if not effect.strength}
-        idea = law.idea or law.name
-        return next((name for name, effect in laws.items() if (effect.idea or effect.name) == idea), "")
+        return next((name for name, effect in laws.items() if effect.mechanism == law.mechanism), "")
 
     def _free_name(self, base: str) -> str:
         name, number = base, 1

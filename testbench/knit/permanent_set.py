@@ -6,22 +6,32 @@ from typing import Any
 
 import numpy as np
 
-from testbench.knit.damage import cycled_strain, share_of_strain
-from testbench.knit.effect import Effect, FloatArray, Signals, parameter
+from testbench.knit.damage import cycled_strain
+from testbench.knit.effect import FloatArray, Signals, parameter
 from testbench.knit.filters import lowpass
 from testbench.knit.length import TAUT, Lengthening, overload_s
 
 RENEWED = 0.5
 LIMP_OR_TAUT = (0.0, TAUT)  # pretension: a knit that hangs limp as soon as it has grown, and one that never does
-COST_OF_FLOW = 0.1  # while the load stays on, a fabric that flows cannot be told from one that relaxes
 
 
-def _starts(points: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Whether the added length stretches along is for the data to say; a search that starts between finds either."""
-    return [point | {"renewed": RENEWED, "pretension": pretension} for point in points for pretension in LIMP_OR_TAUT]
+class PermanentSetLaw(Lengthening):
+    """Base of the laws of permanent set: the knit itself grows longer."""
+
+    mechanism = "permanent_set"
+    strength = "fraction"
+
+    def points(self, top: float) -> list[dict[str, Any]]:
+        """Where a fit may start on a recording whose largest strain is `top`, but for what `Lengthening` declares."""
+        raise NotImplementedError
+
+    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+        """Whether the added length stretches along is for the data to say; halfway, a search finds either."""
+        points = self.points(float(np.max(signals["strain"])))
+        return [point | {"renewed": RENEWED, "pretension": at} for point in points for at in LIMP_OR_TAUT]
 
 
-class PermanentSet(Lengthening):
+class PermanentSet(PermanentSetLaw):
     """The knit grows longer for good: part of the largest (slowly followed) stretch does not come back.
 
     e -= fraction * (m(t) - m(0)),   m = largest value so far of y,   tau y' = e - y
@@ -34,7 +44,6 @@ class PermanentSet(Lengthening):
     """
 
     name = "permanent_set"
-    strength = "fraction"
     look = "force comes back to zero before the clamps do, smoothly more so after larger or longer stretches"
 
     fraction: float = parameter(0.1, unit="1", low=0, high=0.9, doc="share of the stretch that stays")
@@ -46,11 +55,11 @@ class PermanentSet(Lengthening):
         followed = running_max(lowpass(signals["strain"], self.tau_s, dt_s))
         return self.fraction * (followed - followed[0])
 
-    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
-        return _starts([{"tau_s": tau_s} for tau_s in (0.1, 1.0, 10.0, 60.0, 300.0, 1500.0)])
+    def points(self, top: float) -> list[dict[str, Any]]:
+        return [{"tau_s": tau_s} for tau_s in (0.1, 1.0, 10.0, 60.0, 300.0, 1500.0)]
 
 
-class PermanentSetYield(Lengthening):
+class PermanentSetYield(PermanentSetLaw):
     """A set that begins beyond an elastic limit and grows with a power of the largest stretch.
 
     e -= fraction * span * (x(m(t)) - x(m(0))),   x(m) = ((m - limit)+ / span)^power,   m = largest strain so far
@@ -61,8 +70,6 @@ class PermanentSetYield(Lengthening):
     """
 
     name = "permanent_set_yield"
-    idea = "permanent_set"
-    strength = "fraction"
     look = "force comes back to zero before the clamps do, the more so after large stretches"
 
     fraction: float = parameter(
@@ -79,17 +86,13 @@ class PermanentSetYield(Lengthening):
         grown = beyond**self.power
         return self.fraction * self.span * (grown - grown[0])
 
-    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
-        return share_of_strain(self, signals, limit=0.3)
-
-    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
-        top = float(np.max(signals["strain"]))
+    def points(self, top: float) -> list[dict[str, Any]]:
         linear = [{"limit": share * top} for share in (0.05, 0.15, 0.3, 0.5, 0.7)]
         hardening = [{"limit": 0.02 * top, "power": power} for power in (1.7, 2.5)]
-        return _starts([*linear, *hardening])
+        return [*linear, *hardening]
 
 
-class PermanentSetViscoplastic(Lengthening):
+class PermanentSetViscoplastic(PermanentSetLaw):
     """A knit that flows beyond its yield strain, the faster the further beyond; the yield point rises as it flows.
 
     s' = rate * span * ((e - s - limit - hardening s)+ / span)^power,   e -= s
@@ -99,10 +102,8 @@ class PermanentSetViscoplastic(Lengthening):
     """
 
     name = "permanent_set_viscoplastic"
-    idea = "permanent_set"
     strength = "rate_per_s"
     nonlinear = True
-    cost = COST_OF_FLOW
     look = "time spent at high stretch makes the knit longer, ever more slowly, and only where it pulls hard"
 
     rate_per_s: float = parameter(0.01, unit="1/s", low=0, high=1, doc="flow at an overload of `span`, over `span`")
@@ -117,15 +118,11 @@ class PermanentSetViscoplastic(Lengthening):
         over = (signals["strain"] - self.limit) / self.span
         return self.span * overstress_flow(over, self.rate_per_s * dt_s, 1 + self.hardening, self.power)
 
-    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
-        return share_of_strain(self, signals, limit=0.45)
-
-    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
-        top = float(np.max(signals["strain"]))
-        return _starts([{"limit": share * top} for share in (0.1, 0.35, 0.6)])
+    def points(self, top: float) -> list[dict[str, Any]]:
+        return [{"limit": share * top} for share in (0.1, 0.35, 0.6)]
 
 
-class PermanentSetRecovering(Lengthening):
+class PermanentSetRecovering(PermanentSetLaw):
     """A set that follows the mean stretch and recovers as slowly as it came (delayed elasticity).
 
     e -= fraction * (y - e(0)),   tau y' = e - y
@@ -135,8 +132,6 @@ class PermanentSetRecovering(Lengthening):
     """
 
     name = "permanent_set_recovering"
-    idea = "permanent_set"
-    strength = "fraction"
     look = "the knit sags during long work and recovers in a rest"
 
     fraction: float = parameter(0.1, unit="1", low=0, high=0.9, doc="share of the mean stretch that is given up")
@@ -146,11 +141,11 @@ class PermanentSetRecovering(Lengthening):
         strain = signals["strain"]
         return self.fraction * (lowpass(strain, self.tau_s, dt_s) - strain[0])
 
-    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
-        return _starts([{"tau_s": tau_s} for tau_s in (3.0, 10.0, 40.0, 150.0, 500.0, 1500.0)])
+    def points(self, top: float) -> list[dict[str, Any]]:
+        return [{"tau_s": tau_s} for tau_s in (3.0, 10.0, 40.0, 150.0, 500.0, 1500.0)]
 
 
-class PermanentSetWorked(Lengthening):
+class PermanentSetWorked(PermanentSetLaw):
     """A set that grows with the strain path: every cycle ratchets the knit a little longer.
 
     e -= amount * (1 - exp(-path / scale)),   path = integral of |de|
@@ -160,7 +155,6 @@ class PermanentSetWorked(Lengthening):
     """
 
     name = "permanent_set_worked"
-    idea = "permanent_set"
     strength = "amount"
     look = "each cycle the force starts to rise at a slightly greater displacement"
 
@@ -170,11 +164,11 @@ class PermanentSetWorked(Lengthening):
     def added(self, signals: Signals, dt_s: float) -> FloatArray:
         return -self.amount * np.expm1(-cycled_strain(signals) / self.scale)
 
-    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
-        return _starts([{"scale": scale} for scale in (0.5, 3.0, 15.0, 60.0, 300.0)])
+    def points(self, top: float) -> list[dict[str, Any]]:
+        return [{"scale": scale} for scale in (0.5, 3.0, 15.0, 60.0, 300.0)]
 
 
-class PermanentSetCreep(Lengthening):
+class PermanentSetCreep(PermanentSetLaw):
     """A set that creeps with the logarithm of the time under stretch.
 
     e -= amount * ln(1 + w / scale_s),   w = integral of e+ / span dt
@@ -184,9 +178,7 @@ class PermanentSetCreep(Lengthening):
     """
 
     name = "permanent_set_creep"
-    idea = "permanent_set"
     strength = "amount"
-    cost = COST_OF_FLOW
     look = "the knit grows longer with every minute under stretch, fast at first and never quite to an end"
 
     amount: float = parameter(0.01, unit="1", low=0, high=0.1, doc="set for each e-fold of time, as strain")
@@ -197,5 +189,5 @@ class PermanentSetCreep(Lengthening):
         stretched_s = overload_s(signals["strain"], 0.0, dt_s) / self.span
         return self.amount * np.log1p(stretched_s / self.scale_s)
 
-    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
-        return _starts([{"scale_s": scale_s} for scale_s in (3.0, 20.0, 150.0)])
+    def points(self, top: float) -> list[dict[str, Any]]:
+        return [{"scale_s": scale_s} for scale_s in (3.0, 20.0, 150.0)]

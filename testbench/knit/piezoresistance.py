@@ -5,27 +5,34 @@ The laws take the place of `contact` in a model: they need no force, and make th
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
+from testbench.knit.conductance import ConductanceLaw
 from testbench.knit.contact import positive_part
-from testbench.knit.damage import share_of_strain
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
-from testbench.knit.filters import shifted
 
 CAP = 60.0  # e^60 is beyond all resistances; it keeps a wild fit finite
 
 
-def guess_rest_ohm(effect: Effect, signals: Signals) -> Effect:
-    """Resistance at rest, from the measured conductance at the smallest strains."""
-    strain, conductance = signals.get("strain"), signals.get("conductance_S")
-    if strain is None or conductance is None:
-        return effect
-    low = strain <= np.quantile(strain, 0.05)
-    rest_ohm = float(1 / np.median(conductance[low]))
-    return effect.near(rest_ohm=rest_ohm)
+class PiezoresistiveLaw(Effect):
+    """Base of the laws that make the conductance from the strain, in the place of contacts."""
+
+    mechanism = "piezoresistance"
+    stage = Stage.CONTACT
+    reads, writes = ("strain",), ("conductance_S",)
+
+    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+        """Resistance at rest, from the measured conductance at the smallest strains."""
+        if "conductance_S" not in signals:
+            return []
+        conductance = signals["conductance_S"] * np.exp(residual.get("conductance", 0.0))
+        low = signals["strain"] <= np.quantile(signals["strain"], 0.05)
+        return [{"rest_ohm": float(1 / np.median(conductance[low]))}]
 
 
-class Piezoresistance(Effect):
+class Piezoresistance(PiezoresistiveLaw):
     """Resistance rises exponentially with strain, with a bend.
 
     ln R = ln rest + gauge * e + bend * e^2
@@ -38,8 +45,6 @@ class Piezoresistance(Effect):
     """
 
     name = "piezoresistance"
-    stage = Stage.CONTACT
-    reads, writes = ("strain",), ("conductance_S",)
     look = "conductance falls with stretch, the same percentage for each further percent"
 
     rest_ohm: float = parameter(1e5, unit="ohm", low=1e-3, high=1e12, scale="log", doc="resistance at zero strain")
@@ -51,11 +56,8 @@ class Piezoresistance(Effect):
         log_ratio = np.clip(self.gauge * e + self.bend * e * e, -CAP, CAP)
         return {"conductance_S": np.exp(-log_ratio) / self.rest_ohm}
 
-    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
-        return guess_rest_ohm(self, signals)
 
-
-class YarnElongation(Effect):
+class YarnElongation(ConductanceLaw):
     """Once the loops are straight the conductive yarn itself is stretched: its resistance rises.
 
     ln G -= gauge * s,   s = ((e - onset) + sqrt((e - onset)^2 + 4 width^2)) / 2 minus its value at e = 0
@@ -66,9 +68,6 @@ class YarnElongation(Effect):
     """
 
     name = "yarn_elongation"
-    cost = 0.15
-    stage = Stage.ELECTRICAL
-    reads, writes = ("strain", "conductance_S"), ("conductance_S",)
     strength = "gauge"
     look = "conductance turns round and falls again at high strain, force does not"
 
@@ -76,16 +75,13 @@ class YarnElongation(Effect):
     onset: float = parameter(0.2, unit="1", low=0.01, high=2, scale="log", doc="strain where the loops are straight")
     width: float = parameter(0.02, unit="1", low=1e-3, high=0.3, scale="log", doc="strain over which it sets in")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         rest = positive_part(np.array([-self.onset]), self.width)
         stretched = positive_part(signals["strain"] - self.onset, self.width) - rest
-        return {"conductance_S": shifted(signals["conductance_S"], -self.gauge * stretched)}
-
-    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
-        return share_of_strain(self, signals, onset=0.6, width=0.1)
+        return -self.gauge * stretched
 
 
-class PiezoresistanceTunnelling(Effect):
+class PiezoresistanceTunnelling(PiezoresistiveLaw):
     """Electrons tunnel between filler particles whose gaps widen in proportion to the strain.
 
     R = rest * (1 + e) * exp(barrier * e)
@@ -96,9 +92,6 @@ class PiezoresistanceTunnelling(Effect):
     """
 
     name = "piezoresistance_tunnelling"
-    idea = "piezoresistance"
-    stage = Stage.CONTACT
-    reads, writes = ("strain",), ("conductance_S",)
     look = "conductance falls exponentially with stretch"
 
     rest_ohm: float = parameter(1e5, unit="ohm", low=1e-3, high=1e12, scale="log", doc="resistance at zero strain")
@@ -109,11 +102,8 @@ class PiezoresistanceTunnelling(Effect):
         log_ratio = np.clip(np.log1p(e) + self.barrier * e, -CAP, CAP)
         return {"conductance_S": np.exp(-log_ratio) / self.rest_ohm}
 
-    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
-        return guess_rest_ohm(self, signals)
 
-
-class PiezoresistancePercolation(Effect):
+class PiezoresistancePercolation(PiezoresistiveLaw):
     """Stretching dilutes the filler towards the percolation threshold.
 
     G = (1 / rest) * ((1 - e / limit)+)^exponent + leak
@@ -123,9 +113,6 @@ class PiezoresistancePercolation(Effect):
     """
 
     name = "piezoresistance_percolation"
-    idea = "piezoresistance"
-    stage = Stage.CONTACT
-    reads, writes = ("strain",), ("conductance_S",)
     look = "conductance falls faster and faster and is nearly gone at a certain stretch"
 
     rest_ohm: float = parameter(1e5, unit="ohm", low=1e-3, high=1e12, scale="log", doc="resistance at zero strain")
@@ -136,6 +123,3 @@ class PiezoresistancePercolation(Effect):
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         left = np.maximum(1 - signals["strain"] / self.limit, 0.0)
         return {"conductance_S": left**self.exponent / self.rest_ohm + self.leak_S}
-
-    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
-        return guess_rest_ohm(self, signals)

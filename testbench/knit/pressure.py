@@ -40,22 +40,22 @@ class ContactDrive(Effect):
         return {"contact_force_N": felt_N}
 
 
-def guess_limit(effect: Effect, signals: Signals) -> Effect:
-    """Start with a limit that the highest tenth of the measured force exceeds."""
-    force_N = signals.get("force_N")
-    if force_N is None:
-        return effect
-    top_N = max(float(np.quantile(np.abs(force_N), 0.9)), 1e-3)
-    return effect.near(inverse_limit_per_N=1 / top_N)
-
-
 def _limits(signals: Signals, quantiles: tuple[float, ...]) -> list[dict[str, Any]]:
     """Saturation at these quantiles of the contact force."""
     limits_N = (float(np.quantile(signals["contact_force_N"], q)) for q in quantiles)
     return [{"inverse_limit_per_N": 1 / limit_N} for limit_N in limits_N if limit_N > 1e-3]
 
 
-class ContactSaturation(Effect):
+class ContactSaturationLaw(Effect):
+    """Base of the laws of contacts that saturate."""
+
+    mechanism = "contact_saturation"
+    stage = Stage.PRESSURE
+    reads, writes = ("contact_force_N",), ("contact_force_N",)
+    strength = "inverse_limit_per_N"
+
+
+class ContactSaturation(ContactSaturationLaw):
     """All loops touch: more force makes no more contact, softly.
 
     P = P_0 / (1 + (inverse_limit |P_0|)^hardness)^(1 / hardness)
@@ -66,11 +66,7 @@ class ContactSaturation(Effect):
     """
 
     name = "contact_saturation"
-    stage = Stage.PRESSURE
-    reads, writes = ("contact_force_N",), ("contact_force_N",)
-    strength = "inverse_limit_per_N"
     nonlinear = True
-    imitated_by = "contact"
     look = "conductance bends to a plateau at high force, force does not"
 
     inverse_limit_per_N: float = parameter(
@@ -78,7 +74,7 @@ class ContactSaturation(Effect):
     )
     hardness: float = parameter(3.0, unit="1", low=1, high=20, scale="log", doc="1: soft bend; 20: a corner")
 
-    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         points = _limits(signals, (0.5, 0.75, 0.9, 0.97))
         return [point | {"hardness": hardness} for point in points for hardness in (1.0, 2.0, 4.0)]
 
@@ -90,11 +86,8 @@ class ContactSaturation(Effect):
             bend = np.logaddexp(0.0, self.hardness * np.log(load)) / self.hardness
         return {"contact_force_N": pressing_N * np.exp(-bend)}
 
-    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
-        return guess_limit(self, signals)
 
-
-class ContactSaturationHard(Effect):
+class ContactSaturationHard(ContactSaturationLaw):
     """All loops touch: above a limit more force makes no more contact at all.
 
     P = min(P_0, 1 / inverse_limit)
@@ -104,30 +97,22 @@ class ContactSaturationHard(Effect):
     """
 
     name = "contact_saturation_hard"
-    idea = "contact_saturation"
-    stage = Stage.PRESSURE
-    reads, writes = ("contact_force_N",), ("contact_force_N",)
-    strength = "inverse_limit_per_N"
     nonlinear = True
-    imitated_by = "contact"
     look = "conductance stops rising at a certain force, force does not"
 
     inverse_limit_per_N: float = parameter(
         0.3, unit="1/N", low=0, high=1e3, doc="inverse of the largest useful force"
     )
 
-    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         return _limits(signals, (0.6, 0.75, 0.85, 0.93, 0.97))
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         limit_N = 1 / self.inverse_limit_per_N if self.inverse_limit_per_N > 0 else np.inf
         return {"contact_force_N": np.minimum(signals["contact_force_N"], limit_N)}
 
-    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
-        return guess_limit(self, signals)
 
-
-class ContactSaturationBend(Effect):
+class ContactSaturationBend(ContactSaturationLaw):
     """Part of the contacts saturates: above a limit only a share of further force presses.
 
     P -= share * width * ln(1 + exp((P - limit) / width))
@@ -137,11 +122,7 @@ class ContactSaturationBend(Effect):
     """
 
     name = "contact_saturation_bend"
-    idea = "contact_saturation"
-    stage = Stage.PRESSURE
-    reads, writes = ("contact_force_N",), ("contact_force_N",)
     strength = "share"
-    imitated_by = "contact"
     look = "conductance rises more slowly above a certain force, force does not"
 
     share: float = parameter(0.5, unit="1", low=0, high=1, doc="share of the further force that is lost")
@@ -153,19 +134,12 @@ class ContactSaturationBend(Effect):
         beyond_N = self.width_N * np.logaddexp(0.0, (pressing_N - self.limit_N) / self.width_N)
         return {"contact_force_N": pressing_N - self.share * beyond_N}
 
-    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         pressing_N = signals["contact_force_N"]
         range_N = max(float(np.ptp(pressing_N)), 1e-2)
         limits_N = [float(np.quantile(pressing_N, q)) for q in (0.3, 0.55, 0.75, 0.9)]
         widths_N = (0.02 * range_N, 0.08 * range_N)
         return [{"limit_N": at, "width_N": width} for at in limits_N if at > 1e-3 for width in widths_N]
-
-    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
-        force_N = signals.get("force_N")
-        if force_N is None:
-            return self
-        top_N = max(float(np.quantile(np.abs(force_N), 0.7)), 1e-3)
-        return self.near(limit_N=top_N, width_N=0.05 * top_N)
 
 
 class ContactHysteresis(Effect):
@@ -191,9 +165,3 @@ class ContactHysteresis(Effect):
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         pressing_N = signals["contact_force_N"]
         return {"contact_force_N": pressing_N + self.friction_N * mean_slip(pressing_N, self.threshold_N)}
-
-    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
-        force_N = signals.get("force_N")
-        if force_N is None:
-            return self
-        return self.near(threshold_N=0.05 * float(np.ptp(force_N)))

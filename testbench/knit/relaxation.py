@@ -23,7 +23,23 @@ def _powers_of_rate(*exponents: float) -> list[dict[str, Any]]:
     return [{"exponent": exponent, "rate0_per_s": rate0} for exponent in exponents for rate0 in (1e-4, 4e-3)]
 
 
-class StressRelaxation(Effect):
+class StressRelaxationLaw(Effect):
+    """Base of the laws of stress relaxation: force that decays while the strain is held."""
+
+    mechanism = "stress_relaxation"
+    stage = Stage.MECHANICS
+    reads, writes = ("force_N",), ("force_N",)
+    strength = "fraction"
+
+    def lost_N(self, force_N: FloatArray, dt_s: float) -> FloatArray:
+        """What has decayed of a force that the knit would answer with at once, shape (n,)."""
+        raise NotImplementedError
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        return {"force_N": signals["force_N"] - self.lost_N(signals["force_N"], dt_s)}
+
+
+class StressRelaxation(StressRelaxationLaw):
     """Force decays exponentially under constant strain: one term of a Prony series.
 
     F(t) = F_e(t) - fraction * integral of (1 - exp(-(t - s) / tau)) dF_e(s)
@@ -36,20 +52,16 @@ class StressRelaxation(Effect):
     """
 
     name = "stress_relaxation"
-    stage = Stage.MECHANICS
-    reads, writes = ("force_N",), ("force_N",)
-    strength = "fraction"
     look = "in a hold the force sinks, quickly at first; after a release it recovers"
 
     fraction: float = parameter(0.15, unit="1", low=0, high=0.9, doc="share of the force that is lost in the end")
     tau_s: float = parameter(10.0, unit="s", low=0.1, high=3000, scale="log", doc="time in which 63 % of it is lost")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        force_N = signals["force_N"]
-        return {"force_N": force_N - self.fraction * (lowpass(force_N, self.tau_s, dt_s) - force_N[0])}
+    def lost_N(self, force_N: FloatArray, dt_s: float) -> FloatArray:
+        return self.fraction * (lowpass(force_N, self.tau_s, dt_s) - force_N[0])
 
 
-class StressRelaxationTwoTimes(Effect):
+class StressRelaxationTwoTimes(StressRelaxationLaw):
     """Force decays in two steps, a quick one and a slow one: two terms of a Prony series.
 
     F(t) = F_e(t) - fraction * integral of phi(t - s) dF_e(s)
@@ -60,10 +72,6 @@ class StressRelaxationTwoTimes(Effect):
     """
 
     name = "stress_relaxation_two_times"
-    idea = "stress_relaxation"
-    stage = Stage.MECHANICS
-    reads, writes = ("force_N",), ("force_N",)
-    strength = "fraction"
     look = "in a hold the force sinks within seconds, and then on for minutes"
 
     fraction: float = parameter(0.2, unit="1", low=0, high=0.9, doc="share of the force that is lost in the end")
@@ -71,16 +79,14 @@ class StressRelaxationTwoTimes(Effect):
     slow_s: float = parameter(100.0, unit="s", low=10, high=1e4, scale="log", doc="time of the slow step")
     share: float = parameter(0.5, unit="1", low=0, high=1, doc="share of the quick step")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        force_N = signals["force_N"]
-        lost = memory_of_two_times(force_N, self.fraction, self.share, self.fast_s, self.slow_s, dt_s)
-        return {"force_N": force_N - lost}
+    def lost_N(self, force_N: FloatArray, dt_s: float) -> FloatArray:
+        return memory_of_two_times(force_N, self.fraction, self.share, self.fast_s, self.slow_s, dt_s)
 
-    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         return [{"fast_s": fast_s, "slow_s": slow_s} for fast_s in (1.5, 6.0, 20.0) for slow_s in (60.0, 300.0)]
 
 
-class StressRelaxationSpectrum(Effect):
+class StressRelaxationSpectrum(StressRelaxationLaw):
     """Force decays with a whole box of relaxation times: nearly like the logarithm of time between two times.
 
     F(t) = F_e(t) - fraction * integral of phi(t - s) dF_e(s)
@@ -91,22 +97,17 @@ class StressRelaxationSpectrum(Effect):
     """
 
     name = "stress_relaxation_spectrum"
-    idea = "stress_relaxation"
-    stage = Stage.MECHANICS
-    reads, writes = ("force_N",), ("force_N",)
-    strength = "fraction"
     look = "in a hold the force sinks for decades of time, ever more slowly"
 
     fraction: float = parameter(0.2, unit="1", low=0, high=0.9, doc="share of the force that is lost in the end")
     shortest_s: float = parameter(1.0, unit="s", low=0.05, high=100, scale="log", doc="shortest relaxation time")
     longest_s: float = parameter(100.0, unit="s", low=1, high=1e5, scale="log", doc="longest relaxation time")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        force_N = signals["force_N"]
-        return {"force_N": force_N - memory_of_box(force_N, self.fraction, self.shortest_s, self.longest_s, dt_s)}
+    def lost_N(self, force_N: FloatArray, dt_s: float) -> FloatArray:
+        return memory_of_box(force_N, self.fraction, self.shortest_s, self.longest_s, dt_s)
 
 
-class StressRelaxationPower(Effect):
+class StressRelaxationPower(StressRelaxationLaw):
     """Force decays with a power of time (fractional viscoelasticity).
 
     F(t) = integral of (1 + (t - s) / tau)^-exponent dF_e(s)
@@ -117,21 +118,18 @@ class StressRelaxationPower(Effect):
     """
 
     name = "stress_relaxation_power"
-    idea = "stress_relaxation"
-    stage = Stage.MECHANICS
-    reads, writes = ("force_N",), ("force_N",)
     strength = "exponent"
     look = "in a hold the force sinks as a straight line on log-log paper"
 
     exponent: float = parameter(0.05, unit="1", low=0, high=0.9, doc="slope of ln F over ln t in a long hold")
     tau_s: float = parameter(1.0, unit="s", low=0.05, high=300, scale="log", doc="when the power law sets in")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def lost_N(self, force_N: FloatArray, dt_s: float) -> FloatArray:
         times, weights = spectra.power(self.tau_s, self.exponent)
-        return {"force_N": signals["force_N"] - memory(signals["force_N"], times, weights, dt_s)}
+        return memory(force_N, times, weights, dt_s)
 
 
-class StressRelaxationFindley(Effect):
+class StressRelaxationFindley(StressRelaxationLaw):
     """Part of the force decays with a power of time, the rest lasts.
 
     F(t) = F_e(t) - fraction * integral of (1 - (1 + (t - s) / tau)^-exponent) dF_e(s)
@@ -142,26 +140,24 @@ class StressRelaxationFindley(Effect):
     """
 
     name = "stress_relaxation_findley"
-    idea = "stress_relaxation"
-    stage = Stage.MECHANICS
-    reads, writes = ("force_N",), ("force_N",)
     strength = "fraction"
     look = "in a hold the force sinks over all times at once, towards a level that it keeps"
 
-    fraction: float = parameter(0.4, unit="1", low=0, high=0.99, doc="share of the force that is lost in the end")
+    fraction: float = parameter(
+        0.4, unit="1", low=0, high=0.99, typical=0.7, doc="share of the force that is lost in the end"
+    )
     exponent: float = parameter(0.3, unit="1", low=0.02, high=3, scale="log", doc="slope of the decay, log-log")
     tau_s: float = parameter(1.0, unit="s", low=0.01, high=300, scale="log", doc="when the power law sets in")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def lost_N(self, force_N: FloatArray, dt_s: float) -> FloatArray:
         times, weights = spectra.power(self.tau_s, self.exponent)
-        force_N = signals["force_N"]
-        return {"force_N": force_N - self.fraction * memory(force_N, times, weights, dt_s)}
+        return self.fraction * memory(force_N, times, weights, dt_s)
 
-    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         return [{"tau_s": tau_s, "exponent": exponent} for tau_s in (0.1, 1.0, 10.0) for exponent in (0.3, 1.0)]
 
 
-class StressRelaxationLog(Effect):
+class StressRelaxationLog(StressRelaxationLaw):
     """Force decays with the logarithm of time.
 
     F(t) = integral of (1 - per_decade log10(1 + (t - s) / tau)) dF_e(s)
@@ -171,21 +167,17 @@ class StressRelaxationLog(Effect):
     """
 
     name = "stress_relaxation_log"
-    idea = "stress_relaxation"
-    stage = Stage.MECHANICS
-    reads, writes = ("force_N",), ("force_N",)
     strength = "per_decade"
     look = "in a hold the force loses the same amount in every decade of time"
 
     per_decade: float = parameter(0.05, unit="1", low=0, high=0.3, doc="share of the force lost per decade of time")
     tau_s: float = parameter(1.0, unit="s", low=0.05, high=300, scale="log", doc="when the decay sets in")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        force_N = signals["force_N"]
-        return {"force_N": force_N - memory_of_decades(force_N, self.per_decade, self.tau_s, dt_s)}
+    def lost_N(self, force_N: FloatArray, dt_s: float) -> FloatArray:
+        return memory_of_decades(force_N, self.per_decade, self.tau_s, dt_s)
 
 
-class StressRelaxationNonlinear(Effect):
+class StressRelaxationNonlinear(StressRelaxationLaw):
     """The more the knit is loaded, the larger the share of its force that decays.
 
     F(t) = F_e(t) - fraction * integral of (1 - exp(-(t - s) / tau)) dD(s),   D = span sgn(F_e) (|F_e| / span)^power
@@ -196,10 +188,6 @@ class StressRelaxationNonlinear(Effect):
     """
 
     name = "stress_relaxation_nonlinear"
-    idea = "stress_relaxation"
-    stage = Stage.MECHANICS
-    reads, writes = ("force_N",), ("force_N",)
-    strength = "fraction"
     look = "in a hold the force decays by a larger share the higher it was"
 
     fraction: float = parameter(0.2, unit="1", low=0, high=3, doc="share of the force lost in the end, at full force")
@@ -207,14 +195,21 @@ class StressRelaxationNonlinear(Effect):
     power: float = parameter(1.6, unit="1", low=0.4, high=4, scale="log", doc="1 loses the same share at any force")
     span_N: float = parameter(5.0, unit="N", low=1e-3, high=1e4, doc="range of the force")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        force_N = signals["force_N"]
+    def lost_N(self, force_N: FloatArray, dt_s: float) -> FloatArray:
         driving_N = self.span_N * np.sign(force_N) * (np.abs(force_N) / self.span_N) ** self.power
-        lost_N = lowpass(driving_N, self.tau_s, dt_s) - driving_N[0]
-        return {"force_N": force_N - self.fraction * lost_N}
+        return self.fraction * (lowpass(driving_N, self.tau_s, dt_s) - driving_N[0])
 
 
-class ViscousRateStiffening(Effect):
+class RateLaw(Effect):
+    """Base of the laws of viscous stiffening: force that depends on how fast the knit is stretched."""
+
+    mechanism = "viscous_rate_stiffening"
+    stage = Stage.MECHANICS
+    reads, writes = ("strain", "force_N"), ("force_N",)
+    strength = "gain"
+
+
+class ViscousRateStiffening(RateLaw):
     """A dashpot beside the knit: force grows with the rate of strain, by a power of it.
 
     F += force * v (v^2 + v0^2)^((exponent - 1) / 2),   v = e' / 0.1 per s,   v0 = rate0 / 0.1 per s
@@ -227,8 +222,6 @@ class ViscousRateStiffening(Effect):
     """
 
     name = "viscous_rate_stiffening"
-    stage = Stage.MECHANICS
-    reads, writes = ("strain", "force_N"), ("force_N",)
     strength = "force_at_rate_N"
     look = "the faster the stretch the higher the force, the faster the release the lower"
 
@@ -236,7 +229,7 @@ class ViscousRateStiffening(Effect):
     exponent: float = parameter(1.0, unit="1", low=0.2, high=1.5, doc="1: linear dashpot; smaller: shear thinning")
     rate0_per_s: float = parameter(1e-4, unit="1/s", low=1e-5, high=0.1, scale="log", doc=PLATEAU)
 
-    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         return _powers_of_rate(0.3, 0.6, 1.0, 1.3)
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
@@ -244,7 +237,7 @@ class ViscousRateStiffening(Effect):
         return {"force_N": signals["force_N"] + self.force_at_rate_N * viscous}
 
 
-class ViscousRateStiffeningEyring(Effect):
+class ViscousRateStiffeningEyring(RateLaw):
     """Thermally activated sliding of chains: force grows with the logarithm of the rate.
 
     F += force * asinh(e' / rate0)
@@ -254,9 +247,6 @@ class ViscousRateStiffeningEyring(Effect):
     """
 
     name = "viscous_rate_stiffening_eyring"
-    idea = "viscous_rate_stiffening"
-    stage = Stage.MECHANICS
-    reads, writes = ("strain", "force_N"), ("force_N",)
     strength = "force_per_efold_N"
     look = "every tenfold speed adds the same force"
 
@@ -268,7 +258,7 @@ class ViscousRateStiffeningEyring(Effect):
         return {"force_N": signals["force_N"] + self.force_per_efold_N * sliding}
 
 
-class ViscousRateStiffeningLog(Effect):
+class ViscousRateStiffeningLog(RateLaw):
     """All of the force grows with the logarithm of the rate's magnitude.
 
     F *= 1 + gain * ln(1 + |e'| / rate0)
@@ -278,10 +268,6 @@ class ViscousRateStiffeningLog(Effect):
     """
 
     name = "viscous_rate_stiffening_log"
-    idea = "viscous_rate_stiffening"
-    stage = Stage.MECHANICS
-    reads, writes = ("strain", "force_N"), ("force_N",)
-    strength = "gain"
     look = "the knit is stiffer in fast motion, in both directions"
 
     gain: float = parameter(0.02, unit="1", low=0, high=1, doc="relative gain of force per e-fold of the rate")
@@ -292,7 +278,7 @@ class ViscousRateStiffeningLog(Effect):
         return {"force_N": signals["force_N"] * (1 + self.gain * decades)}
 
 
-class ViscousRateStiffeningPower(Effect):
+class ViscousRateStiffeningPower(RateLaw):
     """The whole force grows with a power of the strain rate.
 
     F *= 1 + gain * v (v^2 + v0^2)^((exponent - 1) / 2),   v = e' / 0.1 per s,   v0 = rate0 / 0.1 per s
@@ -303,17 +289,13 @@ class ViscousRateStiffeningPower(Effect):
     """
 
     name = "viscous_rate_stiffening_power"
-    idea = "viscous_rate_stiffening"
-    stage = Stage.MECHANICS
-    reads, writes = ("strain", "force_N"), ("force_N",)
-    strength = "gain"
     look = "the faster, the stiffer, in proportion to the force; strongest change at slow rates"
 
     gain: float = parameter(0.1, unit="1", low=0, high=3, doc="relative force added at a strain rate of 0.1 / s")
     exponent: float = parameter(0.4, unit="1", low=0.1, high=1.5, scale="log", doc="power of the rate")
     rate0_per_s: float = parameter(1e-4, unit="1/s", low=1e-5, high=0.1, scale="log", doc=PLATEAU)
 
-    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         return _powers_of_rate(0.15, 0.35, 0.7, 1.1)
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
@@ -321,7 +303,7 @@ class ViscousRateStiffeningPower(Effect):
         return {"force_N": signals["force_N"] * (1 + self.gain * raised)}
 
 
-class ViscousRateStiffeningMagnitude(Effect):
+class ViscousRateStiffeningMagnitude(RateLaw):
     """The whole force grows with a power of the speed, whichever way the knit moves.
 
     F *= 1 + gain * (|e'| / 0.1 per s)^exponent
@@ -331,10 +313,6 @@ class ViscousRateStiffeningMagnitude(Effect):
     """
 
     name = "viscous_rate_stiffening_magnitude"
-    idea = "viscous_rate_stiffening"
-    stage = Stage.MECHANICS
-    reads, writes = ("strain", "force_N"), ("force_N",)
-    strength = "gain"
     look = "the faster, the stiffer, stretching and releasing alike"
 
     gain: float = parameter(0.1, unit="1", low=0, high=3, doc="relative force added at a strain rate of 0.1 / s")
@@ -345,7 +323,7 @@ class ViscousRateStiffeningMagnitude(Effect):
         return {"force_N": signals["force_N"] * (1 + self.gain * speed**self.exponent)}
 
 
-class ViscousRateStiffeningRelative(Effect):
+class ViscousRateStiffeningRelative(RateLaw):
     """A dashpot that stiffens with the load: viscous force in proportion to the elastic one.
 
     F *= 1 + gain * e' / 0.1 per s
@@ -355,10 +333,6 @@ class ViscousRateStiffeningRelative(Effect):
     """
 
     name = "viscous_rate_stiffening_relative"
-    idea = "viscous_rate_stiffening"
-    stage = Stage.MECHANICS
-    reads, writes = ("strain", "force_N"), ("force_N",)
-    strength = "gain"
     look = "fast loops are wider than slow ones, the more so the further the knit is stretched"
 
     gain: float = parameter(0.1, unit="1", low=0, high=2, doc="relative gain of force at 10 % strain per second")

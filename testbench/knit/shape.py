@@ -11,9 +11,9 @@ from functools import lru_cache
 
 import numpy as np
 
+from testbench.knit.conductance import ConductanceLaw
 from testbench.knit.curves import CURVE_TERMS, curve
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
-from testbench.knit.filters import shifted
 from testbench.knit.loops import LOOPS, loops
 
 DRIFT_TAUS_S = (3.0, 30.0, 300.0)
@@ -80,7 +80,7 @@ class HysteresisShape(Effect):
         return {"force_N": signals["force_N"] + loops(signals["strain"], self.span, self.weights_N, self.growth_N)}
 
 
-class ContactShape(Effect):
+class ContactShape(ConductanceLaw):
     """Any smooth correction to the law of conductance over contact force and strain.
 
     ln G += curve(P / span_N) + curve(e / span),   the curves as in `elasticity_shape`
@@ -91,7 +91,6 @@ class ContactShape(Effect):
 
     name = "contact_shape"
     stage = Stage.CONTACT
-    reads, writes = ("strain", "conductance_S"), ("conductance_S",)
     optional_reads = ("contact_force_N",)
     strength = "strain_weights"
     look = "the misfit of ln G depends on force and strain, at any speed and time"
@@ -106,14 +105,14 @@ class ContactShape(Effect):
     span_N: float = parameter(3.0, unit="N", low=1e-3, high=1e4, doc="contact force covered by the curve")
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain covered by the curve")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         log_change = curve(signals["strain"], 0.0, self.span, self.strain_weights)
         if "contact_force_N" in signals:
             log_change = log_change + curve(signals["contact_force_N"], self.low_N, self.span_N, self.force_weights)
-        return {"conductance_S": shifted(signals["conductance_S"], log_change)}
+        return log_change
 
 
-class DriftShape(Effect):
+class DriftShape(ConductanceLaw):
     """Drift of the conductance on several time scales at once.
 
     ln G += sum_k w_k (1 - exp(-t / tau_k)) + slope * t / 1000 s,   tau = 3, 30, 300 s
@@ -122,8 +121,7 @@ class DriftShape(Effect):
     """
 
     name = "drift_shape"
-    stage = Stage.ELECTRICAL
-    reads, writes = ("time_s", "conductance_S"), ("conductance_S",)
+    reads = ("time_s", "conductance_S")
     strength = "weights"
     look = "the misfit of ln G depends on elapsed time alone"
 
@@ -132,14 +130,13 @@ class DriftShape(Effect):
     )
     slope_per_ks: float = parameter(0.0, unit="1/ks", low=-5, high=5, doc="drift that does not end")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         t = signals["time_s"]
         settled = _settled(float(t[0]), float(t[-1]), len(t))
-        log_change = np.asarray(self.weights) @ settled + self.slope_per_ks * t / 1000
-        return {"conductance_S": shifted(signals["conductance_S"], log_change)}
+        return np.asarray(self.weights) @ settled + self.slope_per_ks * t / 1000
 
 
-class ContactDriftShape(Effect):
+class ContactDriftShape(ConductanceLaw):
     """Drift of the contacts alone: how much it changes ln G depends on how hard they are pressed.
 
     ln G += sum_j B_j(P / span_N) * (sum_k w_jk (1 - exp(-t / tau_k)) + w_j3 t / 1000 s),   tau = 3, 30, 300 s
@@ -152,7 +149,7 @@ class ContactDriftShape(Effect):
 
     name = "contact_drift_shape"
     stage = Stage.CONTACT
-    reads, writes = ("time_s", "strain", "conductance_S"), ("conductance_S",)
+    reads = ("time_s", "strain", "conductance_S")
     optional_reads = ("contact_force_N",)
     strength = "weights"
     look = "the conductance creeps, and how much depends on the load"
@@ -164,7 +161,7 @@ class ContactDriftShape(Effect):
     span_N: float = parameter(3.0, unit="N", low=1e-3, high=1e4, doc="contact force covered by the bumps")
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain covered by the bumps, without a force")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         from testbench.knit.kernels import bspline
 
         t = signals["time_s"]
@@ -174,10 +171,10 @@ class ContactDriftShape(Effect):
             load = (signals["contact_force_N"] - self.low_N) / self.span_N
         weights = np.reshape(self.weights, (DRIFT_BUMPS, -1))
         drifts = (bspline(load, weights[:, k].copy()) * one for k, one in enumerate(times) if weights[:, k].any())
-        return {"conductance_S": shifted(signals["conductance_S"], sum(drifts, np.zeros_like(t)))}
+        return sum(drifts, np.zeros_like(t))
 
 
-class ContactLoopsShape(Effect):
+class ContactLoopsShape(ConductanceLaw):
     """Rate-independent loops of ln G over strain of any width, sharp or smooth, that may widen or narrow with strain.
 
     ln G += sum_k (w_k + v_k e / span) z_k(e),   z_k as in `hysteresis_shape`
@@ -187,7 +184,6 @@ class ContactLoopsShape(Effect):
 
     name = "contact_loops_shape"
     stage = Stage.CONTACT
-    reads, writes = ("strain", "conductance_S"), ("conductance_S",)
     strength = "weights"
     look = "conductance over strain is a loop, at any speed"
 
@@ -197,6 +193,5 @@ class ContactLoopsShape(Effect):
     )
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain over which growth is counted")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        log_change = loops(signals["strain"], self.span, self.weights, self.growth)
-        return {"conductance_S": shifted(signals["conductance_S"], log_change)}
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
+        return loops(signals["strain"], self.span, self.weights, self.growth)

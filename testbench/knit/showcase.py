@@ -9,7 +9,7 @@ import numpy as np
 
 from gcode.support.files import atomic_path
 from testbench.knit.catalogue import baseline
-from testbench.knit.effect import Effect, FloatArray, Stage, bounds_of
+from testbench.knit.effect import Effect, FloatArray, Signals, Stage, bounds_of
 from testbench.knit.model import KnitModel, inputs
 
 DT_S = 0.05
@@ -90,7 +90,7 @@ def visible(model: KnitModel, effect: Effect, time_s: FloatArray, strain: FloatA
         return effect.replaced(**{effect.strength: tuple(0.6 * np.sin(np.linspace(0, 6, len(weights))))})
     extra = bounds_of(type(effect).model_fields[effect.strength])
     plain = _curves(_without_namesake(model, effect), time_s, strain)[key]
-    effect = effect.initial_guess(_curves(model, time_s, strain), DT_S) if effect.nonlinear else effect
+    effect = _midway(effect, _curves(model, time_s, strain)) if effect.nonlinear else effect
     for _ in range(12):
         changed = _curves(_with(model, effect), time_s, strain)[key]
         share = float(np.max(np.abs(changed - plain)) / np.ptp(plain))
@@ -99,6 +99,12 @@ def visible(model: KnitModel, effect: Effect, time_s: FloatArray, strain: FloatA
             break
         effect = effect.replaced(**{effect.strength: strength})
     return effect
+
+
+def _midway(effect: Effect, signals: Signals) -> Effect:
+    """The effect in the middle of its starts on these signals: a level, a limit that they reach."""
+    points = effect.starts(signals, {})
+    return effect.near(**points[len(points) // 2]) if points else effect
 
 
 def draw(cls: type[Effect], path: Path) -> None:

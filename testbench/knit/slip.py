@@ -10,15 +10,21 @@ from typing import Any
 
 import numpy as np
 
-from testbench.knit.damage import share_of_strain
-from testbench.knit.effect import Effect, FloatArray, Signals, parameter
+from testbench.knit.effect import FloatArray, Signals, parameter, step_s
 from testbench.knit.length import Lengthening, overload_s
 
 MOST_SLIPS = 12
 NEVER_S = 1e5
 
 
-class ClampSlip(Lengthening):
+class ClampSlipLaw(Lengthening):
+    """Base of the laws of slip in the clamps."""
+
+    mechanism = "clamp_slip"
+    strength = "amount"
+
+
+class ClampSlip(ClampSlipLaw):
     """The fabric jumps a little out of the clamp whenever the stretch reaches a new level beyond the grip's limit.
 
     e -= fraction * step * floor((e_max - limit) / step + 1)        for e_max >= limit
@@ -28,8 +34,8 @@ class ClampSlip(Lengthening):
     """
 
     name = "clamp_slip"
-    strength = "fraction"
     nonlinear = True
+    strength = "fraction"
     look = "force drops in a jump at a new largest stretch and stays lower at every strain"
 
     fraction: float = parameter(0.3, unit="1", low=0, high=0.9, doc="slip per step of strain beyond the limit")
@@ -43,10 +49,7 @@ class ClampSlip(Lengthening):
         slips = np.maximum(steps, 0.0)
         return self.fraction * self.step * (slips - slips[0])
 
-    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
-        return share_of_strain(self, signals, limit=0.6, step=0.12)
-
-    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         top = float(np.max(signals["strain"]))
         return [
             {"limit": limit * top, "step": step * top, "fraction": fraction}
@@ -55,7 +58,7 @@ class ClampSlip(Lengthening):
         ]
 
 
-class ClampSlipRepeated(Lengthening):
+class ClampSlipRepeated(ClampSlipLaw):
     """Each time the stretch passes the grip's limit, the fabric slips by the same amount.
 
     e -= amount * (number of times e has risen through `limit`)
@@ -65,8 +68,6 @@ class ClampSlipRepeated(Lengthening):
     """
 
     name = "clamp_slip_repeated"
-    idea = "clamp_slip"
-    strength = "amount"
     nonlinear = True
     look = "every high stretch costs a little force, in jumps, for ever"
 
@@ -79,15 +80,12 @@ class ClampSlipRepeated(Lengthening):
         passes = crossings(signals["strain"], self.limit, self.limit - 0.02)
         return self.amount * passes
 
-    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
-        return share_of_strain(self, signals, limit=0.7)
-
-    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         top = float(np.max(signals["strain"]))
         return [{"limit": share * top} for share in (0.4, 0.6, 0.75, 0.9)]
 
 
-class ClampSlipOnce(Lengthening):
+class ClampSlipOnce(ClampSlipLaw):
     """One slip at one moment.
 
     e -= amount        from `when_s` on
@@ -97,10 +95,8 @@ class ClampSlipOnce(Lengthening):
     """
 
     name = "clamp_slip_once"
-    idea = "clamp_slip"
-    reads = ("time_s", "strain")
-    strength = "amount"
     nonlinear = True
+    reads = ("time_s", "strain")
     look = "from one moment on everything looks as if the knit were a little longer"
 
     amount: float = parameter(0.01, unit="1", low=0, high=0.5, doc="slip, as strain")
@@ -109,15 +105,17 @@ class ClampSlipOnce(Lengthening):
     def added(self, signals: Signals, dt_s: float) -> FloatArray:
         return self.amount * (signals["time_s"] >= self.when_s)
 
-    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+        """The largest slips that the misfit shows, or a few moments of the recording."""
         from testbench.knit.jumps import slips
 
         end_s = float(signals["time_s"][-1])
-        seen = [{"when_s": when_s, "amount": amount} for when_s, amount in slips(signals, residual, dt_s)[:2]]
-        return seen or [{"when_s": share * end_s} for share in (0.2, 0.4, 0.6, 0.8)]
+        found = slips(signals, residual)[:2]
+        moments_s = [{"when_s": share * end_s} for share in (0.2, 0.4, 0.6, 0.8)]
+        return [{"when_s": when_s, "amount": amount} for when_s, amount in found] or moments_s
 
 
-class ClampSlipSliding(Lengthening):
+class ClampSlipSliding(ClampSlipLaw):
     """Above the grip's limit the fabric slides slowly through the jaws, until it has bedded in.
 
     e -= amount * (1 - (1 + w / (order work))^-order),   w = integral of (e - limit)+ dt
@@ -129,8 +127,6 @@ class ClampSlipSliding(Lengthening):
     """
 
     name = "clamp_slip_sliding"
-    idea = "clamp_slip"
-    strength = "amount"
     look = "time spent at high stretch costs force at every strain; time spent at low stretch costs nothing"
 
     amount: float = parameter(0.02, unit="1", low=0, high=0.3, doc="slip in the end, as strain")
@@ -144,19 +140,16 @@ class ClampSlipSliding(Lengthening):
         slid = overload_s(signals["strain"], self.limit, dt_s)
         return self.amount * (1 - (1 + slid / (self.order * self.work_s)) ** -self.order)
 
-    def initial_guess(self, signals: Signals, dt_s: float) -> Effect:
-        return share_of_strain(self, signals, limit=0.6)
-
-    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         points = []
         for share in (0.5, 0.65, 0.8):
             limit = max(share * float(np.max(signals["strain"])), 0.01)
-            total_s = float(overload_s(signals["strain"], limit, dt_s)[-1])
+            total_s = float(overload_s(signals["strain"], limit, step_s(signals))[-1])
             points += [{"limit": limit, "work_s": part * total_s, "order": 2.0} for part in (0.1, 0.4, 2.0)]
         return points
 
 
-class ClampSlipEvents(Lengthening):
+class ClampSlipEvents(ClampSlipLaw):
     """Slips at moments of their own in every recording.
 
     e -= sum of amounts_j        over the slips j with time_j <= t
@@ -169,7 +162,6 @@ class ClampSlipEvents(Lengthening):
     """
 
     name = "clamp_slip_events"
-    idea = "clamp_slip"
     reads = ("time_s", "strain")
     strength = "amounts"
     per_recording = ("amounts", "slip_times_s")
@@ -187,9 +179,9 @@ class ClampSlipEvents(Lengthening):
                 slipped += amount * (signals["time_s"] >= when_s)
         return slipped
 
-    def for_recording(self, signals: Signals, residual: Signals, dt_s: float) -> Effect:
+    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         from testbench.knit.jumps import slips
 
-        found = slips(signals, residual, dt_s)[:MOST_SLIPS]
+        found = slips(signals, residual)[:MOST_SLIPS]
         times_s, amounts = zip(*found, *[(NEVER_S, 0.0)] * (MOST_SLIPS - len(found)), strict=True)
-        return self.near(slip_times_s=times_s, amounts=amounts)
+        return [{"slip_times_s": times_s, "amounts": amounts}]

@@ -6,13 +6,20 @@ from typing import Any
 
 import numpy as np
 
-from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
-from testbench.knit.filters import highpass, lagging_rate, log_conductance, lowpass, rate, shifted
+from testbench.knit.conductance import ConductanceLaw
+from testbench.knit.effect import FloatArray, Signals, parameter
+from testbench.knit.filters import highpass, lagging_rate, log_conductance, lowpass, rate
 
 SMALLEST_TURN = 0.02  # of the span; wobbles below are no turns
 
 
-class ElectricalOvershoot(Effect):
+class OvershootLaw(ConductanceLaw):
+    """Base of the laws of a conductance that answers motion before it answers stretch."""
+
+    mechanism = "electrical_overshoot"
+
+
+class ElectricalOvershoot(OvershootLaw):
     """After each change of strain the conductance overshoots and comes back.
 
     ln G += gain * (e - y),   tau y' = e - y        (high-pass of the strain: signed)
@@ -23,21 +30,18 @@ class ElectricalOvershoot(Effect):
     """
 
     name = "electrical_overshoot"
-    stage = Stage.ELECTRICAL
-    reads, writes = ("strain", "conductance_S"), ("conductance_S",)
-    strength = "gain"
     look = "conductance shoots beyond its final value after every move and settles within seconds"
 
     gain: float = parameter(0.5, unit="1", low=-20, high=20, doc="change of ln G per unit of sudden strain")
     # Slower than this it is a relaxation of the contacts.
     tau_s: float = parameter(3.0, unit="s", low=0.1, high=30, scale="log", doc="time in which it settles")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         sudden = highpass(signals["strain"], self.tau_s, dt_s)
-        return {"conductance_S": shifted(signals["conductance_S"], self.gain * sudden)}
+        return self.gain * sudden
 
 
-class ElectricalOvershootConductance(Effect):
+class ElectricalOvershootConductance(OvershootLaw):
     """The conductance overshoots with its own changes, most where it changes most with the strain.
 
     ln G += gain * (ln G - y),   tau y' = ln G - y
@@ -47,22 +51,19 @@ class ElectricalOvershootConductance(Effect):
     """
 
     name = "electrical_overshoot_conductance"
-    idea = "electrical_overshoot"
-    stage = Stage.ELECTRICAL
-    reads, writes = ("conductance_S",), ("conductance_S",)
-    strength = "gain"
+    reads = ("conductance_S",)
     look = "conductance shoots beyond its final value, always by the same share of its change"
 
     gain: float = parameter(0.2, unit="1", low=0, high=5, doc="share of a sudden change of ln G that is too much")
     tau_s: float = parameter(3.0, unit="s", low=0.1, high=30, scale="log", doc="time in which it settles")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         conductance = signals["conductance_S"]
         sudden = highpass(log_conductance(conductance), self.tau_s, dt_s)
-        return {"conductance_S": shifted(conductance, self.gain * sudden)}
+        return self.gain * sudden
 
 
-class ElectricalOvershootMagnitude(Effect):
+class ElectricalOvershootMagnitude(OvershootLaw):
     """Any motion, in either direction, shakes the contacts: the conductance shifts and comes back at rest.
 
     ln G += gain * y,   y' = |e'| - y / tau
@@ -72,22 +73,18 @@ class ElectricalOvershootMagnitude(Effect):
     """
 
     name = "electrical_overshoot_magnitude"
-    idea = "electrical_overshoot"
-    stage = Stage.ELECTRICAL
-    reads, writes = ("strain", "conductance_S"), ("conductance_S",)
-    strength = "gain"
     look = "conductance shifts the same way during stretch and release and comes back in a hold"
 
     gain: float = parameter(0.5, unit="1", low=-20, high=20, doc="change of ln G per unit of strain path")
     tau_s: float = parameter(3.0, unit="s", low=0.1, high=300, scale="log", doc="time in which it heals")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         speed = np.abs(lagging_rate(signals["strain"], dt_s))
         shaken = self.tau_s * lowpass(speed, self.tau_s, dt_s)
-        return {"conductance_S": shifted(signals["conductance_S"], self.gain * shaken)}
+        return self.gain * shaken
 
 
-class ElectricalOvershootMotion(Effect):
+class ElectricalOvershootMotion(OvershootLaw):
     """While it moves at all, the conductance stands at another level.
 
     ln G += gain * y,   tau y' = tanh(|e'| / rate0) - y
@@ -97,25 +94,27 @@ class ElectricalOvershootMotion(Effect):
     """
 
     name = "electrical_overshoot_motion"
-    idea = "electrical_overshoot"
-    stage = Stage.ELECTRICAL
-    reads, writes = ("strain", "conductance_S"), ("conductance_S",)
-    strength = "gain"
     look = "conductance steps to another level when motion begins and back when it ends"
 
     gain: float = parameter(0.05, unit="1", low=-3, high=3, doc="change of ln G in motion")
     tau_s: float = parameter(0.5, unit="s", low=0.02, high=100, scale="log", doc="time in which the level changes")
     rate0_per_s: float = parameter(0.02, unit="1/s", low=1e-4, high=1, scale="log", doc="rate that counts as motion")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         moving = np.tanh(np.abs(rate(signals["strain"], dt_s)) / self.rate0_per_s)
-        return {"conductance_S": shifted(signals["conductance_S"], self.gain * lowpass(moving, self.tau_s, dt_s))}
+        return self.gain * lowpass(moving, self.tau_s, dt_s)
 
-    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         return [{"tau_s": tau_s, "rate0_per_s": r} for tau_s in (0.1, 1.0, 5.0) for r in (0.005, 0.02, 0.08)]
 
 
-class ShoulderPeak(Effect):
+class ShoulderLaw(ConductanceLaw):
+    """Base of the laws of a second peak of the resistance on the way back."""
+
+    mechanism = "shoulder_peak"
+
+
+class ShoulderPeak(ShoulderLaw):
     """On release the conductance of carbon-filled composites dips (or peaks) a second time.
 
     ln G += gain * (y - e)+,   tau y' = e - y        (the matrix is still long when the filler is let go)
@@ -126,21 +125,17 @@ class ShoulderPeak(Effect):
     """
 
     name = "shoulder_peak"
-    cost = 0.15
-    stage = Stage.ELECTRICAL
-    reads, writes = ("strain", "conductance_S"), ("conductance_S",)
-    strength = "gain"
     look = "a second peak of the resistance on the way back, none on the way out"
 
     gain: float = parameter(-1.0, unit="1", low=-50, high=50, doc="change of ln G per unit of strain lag")
     tau_s: float = parameter(10.0, unit="s", low=0.1, high=1000, scale="log", doc="how slowly the matrix follows")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         lag = np.maximum(-highpass(signals["strain"], self.tau_s, dt_s), 0.0)
-        return {"conductance_S": shifted(signals["conductance_S"], self.gain * lag)}
+        return self.gain * lag
 
 
-class ShoulderPeakAnywhere(Effect):
+class ShoulderPeakAnywhere(ShoulderLaw):
     """Peaks of the resistance at some strains on the way back, none on the way out.
 
     ln G += (1 - z) / 2 * sum_j w_j B_j(e / span),   dz/de = (sgn(de) - z) / (travel * span)
@@ -150,9 +145,6 @@ class ShoulderPeakAnywhere(Effect):
     """
 
     name = "shoulder_peak_anywhere"
-    idea = "shoulder_peak"
-    stage = Stage.ELECTRICAL
-    reads, writes = ("strain", "conductance_S"), ("conductance_S",)
     strength = "weights"
     look = "a second peak of the resistance at one strain on the way back, at any speed"
 
@@ -164,17 +156,15 @@ class ShoulderPeakAnywhere(Effect):
     )
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain covered by the bumps")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         from testbench.knit.kernels import bspline, dahl
 
         e = signals["strain"]
         back = 0.5 * (1 - dahl(e, self.travel * self.span))
-        return {
-            "conductance_S": shifted(signals["conductance_S"], back * bspline(e / self.span, np.array(self.weights)))
-        }
+        return back * bspline(e / self.span, np.array(self.weights))
 
 
-class ShoulderPeakAfterTurn(Effect):
+class ShoulderPeakAfterTurn(ShoulderLaw):
     """Peaks of the resistance on the way back, at some shares of the stretch from which the knit came back.
 
     ln G += (1 - z) / 2 * sum_j w_j B_j(e / e_turn),   dz/de = (sgn(de) - z) / (travel * span)
@@ -186,9 +176,6 @@ class ShoulderPeakAfterTurn(Effect):
     """
 
     name = "shoulder_peak_after_turn"
-    idea = "shoulder_peak"
-    stage = Stage.ELECTRICAL
-    reads, writes = ("strain", "conductance_S"), ("conductance_S",)
     strength = "weights"
     look = "a second peak of the resistance on the way back, later after a higher turn, at any speed"
 
@@ -201,17 +188,16 @@ class ShoulderPeakAfterTurn(Effect):
 
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain at the end of the stroke")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         from testbench.knit.kernels import bspline, dahl, turns
 
         e = signals["strain"]
         turned = e[turns(e, SMALLEST_TURN * self.span)[0].astype(int)]
         share = e / np.maximum(turned, SMALLEST_TURN * self.span)
-        peaks = 0.5 * (1 - dahl(e, self.travel * self.span)) * bspline(share, np.array(self.weights))
-        return {"conductance_S": shifted(signals["conductance_S"], peaks)}
+        return 0.5 * (1 - dahl(e, self.travel * self.span)) * bspline(share, np.array(self.weights))
 
 
-class RateResistance(Effect):
+class RateResistance(OvershootLaw):
     """The conductance depends on the speed itself.
 
     ln G += gain * e' / 0.1 per s
@@ -222,20 +208,16 @@ class RateResistance(Effect):
 
     name = "rate_resistance"
     # A conductance that answers to motion: one idea, whatever the law.
-    idea = "electrical_overshoot"
-    stage = Stage.ELECTRICAL
-    reads, writes = ("strain", "conductance_S"), ("conductance_S",)
-    strength = "gain"
     look = "conductance is shifted while the knit moves and is back at once when it stops"
 
     gain: float = parameter(0.05, unit="1", low=-3, high=3, doc="change of ln G at 10 % strain per second")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         speed = rate(signals["strain"], dt_s) / 0.1
-        return {"conductance_S": shifted(signals["conductance_S"], self.gain * speed)}
+        return self.gain * speed
 
 
-class RateResistanceMagnitude(Effect):
+class RateResistanceMagnitude(OvershootLaw):
     """The conductance depends on how fast the knit moves, in either direction.
 
     ln G += gain * ln(1 + |e'| / rate0)
@@ -245,15 +227,11 @@ class RateResistanceMagnitude(Effect):
     """
 
     name = "rate_resistance_magnitude"
-    idea = "electrical_overshoot"
-    stage = Stage.ELECTRICAL
-    reads, writes = ("strain", "conductance_S"), ("conductance_S",)
-    strength = "gain"
     look = "conductance is shifted the same way in both directions of motion and is back at once when it stops"
 
     gain: float = parameter(0.02, unit="1", low=-1, high=1, doc="change of ln G per e-fold of the rate")
     rate0_per_s: float = parameter(0.01, unit="1/s", low=1e-5, high=1, scale="log", doc="rate where it sets in")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         decades = np.log1p(np.abs(rate(signals["strain"], dt_s)) / self.rate0_per_s)
-        return {"conductance_S": shifted(signals["conductance_S"], self.gain * decades)}
+        return self.gain * decades

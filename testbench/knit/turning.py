@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
-from testbench.knit.filters import highpass, lowpass, rate, shifted
+from testbench.knit.effect import FloatArray, Signals, parameter
+from testbench.knit.filters import highpass, lowpass, rate
+from testbench.knit.transient import OvershootLaw
 
 # Spikes to try: sudden ones, and ones that rise as slowly as they settle.
 SPIKES: list[dict[str, Any]] = [
@@ -16,7 +17,7 @@ SPIKES: list[dict[str, Any]] = [
 ]
 
 
-class ElectricalOvershootReversal(Effect):
+class ElectricalOvershootReversal(OvershootLaw):
     """Each reversal of the motion sends a transient of the same size, whatever the speed.
 
     ln G += gain * (s - y) / 2,   tau y' = s - y,   rise s' = tanh(e' / rate0) - s: the smoothed direction
@@ -26,10 +27,6 @@ class ElectricalOvershootReversal(Effect):
     """
 
     name = "electrical_overshoot_reversal"
-    idea = "electrical_overshoot"
-    stage = Stage.ELECTRICAL
-    reads, writes = ("strain", "conductance_S"), ("conductance_S",)
-    strength = "gain"
     look = "a spike of the conductance after every reversal, equally high for slow and fast motion"
 
     gain: float = parameter(0.05, unit="1", low=-3, high=3, doc="change of ln G at a reversal")
@@ -39,16 +36,16 @@ class ElectricalOvershootReversal(Effect):
     )
     rise_s: float = parameter(0.05, unit="s", low=0.02, high=30, scale="log", doc="time in which the spike rises")
 
-    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         return SPIKES
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         direction = lowpass(np.tanh(rate(signals["strain"], dt_s) / self.rate0_per_s), self.rise_s, dt_s)
         turned = highpass(direction, self.tau_s, dt_s)
-        return {"conductance_S": shifted(signals["conductance_S"], 0.5 * self.gain * turned)}
+        return 0.5 * self.gain * turned
 
 
-class ElectricalOvershootTurn(Effect):
+class ElectricalOvershootTurn(OvershootLaw):
     """Each turn of the motion sends a transient; stopping and going on the same way sends none.
 
     ln G += gain * (s - y) / 2,   tau y' = s - y,   rise s' = d - s
@@ -60,10 +57,6 @@ class ElectricalOvershootTurn(Effect):
     """
 
     name = "electrical_overshoot_turn"
-    idea = "electrical_overshoot"
-    stage = Stage.ELECTRICAL
-    reads, writes = ("strain", "conductance_S"), ("conductance_S",)
-    strength = "gain"
     look = "a spike of the conductance after every turn of the motion, none when it stops or goes on after a hold"
 
     gain: float = parameter(0.05, unit="1", low=-3, high=3, doc="change of ln G at a turn")
@@ -71,16 +64,16 @@ class ElectricalOvershootTurn(Effect):
     back: float = parameter(0.004, unit="1", low=2e-4, high=0.1, scale="log", doc="half the strain that makes a turn")
     rise_s: float = parameter(0.05, unit="s", low=0.02, high=30, scale="log", doc="time in which the spike rises")
 
-    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         return SPIKES
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         from testbench.knit.kernels import mean_stop
 
         heading = mean_stop(np.ascontiguousarray(signals["strain"]), np.array([self.back]))
         direction = lowpass(heading, self.rise_s, dt_s)
         turned = highpass(direction, self.tau_s, dt_s)
-        return {"conductance_S": shifted(signals["conductance_S"], 0.5 * self.gain * turned)}
+        return 0.5 * self.gain * turned
 
 
 def since_turn_s(strain: FloatArray, back: float, dt_s: float, early: float = 1.0) -> tuple[FloatArray, np.ndarray]:
@@ -111,7 +104,7 @@ def _between_samples(x: FloatArray, at: np.ndarray) -> FloatArray:
     return np.where(at == middle, at + np.clip(off, -0.5, 0.5), at)
 
 
-class ElectricalOvershootAnew(Effect):
+class ElectricalOvershootAnew(OvershootLaw):
     """Each turn of the motion starts a transient anew and breaks the one before off.
 
     ln G += gain * d * (exp(-t / tau) - exp(-t / rise)) * tau / (tau - rise)
@@ -124,10 +117,6 @@ class ElectricalOvershootAnew(Effect):
     """
 
     name = "electrical_overshoot_anew"
-    idea = "electrical_overshoot"
-    stage = Stage.ELECTRICAL
-    reads, writes = ("strain", "conductance_S"), ("conductance_S",)
-    strength = "gain"
     look = "a spike of the conductance after every turn of the motion, the same however soon the next one follows"
 
     gain: float = parameter(0.05, unit="1", low=-3, high=3, doc="change of ln G at a turn")
@@ -136,14 +125,14 @@ class ElectricalOvershootAnew(Effect):
     back: float = parameter(0.01, unit="1", low=5e-4, high=0.2, scale="log", doc="strain that makes a turn")
     early: float = parameter(1.0, unit="1", low=0, high=1, doc="0: time runs from the way back, 1: from the turn")
 
-    def data_grid(self, signals: Signals, residual: Signals, dt_s: float) -> list[dict[str, Any]]:
+    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         # No gradient leads from one number of turns to another. What rises slowly hardly shows where it began.
         spikes = [
             spike | {"early": early} for spike in SPIKES for early in (0.0, 1.0) if early or spike["rise_s"] < 0.1
         ]
         return [{"back": back} | spike for back in (0.002, 0.003, 0.005, 0.007, 0.01) for spike in spikes]
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         strain = np.ascontiguousarray(signals["strain"])
         since_s, turned_at = since_turn_s(strain, self.back, dt_s, self.early)
         heading = np.sign(strain - strain[turned_at])
@@ -152,4 +141,4 @@ class ElectricalOvershootAnew(Effect):
         # (exp(-t / slow) - exp(-t / quick)) / faster, which is t exp(-t / tau) where both times are the same
         risen_s = -np.expm1(-faster * since_s) / faster if faster > 1e-9 else since_s
         spike = np.exp(-since_s / slow_s) * risen_s / self.rise_s
-        return {"conductance_S": shifted(signals["conductance_S"], self.gain * heading * spike)}
+        return self.gain * heading * spike

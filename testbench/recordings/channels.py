@@ -2,11 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from numpy.typing import NDArray
-
-FloatArray = NDArray[Any]
 TIME, DISPLACEMENT, FORCE, RESISTANCE = "time_s", "displacement_mm", "force_N", "resistance_ohm"
 TEMPERATURE = "temperature_C"
 UNITS = {TIME: "s", DISPLACEMENT: "mm", FORCE: "N", RESISTANCE: "ohm", TEMPERATURE: "degC"}

@@ -2,55 +2,51 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
 
 import numpy as np
 
+from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
-
-if TYPE_CHECKING:
-    from testbench.recordings.recording import Recording
+from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE
 
 HEADER_ROWS = 2  # row numbers in messages count from 1 and the header is row 1
 
 
-def check_recording(recording: Recording) -> None:
-    """Raise `UserError` unless time increases, every value is finite and lengths agree."""
-    source = recording.source
-    gauge_mm = recording.gauge_length_mm
-    if "displacement_mm" in recording.channels and not (np.isfinite(gauge_mm) and gauge_mm > 0):
-        raise UserError(f"{source}: the gauge length must be a positive number of mm, got {gauge_mm}")
-    if len(recording.time_s) < 2:
-        raise UserError(f"{source}: a recording needs at least 2 samples, got {len(recording.time_s)}")
-    if "displacement_mm" not in recording.channels and not _goes_without_displacement(recording):
-        have = ", ".join(recording.channels) or "none"
+def check(source: str, time_s: FloatArray, channels: Mapping[str, FloatArray], gauge_length_mm: float) -> None:
+    """Raise `UserError` unless time increases, every value is finite and lengths agree.
+
+    Parameters
+    ----------
+    source : str
+        Named in the message.
+    time_s : ndarray, shape (n,)
+    channels : mapping of str to ndarray, each shape (n,)
+    gauge_length_mm : float
+    """
+    if DISPLACEMENT in channels and not (np.isfinite(gauge_length_mm) and gauge_length_mm > 0):
+        raise UserError(f"{source}: the gauge length must be a positive number of mm, got {gauge_length_mm}")
+    if len(time_s) < 2:
+        raise UserError(f"{source}: a recording needs at least 2 samples, got {len(time_s)}")
+    if DISPLACEMENT not in channels and not _goes_without_displacement(channels):
+        have = ", ".join(channels) or "none"
         raise UserError(f"{source}: no column displacement_mm (found: {have}); name yours with `testbench import`")
-    _check_time(source, recording.time_s)
-    for name, values in recording.channels.items():
-        if len(values) != len(recording.time_s):
-            raise UserError(f"{source}: {name} has {len(values)} samples, time_s has {len(recording.time_s)}")
+    _check_time(source, time_s)
+    for name, values in channels.items():
+        if len(values) != len(time_s):
+            raise UserError(f"{source}: {name} has {len(values)} samples, time_s has {len(time_s)}")
         _check_finite(source, name, values)
-    if "resistance_ohm" in recording.channels:
-        _check_positive(source, "resistance_ohm", recording.channels["resistance_ohm"])
+    if RESISTANCE in channels:
+        _check_positive(source, RESISTANCE, channels[RESISTANCE])
 
 
-def _goes_without_displacement(recording: Recording) -> bool:
+def _goes_without_displacement(channels: Mapping[str, FloatArray]) -> bool:
     """Whether force and resistance are there, and no column that may be a displacement under another name or unit."""
-    overlooked = any(name.lower().startswith(("displ", "strain", "extension")) for name in recording.channels)
-    return not overlooked and {"force_N", "resistance_ohm"} <= set(recording.channels)
+    overlooked = any(name.lower().startswith(("displ", "strain", "extension")) for name in channels)
+    return not overlooked and {FORCE, RESISTANCE} <= set(channels)
 
 
-def check_displacement(recording: Recording) -> None:
-    """Raise `UserError` where a displacement is needed and was not recorded."""
-    if not recording.has("displacement_mm"):
-        have = ", ".join(recording.channels)
-        raise UserError(
-            f"{recording.source}: no displacement was recorded, and a model of the sensor needs it; it has {have}, "
-            "which is enough for `compensation train --target force`"
-        )
-
-
-def _check_time(source: str, time_s: np.ndarray) -> None:
+def _check_time(source: str, time_s: FloatArray) -> None:
     _check_finite(source, "time_s", time_s)
     backwards = np.flatnonzero(np.diff(time_s) <= 0)
     if backwards.size:
@@ -62,7 +58,7 @@ def _check_time(source: str, time_s: np.ndarray) -> None:
         )
 
 
-def _check_finite(source: str, name: str, values: np.ndarray) -> None:
+def _check_finite(source: str, name: str, values: FloatArray) -> None:
     bad = np.flatnonzero(~np.isfinite(values))
     if bad.size:
         row = int(bad[0]) + HEADER_ROWS
@@ -72,7 +68,7 @@ def _check_finite(source: str, name: str, values: np.ndarray) -> None:
         )
 
 
-def _check_positive(source: str, name: str, values: np.ndarray) -> None:
+def _check_positive(source: str, name: str, values: FloatArray) -> None:
     bad = np.flatnonzero(values <= 0)
     if bad.size:
         row = int(bad[0]) + HEADER_ROWS

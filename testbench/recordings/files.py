@@ -16,7 +16,8 @@ import numpy as np
 from gcode.support.errors import UserError
 from gcode.support.files import atomic_writer
 from gcode.support.strict import check_plain
-from testbench.recordings.recording import DISPLACEMENT, FORCE, RESISTANCE, TIME, UNITS, Recording
+from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TIME, UNITS
+from testbench.recordings.recording import Recording
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -32,8 +33,22 @@ MOST_LINE = 64 << 10
 _SAID: set[str] = set()
 
 
-def load(path: Path, gauge_length_mm: float | None) -> Recording:
-    """Read `path`, a CSV or a campaign folder. See `testbench.recordings.recording.read_recording`."""
+def read_recording(path: str | Path, gauge_length_mm: float | None = None) -> Recording:
+    """Read a recording from a CSV or a campaign folder.
+
+    Parameters
+    ----------
+    path : path
+        A ``recording.csv`` or a folder with a ``datapackage.json``.
+    gauge_length_mm : float, optional
+        Needed for a bare CSV; a campaign knows its own.
+
+    Raises
+    ------
+    UserError
+        If the file is missing or malformed; the message names the file, the row and the remedy.
+    """
+    path = Path(path)
     if path.is_dir():
         return _load_campaign(path, gauge_length_mm)
     if not path.exists():

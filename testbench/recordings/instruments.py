@@ -12,7 +12,7 @@ import numpy as np
 from numpy.random import Generator
 from pydantic import BaseModel, ConfigDict, Field
 
-from testbench.recordings.recording import FloatArray
+from gcode.support.arrays import FloatArray
 
 
 class Truth(NamedTuple):

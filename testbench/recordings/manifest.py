@@ -16,7 +16,7 @@ from typing import Any
 from gcode.support import strict
 from gcode.support.errors import UserError
 from gcode.support.files import sha256_of, write_text
-from testbench.recordings.recording import UNITS
+from testbench.recordings.channels import UNITS
 from testbench.recordings.stored import Resource, StoredManifest
 
 NAME = "datapackage.json"

@@ -11,21 +11,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
-from testbench.recordings.channels import (
-    DISPLACEMENT,
-    FORCE,
-    RESISTANCE,
-    TEMPERATURE,
-    TIME,
-    UNITS,
-    FloatArray,
-)
+from testbench.recordings.channels import DISPLACEMENT, RESISTANCE, TIME
+from testbench.recordings.checks import check
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -33,18 +26,6 @@ if TYPE_CHECKING:
 
 GAP_S, GAP_STEPS = 1.0, 10.0
 MOST_POINTS, MOST_MADE_UP = 20_000_000, 1_000_000
-
-__all__ = [
-    "DISPLACEMENT",
-    "FORCE",
-    "RESISTANCE",
-    "TEMPERATURE",
-    "TIME",
-    "UNITS",
-    "FloatArray",
-    "Recording",
-    "read_recording",
-]
 
 
 @dataclass(frozen=True, repr=False)
@@ -73,9 +54,7 @@ class Recording:
     metadata: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        from testbench.recordings.checks import check_recording
-
-        check_recording(self)
+        check(self.source, self.time_s, self.channels, self.gauge_length_mm)
 
     def __len__(self) -> int:
         return len(self.time_s)
@@ -141,12 +120,19 @@ class Recording:
         """Whether the channel `name` was recorded."""
         return name in self.channels
 
+    def needs_displacement(self) -> None:
+        """Raise `UserError` where no displacement was recorded."""
+        if DISPLACEMENT not in self.channels:
+            have = ", ".join(self.channels)
+            raise UserError(
+                f"{self.source}: no displacement was recorded, and a model of the sensor needs it; it has {have}, "
+                "which is enough for `compensation train --target force`"
+            )
+
     @cached_property
     def strain(self) -> FloatArray:
         """Nominal strain: displacement over gauge length (dimensionless)."""
-        from testbench.recordings.checks import check_displacement
-
-        check_displacement(self)
+        self.needs_displacement()
         return self[DISPLACEMENT] / self.gauge_length_mm
 
     @cached_property
@@ -217,23 +203,3 @@ class Recording:
         start_s, end_s = longest
         gap = f"nothing was recorded for {end_s - start_s:.4g} s after {start_s:.4g} s"
         return f"{gap}, and {many}, most of them made up; cut the recording there and use the parts"
-
-
-def read_recording(path: str | Path, gauge_length_mm: float | None = None) -> Recording:
-    """Read a recording from a CSV or a campaign folder.
-
-    Parameters
-    ----------
-    path : path
-        A ``recording.csv`` or a folder with a ``datapackage.json``.
-    gauge_length_mm : float, optional
-        Needed for a bare CSV; a campaign knows its own.
-
-    Raises
-    ------
-    UserError
-        If the file is missing or malformed; the message names the file, the row and the remedy.
-    """
-    from testbench.recordings.files import load
-
-    return load(Path(path), gauge_length_mm)

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from gcode.support.arrays import FloatArray
 from gcode.support.figures import outline, panels
 from gcode.support.html import card, strips
-from testbench.recordings.channels import DISPLACEMENT, UNITS, FloatArray
+from testbench.recordings.channels import DISPLACEMENT, UNITS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -10,7 +10,7 @@ from typing import Any
 from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError
 from gcode.support.files import read_json
-from testbench.recordings.recording import read_recording
+from testbench.recordings.files import read_recording
 from testbench.report import sections
 from testbench.report.document import Item, Report, Section
 from testbench.report.provenance import provenance, today

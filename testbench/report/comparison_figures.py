@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gcode.support.arrays import FloatArray
 from testbench.report import style
 from testbench.report.downsample import POINTS, window
 from testbench.report.recording_figures import line, stretches
-
-FloatArray = NDArray[np.float64]
 
 CHANNEL_TITLES = {"force": "Force / N", "conductance": "ln (G / S)", "resistance": "Resistance / kΩ"}
 RESIDUAL_TITLES = {"force": "Residual / N", "conductance": "Residual / ln S", "resistance": "Residual / kΩ"}

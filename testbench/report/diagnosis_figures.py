@@ -6,15 +6,14 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gcode.support.arrays import FloatArray
 from testbench.report import style
 from testbench.report.comparison_figures import RESIDUAL_TITLES
 from testbench.report.downsample import POINTS, window
 from testbench.report.recording_figures import line
 from testbench.report.words import spoken, with_probability
 
-FloatArray = NDArray[np.float64]
 SHOWN = 8
 VISIBLE = 0.01  # share of the residual's squares; less is not worth a bar
 SCATTER_BINS = 24

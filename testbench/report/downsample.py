@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from gcode.support.arrays import FloatArray
+
 POINTS = 2000  # nearly twice the pixels of a wide plot: each pixel column keeps its lowest and highest sample
 
 

@@ -6,12 +6,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gcode.support.arrays import FloatArray
 from testbench.report import style
 from testbench.report.recording_figures import line
-
-FloatArray = NDArray[np.float64]
 
 LEAST = 0.1  # evidence below this is drawn as this: a logarithmic axis has no zero
 DECISIVE = 5.0

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gcode.support.arrays import FloatArray
 from testbench.report.comparison_figures import resistance_kohm
-
-FloatArray = NDArray[np.float64]
 
 
 def residuals_kohm(

@@ -7,12 +7,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gcode.support.arrays import FloatArray
 from testbench.report import style
 from testbench.report.recording_figures import line
 
-FloatArray = NDArray[np.float64]
 LIVE_POINTS = 500
 
 

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gcode.support.arrays import FloatArray
 from testbench.report.numbers import span
 
-FloatArray = NDArray[np.float64]
 NOISE_REACHED = 1.1  # an error of at most this many noise floors is noise: nothing is left to be pointed at
 LOOK_S, LOOK_SAMPLES = 30.0, 200  # how much is shown around a place: so long, and at least so many samples
 DOING = {1: " while stretching", -1: " while releasing", 0: ""}

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gcode.support.arrays import FloatArray
 from testbench.fitting.errors import channel_name
 from testbench.fitting.measurement import UNIT_OF, Measurement
 from testbench.fitting.remounting import remounted
@@ -15,7 +15,6 @@ from testbench.proposing.proposal import Proposed, Step, numbered
 from testbench.proposing.writing import in_words, plain
 from testbench.report import style
 
-FloatArray = NDArray[np.float64]
 BINS, POINTS, DOTS = 24, 1500, 800
 ROW_PX = 270
 LEGEND = {"orientation": "h", "x": 1, "xanchor": "right", "y": 1.0, "yanchor": "bottom"}

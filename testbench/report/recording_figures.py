@@ -5,15 +5,15 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from testbench.recordings.recording import DISPLACEMENT, RESISTANCE, TEMPERATURE, Recording
-from testbench.recordings.recording import FORCE as FORCE_CHANNEL
+from gcode.support.arrays import FloatArray
+from testbench.recordings.channels import DISPLACEMENT, RESISTANCE, TEMPERATURE
+from testbench.recordings.channels import FORCE as FORCE_CHANNEL
+from testbench.recordings.recording import Recording
 from testbench.report import style
 from testbench.report.downsample import POINTS, rows_to_draw, thinned, window
 from testbench.report.numbers import span
 
-FloatArray = NDArray[np.float64]
 Channel = tuple[str, FloatArray, str]  # axis title, values, colour
 
 LOOPS, LOOP_S, LOOP_SAMPLES, LOOP_POINTS = 6, 30.0, 30, 300

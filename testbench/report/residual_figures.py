@@ -6,12 +6,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gcode.support.arrays import FloatArray
 from testbench.report import style
 from testbench.report.comparison_figures import RESIDUAL_TITLES, Overlay
-
-FloatArray = NDArray[np.float64]
 
 COORDINATE_TITLES = {
     "strain": "Strain / %",

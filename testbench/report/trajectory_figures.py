@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gcode.support.arrays import FloatArray
 from testbench.report import style
 from testbench.report.downsample import POINTS
 from testbench.report.recording_figures import line
-
-FloatArray = NDArray[np.float64]
 
 
 def motion(

@@ -13,7 +13,7 @@ from gcode.support import disk
 from gcode.support.errors import UserError
 from gcode.support.files import write_bytes
 from gcode.support.strict import check_plain, json_of, validated
-from testbench.recordings.recording import DISPLACEMENT, TIME, UNITS
+from testbench.recordings.channels import DISPLACEMENT, TIME, UNITS
 from testbench.recordings.stored import StoredEvent
 from testbench.rig.ending import EndOfMotion
 from testbench.rig.sink import BAD, CSV, EVENTS, bad_line

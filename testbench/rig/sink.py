@@ -20,7 +20,7 @@ from pathlib import Path
 
 from gcode.support import disk
 from gcode.support.errors import UserError
-from testbench.recordings.recording import TIME
+from testbench.recordings.channels import TIME
 from testbench.rig.stream import Bad, Event, Item, Row, channels_of
 
 CSV, BAD, EVENTS = "recording.csv", "recording.bad", "events.jsonl"

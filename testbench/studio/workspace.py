@@ -13,7 +13,8 @@ from pathlib import Path
 
 from gcode.support.errors import UserError
 from gcode.support.files import make_folder, write_text
-from testbench.recordings.recording import Recording, read_recording
+from testbench.recordings.files import read_recording
+from testbench.recordings.recording import Recording
 from testbench.studio.memory import Memory, stamp
 
 MANIFEST = "datapackage.json"

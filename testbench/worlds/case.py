@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from gcode.support.errors import UserError
-from testbench.recordings.recording import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE, Recording
+from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE
+from testbench.recordings.recording import Recording
 from testbench.worlds import strength as strengths
 from testbench.worlds.base import WORLDS, BaseWorld, draw_world
 from testbench.worlds.chain import Form, Hidden, Scene, Usual, run

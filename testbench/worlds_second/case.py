@@ -8,7 +8,8 @@ from functools import partial
 from typing import Any
 
 from gcode.support.errors import UserError
-from testbench.recordings.recording import FORCE, RESISTANCE, TEMPERATURE, Recording
+from testbench.recordings.channels import FORCE, RESISTANCE, TEMPERATURE
+from testbench.recordings.recording import Recording
 from testbench.worlds_second.chain import Hook
 from testbench.worlds_second.choice import Hidden, choose
 from testbench.worlds_second.draws import stream

@@ -7,7 +7,8 @@ from functools import cached_property
 
 import numpy as np
 
-from testbench.recordings.recording import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE, Recording
+from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE
+from testbench.recordings.recording import Recording
 from testbench.worlds_second.chain import Hook, Scales, converted, measure, simulate
 from testbench.worlds_second.draws import stream
 from testbench.worlds_second.kernels import Array

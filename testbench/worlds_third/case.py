@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from testbench.recordings.recording import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE, Recording
+from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE
+from testbench.recordings.recording import Recording
 from testbench.worlds_third import noise as noises
 from testbench.worlds_third.checks import check_arguments
 from testbench.worlds_third.clock import refined, sample_times, steps_between

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from gcode.support.errors import UserError
-from testbench.recordings.recording import FORCE, RESISTANCE, TEMPERATURE
+from testbench.recordings.channels import FORCE, RESISTANCE, TEMPERATURE
 from testbench.worlds_third.protocols import PROTOCOLS
 
 FEWEST = 60  # samples

@@ -33,8 +33,8 @@ from testbench.campaigns.record import Job, begin, job_of, record
 from testbench.fitting.model_file import ModelFile, load_model_file
 from testbench.importing.from_file import Wish, import_csv
 from testbench.knit.catalogue import baseline, load_catalogue
+from testbench.recordings.files import read_recording
 from testbench.recordings.manifest import NAME, problems, sealed
-from testbench.recordings.recording import read_recording
 from testbench.report.build import read_diagnosis, read_score
 from testbench.rig.recorder import Chunk, End
 from testbench.rig.recorder import Limits as Alarms

@@ -23,7 +23,7 @@ from gcode.trajectories.trajectory import read_csv as read_trajectory
 from testbench.campaigns.dataset_spec import read_spec as read_dataset_spec
 from testbench.fitting.model_file import load_model_file
 from testbench.importing.from_file import Wish, import_csv
-from testbench.recordings.recording import read_recording
+from testbench.recordings.files import read_recording
 from testbench.report.build import read_diagnosis
 from tests.fuzz.targets import TARGETS, attack, no_hang, samples
 

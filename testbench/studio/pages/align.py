@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from nicegui import ui
 
 from gcode.support.errors import UserError
-from testbench.recordings.recording import DISPLACEMENT
+from testbench.recordings.channels import DISPLACEMENT
 from testbench.report.alignment_figures import alignment
 from testbench.report.words import clocks_in_words
 from testbench.studio.jobs import Job, State

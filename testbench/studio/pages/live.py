@@ -11,7 +11,7 @@ import numpy as np
 from nicegui import ui
 
 from gcode.support.errors import UserError
-from testbench.recordings.recording import DISPLACEMENT, FORCE, RESISTANCE, TIME
+from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TIME
 from testbench.report import style
 from testbench.report.live_figures import LiveChannel, live
 from testbench.studio.jobs import Job, State

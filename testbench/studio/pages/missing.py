@@ -7,10 +7,9 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
-import numpy as np
 from nicegui import ui
-from numpy.typing import NDArray
 
+from gcode.support.arrays import FloatArray
 from testbench.report import diagnosis_figures as figures
 from testbench.report.build import read_diagnosis
 from testbench.report.kohm import residuals_kohm
@@ -43,7 +42,6 @@ from testbench.studio.widgets import (
     working,
 )
 
-FloatArray = NDArray[np.float64]
 SHOWN = 8
 
 

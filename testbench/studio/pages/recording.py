@@ -9,9 +9,10 @@ from pathlib import Path
 from nicegui import ui
 
 from gcode.support.errors import UserError
+from testbench.recordings.channels import DISPLACEMENT
+from testbench.recordings.channels import RESISTANCE as RESISTANCE_CHANNEL
 from testbench.recordings.manifest import IN_PROGRESS
-from testbench.recordings.recording import DISPLACEMENT, Recording
-from testbench.recordings.recording import RESISTANCE as RESISTANCE_CHANNEL
+from testbench.recordings.recording import Recording
 from testbench.report import recording_figures as figures
 from testbench.studio.models import LAST_THIRD, held_out_of, model_path
 from testbench.studio.pages.compare import view_of

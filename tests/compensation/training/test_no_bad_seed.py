@@ -7,7 +7,7 @@ import pytest
 
 from compensation.paper import reproduction as ours
 from compensation.paper.paper_campaigns import TAB, campaigns
-from testbench.recordings.recording import read_recording
+from testbench.recordings.files import read_recording
 
 SEEDS, WITHIN = 20, 0.03
 STRIP = ("cb7.5_s2_multisine_600s", "cb7.5_s2_multisine_300s_a", "cb7.5_s2_random_sawtooth_a")

@@ -138,7 +138,7 @@ def test_constant_or_short_recordings_are_refused(recordings):
 
 @pytest.mark.real_data
 def test_the_measured_strip_whose_conductance_falls(real_folder):
-    from testbench.recordings.recording import read_recording
+    from testbench.recordings.files import read_recording
 
     training, test = (
         read_recording(real_folder / f"cb7.5_s2_multisine_{name}.csv", 40.0) for name in ("600s", "300s_a")

@@ -68,7 +68,7 @@ def test_memories_are_added_once_and_only_where_their_signals_are():
     electrical = twin_models.with_memories(KnitModel.of(effects["piezoresistance"]()))
     assert not {"stress_relaxation", "contact_relaxation", "contact_hysteresis"} & set(electrical.effects)
     assert "electrical_overshoot" in electrical.effects
-    # Another form of the same idea counts as present.
+    # Another law of the same mechanism counts as present.
     other = twin_models.with_memories(baseline().plus(effects["stress_relaxation_log"]()))
     assert "stress_relaxation" not in other.effects
 

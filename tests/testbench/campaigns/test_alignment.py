@@ -11,7 +11,8 @@ from gcode.support.errors import UserError
 from testbench import cli
 from testbench.campaigns.alignment import PLANNED, align, applied, best_lag
 from testbench.campaigns.campaign import simulate_campaign
-from testbench.recordings.recording import Recording, read_recording
+from testbench.recordings.files import read_recording
+from testbench.recordings.recording import Recording
 from testbench.rig.motion import played
 from testbench.rig.simulated import GRID_HZ, Motion
 from tests.testbench.rig.rigs import plan

@@ -10,8 +10,8 @@ import pytest
 from testbench.campaigns.dataset import Task, make, write_parquet
 from testbench.campaigns.splits import SPLITS, split_of
 from testbench.knit.catalogue import baseline
+from testbench.recordings.files import read_recording
 from testbench.recordings.instruments import Instruments
-from testbench.recordings.recording import read_recording
 from tests.testbench.rig.rigs import program
 
 pytest.importorskip("pyarrow", reason="Parquet needs pyarrow")

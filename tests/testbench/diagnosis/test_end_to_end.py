@@ -18,7 +18,8 @@ from testbench.diagnosis.words import first_line
 from testbench.fitting.baseline import starting_baseline
 from testbench.fitting.measurement import split
 from testbench.knit.catalogue import load_catalogue, model_from_dict
-from testbench.recordings.recording import Recording, read_recording
+from testbench.recordings.files import read_recording
+from testbench.recordings.recording import Recording
 from testbench.worlds import make_case
 from tests.testbench.builders import CATALOGUE, record, truth, write_csv
 

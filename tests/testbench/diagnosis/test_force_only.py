@@ -10,7 +10,8 @@ import pytest
 from scipy.signal import fftconvolve
 
 from testbench.diagnosis import diagnose
-from testbench.recordings.recording import DISPLACEMENT, FORCE, Recording
+from testbench.recordings.channels import DISPLACEMENT, FORCE
+from testbench.recordings.recording import Recording
 
 GAUGE_LENGTH_MM = 100.0
 

@@ -7,7 +7,8 @@ import pytest
 
 from testbench.fitting.errors import noise_floors
 from testbench.fitting.measurement import prepare
-from testbench.recordings.recording import DISPLACEMENT, FORCE, Recording
+from testbench.recordings.channels import DISPLACEMENT, FORCE
+from testbench.recordings.recording import Recording
 
 GAUGE_LENGTH_MM = 100.0
 

@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from testbench.fitting.measurement import prepare
 from testbench.fitting.motion import reading_noise, without_reading_noise
 from testbench.knit.hysteresis import HysteresisBoucWen
-from testbench.recordings.recording import DISPLACEMENT, FORCE, Recording
+from testbench.recordings.channels import DISPLACEMENT, FORCE
+from testbench.recordings.recording import Recording
 
 RATE_HZ, GAUGE_LENGTH_MM = 25.0, 50.0
 TIME_S = np.arange(0, 300, 1 / RATE_HZ)

@@ -11,7 +11,7 @@ import pytest
 from gcode.support.errors import UserError
 from testbench.cli import main
 from testbench.importing.from_file import Hints, Wish, import_csv, import_file
-from testbench.recordings.recording import read_recording
+from testbench.recordings.files import read_recording
 from tests.testbench.importing import exports
 
 FOREIGN = Path(__file__).parents[3] / "../shared/data/foreign"

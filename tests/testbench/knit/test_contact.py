@@ -49,9 +49,10 @@ def test_the_hardest_soft_saturation_is_nearly_the_corner() -> None:
 
 
 def test_saturation_starts_a_fit_at_a_force_that_was_reached() -> None:
-    guess = ContactSaturationHard().initial_guess({"force_N": FORCE}, 1.0)
-    assert isinstance(guess, ContactSaturationHard)
-    assert 1 / guess.inverse_limit_per_N == pytest.approx(np.quantile(FORCE, 0.9))
+    limits_N = [
+        1 / point["inverse_limit_per_N"] for point in ContactSaturationHard().starts({"contact_force_N": FORCE}, {})
+    ]
+    assert limits_N == pytest.approx(np.quantile(FORCE, [0.6, 0.75, 0.85, 0.93, 0.97]))
 
 
 def test_relaxed_contact_settles_at_the_remaining_fraction() -> None:
@@ -116,8 +117,7 @@ def test_percolation_ends_at_its_limit() -> None:
 @pytest.mark.parametrize("law", [Piezoresistance(), PiezoresistanceTunnelling(), PiezoresistancePercolation()])
 def test_rest_resistance_is_guessed_from_the_data(law: Piezoresistance) -> None:
     measured = {"strain": STRAIN, "conductance_S": 1e-3 * np.exp(-STRAIN)}
-    guess = law.initial_guess(measured, 1.0)
-    assert guess.model_dump()["rest_ohm"] == pytest.approx(1010, rel=0.01)
+    assert law.started(measured, {}).model_dump()["rest_ohm"] == pytest.approx(1010, rel=0.01)
 
 
 def test_drifts_reach_their_values() -> None:

@@ -75,7 +75,7 @@ def test_weights_say_which_strains_count():
     np.testing.assert_allclose(force_N(drawn), force_N(LAWS[0]), atol=1e-8)
 
 
-def test_a_law_takes_the_place_of_another_form_of_it():
+def test_a_law_takes_the_place_of_another_of_its_mechanism():
     model = baseline().plus(ElasticityTwoSlopes())
     assert list(model) == list(baseline())
     assert model["elasticity"].name == "elasticity_two_slopes"
@@ -87,12 +87,12 @@ def test_a_law_takes_the_place_of_another_form_of_it():
     np.testing.assert_allclose(made["force_N"] - force_N(ElasticityTwoSlopes(), strain), friction_N, atol=1e-12)
 
 
-def test_an_effect_with_a_strength_stands_beside_another_of_its_idea():
+def test_an_effect_with_a_strength_stands_beside_another_of_its_mechanism():
     model = baseline().plus(CATALOGUE["hysteresis"]())
     assert [name for name in model if name.startswith("hysteresis")] == ["hysteresis", "hysteresis_2"]
 
 
-def test_every_elastic_law_of_the_catalogue_is_of_one_idea():
+def test_every_elastic_law_of_the_catalogue_is_of_one_mechanism():
     laws = [law for law in CATALOGUE.effects.values() if issubclass(law, ElasticLaw)]
     assert len(laws) >= 4
-    assert {law.idea for law in laws} == {"elasticity"}
+    assert {law.mechanism for law in laws} == {"elasticity"}

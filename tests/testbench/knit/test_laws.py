@@ -52,4 +52,4 @@ def test_laws_hold_with_any_parameters_in_bounds(name: str) -> None:
 def test_it_is_registered_under_its_own_name_and_an_existing_idea(name: str) -> None:
     effect = EFFECTS[name]
     assert effect.name == name
-    assert (effect.idea or effect.name) in EFFECTS
+    assert effect.mechanism in EFFECTS

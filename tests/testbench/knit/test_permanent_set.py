@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from testbench.knit.kernels import overstress_flow
+from testbench.knit.length import TAUT
 from testbench.knit.permanent_set import (
     PermanentSet,
     PermanentSetCreep,
@@ -34,7 +35,7 @@ def test_a_knit_that_grew_too_long_hangs_limp_until_the_length_is_taken_up() -> 
 
 def test_it_never_hangs_limp_where_that_part_of_the_law_is_absent() -> None:
     long = PermanentSet(fraction=0.3, tau_s=0.01, renewed=0)
-    absent = long.replaced(**long.absent_at)
+    absent = long.replaced(pretension=TAUT)
     up_and_down = 0.8 * np.abs(np.sin(np.linspace(0, 20, 2000)))
     stretched = absent.apply({"strain": up_and_down}, 0.05)["strain"]
     np.testing.assert_allclose(stretched, up_and_down - absent.added({"strain": up_and_down}, 0.05))

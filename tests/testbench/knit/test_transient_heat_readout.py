@@ -14,7 +14,7 @@ from testbench.knit.heat import (
     TemperatureDrift,
     ThermalSoftening,
 )
-from testbench.knit.interference import PeriodicInterference, strongest_frequency_Hz
+from testbench.knit.interference import PeriodicInterference
 from testbench.knit.load_cell import LoadCellCreep, LoadCellCreepTwoTimes, LoadCellZeroDrift
 from testbench.knit.transient import ElectricalOvershoot, ElectricalOvershootMagnitude, RateResistance, ShoulderPeak
 from testbench.knit.turning import ElectricalOvershootAnew, ElectricalOvershootReversal
@@ -121,10 +121,17 @@ def test_converters_clip_at_their_ends() -> None:
 
 def test_clipping_starts_a_fit_near_the_ends_of_the_data() -> None:
     measured = {"conductance_S": np.linspace(1, 2, 101), "force_N": np.linspace(0, 4, 101)}
-    assert AdcSaturation().initial_guess(measured, 1.0).model_dump()["floor_ohm"] == pytest.approx(1 / 1.95)
-    assert AdcSaturationHigh().initial_guess(measured, 1.0).model_dump()["floor_S"] == pytest.approx(1.05)
-    guess = AdcSaturationForce().initial_guess(measured, 1.0).model_dump()
-    assert guess["inverse_range_per_N"] == pytest.approx(1 / 3.8)
+    tops_S = [1 / point["floor_ohm"] for point in AdcSaturation().starts(measured, {})]
+    bottoms_S = [point["floor_S"] for point in AdcSaturationHigh().starts(measured, {})]
+    tops_N = [1 / point["inverse_range_per_N"] for point in AdcSaturationForce().starts(measured, {})]
+    assert tops_S[1:] == pytest.approx([1.97, 1.99], rel=1e-3)
+    assert bottoms_S[1:] == pytest.approx([1.03, 1.01], rel=1e-3)
+    assert tops_N[1:] == pytest.approx([3.88, 3.96], rel=1e-3)
+
+
+def test_clipping_starts_a_fit_where_the_readings_pile_up() -> None:
+    measured = {"force_N": np.minimum(np.linspace(0, 4, 101), 3.3)}
+    assert 1 / AdcSaturationForce().starts(measured, {})[0]["inverse_range_per_N"] == pytest.approx(3.3)
 
 
 def test_creeping_reading_ends_at_its_fraction_and_zero_drift_at_its_shift() -> None:
@@ -146,6 +153,5 @@ def test_a_reading_that_creeps_twice_is_the_sum_of_its_steps() -> None:
 def test_the_line_in_the_spectrum_is_found() -> None:
     rng = np.random.default_rng(0)
     signal = np.cumsum(rng.normal(0, 0.02, len(T))) + 0.1 * np.sin(2 * np.pi * 3.3 * T)
-    assert strongest_frequency_Hz(signal, DT_S) == pytest.approx(3.3, abs=0.02)
-    guess = PeriodicInterference().initial_guess({"conductance_S": np.exp(signal)}, DT_S)
-    assert guess.model_dump()["frequency_Hz"] == pytest.approx(3.3, abs=0.02)
+    started = PeriodicInterference().started({"time_s": T}, {"conductance": signal})
+    assert started.model_dump()["frequency_Hz"] == pytest.approx(3.3, abs=0.02)

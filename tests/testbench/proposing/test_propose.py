@@ -18,7 +18,8 @@ from testbench.proposing import Proposed, propose_law
 from testbench.proposing.blindness import not_judged
 from testbench.proposing.words import _safe, first_line, proposal_text, story
 from testbench.proposing.writing import file_text
-from testbench.recordings.recording import Recording, read_recording
+from testbench.recordings.files import read_recording
+from testbench.recordings.recording import Recording
 from tests.testbench.builders import record, truth, write_csv
 
 STRIP = Path(__file__).resolve().parents[3] / "../shared/data/real/cb_silicone_strip"

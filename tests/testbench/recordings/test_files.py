@@ -7,8 +7,8 @@ import pytest
 
 from gcode.support.errors import UserError
 from testbench import cli
-from testbench.recordings.files import write_recording_csv
-from testbench.recordings.recording import Recording, read_recording
+from testbench.recordings.files import read_recording, write_recording_csv
+from testbench.recordings.recording import Recording
 
 HEAD = "time_s,displacement_mm,force_N,resistance_ohm\n"
 GOOD = HEAD + "0,0,0.1,1000\n0.1,0.5,0.2,900\n0.2,1,0.3,800\n"

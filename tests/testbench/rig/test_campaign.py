@@ -16,8 +16,8 @@ from testbench.campaigns.plan import plan_of, programs_before
 from testbench.campaigns.remake import Remade, made_again
 from testbench.knit.catalogue import baseline, load_catalogue
 from testbench.knit.model import inputs
+from testbench.recordings.files import read_recording
 from testbench.recordings.manifest import problems, read_manifest
-from testbench.recordings.recording import read_recording
 from testbench.recordings.versions import software_versions
 from testbench.rig.motion import played
 from testbench.rig.past import past_displacement

@@ -17,8 +17,8 @@ from testbench.campaigns.dataset_spec import read_spec
 from testbench.campaigns.remake import made_again
 from testbench.knit.catalogue import baseline, load_catalogue
 from testbench.knit.template import write_template
+from testbench.recordings.files import read_recording
 from testbench.recordings.manifest import problems
-from testbench.recordings.recording import read_recording
 from tests.testbench.rig.devices import command, until
 from tests.testbench.rig.rigs import program
 

@@ -21,9 +21,8 @@ from testbench.campaigns.dataset_index import index_problems, write_entries
 from testbench.campaigns.record import Job, begin, job_of, record
 from testbench.fitting.model_file import ModelFile, load_model_file
 from testbench.knit.catalogue import baseline
-from testbench.recordings.files import write_recording_csv
+from testbench.recordings.files import read_recording, write_recording_csv
 from testbench.recordings.manifest import NAME, problems, read_manifest
-from testbench.recordings.recording import read_recording
 from testbench.rig.recorder import Chunk, End, Limits
 from testbench.rig.sink import csv_line
 from testbench.rig.stream import Intake, Row

@@ -12,8 +12,8 @@ from gcode.support.errors import UserError
 from testbench import cli
 from testbench.campaigns.campaign import simulate_campaign
 from testbench.campaigns.record import Job, begin, job_of
+from testbench.recordings.files import read_recording
 from testbench.recordings.manifest import problems, read_manifest, sealed
-from testbench.recordings.recording import read_recording
 from testbench.rig.motion import played
 from testbench.rig.ports import stated_port
 from testbench.rig.recorder import Limits

@@ -17,8 +17,8 @@ from numpy.random import default_rng
 from testbench import cli
 from testbench.campaigns.record import Job, begin, record
 from testbench.knit.catalogue import baseline
+from testbench.recordings.files import read_recording
 from testbench.recordings.manifest import problems
-from testbench.recordings.recording import read_recording
 from testbench.rig.faults import faulty
 from testbench.rig.pty_port import PtyPort
 from testbench.rig.recorder import Limits

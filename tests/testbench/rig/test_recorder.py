@@ -12,7 +12,7 @@ import pytest
 from gcode.support.errors import UserError
 from testbench.campaigns.record import Job, begin, job_of, record
 from testbench.knit.catalogue import baseline
-from testbench.recordings.recording import read_recording
+from testbench.recordings.files import read_recording
 from testbench.rig.ending import EndOfMotion
 from testbench.rig.motion import played
 from testbench.rig.recorder import Chunk, End, Limits, Lost, Recorder, Tick, in_memory

@@ -11,8 +11,8 @@ from testbench import cli
 from testbench.campaigns.campaign import simulate_campaign, simulate_live
 from testbench.campaigns.plan import plan_of
 from testbench.knit.catalogue import baseline
+from testbench.recordings.files import read_recording
 from testbench.recordings.manifest import problems
-from testbench.recordings.recording import read_recording
 from testbench.rig.links import paced
 from testbench.rig.motion import played
 from testbench.rig.recorder import in_memory

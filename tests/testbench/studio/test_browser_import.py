@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import expect
 
-from testbench.recordings.recording import read_recording
+from testbench.recordings.files import read_recording
 from tests.testbench.importing import exports
 from tests.testbench.studio.browsing import IN_CHROMIUM, browser, choose, opened, page, running, shot
 from tests.testbench.studio.seeing import nameless, unreadable

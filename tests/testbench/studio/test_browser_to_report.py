@@ -14,7 +14,7 @@ import pytest
 from gcode.cli import main as gcode
 from testbench.cli import main as run_testbench
 from testbench.knit.catalogue import baseline, load_catalogue
-from testbench.recordings.recording import read_recording
+from testbench.recordings.files import read_recording
 from tests.testbench.importing import exports
 from tests.testbench.studio.browsing import IN_CHROMIUM, SHOTS, browser, choose, page, running, shot
 

@@ -56,14 +56,14 @@ def test_an_effect_left_out_of_the_catalogue_is_gone_in_all_its_forms(bench):
     seen = {}
 
     def diagnose(calibration, held_out, catalogue):
-        seen["ideas"] = set(catalogue.ideas())
+        seen["mechanisms"] = set(catalogue.mechanisms())
         return Fake("unknown")
 
     job = bench.Job("channel_lag", 5.0, "matched", 1, left_out=True, minutes=2.0, rate_hz=10.0)
     row = bench.run_job(job, diagnose)
     assert row["expected"] == "unknown"
-    assert "channel_lag" not in seen["ideas"]
-    assert "clamp_slip" in seen["ideas"]
+    assert "channel_lag" not in seen["mechanisms"]
+    assert "clamp_slip" in seen["mechanisms"]
 
 
 def test_the_second_simulator_makes_cases_of_its_own(bench):

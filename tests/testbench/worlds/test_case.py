@@ -9,7 +9,7 @@ import pytest
 from scipy.optimize import least_squares
 
 from gcode.support.errors import UserError
-from testbench.recordings.recording import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE
+from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE
 from testbench.worlds import CATALOGUE, OUTSIDE, make_case
 from testbench.worlds.base import WORLDS, draw_world
 from testbench.worlds.case import _Bench, _choose, _rng
@@ -117,7 +117,7 @@ def test_unknown_draws_an_effect_that_is_in_no_catalogue():
 def test_no_catalogue_effect_bears_the_name_of_an_outside_one():
     from testbench.knit.catalogue import load_catalogue
 
-    known = load_catalogue().ideas()
+    known = load_catalogue().mechanisms()
     assert not set(OUTSIDE) & set(known)
     assert set(CATALOGUE) <= set(known)
 

@@ -9,7 +9,7 @@ import pytest
 
 from testbench.cli import main
 from testbench.commands import hide
-from testbench.recordings.recording import read_recording
+from testbench.recordings.files import read_recording
 from testbench.worlds.base import WORLDS
 from testbench.worlds.motion import PROTOCOLS
 

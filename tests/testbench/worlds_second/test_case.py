@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gcode.support.errors import UserError
-from testbench.recordings.recording import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE
+from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE
 from testbench.worlds_second import LAW_FAMILIES, MECHANISMS, PROTOCOLS, UNKNOWN_KINDS, make_case
 
 SHORT = {"minutes": 2.0, "rate_hz": 10.0}

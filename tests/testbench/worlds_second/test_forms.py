@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from testbench.recordings.recording import FORCE, RESISTANCE
+from testbench.recordings.channels import FORCE, RESISTANCE
 from testbench.worlds_second import MECHANISMS, UNKNOWN_KINDS, make_case
 from testbench.worlds_second.choice import choose
 from testbench.worlds_second.effects import FOREIGN, KNOWN

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from testbench.recordings.recording import DISPLACEMENT, FORCE, RESISTANCE
+from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE
 from testbench.worlds_second import make_case
 from testbench.worlds_second.noise import KINDS, draw_kind, draw_noise
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from testbench.recordings.recording import FORCE, RESISTANCE
+from testbench.recordings.channels import FORCE, RESISTANCE
 from testbench.worlds_second import make_case
 from testbench.worlds_second.draws import stream
 from testbench.worlds_second.motion import draw_motion

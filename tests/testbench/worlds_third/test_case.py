@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from gcode.support.errors import UserError
-from testbench.recordings.recording import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE
+from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE
 from testbench.worlds_third import LAW_FAMILIES, PROTOCOLS, Case, make_case
 
 SHORT = {"minutes": 3.0, "rate_hz": 20.0}

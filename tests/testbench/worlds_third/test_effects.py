@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from testbench.recordings.recording import FORCE, RESISTANCE
+from testbench.recordings.channels import FORCE, RESISTANCE
 from testbench.worlds_third import MECHANISMS, UNKNOWN_KINDS, Case, make_case
 from testbench.worlds_third.effects import choose_effect
 from testbench.worlds_third.effects.choice import KNOWN

@@ -1,0 +1,9 @@
+"""The one name for an array of floating-point numbers."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from numpy.typing import NDArray
+
+FloatArray = NDArray[Any]
