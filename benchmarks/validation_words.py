@@ -82,14 +82,14 @@ def summary(materials: Sequence[Material], rows: Mapping[str, Row]) -> str:
                 continue
             name, chance = top(row)
             errors = "; ".join(fall(row, channel) for channel in row["error_before"])
-            known = "yes" if name in material.plausible else "no"
+            known = agreement(material, name)
             answer = f"{name.replace('_', ' ')} ({100 * chance:.0f} %)"
             lines.append([material.title, pair.title, answer, known, errors, f"{row['seconds']:.0f}"])
-    judged = [(m, rows[p.key]) for m in materials for p in m.pairs if "verdict" in rows[p.key]]
-    agree = sum(top(row)[0] in material.plausible for material, row in judged)
+    said = [agreement(m, top(rows[p.key])[0]) for m in materials for p in m.pairs if "verdict" in rows[p.key]]
     failed = sum("error" in rows[p.key] for m in materials for p in m.pairs)
     skipped = sum("skipped" in rows[p.key] for m in materials for p in m.pairs)
-    count = f"{len(judged)} pairs were diagnosed: {agree} as known; {failed} failed, {skipped} were skipped."
+    named = f"{said.count('yes')} as known, {said.count('no')} otherwise, {said.count('none named')} without a name"
+    count = f"{len(said)} pairs were diagnosed: {named}; {failed} failed, {skipped} were skipped."
     header = [
         "material",
         "recordings",
@@ -99,6 +99,11 @@ def summary(materials: Sequence[Material], rows: Mapping[str, Row]) -> str:
         "seconds",
     ]
     return f"{count}\n\n{table(header, lines)}"
+
+
+def agreement(material: Material, name: str) -> str:
+    """Whether a hypothesis agrees with what is known; *nothing* and *unknown* name no mechanism."""
+    return "yes" if name in material.plausible else "none named" if name in ("nothing", "unknown") else "no"
 
 
 def top(row: Row) -> tuple[str, float]:

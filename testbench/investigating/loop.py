@@ -29,7 +29,7 @@ from testbench.investigating.state import (
 )
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.model import KnitModel
-from testbench.recordings.recording import read_recording
+from testbench.recordings.files import read_recording
 from testbench.rig.recorder import Status
 
 SURE, SPENT = "sure", "the time is spent"

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from testbench.recordings.recording import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE, Recording
+from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE
+from testbench.recordings.recording import Recording
 from testbench.worlds import strength as strengths
 from testbench.worlds.base import draw_world
 from testbench.worlds.case import PARTS, _ambient, _Bench, _choose, _names, _rng

@@ -65,7 +65,7 @@ async def _shown(root: Path, name: str, names: list[str]) -> None:
 
 
 def _rows(state: Investigation) -> list[tuple[str, ...]]:
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for number, run in enumerate(state.runs, 1):
         expected = "" if run.expected_nats is None else f"{run.expected_nats:.2f} (random {run.perlin_nats or 0:.2f})"
         believed = "" if run.belief is None else belief_words(run.belief.probabilities)

@@ -47,7 +47,7 @@ def test_the_page_says_what_was_found_failed_and_skipped():
         {},
         ("nothing", "unknown"),
     )
-    assert "1 pairs were diagnosed: 1 as known; 1 failed" in text
+    assert "1 pairs were diagnosed: 1 as known, 0 otherwise, 0 without a name; 1 failed" in text
     assert "stress relaxation 97 %, load cell creep 2 %" in text
     assert "12 % of the error above the noise is left" in text
     assert "force 0.08, 0.02 (0.01) N" in text
@@ -62,7 +62,7 @@ def test_the_page_says_what_was_found_failed_and_skipped():
 def test_what_is_not_known_of_the_material_is_counted_against_it():
     wrong = FOUND | {"probabilities": {"clamp_slip": 0.99}}
     text = page(MATERIALS, rows(**{"vhb-relax": wrong}), None, {}, ("nothing", "unknown"))
-    assert "1 pairs were diagnosed: 0 as known" in text
+    assert "1 pairs were diagnosed: 0 as known, 1 otherwise" in text
     assert "| clamp slip (99 %) | no |" in text
 
 

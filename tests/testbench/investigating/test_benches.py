@@ -9,7 +9,7 @@ from gcode.programs.make import make
 from gcode.trajectories.designed import Hold, Triangle
 from gcode.trajectories.trajectory import Limits, TrajectorySpec
 from testbench.investigating.benches import Order, PtyBench, SimulatedBench, is_complete
-from testbench.recordings.recording import read_recording
+from testbench.recordings.files import read_recording
 from tests.testbench.investigating.samples import hidden
 
 SHORT = Hold(duration_s=1.0) + Triangle(high_percent=20, speed_mm_per_s=5, cycles=4)
