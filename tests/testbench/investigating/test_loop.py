@@ -14,8 +14,8 @@ from testbench.investigating import loop
 from testbench.investigating.benches import SimulatedBench
 from testbench.investigating.joining import joined
 from testbench.investigating.state import NAME, load_investigation, run_folder
-from testbench.recordings.manifest import problems
 from testbench.recordings.files import read_recording
+from testbench.recordings.manifest import problems
 from tests.testbench.builders import CATALOGUE
 from tests.testbench.investigating.samples import SET, SLIP, Believing, asked, hidden, investigated
 
