@@ -31,9 +31,9 @@ STAGES = {
     "simulating effects": ("model.py", "simulate"),
     "sensitivities": ("sensitivity.py", "sensitivities"),
     "fits": ("fit.py", "fit"),
-    "inner products": ("grams.py", "grams"),
-    "weighing": ("evidence.py", "weigh"),
-    "traces of candidates": ("traces.py", "collect"),
+    "sensitivities of a diagnosis": ("laplace.py", "linearise"),
+    "evidence": ("evidence.py", "maximised"),
+    "laws tried": ("proposals.py", "laws_of"),
     "coordinates": ("coordinates.py", "coordinates"),
 }
 

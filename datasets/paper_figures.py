@@ -7,6 +7,7 @@ then two of the fast set. Each is standardised by itself (docs/decisions/0015-sc
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
 from typing import NamedTuple
 
@@ -26,13 +27,15 @@ EVERY = 10  # rows that the stand-in learns from; neighbours at 20 Hz tell nothi
 TARGETS = {"force_N": "force", "strain": "displacement"}
 # What is trained on, what is judged, what is learned, smoothing factor: one row a figure after compensation.
 T, A, B, FAST_T, FAST_A = range(5)
-AFTER = (
+Wanted = tuple[int, tuple[int, ...], str, float]
+AFTER: tuple[Wanted, ...] = (
     (T, (T, A, B), "force_N", FACTOR),
     (T, (T, A, B), "strain", FACTOR),
     (FAST_T, (FAST_A,), "force_N", FACTOR),
     (FAST_T, (FAST_A,), "force_N", FINER),
     (T, (FAST_A,), "force_N", FACTOR),
 )
+AFTER_SLOW = AFTER[:2]
 
 
 class Recording(NamedTuple):
@@ -106,14 +109,16 @@ def quickly_compensated(recordings: list[Recording]) -> list[float]:
     return found
 
 
-def compensated(recordings: list[Recording], engine: str = "fast", starts: int = 5) -> list[float]:
+def compensated(
+    recordings: list[Recording], engine: str = "fast", starts: int = 5, wanted: Sequence[Wanted] = AFTER
+) -> list[float]:
     """The same by the paper's network (4, 2, 2), mean over the live ones of `starts` seeds."""
     from compensation.paper.reproduction import over_seeds
     from compensation.series.preprocessing import Series
     from compensation.training.options import Options
 
     found: list[float] = []
-    for training, tests, target, factor in AFTER:
+    for training, tests, target, factor in wanted:
         series = [
             Series(np.arange(len(r.strain)) / RATE_HZ, r.conductance_S, getattr(r, target), "simulated")
             for r in recordings

@@ -83,18 +83,26 @@ def score_table(scores: dict[str, Any]) -> str:
 
 
 def cross_validation_table(recipe: Mapping[str, Any], unit: str) -> str:
-    """What cross-validation found of every method, and what it promises of the chosen one."""
-    promise, chosen = recipe["cross_validated"], recipe["chosen"]
+    """What cross-validation found of every method, what it took, and what it promises of that."""
+    promise = recipe["cross_validated"]
     how = "whole recordings" if promise["whole_recordings"] else "contiguous parts of the training"
     lines = [f"cross-validated on {promise['folds']} {how}: r2, ordinary r2, RMS error in {unit}"]
     for name, row in recipe["tried"].items():
-        mark = " <- chosen" if name == chosen else ""
+        mark = _taken(recipe, name)
         lines.append(f"  {name:10} {row['r2']:7.3f} {row['r2_ordinary']:7.3f} {row['rms_error']:8.4f}{mark}")
     low, high = promise["r2_interval"]
     lines.append(f"  expect r2 {promise['r2']:.3f} ({low:.3f} to {high:.3f}); raw {promise['raw_r2']:.3f}")
-    if chosen == "line":
+    if recipe["chosen"] == "line":
         lines.append("  nothing is surely better than a straight line here, so that is what you get")
     return "\n".join(lines)
+
+
+def _taken(recipe: Mapping[str, Any], name: str) -> str:
+    """What a row of that table was taken for."""
+    if name == recipe["chosen"]:
+        return " <- chosen"
+    share = recipe["weights"].get(name, 0.0)
+    return f"  {100 * share:.0f} % of it" if share else ""
 
 
 def _short(source: str, width: int = 40) -> str:

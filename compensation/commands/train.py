@@ -27,7 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--method",
         choices=("auto", "paper", "tuned"),
-        help="auto (default): what cross-validation finds best of a line, ridge, paper and several networks; paper: "
+        help="auto (default): ridge, paper and several networks, weighted by cross-validation, or a line; paper: "
         "EMA + (4,2,2), best of 5 starts (the default where an option of its own is given); tuned: 8 networks",
     )
     parser.add_argument(

@@ -72,7 +72,8 @@ def series_of(recording: Recording, target: str, rate_hz: float | None) -> Serie
     series = Series(recording.time_s, recording.conductance_S, recording[channel], recording.source)
     for name, values in ((RESISTANCE, series.conductance_S), (channel, series.truth)):
         if np.ptp(values) <= 1e-12 * np.abs(values).max():
-            raise UserError(f"{recording.source}: {name} is constant, so there is nothing to learn from it")
+            absent = "" if values.any() else " (zero throughout, as where the file has no such column)"
+            raise UserError(f"{recording.source}: {name} is constant{absent}, so there is nothing to learn from it")
     return series
 
 

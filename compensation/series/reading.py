@@ -38,6 +38,11 @@ def read_signals(path: str | Path, gauge_length_mm: float | None = None) -> Reco
         return read_recording(path, gauge_length_mm)
     columns = read_columns(path)
     length_mm = gauge_length_mm or UNKNOWN_LENGTH_MM
+    if not columns.keys() & {DISPLACEMENT, FORCE}:
+        raise UserError(
+            f"{path}: neither {FORCE} nor {DISPLACEMENT} (found: {', '.join(columns)}), so there is no reference to "
+            "learn from; `compensation predict` needs none"
+        )
     if DISPLACEMENT in columns or TIME not in columns or not {FORCE, RESISTANCE} <= columns.keys():
         return read_recording(path, length_mm)
     time_s = columns.pop(TIME)

@@ -1,17 +1,19 @@
-"""The method chosen by the data: whichever blocked cross-validation finds best, and never worse than a straight line.
+"""The method made by the data: several methods, weighted by how well each predicts what it has not seen.
 
-The rivals, from the simplest on:
+The parts, from the simplest on:
 
 - *line*: a straight line through the conductance.
 - *ridge*: linear in the smoothing bank, motion and play operators, learned from shifted copies as well.
-- *paper*: the bank and (4, 2, 2), the best of five starts by training score.
+- *paper*: the paper's bank and (4, 2, 2), the best of five starts by training score.
 - *networks*: several small networks on bank, motion and play with strong L2; memories and L2 chosen within.
-- *blend*: the mean of ridge and networks.
+- *stack*: the last three, each with a weight (stacked regression; Breiman, Machine Learning 24 (1996) 49).
 
 Each predicts every fold from the others and makes all its own choices there, on the training part alone. Folds are
 whole recordings where there are three or more, contiguous fifths of all rows otherwise; each fold is predicted as a
-recording of its own, its memories beginning with its first sample. The best is taken unless its
-lead over the line is within one standard error; then the line is, and that is said.
+recording of its own, its memories beginning with its first sample. The stack's weights are those that fit these
+predictions best, none of them negative; its own figures are of weights that were found without the fold. It is taken
+unless its lead over the line is within one standard error; then the line is, and that is said. Of methods that one
+recording cannot tell apart, a pick would be chance; the weights share the risk of another motion or another day.
 """
 
 from __future__ import annotations
@@ -40,7 +42,7 @@ SURE = 1.0
 
 
 LEARNERS: tuple[type[Learner], ...] = (Line, Ridge, Paper, Networks)
-BLEND = "blend"
+STACK, STACKED = "stack", ("ridge", "paper", "networks")
 
 
 def train_automatically(
@@ -75,10 +77,11 @@ def train_automatically(
     predictions: dict[str, FloatArray] = {}
     for learner in learners:
         predictions[learner.name] = _cross_validated(learner, folds, progress)
-    predictions[BLEND] = (predictions["ridge"] + predictions["networks"]) / 2
     truth = learners[0].lessons.truth
+    predictions[STACK] = stacked(predictions, truth, folds)
     chosen = choose(predictions, truth, learners[0].lessons.block_rows)
-    compensator = _trained(chosen, {learner.name: learner for learner in learners}, series, options)
+    weights = weights_of(predictions, truth) if chosen == STACK else {"line": 1.0}
+    compensator = _trained(weights, {learner.name: learner for learner in learners}, series, options)
     progress(f"trained {chosen} on everything")
     scale = compensator.scaling_out.scale
     tried = {name: figures(truth, values, scale) for name, values in predictions.items()}
@@ -91,7 +94,12 @@ def train_automatically(
         "folds": int(folds.max()) + 1,
         "whole_recordings": len(series) >= GROUPS_FROM,
     }
-    recipe = dict(compensator.recipe) | {"chosen": chosen, "tried": tried, "cross_validated": promise}
+    recipe = dict(compensator.recipe) | {
+        "chosen": chosen,
+        "weights": weights,
+        "tried": tried,
+        "cross_validated": promise,
+    }
     return replace(compensator, recipe=recipe, margins=(float(low), float(high)))
 
 
@@ -101,17 +109,34 @@ def steps() -> int:
 
 
 def choose(predictions: Mapping[str, FloatArray], truth: FloatArray, block_rows: int) -> str:
-    """The method with the smallest error, unless its lead over the line is within its standard error over blocks."""
-    errors = {
-        name: np.array(
-            [block.mean() for block in np.array_split((truth - values) ** 2, max(len(truth) // block_rows, 5))]
-        )
-        for name, values in predictions.items()
-    }
-    best = min(errors, key=lambda name: float(errors[name].mean()))
-    lead = errors["line"] - errors[best]
-    unsure = float(lead.std(ddof=1)) / np.sqrt(len(lead))
-    return best if lead.mean() > SURE * unsure else "line"
+    """The stack, unless its lead over the line is within its standard error over blocks."""
+    count = max(len(truth) // block_rows, 5)
+    line, stack = (
+        np.array([block.mean() for block in np.array_split((truth - predictions[name]) ** 2, count)])
+        for name in ("line", STACK)
+    )
+    unsure = float((line - stack).std(ddof=1)) / np.sqrt(count)
+    return STACK if (line - stack).mean() > SURE * unsure else "line"
+
+
+def weights_of(predictions: Mapping[str, FloatArray], truth: FloatArray) -> dict[str, float]:
+    """Weights of the stack's parts, none negative, together 1; a part without weight is left out."""
+    from scipy.optimize import nnls
+
+    found, _ = nnls(np.column_stack([predictions[name] for name in STACKED]), truth)
+    if not found.any():
+        return {STACKED[0]: 1.0}
+    return {name: float(w) for name, w in zip(STACKED, found / found.sum(), strict=True) if w > 0}
+
+
+def stacked(predictions: Mapping[str, FloatArray], truth: FloatArray, folds: NDArray[np.int64]) -> FloatArray:
+    """What the stack predicts of each fold, with weights from the other folds."""
+    result = np.empty(len(truth))
+    for number in np.unique(folds):
+        here = folds == number
+        weights = weights_of({name: predictions[name][~here] for name in STACKED}, truth[~here])
+        result[here] = sum(weight * predictions[name][here] for name, weight in weights.items())
+    return result
 
 
 def margins_of(residual: FloatArray, folds: NDArray[np.int64], whole_recordings: bool) -> tuple[float, float]:
@@ -144,15 +169,17 @@ def _cross_validated(learner: Learner, folds: NDArray[np.int64], progress: Calla
     return prediction
 
 
-def _trained(chosen: str, learners: Mapping[str, Learner], series: Sequence[Series], options: Options) -> Compensator:
+def _trained(
+    weights: Mapping[str, float], learners: Mapping[str, Learner], series: Sequence[Series], options: Options
+) -> Compensator:
     everything = np.ones(len(learners["line"].lessons.truth), dtype=bool)
-    names = ("ridge", "networks") if chosen == BLEND else (chosen,)
+    names = list(weights)
     parts = [learners[name].fit(everything) for name in names]
     learner = learners[names[-1]]
     lesson, count = learner.lessons, sum(len(part.networks) for part in parts)
     networks = [
-        _scaled(network, count / len(parts) / len(part.networks)).absorbing(lesson.shift, lesson.scale)
-        for part in parts
+        _scaled(network, count * weight / len(part.networks)).absorbing(lesson.shift, lesson.scale)
+        for weight, part in zip(weights.values(), parts, strict=True)
         for network in part.networks
     ]
     settings = dict(parts[-1].settings)

@@ -84,6 +84,11 @@ class Round:
         """Share of the error above the least misfit that an entry leaves; an error of that size is none."""
         return float(np.sqrt(entry.excess / (self.before.excess + 1.0)))
 
+    def is_enough(self, entry: Entry) -> bool:
+        """Whether an entry leaves no more than a law is expected to leave."""
+        misfit = self.likelihood.misfit
+        return all(sigma < 1.001 * misfit[c] for c, sigma in entry.hypothesis.evidence.sigma.items())
+
     def probabilities(self, left: float | None = None) -> dict[str, float]:
         """Of nothing, of unknown and of each mechanism to be what is missing most; they sum to 1.
 
@@ -190,8 +195,8 @@ class Search:
                     break
                 found.append(step.candidate)
                 current = step.candidate.hypothesis
-                if step.is_named() and not step.candidate.excess:
-                    break  # what is left is noise
+                if step.is_named() and step.is_enough(step.candidate):
+                    break
         return rounds, found
 
     def round(self, current: Hypothesis) -> Round:
@@ -302,4 +307,5 @@ def explained(without: Hypothesis, with_it: Hypothesis) -> dict[str, float]:
 
 def excess(h: Hypothesis, likelihood: Likelihood) -> float:
     """Squared error above the least that a law leaves, in units of it, summed over the channels."""
-    return sum(max((sigma / likelihood.misfit[c]) ** 2 - 1, 0.0) for c, sigma in h.evidence.sigma.items())
+    least = {c: constants.LEAST_MISFIT * floor for c, floor in likelihood.floor.items()}
+    return sum(max((sigma / least[c]) ** 2 - 1, 0.0) for c, sigma in h.evidence.sigma.items())

@@ -199,7 +199,7 @@ class ElectricalOvershootForce(SpotsLaw):
     """
 
     name = "electrical_overshoot_force"
-    # What relaxes is the contact under its force, so it speaks for that idea.
+    # What relaxes is the contact under its force, hence the mechanism.
     reads = ("contact_force_N", "conductance_S")
     strength = "gain_per_N"
     look = "conductance shoots beyond its final value, most where the knit is stiff"

@@ -140,7 +140,6 @@ class StressRelaxationFindley(StressRelaxationLaw):
     """
 
     name = "stress_relaxation_findley"
-    strength = "fraction"
     look = "in a hold the force sinks over all times at once, towards a level that it keeps"
 
     fraction: float = parameter(

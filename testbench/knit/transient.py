@@ -207,7 +207,6 @@ class RateResistance(OvershootLaw):
     """
 
     name = "rate_resistance"
-    # A conductance that answers to motion: one idea, whatever the law.
     look = "conductance is shifted while the knit moves and is back at once when it stops"
 
     gain: float = parameter(0.05, unit="1", low=-3, high=3, doc="change of ln G at 10 % strain per second")

@@ -28,6 +28,8 @@ class LiveChannel:
         The outline of all so far.
     limit : float or None
         Drawn as a dashed line; the recording stops beyond it.
+    beside : LiveChannel or None
+        Another signal of the same quantity, in the same row: what a compensator makes of the resistance.
     """
 
     title: str
@@ -35,6 +37,7 @@ class LiveChannel:
     recent: tuple[FloatArray, FloatArray]
     whole: tuple[FloatArray, FloatArray]
     limit: float | None = None
+    beside: LiveChannel | None = None
 
 
 def live(channels: Sequence[LiveChannel]) -> style.Figure:
@@ -46,15 +49,18 @@ def live(channels: Sequence[LiveChannel]) -> style.Figure:
     for row, channel in enumerate(channels):
         top = 1 - row * (height + 0.06)
         domain = [max(top - height, 0.0), max(top, 0.0)]
-        for side, (time_s, values) in enumerate((channel.recent, channel.whole)):
+        for side in (0, 1):
             index = 2 * row + side
-            traces.append(
-                line(time_s, values, channel.colour, channel.title, index, LIVE_POINTS * 2, xaxis=style.x_ref(index))
-            )
+            traces += [_trace(one, side, index) for one in (channel, channel.beside) if one is not None]
             axes |= _axes(index, side, domain, channel.title, row == len(channels) - 1)
             if channel.limit is not None and np.isfinite(channel.limit):
                 shapes.append(_limit(index, channel.limit))
     return style.figure(traces, height=150 * max(len(channels), 1) + 80, shapes=shapes, **axes)
+
+
+def _trace(channel: LiveChannel, side: int, index: int) -> dict[str, Any]:
+    time_s, values = (channel.recent, channel.whole)[side]
+    return line(time_s, values, channel.colour, channel.title, index, LIVE_POINTS * 2, xaxis=style.x_ref(index))
 
 
 def _axes(index: int, side: int, domain: list[float], title: str, last: bool) -> dict[str, Any]:

@@ -94,7 +94,7 @@ def resume(
             "the simulated rig that this was recorded from has ended, and its motion with it; "
             "record anew, or name another port"
         )
-    argv = ["testbench", "record", "--resume", "--port", port, "--progress-json"]
+    argv = ["testbench", "record", "--resume", "--port", port, "--progress-json", *_compensator_of(studio, campaign)]
     studio.jobs.start(KEY_RECORDING, f"Recording {campaign.name}", [*argv, "-o", str(campaign.folder)])
     go("/record")
 
@@ -108,3 +108,12 @@ def _port_of(campaign: Campaign) -> str:
     """The port that it was recorded from."""
     found, _ = read_manifest(campaign.folder)
     return str(found.recipe.get("port") or "")
+
+
+def _compensator_of(studio: Studio, campaign: Campaign) -> list[str]:
+    """The option that it was recorded with last, where this studio recorded it with one."""
+    words = list(studio.jobs.last_command(KEY_RECORDING))
+    if words[-1:] != [str(campaign.folder)] or "--compensator" not in words:
+        return []
+    place = words.index("--compensator")
+    return words[place : place + 2]

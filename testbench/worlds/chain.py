@@ -83,7 +83,7 @@ class Form:
     Attributes
     ----------
     effect, name : str
-        The physical idea and this form of it.
+        The mechanism, and the law that it follows here.
     changes : mapping of stage to function
         ``change(scene, magnitude, shape)`` replaces signals of the scene; magnitude 0 must leave them as they are.
     ranges : mapping

@@ -17,14 +17,16 @@ from testbench.studio.models import companions, join_running, run_in_turn
 from testbench.studio.picture import plot
 from testbench.studio.studio import Studio
 from testbench.studio.widgets import address, attempt, campaign_head, facts, guarded, job_card, later, subheading
+from testbench.studio.workspace import RESULTS
 
 TARGETS = {"force": "force", "displacement": "displacement"}
-TUNED = "tuned"
+AUTO, TUNED = "auto", "tuned"
 NETWORKS = {
+    AUTO: "auto: several, weighted by cross-validation",
     "4,2,2": "4, 2, 2 (the paper)",
     "8,4,4": "8, 4, 4",
     "16,8": "16, 8",
-    TUNED: "tuned (better, takes longer)",
+    TUNED: "tuned: eight small networks",
 }
 
 
@@ -51,6 +53,12 @@ def compensator_path(studio: Studio, c: str, target: str) -> Path:
     return studio.workspace.results(c) / f"{target}.compensator.json"
 
 
+def compensators(studio: Studio) -> dict[str, str]:
+    """Every compensator that was trained here, by path: what of, and which target."""
+    found = sorted((studio.workspace.root / RESULTS).glob("*/*.compensator.json"))
+    return {str(path): f"{path.parent.name}, {path.name.partition('.')[0]}" for path in found}
+
+
 def score_path(studio: Studio, c: str, target: str) -> Path:
     """Where its score is kept."""
     return studio.workspace.results(c) / f"{target}.score.json"
@@ -59,11 +67,11 @@ def score_path(studio: Studio, c: str, target: str) -> Path:
 def _form(studio: Studio, c: str, target: str) -> None:
     with ui.column().classes("card gap-3"):
         subheading(
-            "Train on this campaign", "A bank of exponential smoothers and a small network learn from it alone."
+            "Train on this campaign", "A bank of exponential smoothers and small networks learn from it alone."
         )
         with ui.row().classes("items-center"):
             aim = ui.select(TARGETS, value=target, label="Predict").props("outlined dense").style("width:150px")
-            network = ui.select(NETWORKS, value="4,2,2", label="Network").props("outlined dense").style("width:240px")
+            network = ui.select(NETWORKS, value=AUTO, label="Method").props("outlined dense").style("width:280px")
             same, rest = companions(studio, c)
             others = [*same, *rest]
             judged = ui.select(others, value=same[:4], multiple=True, label="Judged on").props("outlined dense")
@@ -78,7 +86,7 @@ def _form(studio: Studio, c: str, target: str) -> None:
 
         def start() -> None:
             argv = ["compensation", "train", str(studio.workspace.campaign(c).folder), "--target", target]
-            argv += ["--method", TUNED] if network.value == TUNED else ["--hidden", network.value]
+            argv += ["--method" if network.value in (AUTO, TUNED) else "--hidden", network.value]
             argv += ["-o", str(compensator_path(studio, c, target))]
             commands = [(f"Training on {c}", argv), ("Scoring", _scoring(studio, c, target, list(judged.value)))]
             run_in_turn(studio, key, commands, holder, ui.navigate.reload)

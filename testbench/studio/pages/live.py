@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,9 @@ from testbench.studio.unfinished import is_unfinished, resume
 from testbench.studio.widgets import address, aside, attempt, trouble
 
 REFRESH_S = 0.5
+COMPENSATED = "compensated.csv"  # `testbench record --compensator` writes it beside the recording
+CAPTION = "Left: the last minute, every sample. Right: all so far. Dashed: your limits."
+BESIDE = " Orange-red: what the compensator makes of the resistance alone."
 ENDS = {"interrupted": "stopped by you, every sample is on disk", "alarm": "stopped by a limit"}
 
 
@@ -32,6 +36,7 @@ class Live:
         self.studio, self.job = studio, job
         self.folder = Path(job.argv[-1])
         self.follower = Follower(self.folder / "recording.csv")
+        self.compensated = Follower(self.folder / COMPENSATED)
         self.limits: dict[str, float] | None = None
         self.due = False  # samples have come that the plot does not show yet
         with ui.column().classes("card gap-2").style("position:sticky;top:8px;z-index:5"):
@@ -44,7 +49,7 @@ class Live:
         self.news = ui.label().classes("trouble").props("role=alert")
         self.news.set_visibility(False)
         self.end = ui.column().classes("w-full")
-        self.plot = plot(live([]), "Left: the last minute, every sample. Right: all so far. Dashed: your limits.")
+        self.plot = plot(live([]), CAPTION + (BESIDE if "--compensator" in job.argv else ""))
         self.timer = ui.timer(REFRESH_S, self._look)
 
     async def _stop(self) -> None:
@@ -58,6 +63,7 @@ class Live:
     async def _look(self) -> None:
         over = self.job.ended_s is not None  # asked before the look, so that the last look sees all
         self.due = await aside(self.follower.look) or self.due
+        self.due = await aside(self.compensated.look) or self.due
         self.facts.set_content(facts_in_words(self.job.latest))
         self.bar.set_value(self.job.share or 0.0)
         said = str(self.job.latest.get("message") or "")
@@ -71,18 +77,18 @@ class Live:
     def _channels(self) -> list[LiveChannel]:
         if self.limits is None:
             self.limits = limits_of(self.folder)
-        time_s, envelope = self.follower.channel(TIME), self.follower.envelope
         found = []
         for name, title, factor, colour in (
             (DISPLACEMENT, "Displacement / mm", 1.0, style.STRAIN),
             (FORCE, "Force / N", 1.0, style.FORCE),
             (RESISTANCE, "Resistance / kΩ", 1e-3, style.CONDUCTANCE),
         ):
-            values = self.follower.channel(name)
-            if values is not None and time_s is not None and envelope is not None:
-                whole_s, outline = envelope.outline(self.follower.names.index(name))
-                recent, whole = (time_s, factor * values), (whole_s, factor * outline)
-                found.append(LiveChannel(title, colour, recent, whole, self.limits.get(name)))
+            one = channel_of(self.follower, name, title, factor, colour)
+            if one is not None:
+                beside = channel_of(
+                    self.compensated, name, f"Compensated {title[0].lower()}{title[1:]}", factor, style.VERMILION
+                )
+                found.append(replace(one, limit=self.limits.get(name), beside=beside))
         return found
 
     def _ended(self) -> None:
@@ -109,6 +115,15 @@ class Live:
         if is_unfinished(campaign):
             again = partial(resume, self.studio, campaign, go=lambda _: ui.navigate.reload())
             ui.button("Resume", icon="fiber_manual_record", on_click=lambda: attempt(again)).props("outline")
+
+
+def channel_of(follower: Follower, name: str, title: str, factor: float, colour: str) -> LiveChannel | None:
+    """A channel of a file that grows, as the figure wants it; None where the file does not have it (yet)."""
+    time_s, values, envelope = follower.channel(TIME), follower.channel(name), follower.envelope
+    if time_s is None or values is None or envelope is None:
+        return None
+    whole_s, outline = envelope.outline(follower.names.index(name))
+    return LiveChannel(title, colour, (time_s, factor * values), (whole_s, factor * outline))
 
 
 def limits_of(folder: Path) -> dict[str, float]:
@@ -140,6 +155,8 @@ def facts_in_words(status: dict[str, Any]) -> str:
     ]
     if status.get("force_N") is not None:
         pairs.append(("Force", f"{status['force_N']:.3f} N"))
+    if status.get("compensated") is not None:
+        pairs.append(("Compensated", f"{status['compensated']:.3f} {status['compensated_unit']}"))
     return "".join(
         f'<span class="count"><b>{value}</b> <span class="quiet">{name}</span></span>' for name, value in pairs
     )

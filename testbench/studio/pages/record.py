@@ -9,6 +9,7 @@ from nicegui import ui
 
 from gcode.support.errors import UserError
 from testbench.studio.fields import check, number_field
+from testbench.studio.pages.compensate import compensators
 from testbench.studio.pages.live import Live
 from testbench.studio.pages.plan import PROGRAMS, SENSORS
 from testbench.studio.studio import KEY_RECORDING, KEY_RIG, Studio
@@ -53,6 +54,9 @@ def _form(studio: Studio, holder: ui.column) -> None:
             specimen = ui.input("Specimen").props("outlined dense")
             force = number_field("Force limit / N", None, optional=True)
             strain = number_field("Strain limit / %", None, optional=True)
+            trained = compensators(studio)
+            compensator = ui.select({"": "none", **trained}, value="", label="Compensator").props("outlined dense")
+            compensator.style("min-width:200px").set_visibility(bool(trained))
         ui.label(_hint(ports_here())).classes("quiet text-sm")
 
         async def start() -> None:
@@ -67,6 +71,7 @@ def _form(studio: Studio, holder: ui.column) -> None:
             argv += ["--specimen", specimen.value] if specimen.value else []
             argv += ["--max-force-n", f"{force.value:g}"] if force.value else []
             argv += ["--max-strain", f"{strain.value / 100:g}"] if strain.value else []
+            argv += ["--compensator", compensator.value] if compensator.value else []
             job = studio.jobs.start(KEY_RECORDING, f"Recording {name.value}", [*argv, "-o", str(target)])
             holder.clear()
             with holder:

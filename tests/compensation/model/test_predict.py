@@ -90,7 +90,16 @@ def test_resistance_and_force_alone_are_enough(recordings, tmp_path, capsys):
     np.testing.assert_array_equal(*networks)
     capsys.readouterr()
     assert main(["train", str(tmp_path / "bare.csv"), "--target", "displacement", "-o", str(out)]) == 2
-    assert "displacement_mm is constant" in capsys.readouterr().err
+    assert "displacement_mm is constant (zero throughout, as where the file has no such column)" in (
+        capsys.readouterr().err
+    )
+
+
+def test_without_any_reference_there_is_nothing_to_learn(recordings, tmp_path, capsys):
+    write_recording_csv(tmp_path / "r.csv", recordings[0])
+    pd.read_csv(tmp_path / "r.csv")[["time_s", "resistance_ohm"]].to_csv(tmp_path / "r.csv", index=False)
+    assert main(["train", str(tmp_path / "r.csv"), "--target", "force", "-o", str(tmp_path / "c.json")]) == 2
+    assert "neither force_N nor displacement_mm (found: time_s, resistance_ohm)" in capsys.readouterr().err
 
 
 def test_an_untared_force_is_refused(recordings, tmp_path, capsys):

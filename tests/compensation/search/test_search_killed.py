@@ -46,7 +46,8 @@ def ordered(rows):
 def test_the_whole_program_is_killed_and_goes_on(task, undisturbed, tmp_path):
     results = tmp_path / "s.jsonl"
     script = (
-        "import sys; from compensation import search; from tests.compensation.search.test_search_killed import JOBS; "
+        "import sys; from compensation.search import search; "
+        "from tests.compensation.search.test_search_killed import JOBS; "
         f"search.sweep(search.Task({task.recordings!r}, 25.0, 'force', 'fast'), JOBS, sys.argv[1], workers=2)"
     )
     root = Path(__file__).resolve().parents[3]

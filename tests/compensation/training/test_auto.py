@@ -12,7 +12,16 @@ from compensation.model import files as compensator_files
 from compensation.model.streaming import CompensatorStream
 from compensation.series import score
 from compensation.series.preprocessing import Series, series_of
-from compensation.training.auto import LEARNERS, choose, margins_of, steps, train_automatically
+from compensation.training.auto import (
+    LEARNERS,
+    STACKED,
+    choose,
+    margins_of,
+    stacked,
+    steps,
+    train_automatically,
+    weights_of,
+)
 from compensation.training.folds import GROUPS_FROM, folds_of
 from compensation.training.learners import Ridge, linear
 from compensation.training.least_squares import Sums
@@ -37,9 +46,11 @@ def trained(series):
 
 def test_it_beats_the_line_on_a_knit_and_says_by_how_much(trained, series):
     tried, promise = trained.recipe["tried"], trained.recipe["cross_validated"]
-    assert set(tried) == {"line", "ridge", "paper", "networks", "blend"}
-    assert trained.recipe["chosen"] != "line"
-    assert promise["r2"] == max(row["r2"] for row in tried.values()) > tried["line"]["r2"]
+    assert set(tried) == {"line", "ridge", "paper", "networks", "stack"}
+    assert trained.recipe["chosen"] == "stack"
+    assert promise["r2"] == tried["stack"]["r2"] > tried["line"]["r2"]
+    assert promise["r2"] > max(row["r2"] for row in tried.values()) - 0.01
+    assert trained.parameter_count <= 1500
     held_out = [score.r2(part.truth, trained.predict_series(part)) for part in series[1:]]
     line = [score.rho_squared(part.truth, part.conductance_S) for part in series[1:]]
     assert np.mean(held_out) > np.mean(line) + 0.01
@@ -106,8 +117,31 @@ def test_a_lead_within_its_error_is_no_lead():
     truth, noise = np.zeros(6000), rng.standard_normal(6000)
     spiked = noise.copy()
     spiked[:1200] *= 0.95
-    assert choose({"line": noise, "ridge": spiked}, truth, 1200) == "line"
-    assert choose({"line": noise, "ridge": 0.9 * noise}, truth, 1200) == "ridge"
+    assert choose({"line": noise, "stack": spiked}, truth, 1200) == "line"
+    assert choose({"line": noise, "stack": 0.9 * noise}, truth, 1200) == "stack"
+
+
+def test_the_weights_are_what_each_is_worth():
+    """Errors that have nothing to do with one another are shared out by their variances; more of the same is out."""
+    rng, count = np.random.default_rng(0), 100_000
+    truth, first, second = rng.standard_normal((3, count))
+    predictions = {"ridge": truth + first, "networks": truth + second / 2, "paper": truth + second}
+    weights = weights_of(predictions, truth)
+    assert sum(weights.values()) == pytest.approx(1.0)
+    assert weights["ridge"] == pytest.approx(0.2, abs=0.02)
+    assert weights["networks"] == pytest.approx(0.8, abs=0.02)
+    assert "paper" not in weights
+    assert weights_of(dict.fromkeys(STACKED, -truth), truth) == {"ridge": 1.0}
+
+
+def test_a_folds_weights_come_from_the_others():
+    rng = np.random.default_rng(0)
+    truth, folds = rng.standard_normal(4000), np.repeat(np.arange(4), 1000)
+    good, bad = truth + 0.1 * rng.standard_normal(4000), 3 * rng.standard_normal(4000)
+    ridge, networks = np.where(folds == 0, bad, good), np.where(folds == 0, good, bad)
+    predictions = {"ridge": ridge, "paper": bad, "networks": networks}
+    found = stacked(predictions, truth, folds)
+    np.testing.assert_allclose(found[folds == 0], bad[folds == 0], atol=0.5)
 
 
 def test_folds_are_recordings_where_there_are_enough(series):

@@ -40,3 +40,14 @@ def test_where_bins_are_averaged_the_grid_lies_in_their_middle():
 def test_a_motion_that_repeats_itself_leaves_the_noise_floor_alone(rate_hz):
     measurement = prepare(triangles(rate_hz, noise_N=0.004))
     assert noise_floors(measurement)["force"] == pytest.approx(0.004, rel=0.15)
+
+
+def test_the_ramp_before_a_hold_is_no_burn_in():
+    time_s = np.arange(0, 600, 0.1)
+    strain = np.minimum(time_s / 6, 1.0)
+    force_N = strain * (1 - 0.1 * np.log1p(time_s)) + 1e-3 * np.random.default_rng(0).standard_normal(len(time_s))
+    held = Recording(time_s, {DISPLACEMENT: GAUGE_LENGTH_MM * strain, FORCE: force_N}, GAUGE_LENGTH_MM)
+    measurement = prepare(held)
+    assert measurement.grid_s[measurement.counts][0] < 0.2
+    cycled = prepare(triangles(12.0))
+    assert cycled.grid_s[cycled.counts][0] == pytest.approx(3.0, abs=0.1)

@@ -96,3 +96,11 @@ def test_every_elastic_law_of_the_catalogue_is_of_one_mechanism():
     laws = [law for law in CATALOGUE.effects.values() if issubclass(law, ElasticLaw)]
     assert len(laws) >= 4
     assert {law.mechanism for law in laws} == {"elasticity"}
+
+
+def test_a_long_hold_does_not_draw_the_law_to_itself():
+    strain = np.r_[STRAIN, np.full(20_000, STRAIN[-1])]
+    relaxed = np.r_[force_N(LAWS[0]), np.full(20_000, 0.5 * force_N(LAWS[0])[-1])]
+    (start,) = CATALOGUE["elasticity"]().starts({"strain": strain, "force_N": relaxed}, {})
+    drawn = CATALOGUE["elasticity"]().near(**start)
+    np.testing.assert_allclose(force_N(drawn)[:100], force_N(LAWS[0])[:100], atol=0.2)

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from compensation.paper.published import COMPENSATED, RAW
+from testbench.knit.model import KnitModel
 from testbench.knit.presets import preset
 
 SEEDS = tuple(range(100, 120))  # not those the presets were tuned on
@@ -44,36 +45,57 @@ def test_raw_signal_is_as_poor_as_published(name: str, figures: ModuleType) -> N
     assert drifts.mean() > 1.04
 
 
+# Decision 0015: the two of the 24 that the presets miss, by this much.
+MISSED = {("pes", "force"): [0.055, 0, 0], ("lycra", "displacement"): [0.075, 0, 0]}
+WITHIN = 0.05
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["pes", "lycra"])
 def test_each_recording_is_as_poor_as_published(name: str, figures: ModuleType) -> None:
-    """T, A and B one by one. A single figure of `pes` scatters by 0.05 with the trajectory, so many seeds."""
-    force, displacement, _ = before(name, SEEDS, figures)
-    assert force == pytest.approx(RAW[name, "force"], abs=0.06)
-    assert displacement == pytest.approx(RAW[name, "displacement"], abs=0.08)
+    """T, A and B one by one, within 0.05 but for two of them; means over ten campaigns."""
+    found = before(name, SEEDS[:10], figures)
+    for target, values in zip(("force", "displacement"), found[:2], strict=True):
+        allowed = np.maximum(WITHIN, MISSED.get((name, target), [0, 0, 0]))
+        assert (np.abs(values - RAW[name, target]) <= allowed).all(), (target, values)
 
 
-NO_CREEP = pytest.mark.xfail(reason="pes meets the r2 after compensation without a creep from T to B (decision 0015)")
+SETS = {"permanent_set_recovering.fraction": 0.0, "permanent_set_worked.amount": 0.0}
 
 
-@pytest.mark.parametrize("name", [pytest.param("pes", marks=NO_CREEP), "lycra"])
+def creep(model: KnitModel, seeds: tuple[int, ...], figures: ModuleType) -> np.ndarray:
+    """Strain that A and B need beyond T for the same force, in the middle of the motion: shape (2,), mean over seeds.
+
+    One parabola F(strain) with a level of its own for each recording, and the levels over its slope. The motion is
+    given and the force follows: the other way round, strain where the force has a value, a wide loop hides the creep,
+    for both of its branches pass there.
+    """
+    found = []
+    for seed in seeds:
+        campaign = figures.campaign(model, seed, figures.SLOW)
+        which = np.repeat(np.arange(3), [len(one.strain) for one in campaign])
+        strain, force_N = (np.concatenate([getattr(one, name) for one in campaign]) for name in ("strain", "force_N"))
+        columns = np.column_stack([strain, strain**2, *(which == number for number in range(3))])
+        linear, square, *levels = np.linalg.lstsq(columns, force_N, rcond=None)[0]
+        slope = linear + 2 * square * strain.mean()
+        found.append([(levels[0] - level) / slope for level in levels[1:]])
+    return np.mean(found, axis=0)
+
+
+@pytest.mark.parametrize("name", ["pes", "lycra"])
 def test_displacement_creeps_away_from_force(name: str, figures: ModuleType) -> None:
-    """Permanent set: the same force needs more and more displacement, from T over A to B."""
-    needed = []
-    for seed in SEEDS[:3]:
-        campaign = figures.campaign(preset(name), seed, figures.SLOW)
-        forces, strains = [one.force_N for one in campaign], [one.strain for one in campaign]
-        near = [strain[np.abs(force - 1.5) < 0.1].mean() for strain, force in zip(strains, forces, strict=True)]
-        needed.append(near)
-    first, second, third = np.mean(needed, axis=0)
-    assert third > second > first
-    assert third > first + 0.003
+    """Permanent set: the same force needs more and more displacement, from T over A to B, and not without the set."""
+    second, third = creep(preset(name), SEEDS[:3], figures)
+    assert third > second > 0
+    assert third > 0.003
+    assert np.abs(creep(preset(name).with_parameters(SETS), SEEDS[:3], figures)).max() < 0.001
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["pes", "lycra"])
 def test_compensated_signal_is_as_good_as_published(name: str, figures: ModuleType) -> None:
-    """r2 of the paper's network on T, A and B, each recording scaled by itself; means over five campaigns."""
-    after = np.mean([figures.compensated(figures.campaign(preset(name), seed)) for seed in SEEDS[:5]], axis=0)
-    assert after[:3] == pytest.approx(COMPENSATED[name, "force"], abs=0.06)
-    assert after[3:6] == pytest.approx(COMPENSATED[name, "displacement"], abs=0.06)
+    """r2 of the paper's network on T, A and B, each recording scaled by itself; means over ten campaigns."""
+    runs = [figures.campaign(preset(name), seed, figures.SLOW) for seed in SEEDS[:10]]
+    after = np.mean([figures.compensated(run, wanted=figures.AFTER_SLOW) for run in runs], axis=0)
+    assert after[:3] == pytest.approx(COMPENSATED[name, "force"], abs=WITHIN)
+    assert after[3:] == pytest.approx(COMPENSATED[name, "displacement"], abs=WITHIN)

@@ -39,6 +39,14 @@ def residual_and_contribution():
     return both.time_s, residual, contribution
 
 
+TWO_S, NINE_S = (np.arange(2.0), np.ones(2)), (np.arange(9.0), np.ones(9))
+FORCE_AND_COMPENSATED = live_figures.LiveChannel(
+    "Force / N",
+    "#0072B2",
+    NINE_S,
+    TWO_S,
+    beside=live_figures.LiveChannel("Compensated force / N", "#D55E00", NINE_S, TWO_S),
+)
 FIGURES: dict[str, Callable[[], Figure | None]] = {
     "time series": lambda: recording_figures.time_series(samples.recording(temperature=True)),
     "time series, a stretch": lambda: recording_figures.time_series(samples.recording(), 20.0, 40.0),
@@ -71,6 +79,7 @@ FIGURES: dict[str, Callable[[], Figure | None]] = {
             )
         ]
     ),
+    "live with a compensator": lambda: live_figures.live([FORCE_AND_COMPENSATED]),
     "live before the first sample": lambda: live_figures.live([]),
 }
 

@@ -1,0 +1,42 @@
+"""What is believed before the data."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from testbench.diagnosis.priors import declared, priors_of, typical
+from testbench.fitting.measurement import prepare
+from testbench.knit.effect import bounds_of
+from tests.testbench.builders import CATALOGUE, record, truth
+
+SCALARS = [  # of a vector of weights the evidence finds the scale
+    name
+    for name, effect in CATALOGUE.effects.items()
+    if effect.strength and not isinstance(effect.model_fields[effect.strength].default, tuple)
+]
+SCALES = {"N": 0.8, "1": 0.3}  # a tenth of a range of 8 N
+
+
+def test_a_force_is_typically_a_tenth_of_the_range_and_friction_half_of_that():
+    assert typical(CATALOGUE["viscous_rate_stiffening"], SCALES) == pytest.approx(0.8)
+    assert typical(CATALOGUE["hysteresis"], SCALES) == pytest.approx(0.4)
+
+
+def test_a_strength_is_believed_to_be_small_wherever_the_search_starts():
+    model = truth()
+    recording = record(model, 60.0, seed=1)
+    priors = priors_of(model, prepare(recording), model, {})
+    place = [p.address for p in priors.parameters].index("hysteresis.friction_N")
+    assert priors.mean[place] == 0
+    assert priors.precision[place] ** -0.5 == pytest.approx(0.05 * np.ptp(recording["force_N"]), rel=0.1)
+
+
+@pytest.mark.parametrize("name", SCALARS)
+def test_every_strength_has_a_typical_size_within_its_bounds(name):
+    effect = CATALOGUE[name]
+    extra = bounds_of(effect.model_fields[effect.strength])
+    mean, width = declared(effect, effect.strength, SCALES)
+    if extra["scale"] != "log":
+        assert mean == 0
+        assert 0 < width <= max(abs(extra["low"]), abs(extra["high"]))
