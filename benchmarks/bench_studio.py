@@ -1,10 +1,11 @@
 """The studio in real Chromium: first view of a 23 min campaign, zoom, change of tab; memory over an hour.
 
-python benchmarks/bench_studio.py [--hour] [--runs N]
+python benchmarks/bench_studio.py [--hour | --campaigns N] [--runs N]
 
 Times are from the click (or the address) to the drawn plot, Playwright's own delay included; the load average of the
 machine stands beside them. `--hour` records an hour of the simulated rig through its serial port and the live page,
-20 times faster than it lasts.
+20 times faster than it lasts. `--campaigns N` lists so many, in a studio that has never seen them and again, and
+looks for one of them; beside it the time of a page of the studio without any list.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import contextlib
 import io
 import os
 import re
+import shutil
 import statistics
 import subprocess
 import tempfile
@@ -162,6 +164,42 @@ def speeds(browser, root: Path, runs: int) -> None:
         page.close()
 
 
+HEADED = "() => document.querySelector('.page h1') !== null"
+LISTED = "([many]) => document.body.innerText.includes(many + ' campaigns')"
+FOUND = "([many]) => document.body.innerText.includes('1 of ' + many)"
+
+
+def crowded(root: Path, count: int) -> None:
+    """So many campaigns, of one small recording each."""
+    program = root / "programs" / "short"
+    options = ["--preset", "paper-1", "--seed", 1, "--gauge-length-mm", 25, "--duration-s", 60]
+    quietly(gcode, "generate", *options, "-o", program)
+    quietly(testbench, "run", "--sensor", "pes", "--program", program / "program.tap", "-o", root / "run-0000")
+    for number in range(1, count):
+        shutil.copytree(root / "run-0000", root / f"run-{number:04d}")
+
+
+def lists(browser, root: Path, count: int, runs: int) -> None:
+    """Thousands of campaigns in the list."""
+    print(f"{'seconds':42} {'median':>7} {'worst':>7} {'goal':>7}   load average (1 min)")
+    first, again, found, bare = [], [], [], []
+    for _ in range(runs):
+        with served(root) as studio:
+            time.sleep(3)
+            page = browser.new_page(viewport={"width": 1280, "height": 800})
+            page.goto(f"{studio.address}/effects")
+            bare.append(timed(page, partial(page.goto, f"{studio.address}/effects"), HEADED))
+            for times in (first, again):
+                times.append(timed(page, partial(page.goto, studio.address), LISTED, [count]))
+            wanted = f"run-{count // 2:04d}"
+            found.append(timed(page, partial(page.get_by_label("Search").fill, wanted), FOUND, [count]))
+            page.close()
+    tell("another page of the studio", bare, 1.0)
+    tell(f"{count} campaigns, never seen before", first, 1.0)
+    tell(f"{count} campaigns, again", again, 1.0)
+    tell("one of them searched, from the typing", found, 1.0)
+
+
 def hour(browser, root: Path) -> None:
     """An hour of the simulated rig, through its port, the recorder and the live page."""
     program = root / "programs" / "hour"
@@ -217,6 +255,7 @@ def main() -> None:
     """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--hour", action="store_true", help="memory over an hour of recording (3 min) instead")
+    parser.add_argument("--campaigns", type=int, metavar="N", help="a list of so many campaigns instead")
     parser.add_argument("--runs", type=int, default=5)
     parser.add_argument("--minutes", type=float, default=23.0, help="length of the campaigns (default: 23)")
     args = parser.parse_args()
@@ -228,6 +267,9 @@ def main() -> None:
         root = Path(scratch) / "ws"
         if args.hour:
             hour(browser, root)
+        elif args.campaigns:
+            crowded(root, args.campaigns)
+            lists(browser, root, args.campaigns, args.runs)
         else:
             prepared(root, args.minutes)
             speeds(browser, root, args.runs)

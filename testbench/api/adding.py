@@ -63,6 +63,7 @@ def add(
     gauge_length_mm = gauge_length_mm or file.gauge_length_mm or None
     first = recording_of(recording, gauge_length_mm)
     check_same_set_up(file, first, model if isinstance(model, str | Path) else "model")
-    calibration, held = split(first, None if held_out is None else recording_of(held_out, gauge_length_mm))
+    second = None if held_out is None else recording_of(held_out, gauge_length_mm)
+    calibration, held = split(first, second, clamp_play_mm=file.clamp_play_mm if second else 0.0)
     with telling(progress) as tell:
         return FitResult(add_effect(file, effect, calibration, held, catalogue, tell), calibration, held)

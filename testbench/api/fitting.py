@@ -16,6 +16,7 @@ from testbench.api.progress import Tell, telling
 from testbench.comparing.ladder import fitted_file
 from testbench.comparing.tables import errors_line, fit_table
 from testbench.fitting.baseline import starting_baseline
+from testbench.fitting.clamping import may_be_clamped_anew
 from testbench.fitting.measurement import Measurement, split
 from testbench.fitting.model_file import ModelFile, check_same_set_up
 from testbench.knit.model import KnitModel
@@ -66,9 +67,12 @@ class FitResult:
 
     @property
     def notes(self) -> list[str]:
-        """What a reader should know: the held-out strain leaves what was fitted on."""
-        beyond = beyond_calibration(self.calibration, self.held_out)
-        return [beyond] if beyond else []
+        """What a reader should know: of the held-out strain, and of the zero of its displacement."""
+        told = [beyond_calibration(self.calibration, self.held_out)]
+        other = self.calibration.recording is not self.held_out.recording
+        if other and not self.held_out.clamp_play_mm:
+            told.append(may_be_clamped_anew(self.model, self.held_out))
+        return [note for note in told if note]
 
     def __repr__(self) -> str:
         return f"<FitResult {', '.join(self.model)}: {errors_line(self.file.history[-1])}>"
@@ -117,6 +121,7 @@ def fit(
     model: AnyModel | None = None,
     effects: Effects = None,
     gauge_length_mm: float | None = None,
+    clamp_play_mm: float = 0.0,
     progress: Tell | bool | None = None,
 ) -> FitResult:
     """Calibrate the baseline, or a model of your own, on a recording.
@@ -133,6 +138,9 @@ def fit(
         The user's own effects.
     gauge_length_mm : float, optional
         In mm, for paths of bare CSV files.
+    clamp_play_mm : float
+        Where the sensor was clamped anew for `held_out`: by how much, in mm, the zero of its displacement may have
+        moved (standard deviation). It is then free there, and so it is in every further step of this model.
     progress : callable or bool, optional
         See `testbench.api.progress.telling`.
 
@@ -158,7 +166,9 @@ def fit(
     first = recording_of(recording, gauge_length_mm)
     if given is not None:
         check_same_set_up(given, first, "model" if not isinstance(model, str | Path) else model)
-    calibration, held = split(first, None if held_out is None else recording_of(held_out, gauge_length_mm))
+    second = None if held_out is None else recording_of(held_out, gauge_length_mm)
+    play_mm = clamp_play_mm or (given.clamp_play_mm if given and second else 0.0)
+    calibration, held = split(first, second, clamp_play_mm=play_mm)
     start = starting_baseline(calibration, catalogue) if given is None else given.model
     with telling(progress) as tell:
         file = fitted_file(start, calibration, held, "baseline" if given is None else "given model", progress=tell)

@@ -14,6 +14,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     add_recording(parser)
     parser.add_argument("--model", metavar="M", help="start from this model.json instead of the baseline")
+    parser.add_argument(
+        "--clamp-play-mm",
+        type=float,
+        default=0.0,
+        metavar="MM",
+        help="the sensor was clamped anew for --held-out: the zero of its displacement is free, within so many mm",
+    )
     add_effects(parser)
     parser.add_argument("-o", "--output", default="model.json", help="where to write (default: model.json)")
 
@@ -30,6 +37,7 @@ def run(args: argparse.Namespace) -> int:
         model=args.model,
         effects=args.effects,
         gauge_length_mm=args.gauge_length_mm,
+        clamp_play_mm=args.clamp_play_mm,
     )
     for note in found.notes:
         print(f"note: {note}", file=sys.stderr)

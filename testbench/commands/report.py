@@ -28,6 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--compensator", metavar="SCORE", help="the JSON of `compensation score`")
     parser.add_argument("--commands", metavar="TXT", help="the command lines that led here, one a line")
     parser.add_argument("--gauge-length-mm", type=float, metavar="L", help="for bare CSVs")
+    parser.add_argument("--resistance", action="store_true", help="show the resistance in kΩ, not the conductance")
     parser.add_argument("--title", default="", help="heading of the page")
     parser.add_argument("--format", choices=("html", "md"), default="html", help="html (default) or md")
     parser.add_argument("--figures", metavar="DIR", help="also write every figure there, as PNG and PDF")
@@ -49,6 +50,7 @@ def run(args: argparse.Namespace) -> int:
         commands=args.commands,
         compensator=args.compensator,
         title=args.title,
+        resistance=args.resistance,
     )
     output = args.output or f"report.{args.format}"
     for path in write_report(build_report(given), output, args.format, args.figures):

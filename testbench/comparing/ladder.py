@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
 
 from gcode.support.errors import UserError
+from testbench.fitting.clamping import moved, zero_of
 from testbench.fitting.errors import noise_floors, over_the_floors, rms_errors
 from testbench.fitting.fit import Fit, fit
 from testbench.fitting.measurement import CONDUCTANCE_CHANNEL, FORCE_CHANNEL, Measurement
@@ -60,12 +61,19 @@ def on_the_ladder(
 
 
 def ladder_step(step: str, model: KnitModel, calibration: Measurement, held: Measurement) -> dict[str, Any]:
-    """One entry of the history: the model, its errors on both recordings, and the noise floor."""
+    """One entry of the history: the model, its errors on both recordings, and the noise floor.
+
+    Where the sensor was clamped anew for the held-out recording, also the `Zero` that was found there.
+    """
+    zero = zero_of(model, held) if held.clamp_play_mm else None
+    if zero is not None:
+        held = moved(held, zero.shift_mm)
     return {
         "step": step,
         "model": model.to_dict(),
         "errors": {"calibration": rms_errors(model, calibration), "held_out": held_errors(model, held)},
         "noise_floor": noise_floors(held),
+        **({} if zero is None else {"zero": asdict(zero)}),
     }
 
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from testbench.comparing.compare import Comparison
+from testbench.fitting.clamping import Zero
 from testbench.fitting.errors import channel_name
 from testbench.fitting.measurement import UNIT_OF
 from testbench.fitting.model_file import ModelFile
@@ -42,7 +43,9 @@ def errors_line(step: Mapping[str, Any]) -> str:
         parts.append(
             f"{channel_name(channel)} {calibration:.4g} {unit} (held out {held:.4g}, noise floor {floor:.2g})"
         )
-    return f"{step['step']}: RMS error " + "; ".join(parts)
+    zero = step.get("zero")
+    anew = f"; held out {Zero(**zero)}" if zero else ""
+    return f"{step['step']}: RMS error " + "; ".join(parts) + anew
 
 
 def ladder_table(file: ModelFile) -> str:

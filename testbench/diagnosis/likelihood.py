@@ -16,7 +16,7 @@ from testbench.diagnosis import constants
 from testbench.fitting.errors import sampled
 from testbench.fitting.measurement import Measurement, channel_of
 from testbench.fitting.motion import reading_noise
-from testbench.fitting.noise import noise_floor, robust_sd
+from testbench.fitting.noise import noise_floor, robust_sd, rounding
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
 
@@ -123,9 +123,8 @@ def noise_of(measurement: Measurement) -> dict[str, float]:
     found = {}
     for channel in measurement.channels:
         time_s, values = sampled(measurement, channel)
-        found[channel] = max(
-            min(noise_floor(values), reading_noise(time_s, values)) / measurement.averaged**0.5, 1e-12
-        )
+        noise = max(min(noise_floor(values), reading_noise(time_s, values)), rounding(values))
+        found[channel] = max(noise / measurement.averaged**0.5, 1e-12)
     return found
 
 

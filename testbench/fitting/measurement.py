@@ -25,6 +25,7 @@ BURN_IN_S = 3.0
 BURN_IN_WAY = 0.01  # of all the way that the strain goes: a ramp before a long hold is no burn-in
 MOST_GRID_POINTS = 200_000
 MIN_SAMPLES, MIN_DURATION_S, MIN_STRAIN_RANGE = 200, 20.0, 2e-3
+MOST_PLAY = 0.1  # of the gauge length: more is another set-up
 MIN_PART = 170  # samples that count in each part; the evidence is weighed in 40 blocks of every fourth sample
 
 
@@ -50,6 +51,9 @@ class Measurement:
         Standard deviation of the noise of the strain reading, at a grid point.
     averaged : float
         Samples whose mean is as noisy as a grid point.
+    clamp_play_mm : float
+        Where the sensor was clamped anew for this recording: by how much the zero of its displacement may lie
+        elsewhere (standard deviation). 0: it was not.
     """
 
     signals: Mapping[str, FloatArray]
@@ -60,6 +64,7 @@ class Measurement:
     start_s: float = 0.0
     strain_noise: float = 0.0
     averaged: float = 1.0
+    clamp_play_mm: float = 0.0
 
     @property
     def grid_s(self) -> FloatArray:
@@ -239,16 +244,24 @@ def _check_parts(calibration: Measurement, held: Measurement, cut_s: float) -> N
 
 
 def split(
-    recording: Recording, held_out: Recording | None = None, held_share: float = 1 / 3
+    recording: Recording, held_out: Recording | None = None, held_share: float = 1 / 3, clamp_play_mm: float = 0.0
 ) -> tuple[Measurement, Measurement]:
     """Calibration and held-out measurements; without `held_out`, the last third of the recording.
+
+    Parameters
+    ----------
+    recording, held_out : Recording
+    held_share : float
+    clamp_play_mm : float
+        See `Measurement`; of the held-out recording.
 
     Raises
     ------
     UserError
         If the two were taken at different gauge lengths or share no channel, or one recording is too short or too
-        still in a part of it.
+        still in a part of it; if there is play without a held-out recording, or more than a set-up has.
     """
+    _check_play(recording, held_out, clamp_play_mm)
     if held_out is None:
         cut_s = recording.duration_s * (1 - held_share)
         parts = prepare(recording, (0.0, cut_s)), prepare(recording, (cut_s, np.inf))
@@ -266,4 +279,18 @@ def split(
             f"{held_out.source}: measured {', '.join(held.channels)}, but {recording.source} measured "
             f"{', '.join(calibration.channels)}; both need the same channels"
         )
-    return calibration, held
+    return calibration, replace(held, clamp_play_mm=clamp_play_mm)
+
+
+def _check_play(recording: Recording, held_out: Recording | None, clamp_play_mm: float) -> None:
+    most_mm = MOST_PLAY * recording.gauge_length_mm
+    if not 0 <= clamp_play_mm <= most_mm:
+        raise UserError(
+            f"clamp play: must be from 0 to {most_mm:g} mm ({MOST_PLAY:.0%} of the gauge length), "
+            f"got {clamp_play_mm:g}"
+        )
+    if clamp_play_mm and held_out is None:
+        raise UserError(
+            f"{recording.source}: clamp play is that of a held-out recording, and none was given; "
+            "the last third of one recording was not clamped anew"
+        )

@@ -48,6 +48,15 @@ class _Errors(_Open):
     held_out: dict[Label, Annotated[float, Field(ge=0)]]
 
 
+class _Zero(_Open):
+    """A `testbench.fitting.clamping.Zero`."""
+
+    shift_mm: float
+    standard_error_mm: Annotated[float, Field(ge=0)]
+    play_mm: Annotated[float, Field(gt=0, le=1e5)]
+    force_N: float | None = None
+
+
 class _Step(_Open):
     """What `testbench.comparing.ladder.ladder_step` makes."""
 
@@ -55,6 +64,7 @@ class _Step(_Open):
     model: StoredModel
     errors: _Errors
     noise_floor: dict[Label, Annotated[float, Field(ge=0)]]
+    zero: _Zero | None = None
 
     @model_validator(mode="after")
     def _same_channels(self) -> _Step:
@@ -98,6 +108,12 @@ class ModelFile:
     held_out: str = ""
     fit: Mapping[str, Any] = field(default_factory=dict)
     history: tuple[Mapping[str, Any], ...] = ()
+
+    @property
+    def clamp_play_mm(self) -> float:
+        """Play of the clamps between the two recordings; 0 where the sensor was not clamped anew."""
+        zero = self.history[-1].get("zero") if self.history else None
+        return float(zero["play_mm"]) if zero else 0.0
 
     def save(self, path: str | Path) -> None:
         """Write atomically."""

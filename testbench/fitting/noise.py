@@ -46,7 +46,7 @@ def noise_floor(values: FloatArray) -> float:
     second = np.diff(values, 2)
     # Steps of a motion that repeats itself are lines too, and without them spread out: the smaller is meant.
     noise = min(robust_sd(second), robust_sd(without_lines(second))) / np.sqrt(6)
-    return max(noise, _step(values) / np.sqrt(12))
+    return max(noise, rounding(values))
 
 
 def without_lines(values: FloatArray) -> FloatArray:
@@ -82,12 +82,12 @@ def without_lines(values: FloatArray) -> FloatArray:
     return np.fft.irfft(spectra, size, axis=1).ravel()
 
 
-def _step(values: FloatArray) -> float:
-    """Step between the values of a coarse converter; 0 where most values occur once only."""
+def rounding(values: FloatArray) -> float:
+    """Standard deviation of the rounding of a coarse converter; 0 where most values occur once only."""
     distinct = np.unique(values)
     if not 1 < len(distinct) < 0.5 * len(values):
         return 0.0
-    return float(np.median(np.diff(distinct)))
+    return float(np.median(np.diff(distinct))) / 12**0.5
 
 
 def autoregression(residual: FloatArray, order: int = AR_ORDER) -> FloatArray:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from testbench.fitting.clamping import moved, zero_of
 from testbench.fitting.errors import rms_errors
 from testbench.fitting.fit import fit
 from testbench.fitting.measurement import Measurement
@@ -14,9 +15,18 @@ from testbench.knit.model import KnitModel
 def held_errors(model: KnitModel, held: Measurement) -> dict[str, float]:
     """Errors on held-out samples; what belongs to the mounting or to one recording is free.
 
-    That is force zero and conductance gain, and an effect's own `per_recording` parameters (the phase of a hum).
+    That is force zero and conductance gain, an effect's own `per_recording` parameters (the phase of a hum), and the
+    zero of displacement where the sensor was clamped anew.
     """
-    return rms_errors(remounted(model, held), held, free_offset=True)
+    model, held = brought_together(model, held)
+    return rms_errors(model, held, free_offset=True)
+
+
+def brought_together(model: KnitModel, held: Measurement) -> tuple[KnitModel, Measurement]:
+    """Model and recording with all free that belongs to that recording; what is left between them is the model's."""
+    if held.clamp_play_mm:
+        held = moved(held, zero_of(model, held).shift_mm)
+    return remounted(model, held), held
 
 
 def remounted(model: KnitModel, measurement: Measurement) -> KnitModel:

@@ -25,10 +25,11 @@ STRETCH = {"displacement", "strain"}
 
 _ENGLISH = {
     "time": "time elapsed timestamp clock seconds runtime",
-    "displacement": "displacement displ disp extension elongation crosshead position stroke travel deflection",
+    "displacement": "displacement displ disp extension elongation crosshead position stroke travel deflection "
+    "extensometer",
     "strain": "strain",
     "force": "force load",
-    "resistance": "resistance resistor",
+    "resistance": "resistance resistor res",
     "conductance": "conductance",
     "temperature": "temperature temp",
 }

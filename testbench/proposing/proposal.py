@@ -167,8 +167,9 @@ def propose_law(
     """
     tell = progress or (lambda text: None)
     catalogue = catalogue or load_catalogue()
-    calibration, held = split(recording, held_out)
     file = model if isinstance(model, ModelFile) else None
+    play_mm = file.clamp_play_mm if file and held_out else 0.0
+    calibration, held = split(recording, held_out, clamp_play_mm=play_mm)
     given = file.model if file else model if isinstance(model, KnitModel) else None
     with threadpool_limits(1, "blas"), ThreadPoolExecutor(2) as pool:
         search = Search(calibration, catalogue, tell, given)

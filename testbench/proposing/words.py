@@ -121,6 +121,10 @@ def _option_json(option: Option) -> dict[str, Any]:
         "coordinate": law.term.coordinate.name,
         "operators": [one.name for one in law.term.operators],
         "parameters": {"gain": law.strength, **law.values},
+        "meanings": {
+            "gain": f"a: change of {plain(law.place.latex)} for each unit of z",
+            **{s.key: f"{plain(s.symbol)}: {s.doc}" for s in law.term.slots},
+        },
         "units": {"gain": str(law.unit), **{s.key: str(law.term.unit_of(s)) for s in law.term.slots}},
         "log_evidence": option.log_evidence,
         "gains_in": option.holds,

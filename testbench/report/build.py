@@ -42,6 +42,8 @@ class Inputs:
     title : str, optional
     commands : str, optional
         A text file with the command lines that led here.
+    resistance : bool
+        Show the resistance in kΩ wherever the conductance would be.
     """
 
     recordings: tuple[str, ...] = ()
@@ -53,6 +55,7 @@ class Inputs:
     compensator: str | None = None
     title: str = ""
     commands: str | None = None
+    resistance: bool = False
 
 
 def build_report(given: Inputs) -> Report:
@@ -73,13 +76,15 @@ def build_report(given: Inputs) -> Report:
     verdict = ""
     if given.model or diagnoses:
         last = diagnoses[-1] if diagnoses else None
-        story = Story.of(given.model, last, given.effects, recordings, held_out)
+        story = Story.of(given.model, last, given.effects, recordings, held_out, given.resistance)
         verdict, opening = story.verdict(last), story.opening()
         parts += story.parts(diagnoses)
     if given.compensator:
         parts.append(sections.compensator_section(read_score(given.compensator)))
     parts += [
-        sections.recording_section(recording, f"Recording {sections.short_name(recording.source)}", f"recording-{n}")
+        sections.recording_section(
+            recording, f"Recording {sections.short_name(recording.source)}", f"recording-{n}", given.resistance
+        )
         for n, recording in enumerate(recordings, 1)
     ]
     parts.append(provenance(_files_of(given), given.commands))

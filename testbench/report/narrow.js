@@ -39,8 +39,10 @@ const panelsOf = (layout) =>
       return { y, x, xRef, yRef: y.replace("yaxis", "y"), left: across[0], right: across[1], top: up[1] };
     });
 
+// Its tools always stand on a screen that is touched: they get a row of their own.
+const TOOLS_PX = 44;
 const narrowMargin = (layout) => ({
-  margin: { ...layout.margin, l: Math.min(layout.margin?.l ?? 64, 120), r: Math.min(layout.margin?.r ?? 20, 110) },
+  margin: { ...layout.margin, t: Math.max(layout.margin?.t ?? 0, TOOLS_PX), l: Math.min(layout.margin?.l ?? 64, 120), r: Math.min(layout.margin?.r ?? 20, 110) },
 });
 
 // A note on the paper goes where its panel went; one that is tied to axes goes with them by itself.

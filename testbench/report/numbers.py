@@ -50,6 +50,12 @@ def in_unit(value: float, unit: str) -> tuple[float, str]:
     return 1.0, SPELT.get(unit, unit)
 
 
+def in_words(value: float, unit: str) -> str:
+    """``4.70 kΩ``."""
+    factor, name = in_unit(value, unit)
+    return f"{plain(factor * value)} {name}".strip()
+
+
 def with_error(value: float, error: float, unit: str) -> str:
     """``5.80 ± 0.20 N``: the error with two digits, the value to the same decimal."""
     factor, name = in_unit(value or error, unit)

@@ -10,6 +10,7 @@ import numpy as np
 
 from testbench.comparing.compare import compare, residual_maps
 from testbench.comparing.coordinates import coordinates
+from testbench.fitting.clamping import Zero, moved
 from testbench.fitting.errors import noise_floors
 from testbench.fitting.measurement import Measurement
 from testbench.fitting.model_file import ModelFile
@@ -19,6 +20,18 @@ from testbench.report.comparison_figures import Overlay
 from testbench.report.ladder_figures import Step
 from testbench.report.places import Spot, spots
 from testbench.report.words import spoken
+
+
+def as_clamped(file: ModelFile, held: Measurement) -> Measurement:
+    """Held-out samples as the last step of a ladder judged them: counted from the zero that was found there."""
+    zero = file.history[-1].get("zero") if file.history else None
+    return moved(held, zero["shift_mm"]) if zero else held
+
+
+def zero_in_words(file: ModelFile) -> str:
+    """What to say of the zero of a held-out recording that was clamped anew; empty where it was not."""
+    zero = file.history[-1].get("zero") if file.history else None
+    return f"The held-out recording was {Zero(**zero)}. This is no finding about the sensor." if zero else ""
 
 
 def overlay_of(

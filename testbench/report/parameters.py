@@ -9,9 +9,10 @@ from typing import Any
 from testbench.knit.effect import bounds_of
 from testbench.knit.model import KnitModel
 from testbench.report.document import Table
-from testbench.report.numbers import allowed, with_error
+from testbench.report.numbers import allowed, in_words, with_error
 from testbench.report.words import spoken
 
+HELD = 1e-6  # standard deviation, in the fit's coordinate, by which a diagnosis holds what it does not fit
 HEAD = ("Parameter", "Value", "Allowed range", "Doubts", "What it is")
 UNIT_TAIL = re.compile(r"_(N|s|S|ohm|mm|C|per_s|per_N|per_C|Hz|N_per_s|ppm)$")
 
@@ -43,8 +44,16 @@ def _row(address: str, entry: Mapping[str, Any], fit: Mapping[str, Any], model: 
         extra = bounds_of(field)
         bounds = allowed(float(extra["low"]), float(extra["high"]), unit)
         meaning = field.description or ""
-    value = with_error(float(entry["value"]), float(entry["standard_error"]), unit)
-    return parameter_name(address), value, bounds, "; ".join(doubts(address, fit)), meaning
+    value, error = float(entry["value"]), float(entry["standard_error"])
+    held = is_held(value, error)
+    told = in_words(value, unit) if held else with_error(value, error, unit)
+    doubt = "; ".join([*doubts(address, fit), *(["held while the rest was fitted"] if held else [])])
+    return parameter_name(address), told, bounds, doubt, meaning
+
+
+def is_held(value: float, error: float) -> bool:
+    """Whether a standard error is that of the prior which holds a parameter, and says nothing about it."""
+    return error <= 1.05 * HELD * abs(value) or abs(error / HELD - 1) < 0.05
 
 
 def parameter_name(address: str) -> str:

@@ -9,14 +9,14 @@ import numpy as np
 from gcode.support.arrays import FloatArray
 from testbench.fitting.errors import channel_name
 from testbench.fitting.measurement import UNIT_OF, Measurement
-from testbench.fitting.remounting import remounted
+from testbench.fitting.remounting import brought_together
 from testbench.knit.model import KnitModel
 from testbench.proposing.proposal import Proposed, Step, numbered
 from testbench.proposing.writing import in_words, plain
 from testbench.report import style
 
 BINS, POINTS, DOTS = 24, 1500, 800
-ROW_PX = 270
+ROW_PX, LEGEND_PX = 270, 24  # the legend stands above the first row's title, which may be long
 LEGEND = {"orientation": "h", "x": 1, "xanchor": "right", "y": 1.0, "yanchor": "bottom"}
 
 
@@ -88,7 +88,8 @@ def binned(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray, FloatA
 
 
 def _residuals(model: KnitModel, held: Measurement) -> dict[str, FloatArray]:
-    found = held.residual(remounted(model, held))
+    model, there = brought_together(model, held)
+    found = there.residual(model)
     return {channel: values - values[held.counts].mean() for channel, values in found.items()}
 
 
@@ -106,12 +107,12 @@ def _over_time(before: FloatArray, after: FloatArray, held: Measurement, index: 
 
 def _rows(panels: list[tuple[str, str]]) -> tuple[dict[str, Any], list[float]]:
     """Axes of panels below each other, each with an axis of its own, and where their tops are."""
-    gap = 0.32 / len(panels)
+    gap, whole = 0.32 / len(panels), 1 - LEGEND_PX / (ROW_PX * len(panels))
     axes: dict[str, Any] = {}
     tops: list[float] = []
-    height = (1 - gap * (len(panels) - 1)) / len(panels)
+    height = (whole - gap * (len(panels) - 1)) / len(panels)
     for index, (x_title, y_title) in enumerate(panels):
-        top = 1 - index * (height + gap)
+        top = whole - index * (height + gap)
         tops.append(top)
         domain = [max(top - height, 0.0), min(top, 1.0)]
         axes[style.axis_key("xaxis", index)] = style.axis(x_title, anchor=style.y_ref(index))

@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from testbench.knit.model import KnitModel
 from testbench.recordings.recording import Recording
 from testbench.report import (
@@ -24,33 +26,39 @@ from testbench.report.numbers import plain
 from testbench.report.parameters import parameter_table
 from testbench.report.places import beyond_noise, place_in_words
 
+# How far above the noise is told of ln G, which was fitted: the same share of the resistance.
+LOGARITHM = {"resistance": "conductance"}
 
-def recording_section(recording: Recording, title: str, key: str) -> Section:
-    """What was recorded: the facts, every channel over time, loops, distributions."""
+
+def recording_section(recording: Recording, title: str, key: str, resistance: bool = False) -> Section:
+    """What was recorded: the facts, every channel over time, loops, distributions; the resistance where asked for."""
+    over_time = recording_figures.time_series(recording, resistance=resistance)
     items: list[Item] = [
-        Facts(recording_figures.summary(recording)),
-        Picture(f"{key}-time", recording_figures.time_series(recording), "Every channel over time, as sampled."),
+        Facts(recording_figures.summary(recording, resistance)),
+        Picture(f"{key}-time", over_time, "Every channel over time, as sampled."),
     ]
-    loops = recording_figures.hysteresis_loops(recording)
+    loops = recording_figures.hysteresis_loops(recording, resistance)
     if loops:
         caption = "Loops of six half minutes, the first dark, the last light: a shift along the colours is drift."
         items.append(Picture(f"{key}-loops", loops, caption))
     caption = "How often each value occurred; the speed is taken at 20 Hz."
-    items.append(Picture(f"{key}-distributions", recording_figures.distributions(recording), caption))
+    items.append(Picture(f"{key}-distributions", recording_figures.distributions(recording, resistance), caption))
     return Section(title, items)
 
 
-def comparison_section(both: Overlay, comparison: Mapping[str, Any]) -> Section:
+def comparison_section(both: Overlay, comparison: Mapping[str, Any], maps: Mapping[str, Any]) -> Section:
     """Where the model fails: worst places in words, model over measurement, residual maps.
 
     Parameters
     ----------
     both : Overlay
-        One model in `modelled`.
+        One model in `modelled`; with the resistance instead of ln G where that is to be shown.
     comparison : mapping
         The JSON of ``testbench compare``.
+    maps : mapping of channel to mapping of coordinate to cells
+        Of `testbench.report.overlays.failings_of`.
     """
-    items: list[Item] = [errors_table(comparison["channels"])]
+    items: list[Item] = [errors_table(both, comparison["channels"])]
     worst = beyond_noise(comparison)
     if worst:
         rows = [
@@ -65,25 +73,28 @@ def comparison_section(both: Overlay, comparison: Mapping[str, Any]) -> Section:
     items.append(Picture("comparison-loops", comparison_figures.modelled_loops(both), "The same as loops."))
     caption = "Residual over strain and strain rate: orange where the model is too low, blue where it is too high."
     items.append(Picture("comparison-map", residual_figures.heat_maps(both), caption))
-    for channel, entry in comparison["channels"].items():
+    for channel in both.measured:
         caption = f"Mean residual of the {channel} over each coordinate, with two standard errors."
-        figure = residual_figures.profiles(entry["maps"], channel)
+        figure = residual_figures.profiles(maps[channel], channel)
         items.append(Picture(f"comparison-{channel}", figure, caption))
     return Section("Where the model fails", items)
 
 
-def errors_table(channels: Mapping[str, Mapping[str, Any]]) -> Table:
+def errors_table(both: Overlay, channels: Mapping[str, Mapping[str, Any]]) -> Table:
     """RMS error of each channel beside its noise floor."""
-    rows = [
-        (name, f"{plain(entry['rms'])} {entry['unit']}", f"{plain(entry['noise_floor'], 2)} {entry['unit']}",
-         f"{entry['over_noise']:.1f} x")
-        for name, entry in channels.items()
-    ]  # fmt: skip
+    rows = []
+    for name in both.measured:
+        told = channels[LOGARITHM.get(name, name)]
+        rms, floor = told["rms"], told["noise_floor"]
+        if name in LOGARITHM:
+            rms, floor = float(np.std(both.residual(name))), both.noise_floor[name]
+        unit = UNITS[name]
+        rows.append((name, f"{plain(rms)} {unit}", f"{plain(floor, 2)} {unit}", f"{told['over_noise']:.1f} x"))
     return Table(("Channel", "RMS error", "Noise floor", "Error over noise"), rows)
 
 
-def ladder_section(steps: Sequence[Step]) -> Section:
-    """The errors step by step."""
+def ladder_section(steps: Sequence[Step], zero: str = "") -> Section:
+    """The errors step by step; `zero` says where the held-out recording was clamped anew."""
     channels = list(steps[0].errors)
     head = ("Step", *(f"Held-out {channel} / {UNITS[channel]}" for channel in channels), "Fall")
     rows = [
@@ -102,6 +113,7 @@ def ladder_section(steps: Sequence[Step]) -> Section:
             Picture("ladder", ladder_figures.ladder(steps), caption),
             *words.ladder_notes(step.label for step in steps),
             Table(head, rows, f"Noise floor: {floor}."),
+            *((zero,) if zero else ()),
         ],
     )
 

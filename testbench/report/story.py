@@ -6,17 +6,24 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from testbench.comparing.compare import compare
 from testbench.fitting.measurement import Measurement, split
 from testbench.fitting.model_file import ModelFile, check_same_set_up, load_model_file
 from testbench.knit.catalogue import Catalogue, load_catalogue, model_from_dict
 from testbench.recordings.recording import Recording
 from testbench.report import ladder_figures, sections, words
-from testbench.report.comparison_figures import busiest_window
+from testbench.report.comparison_figures import Overlay, busiest_window
 from testbench.report.document import Facts, Item, Picture, Section
 from testbench.report.ladder_figures import UNITS, Step
 from testbench.report.numbers import plain
-from testbench.report.overlays import models_of, overlay_of, steps_of
+from testbench.report.overlays import (
+    as_clamped,
+    failings_of,
+    models_of,
+    overlay_of,
+    steps_in_resistance,
+    steps_of,
+    zero_in_words,
+)
 
 GLANCE_S = 60.0
 
@@ -33,6 +40,8 @@ class Story:
         The held-out samples, where a recording was given.
     from_file : bool
         The model is one that the user keeps, not a diagnosis's own.
+    resistance : bool
+        Show the resistance in kΩ instead of ln G.
     """
 
     file: ModelFile
@@ -40,6 +49,7 @@ class Story:
     steps: list[Step]
     judged: Measurement | None
     from_file: bool = True
+    resistance: bool = False
 
     @classmethod
     def of(
@@ -49,6 +59,7 @@ class Story:
         effects: str | None,
         recordings: Sequence[Recording],
         held_out: Recording | None,
+        resistance: bool = False,
     ) -> Story:
         """From a model.json, or from a diagnosis's own before and after.
 
@@ -63,8 +74,10 @@ class Story:
         if recordings:
             for recording in (recordings[0], *([held_out] if held_out else [])):
                 check_same_set_up(file, recording, model or "diagnosis")
-            _, judged = split(recordings[0], held_out)
-        return cls(file, catalogue, steps_of(file.history), judged, bool(model))
+            judged = as_clamped(file, split(recordings[0], held_out)[1])
+        in_kohm = resistance and judged is not None
+        steps = steps_in_resistance(file, catalogue, judged) if in_kohm and judged else steps_of(file.history)
+        return cls(file, catalogue, steps, judged, bool(model), resistance)
 
     def verdict(self, diagnosis: Mapping[str, Any] | None = None) -> str:
         """The one sentence, or two: what was gained so far, and what a diagnosis that is still open says."""
@@ -87,8 +100,7 @@ class Story:
             return []
         items: list[Item] = [Facts(glance_facts(self.steps))]
         if self.judged:
-            both = overlay_of(self.judged, models_of(self.file, self.catalogue), free_offset=True)
-            inside = both.within(self.judged.counts)
+            inside = self._seen(overlay_of(self.judged, models_of(self.file, self.catalogue), free_offset=True))
             figure = ladder_figures.at_a_glance(inside, self.steps, busiest_window(inside, GLANCE_S))
             caption = (
                 "Left: a minute of held-out samples, where the first model is worst. "
@@ -101,7 +113,7 @@ class Story:
         """Diagnoses, ladder, what is still wrong, parameters."""
         found = [self._asked(number, one, len(diagnoses)) for number, one in enumerate(diagnoses, 1)]
         if self.steps:
-            found.append(sections.ladder_section(self.steps))
+            found.append(sections.ladder_section(self.steps, zero_in_words(self.file)))
         if self.judged:
             found.append(self._comparison(self.judged))
         parameters = sections.parameters_section(self.file.fit, self.file.model)
@@ -118,9 +130,15 @@ class Story:
 
     def _comparison(self, judged: Measurement) -> Section:
         label = self.steps[-1].label if self.steps else "model"
-        both = overlay_of(judged, {label: self.file.model}, free_offset=True).within(judged.counts)
-        result = compare(self.file.model, judged, free_offset=True)
-        return sections.comparison_section(both, result.to_dict())
+        both = overlay_of(judged, {label: self.file.model}, free_offset=True)
+        found = failings_of(self.file.model, judged, both, free_offset=True)
+        return sections.comparison_section(self._seen(both), found.comparison, found.maps)
+
+    def _seen(self, both: Overlay) -> Overlay:
+        """What is shown of an overlay: the samples that count, as resistance where that is asked for."""
+        assert self.judged is not None
+        inside = both.within(self.judged.counts)
+        return inside.in_resistance() if self.resistance else inside
 
 
 def _file_of(diagnosis: Mapping[str, Any], catalogue: Catalogue) -> ModelFile:

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
+from functools import partial
 
 from nicegui import ui
+from nicegui.elements.mixins.value_element import ValueElement
+from nicegui.events import ValueChangeEventArguments
 
 from gcode.support.errors import UserError
+from testbench.studio.widgets import Address
 
 
 def number_field(
@@ -43,6 +48,37 @@ def _rules(name: str, positive: bool, whole: bool, optional: bool) -> dict[str, 
     if positive:
         rules[f"The {name} must be more than 0."] = lambda value: value is None or value > 0
     return rules
+
+
+def asked(where: Address, key: str, otherwise: float | None) -> float | None:
+    """The number that an address asks for; `otherwise` where it asks for none.
+
+    Raises
+    ------
+    UserError
+        If it is no number.
+    """
+    text = where.query.get(key, "")
+    if not text:
+        return otherwise
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise UserError(f"the address asks for {key}={text!r}, which is no number")
+    return int(value) if value == int(value) else value
+
+
+def keep_in(where: Address, **fields: ValueElement) -> None:
+    """Keep what is chosen in `fields` in the address, each under its name, so that a link shows the same choices."""
+
+    def note(key: str, event: ValueChangeEventArguments) -> None:
+        value = event.value
+        where.note(**{key: "" if value is None else f"{value:.12g}" if isinstance(value, float) else str(value)})
+
+    for key, field in fields.items():
+        field.on_value_change(partial(note, key))
 
 
 def check(*fields: ui.number) -> None:

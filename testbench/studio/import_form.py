@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gcode.support.errors import UserError
+from gcode.support.strict import json_of, validated
 from testbench.studio.import_words import TITLES
 
 if TYPE_CHECKING:
     from testbench.importing.from_file import Wish
 
 NOT_THERE = "none"
+SAID: tuple[str, ...] = ("columns", "units", "clocks", "hints", "negate", "zero")
+SAID += ("rate_hz", "r0_ohm", "gauge_length_mm", "sort", "drop_bad")
 HINT_FLAGS = {
     "header_row": "--header-row",
     "units_row": "--units-row",
@@ -51,6 +55,31 @@ class Choices:
     gauge_length_mm: float | None = None
     sort: bool = False
     drop_bad: bool = False
+
+    def told(self) -> str:
+        """All that was chosen beyond the file, as text for an address; empty where nothing was."""
+        said = {name: getattr(self, name) for name in SAID if getattr(self, name)}
+        plain = {name: sorted(value) if isinstance(value, set) else value for name, value in said.items()}
+        return json.dumps(plain, separators=(",", ":"), ensure_ascii=False) if plain else ""
+
+    @classmethod
+    def from_told(cls, path: Path, text: str) -> Choices:
+        """What an address asks for.
+
+        Raises
+        ------
+        UserError
+            If it does not say choices.
+        """
+        data = json_of(text, "choices", "the address") if text else {}
+        if not isinstance(data, dict) or set(data) - set(SAID):
+            raise UserError(f"the address asks for something else than choices: {text[:80]!r}")
+        choices = validated({"path": path, **data}, cls, "the address", "choice")  # type: ignore[type-var]
+        roles = {*choices.columns, *choices.units, *choices.clocks, *choices.negate, *choices.zero}
+        unknown = sorted(roles - set(TITLES)) + sorted(set(choices.hints) - set(HINT_FLAGS))
+        if unknown:
+            raise UserError(f"the address asks for {unknown[0]!r}, which the import does not know")
+        return choices
 
     def wish(self) -> Wish:
         """For a look at the file."""

@@ -10,12 +10,15 @@ from pathlib import Path
 from nicegui import ui
 
 from gcode.support.files import make_folder, read_json
+from testbench.studio.fields import check, number_field, typed
 from testbench.studio.jobs import Commands, Job, State
 from testbench.studio.studio import Studio
 from testbench.studio.widgets import attempt, job_card, subheading
 from testbench.studio.workspace import RESULTS, results_name
 
 LAST_THIRD = "the last third of this recording"
+PLAY = "Play of the clamps / mm"
+BEFORE = "model-before.json"
 
 
 def model_path(studio: Studio, c: str) -> Path:
@@ -168,25 +171,40 @@ def _show(studio: Studio, job: Job, holder: ui.column, done: Callable[[], None])
         job_card(studio, job, ended)
 
 
-def add_fit_form(studio: Studio, c: str) -> None:
-    """Offer to fit the baseline; build the page anew when it is done."""
+def add_fit_form(studio: Studio, c: str, again: bool = False) -> None:
+    """Offer to fit the baseline; build the page anew when it is done.
+
+    `again`: in place of a model that is there, which is kept beside it as ``model-before.json``.
+    """
     studio.workspace.campaign(c)
     with ui.column().classes("card gap-3"):
-        subheading(
-            "First, a baseline",
+        under = (
             "Elasticity, hysteresis, contact and drift are fitted to this recording; errors are judged on samples "
-            "that the fit does not see.",
+            "that the fit does not see."
         )
+        more = f" It takes the place of the model and its ladder, which are kept as {BEFORE}."
+        subheading("The baseline anew" if again else "First, a baseline", under + (more if again else ""))
         choices = held_out_choices(studio, c)
-        held = ui.select(choices, value=choices[0], label="Held out").props("outlined dense")
-        held.style("min-width:300px")
+        with ui.row().classes("items-start"):
+            held = ui.select(choices, value=held_out_of(studio, c) if again else choices[0], label="Held out")
+            held.props("outlined dense").style("min-width:min(300px, 84vw)")
+            play = number_field(PLAY, None, positive=False, optional=True).props('hint="empty: not clamped anew"')
+            play.tooltip("where the sensor was clamped anew: by how much the zero of its displacement may have moved")
+            play.bind_visibility_from(held, "value", backward=lambda value: value != LAST_THIRD)
         holder = ui.column().classes("w-full")
 
         def start() -> None:
+            check(play)
             argv = ["testbench", "fit", str(studio.workspace.campaign(c).folder)]
             argv += held_out_arguments(studio, str(held.value)) + studio.effects_arguments()
+            if play.value and held.value != LAST_THIRD:
+                argv += ["--clamp-play-mm", typed(play)]
+            if again:
+                shutil.copyfile(model_path(studio, c), model_path(studio, c).with_name(BEFORE))
             command = (f"Fitting the baseline to {c}", [*argv, "-o", str(model_path(studio, c))])
             run_in_turn(studio, f"model:{c}", [command], holder, ui.navigate.reload)
 
-        ui.button("Fit the baseline", icon="tune", on_click=lambda: attempt(start)).props("unelevated")
+        words = "Fit the baseline anew" if again else "Fit the baseline"
+        button = ui.button(words, icon="tune", on_click=lambda: attempt(start))
+        button.props("outline" if again else "unelevated")
         join_running(studio, f"model:{c}", holder, ui.navigate.reload)

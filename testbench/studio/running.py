@@ -15,6 +15,7 @@ PLACES = {
     "model": "/compare",
     "diagnose": "/missing",
     "experiment": "/experiment",
+    "propose": "/propose",
     "report": "/ladder",
     "train": "/compensate",
     "export": "/compensate",

@@ -20,6 +20,7 @@ from testbench.studio.pages import (
     ladder,
     missing,
     plan,
+    propose,
     record,
     recording,
     side,
@@ -49,6 +50,7 @@ PAGES: dict[str, Callable] = {
     "/missing": missing.page,
     "/experiment": experiment.page,
     "/investigation": investigation.page,
+    "/propose": propose.page,
     "/ladder": ladder.page,
     "/compensate": compensate.page,
 }
@@ -80,6 +82,7 @@ TITLES = {
     "/compare": "Compare",
     "/missing": "Missing effect",
     "/experiment": "Experiment",
+    "/propose": "Propose a law",
     "/ladder": "Error ladder",
     "/compensate": "Compensate",
 } | {path: title for path, _, title in NAVIGATION}

@@ -25,7 +25,7 @@ PACES = "paces.json"
 RESULTS_URL = "/files"  # below it, the server hands out what was made from the campaigns
 KEPT_SKETCHES = 2000
 COMMANDS = "commands.txt"
-LOGGED = (KEY_RECORDING, "run", "import", "align", "model", "diagnose", "experiment", "train", "score")
+LOGGED = (KEY_RECORDING, "run", "import", "align", "model", "diagnose", "experiment", "propose", "train", "score")
 WITH_TARGET = ("train", "score")
 POINTER = "effects-file.txt"  # below results; one line, the path of the file with own effects
 

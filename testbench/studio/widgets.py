@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import functools
 import inspect
 import json
 from collections.abc import Awaitable, Callable, Iterator, Sequence
-from contextlib import contextmanager
 from typing import Any, TypeVar
 from urllib.parse import urlencode
 
@@ -149,7 +149,7 @@ def trouble(text: str, remedy: str = "") -> None:
                 ui.label(remedy).classes("text-sm")
 
 
-@contextmanager
+@contextlib.contextmanager
 def invitation(title: str, text: str) -> Iterator[None]:
     """What an empty page says: what is missing, and the buttons that bring it."""
     with ui.column().classes("card items-center gap-3").style("padding:44px 20px"):
@@ -247,7 +247,7 @@ def name_in_page(selector: str, name: str) -> None:
     )
 
 
-@contextmanager
+@contextlib.contextmanager
 def working(what: str) -> Iterator[None]:
     """Say what is being done while the work below it goes on."""
     with ui.row().classes("items-center gap-2 quiet").props("role=status") as sign:
@@ -256,7 +256,8 @@ def working(what: str) -> Iterator[None]:
     try:
         yield
     finally:
-        sign.delete()
+        with contextlib.suppress(ValueError):  # the page was left meanwhile, and is gone with all that was on it
+            sign.delete()
 
 
 def job_card(studio: Studio, job: Job, on_end: Callable[[Job], Awaitable[None] | None] | None = None) -> None:

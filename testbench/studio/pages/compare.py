@@ -20,7 +20,7 @@ from testbench.report.places import Spot, noise_reached
 from testbench.report.words import spoken
 from testbench.studio.beside import Beside, beside_choices, beside_of, side_by_side
 from testbench.studio.memory import stamp
-from testbench.studio.models import LAST_THIRD, add_fit_form, held_out_of, model_path
+from testbench.studio.models import LAST_THIRD, PLAY, add_fit_form, held_out_of, model_path
 from testbench.studio.picture import Span, ZoomingPlot, plot, zooming_plot
 from testbench.studio.studio import Studio
 from testbench.studio.widgets import (
@@ -36,9 +36,11 @@ from testbench.studio.widgets import (
     span_of,
     subheading,
     table,
+    trouble,
 )
 
 if TYPE_CHECKING:
+    from testbench.fitting.measurement import Measurement
     from testbench.fitting.model_file import ModelFile
 
 
@@ -52,6 +54,7 @@ class View:
     maps: Mapping[str, Any]
     rms: Mapping[str, Mapping[str, float]]  # by model as drawn, then by channel
     parameters: Table | None
+    notes: list[str]  # what a reader should know of the held-out recording
 
 
 @guarded
@@ -73,6 +76,8 @@ async def page(
     view = await aside(view_of, studio, c, on, beside)
     shown = view.both.in_resistance() if show == RESISTANCE else view.both
     facts(_errors(view, shown))
+    for note in view.notes:
+        trouble(note)
     holder = ui.column().classes("w-full")
     caption = (
         "Measured and modelled; under each the residual, measured minus modelled; grey: twice the noise floor. "
@@ -83,6 +88,7 @@ async def page(
     with holder:
         _worst(view, seen)
     later(partial(_below, view, shown))
+    later(partial(_anew, studio, c))
 
 
 def _below(view: View, shown: Overlay) -> None:
@@ -94,6 +100,11 @@ def _below(view: View, shown: Overlay) -> None:
     for channel in shown.measured:
         caption = f"Mean residual of the {channel} over each coordinate, with two standard errors."
         plot(residual_figures.profiles(view.maps[channel], channel), caption)
+
+
+def _anew(studio: Studio, c: str) -> None:
+    with ui.expansion("Fit the baseline anew", icon="tune").classes("w-full"):
+        add_fit_form(studio, c, again=True)
 
 
 def _choose(studio: Studio, c: str, on: str, where: Address, held: str) -> None:
@@ -140,7 +151,7 @@ def _compare(studio: Studio, c: str, on: str, second: Beside | None) -> View:
     from testbench.fitting.errors import rms_errors
     from testbench.fitting.measurement import prepare, split
     from testbench.fitting.model_file import check_same_set_up, load_model_file
-    from testbench.report.overlays import failings_of, overlay_of
+    from testbench.report.overlays import as_clamped, failings_of, overlay_of
 
     path = model_path(studio, c)
     file = load_model_file(path, studio.catalogue())
@@ -148,6 +159,8 @@ def _compare(studio: Studio, c: str, on: str, second: Beside | None) -> View:
     check_same_set_up(file, recording, path)
     on_its_third = on == c and held_out_of(studio, c) == LAST_THIRD
     measurement = split(recording, None)[1] if on_its_third else prepare(recording)
+    if on == held_out_of(studio, c):
+        measurement = as_clamped(file, measurement)
     elsewhere = on != c or on_its_third
     label = spoken(str(file.history[-1]["step"])) if file.history else "model"
     drawn = ({second.label: second.model} if second else {}) | {label: file.model}
@@ -158,7 +171,21 @@ def _compare(studio: Studio, c: str, on: str, second: Beside | None) -> View:
         one: rms_errors(model, measurement, elsewhere) | _kohm_error(both, one, measurement.counts, elsewhere)
         for one, model in drawn.items()
     }
-    return View(both, found.comparison, found.spots, found.maps, rms, _parameters(file, label, second))
+    notes = _notes(studio, c, file, measurement) if on == held_out_of(studio, c) else []
+    return View(both, found.comparison, found.spots, found.maps, rms, _parameters(file, label, second), notes)
+
+
+def _notes(studio: Studio, c: str, file: ModelFile, held: Measurement) -> list[str]:
+    """What `testbench fit` says of the held-out recording, in the page's words."""
+    from testbench.api.fitting import beyond_calibration
+    from testbench.fitting.clamping import may_be_clamped_anew
+    from testbench.fitting.measurement import prepare
+
+    beyond = beyond_calibration(prepare(studio.workspace.recording(c)), held)
+    anew = "" if file.clamp_play_mm else may_be_clamped_anew(file.model, held)
+    anew = anew.replace("say --clamp-play-mm", f"fit the baseline anew with “{PLAY}”")
+    told = [note.removeprefix(f"{held.recording.source}: ") for note in (beyond, anew) if note]
+    return [note[0].upper() + note[1:] + "." for note in told]
 
 
 def _kohm_error(both: Overlay, label: str, counts: np.ndarray, free_offset: bool) -> dict[str, float]:

@@ -14,23 +14,26 @@ from testbench.report import experiment_figures as figures
 from testbench.report.build import read_diagnosis
 from testbench.report.words import experiment_in_words, spoken
 from testbench.studio import models
-from testbench.studio.fields import check, number_field, typed
+from testbench.studio.fields import asked, check, keep_in, number_field, typed
 from testbench.studio.pages.plan import PROGRAMS, program_downloads
 from testbench.studio.picture import plot
 from testbench.studio.studio import Studio
-from testbench.studio.widgets import address, aside, attempt, campaign_head, guarded, subheading
+from testbench.studio.widgets import Address, address, aside, attempt, campaign_head, guarded, subheading
 
 
 @guarded
-async def page(studio: Studio, c: str = "") -> None:
-    """The experiment that separates the tied effects of campaign `c`."""
+async def page(
+    studio: Studio, c: str = "", strain: str = "", minutes: str = "", speed: str = "", acceleration: str = ""
+) -> None:
+    """The experiment that separates the tied effects of campaign `c`, within the limits that were chosen."""
     campaign_head(c, "/missing")
     studio.workspace.campaign(c)
     known = models.diagnosis_path(studio, c)
     if not known.is_file():
         raise UserError(f"{c} has no diagnosis yet; ask what is missing first, on the tab Missing effect")
     diagnosis = read_diagnosis(str(known))
-    _ask(studio, c, diagnosis)
+    limits = {"strain": strain, "minutes": minutes, "speed": speed, "acceleration": acceleration}
+    _ask(studio, c, diagnosis, Address("/experiment", c=c, **limits))
     path = experiment_path(studio, c)
     if path.is_file() and path.stat().st_mtime >= known.stat().st_mtime:
         await _answer(studio, c, read_json(path, "experiment"))
@@ -52,7 +55,7 @@ def rivals_of(diagnosis: Mapping[str, Any]) -> list[str]:
     return [spoken(name) for name in names[:2]]
 
 
-def _ask(studio: Studio, c: str, diagnosis: Mapping[str, Any]) -> None:
+def _ask(studio: Studio, c: str, diagnosis: Mapping[str, Any], where: Address) -> None:
     key = f"experiment:{c}"
     with ui.column().classes("card gap-3"):
         subheading(
@@ -61,10 +64,11 @@ def _ask(studio: Studio, c: str, diagnosis: Mapping[str, Any]) -> None:
             "least room. This takes half a minute.",
         )
         with ui.row().classes("items-center"):
-            strain = number_field("Largest strain / %", 30)
-            minutes = number_field("Duration / min", 10)
-            speed = number_field("Speed up to / mm/s", 10)
-            acceleration = number_field("Acceleration up to / mm/s²", 20)
+            strain = number_field("Largest strain / %", asked(where, "strain", 30))
+            minutes = number_field("Duration / min", asked(where, "minutes", 10))
+            speed = number_field("Speed up to / mm/s", asked(where, "speed", 10))
+            acceleration = number_field("Acceleration up to / mm/s²", asked(where, "acceleration", 20))
+        keep_in(where, strain=strain, minutes=minutes, speed=speed, acceleration=acceleration)
         button = ui.button("Find the motion that tells them apart", icon="science").props("unelevated")
         holder = ui.column().classes("w-full")
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import re
 import tempfile
 from functools import partial
@@ -9,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from nicegui import events, ui
+from nicegui.elements.mixins.value_element import ValueElement
 
 from gcode.support.errors import UserError
 from testbench.studio.import_form import NOT_THERE, Choices
@@ -17,15 +19,18 @@ from testbench.studio.jobs import Job, State
 from testbench.studio.raw_lines import raw_table
 from testbench.studio.studio import Studio
 from testbench.studio.widgets import (
+    Address,
     address,
     aside,
     attempt,
     guarded,
     heading,
     job_card,
+    later,
     name_in_page,
     subheading,
     trouble,
+    working,
 )
 
 if TYPE_CHECKING:
@@ -42,8 +47,11 @@ ENCODINGS = {"": "found", "utf-8": "UTF-8", "cp1252": "Windows, Latin-1", "gb180
 
 
 @guarded
-def page(studio: Studio) -> None:
-    """Upload or name a file, look at what was found, import."""
+def page(studio: Studio, file: str = "", name: str = "", chosen: str = "") -> None:
+    """Upload or name a file, look at what was found, import.
+
+    `file` on this machine is read at once, as `chosen` before (see `Choices.told`), to become the campaign `name`.
+    """
     under = (
         "CSV and other text, Excel or TDMS, as your tester or logger wrote it. A recording needs a time and a "
         "displacement (or strain), or force and resistance."
@@ -51,13 +59,16 @@ def page(studio: Studio) -> None:
     heading("Import a measurement", under)
     with ui.column().classes("card gap-3"):
         with ui.row().classes("w-full items-center"):
-            path = ui.input("File on this machine", placeholder="/data/lab/run-7.csv").props("outlined dense")
-            path.classes("grow")
+            path = ui.input("File on this machine", value=file, placeholder="/data/lab/run-7.csv")
+            path.props("outlined dense").classes("grow")
             ui.button("Read the file", on_click=lambda: attempt(lambda: form.read(Path(path.value or ""))))
         upload = ui.upload(label="or drop it here", auto_upload=True, max_files=1, max_file_size=LARGEST_BYTES)
         upload.props(f"flat bordered accept={KINDS}").classes("w-full")
     name_in_page(".q-uploader .q-btn, .q-uploader__input", "Choose a file")
-    form = _Form(studio)
+    where = Address("/import", file=file, name=name, chosen=chosen)
+    form = _Form(studio, where)
+    if file:
+        later(lambda: attempt(lambda: form.read(Path(file), chosen)))
     ui.context.client.on_delete(form.forget_upload)
     ui.context.client.sub_pages_router.on_path_changed(lambda _: form.left())
 
@@ -75,12 +86,13 @@ def page(studio: Studio) -> None:
 class _Form:
     """One file: its first lines, what is what, and the import; all of it built anew for each file."""
 
-    def __init__(self, studio: Studio) -> None:
-        self.studio = studio
+    def __init__(self, studio: Studio, where: Address) -> None:
+        self.studio, self.where = studio, where
         self.upload: tempfile.TemporaryDirectory | None = None
         self.holder = ui.column().classes("w-full gap-4")
         self.job: Job | None = None
         self.seen: tuple[Sheet, Choice, dict[str, str]] | None = None
+        self.looking = asyncio.Lock()  # one look after the other; who imports waits for the last
 
     def forget_upload(self) -> None:
         """Remove what was uploaded; at the latest, that happens when the studio ends."""
@@ -93,18 +105,21 @@ class _Form:
         if self.job is None or not self.job.running:
             self.forget_upload()
 
-    async def read(self, path: Path) -> None:
-        """Show a file."""
+    async def read(self, path: Path, chosen: str = "") -> None:
+        """Show a file, with what was chosen for it before."""
         if not path.is_file():
             raise UserError(f"{path or 'file'}: no such file; name one on this machine, or drop one")
         if self.upload is not None and path.parent != Path(self.upload.name):
             self.forget_upload()
-        self.choices = Choices(path)
+        self.choices = Choices.from_told(path, chosen)
+        if not chosen:
+            self.where.note(file="" if self.upload else str(path), name="")
         self.holder.clear()
         with self.holder:
             with ui.column().classes("card gap-3"):
                 subheading(path.name)
                 self.found = ui.label().classes("quiet")
+                self.signs = ui.row()
                 self._hints()
                 self.lines = ui.html("", sanitize=False).classes("rawbox")
             with ui.column().classes("card gap-3"):
@@ -118,7 +133,9 @@ class _Form:
         """How the file is written, each to be changed."""
         with ui.row().classes("items-center"):
             for name, label in (("header_row", "Header row"), ("units_row", "Units row")):
-                row = ui.number(label, min=0, format="%.0f").props("outlined dense debounce=500 clearable")
+                number = self.choices.hints.get(name)
+                row = ui.number(label, value=number if isinstance(number, int) else None, min=0, format="%.0f")
+                row.props("outlined dense debounce=500 clearable")
                 row.style("width:120px").tooltip("counting from 1; 0: there is none; empty: found")
                 row.on_value_change(partial(self._hinted, name))
             for name, label, options in (
@@ -127,10 +144,12 @@ class _Form:
                 ("thousands", "Thousands", THOUSANDS),
                 ("encoding", "Encoding", ENCODINGS),
             ):
-                choice = ui.select(options, value="", label=label).props("outlined dense").style("width:150px")
+                choice = ui.select(options, value=_known(options, self.choices.hints.get(name)), label=label)
+                choice.props("outlined dense").style("width:150px")
                 choice.on_value_change(partial(self._hinted, name))
             if self.choices.path.suffix.lower() in (".xlsx", ".xlsm", ".tdms"):
-                sheet = ui.input("Sheet").props("outlined dense debounce=600").style("width:150px")
+                sheet = ui.input("Sheet", value=str(self.choices.hints.get("sheet") or ""))
+                sheet.props("outlined dense debounce=600").style("width:150px")
                 sheet.on_value_change(partial(self._hinted, "sheet"))
 
     async def _hinted(self, name: str, event: events.ValueChangeEventArguments) -> None:
@@ -141,20 +160,35 @@ class _Form:
 
     def _last(self, path: Path) -> None:
         """Gauge length, name, and the button; what comes of it appears right below."""
-        free = re.sub(r"[^A-Za-z0-9._-]+", "-", path.stem).strip("-.") or "imported"
+        free = self.where.query["name"] or re.sub(r"[^A-Za-z0-9._-]+", "-", path.stem).strip("-.") or "imported"
         with ui.row().classes("items-center"):
             gauge = ui.number("Gauge length / mm", min=0.001, format="%.6g").props("outlined dense")
             gauge.tooltip("length of the sensor between the clamps at rest").bind_value(
                 self.choices, "gauge_length_mm"
             )
             name = ui.input("Campaign name", value=free).props("outlined dense")
-            ui.checkbox("Put rows in the order of time").bind_value(self.choices, "sort")
-            ui.checkbox("Leave out rows that cannot be used").bind_value(self.choices, "drop_bad")
+            name.on_value_change(lambda event: self.where.note(name=event.value or ""))
+            boxes = ("Put rows in the order of time", "sort"), ("Leave out rows that cannot be used", "drop_bad")
+            fields: list[ValueElement] = [gauge]
+            fields += [ui.checkbox(title).bind_value(self.choices, key) for title, key in boxes]
+            for field in fields:
+                field.on_value_change(self._note)
         ui.button("Import", icon="check", on_click=lambda: self._import(name.value))
         self.result = ui.column().classes("w-full gap-3").props("aria-live=polite")
 
+    def _note(self) -> None:
+        """Keep what was chosen in the address; an upload has none that could be opened again."""
+        if self.upload is None:
+            self.where.note(chosen=self.choices.told())
+
     async def look(self) -> None:
         """Look at the file once more with what has been chosen, and show it."""
+        async with self.looking:
+            with self.signs, working("Reading the file"):
+                await self._look()
+        self._note()
+
+    async def _look(self) -> None:
         try:
             self.seen = await aside(_look, self.choices)
         except UserError as error:
@@ -222,6 +256,7 @@ class _Form:
 
             def mark(event: events.ValueChangeEventArguments, marked: set[str] = marked) -> None:
                 (marked.add if event.value else marked.discard)(role)
+                self._note()
 
             box = ui.checkbox(label, value=role in marked, on_change=mark).props("dense")
             box.classes("text-sm").props(f"aria-label='{label} of the {role}'")
@@ -253,6 +288,8 @@ class _Form:
 
     async def _import(self, name: str) -> None:
         """Start the import, or say right here what is missing."""
+        async with self.looking:  # what was chosen last is still being looked at
+            pass
         self.result.clear()
         with self.result:
             try:
@@ -313,6 +350,10 @@ class _Form:
         return address("/recording", c=Path(made["out"]).relative_to(self.studio.workspace.root).as_posix())
 
 
+def _known(options: dict[str, str], chosen: object) -> str:
+    return str(chosen) if str(chosen) in options else ""
+
+
 def _look(choices: Choices) -> tuple[Sheet, Choice, dict[str, str]]:
     from testbench.importing.columns import previewed
     from testbench.importing.from_file import look
@@ -325,9 +366,9 @@ def _described(sheet: Sheet) -> str:
     layout = sheet.layout
     header = f"names in row {layout.header_row}" if layout.header_row else "no row of names"
     units = f"units in row {layout.units_row}, " if layout.units_row else ""
-    names = {**SEPARATORS, "": ""}
+    names: dict[str, dict[str, str]] = {"separator": SEPARATORS, "decimal": DECIMALS, "thousands": THOUSANDS}
     how = ", ".join(
-        f"{what} {names.get(str(value), value) if what == 'separator' else value}"
+        f"{what} {names.get(what, {}).get(str(value), value)}"
         for what, value in sheet.details.items()
         if value and not (what == "decimal" and value == ".")
     )

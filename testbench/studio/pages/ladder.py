@@ -58,7 +58,7 @@ class _Ladder:
     def __init__(self, studio: Studio, c: str, where: Address) -> None:
         from testbench.fitting.measurement import split
         from testbench.fitting.model_file import load_model_file
-        from testbench.report.overlays import steps_in_resistance, steps_of
+        from testbench.report.overlays import as_clamped, steps_in_resistance, steps_of, zero_in_words
 
         self.studio, self.c, self.where = studio, c, where
         self.kohm = where.query["show"] == RESISTANCE
@@ -66,8 +66,8 @@ class _Ladder:
         self.file: ModelFile = load_model_file(models.model_path(studio, c), catalogue)
         held = models.held_out_of(studio, c)
         other = None if held == models.LAST_THIRD else studio.workspace.recording(held)
-        _, self.judged = split(studio.workspace.recording(c), other)
-        self.steps = steps_of(self.file.history)
+        self.judged = as_clamped(self.file, split(studio.workspace.recording(c), other)[1])
+        self.steps, self.zero = steps_of(self.file.history), zero_in_words(self.file)
         # How far above the noise is told of the channel that was fitted: that of ln G is the same share of R.
         self.over_noise = [_over_noise(step) for step in self.steps]
         if self.kohm:
@@ -84,8 +84,9 @@ class _Ladder:
             "Error on the held-out samples, which no fit has seen, after each step; dashed: the noise floor, the "
             "least that any model can reach.",
         )
-        for note in ladder_notes(step.label for step in self.steps):
-            ui.label(note).classes("quiet text-sm")
+        for note in (*ladder_notes(step.label for step in self.steps), self.zero):
+            if note:
+                ui.label(note).classes("quiet text-sm")
         with ui.column().classes("card gap-1"):
             under = "Move along the steps; the pictures follow."
             subheading(
@@ -202,6 +203,7 @@ class _Ladder:
             argv += ["--diagnosis", str(path)]
         if models.is_fresh(self.studio, self.c):
             argv += ["--diagnosis", str(models.diagnosis_path(self.studio, self.c))]
+        argv += ["--resistance"] * self.kohm
         argv += _if_there("--compensator", folder / "force.score.json")
         argv += _if_there("--commands", self.studio.commands_path(self.c))
         command = (f"Writing the report of {self.c}", [*argv, "-o", str(output)])

@@ -89,10 +89,13 @@ async def _answer(studio: Studio, diagnosis: Mapping[str, Any], where: Address) 
         if nothing and diagnosis.get("other_laws"):
             _better_law(studio, c, list(diagnosis["other_laws"]))
     ranking = diagnosis["ranking"][:SHOWN]
+    if not nothing:
+        with ui.row():
+            if len(ranking) > 1:
+                _experiment(c, diagnosis)
+            _propose(c, unknown=diagnosis["verdict"] == "unknown")
     if not ranking:
         return
-    if len(ranking) > 1 and not nothing:
-        _experiment(c, diagnosis)
     plot(
         figures.candidates(diagnosis),
         "What a refit with each effect takes off the error on samples that no fit has seen, with the 95 % interval "
@@ -124,6 +127,12 @@ def _experiment(c: str, diagnosis: Mapping[str, Any]) -> None:
     words = "Design the experiment that tells them apart" if tied else "Design an experiment on the first two"
     button = ui.button(words, icon="science")
     button.on_click(lambda: ui.navigate.to(address("/experiment", c=c))).props("unelevated" if tied else "flat")
+
+
+def _propose(c: str, unknown: bool) -> None:
+    """The way out where no effect fits: a law of its own."""
+    button = ui.button("Propose a law", icon="auto_awesome")
+    button.on_click(lambda: ui.navigate.to(address("/propose", c=c))).props("unelevated" if unknown else "flat")
 
 
 class _Candidates:
@@ -285,12 +294,15 @@ def predicted(studio: Studio, c: str, diagnosis: Mapping[str, Any], entry: Mappi
     """
     from testbench.fitting.contribution import contribution
     from testbench.fitting.measurement import split
+    from testbench.fitting.model_file import load_model_file
     from testbench.knit.catalogue import model_from_dict
+    from testbench.report.overlays import as_clamped
 
     catalogue = studio.catalogue()
     held = models.held_out_of(studio, c)
     other = None if held == models.LAST_THIRD else studio.workspace.recording(held)
-    _, judged = split(studio.workspace.recording(c), other)
+    mine = load_model_file(models.model_path(studio, c), catalogue)
+    judged = as_clamped(mine, split(studio.workspace.recording(c), other)[1])
     effect = catalogue[entry["form"]].model_validate(entry["start"])
     without = model_from_dict(_before(diagnosis), catalogue, "diagnosis")
     found = contribution(without, effect, judged)

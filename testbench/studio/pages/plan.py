@@ -12,11 +12,21 @@ from nicegui import ui
 from gcode.support.errors import UserError
 from gcode.support.files import read_json
 from testbench.report.trajectory_figures import motion
-from testbench.studio.fields import check, number_field, typed
+from testbench.studio.fields import asked, check, keep_in, number_field, typed
 from testbench.studio.jobs import Job, State
 from testbench.studio.picture import plot
 from testbench.studio.studio import Studio
-from testbench.studio.widgets import address, aside, attempt, facts, guarded, heading, job_card, subheading
+from testbench.studio.widgets import (
+    Address,
+    address,
+    aside,
+    attempt,
+    facts,
+    guarded,
+    heading,
+    job_card,
+    subheading,
+)
 
 PRESETS = {
     "paper-1": "paper-1, 0–30 % strain",
@@ -26,31 +36,58 @@ PRESETS = {
 }
 SENSORS = {"pes": "PES knit", "lycra": "Lycra knit"}
 PROGRAMS = "programs"
+LIMITS = {"--v-max": "speed", "--a-max": "acceleration", "--x-min": "lowest", "--x-max": "highest"}
+LIMIT_NAMES = {
+    "speed": "Speed / mm/s",
+    "acceleration": "Acceleration / mm/s²",
+    "lowest": "Travel from / mm",
+    "highest": "Travel to / mm",
+}
 
 
 @guarded
-def page(studio: Studio, program: str = "") -> None:
-    """The form; below it the plan, when `program` (a folder below ``programs``) is made."""
+def page(
+    studio: Studio,
+    program: str = "",
+    motion: str = "",
+    seed: str = "",
+    gauge: str = "",
+    minutes: str = "",
+    speed: str = "",
+    acceleration: str = "",
+    lowest: str = "",
+    highest: str = "",
+) -> None:
+    """The form as it was filled in; below it the plan, when `program` (a folder below ``programs``) is made."""
     heading("Plan and run", "A pseudo-natural motion that never repeats, written for the machine and checked.")
-    _form(studio)
+    limits = {"speed": speed, "acceleration": acceleration, "lowest": lowest, "highest": highest}
+    form = {"motion": motion, "seed": seed, "gauge": gauge, "minutes": minutes}
+    _form(studio, Address("/plan", program=program, **form, **limits))
     if program:
         _result(studio, program)
 
 
-def _form(studio: Studio) -> None:
+def _form(studio: Studio, where: Address) -> None:
+    wanted = where.query["motion"] or "paper-1"
+    if wanted not in PRESETS:
+        raise UserError(f"the address asks for the motion {wanted!r}; there are {', '.join(PRESETS)}")
     with ui.column().classes("card gap-3"):
         with ui.row().classes("items-start"):
-            preset = ui.select(PRESETS, value="paper-1", label="Motion").props("outlined dense").style("width:220px")
-            seed = number_field("Seed", 51, whole=True)
-            gauge = number_field("Gauge length / mm", 25)
-            minutes = number_field("Duration / min", 23)
-        with ui.expansion("Limits of the machine").classes("w-full"), ui.row().classes("items-start"):
+            preset = ui.select(PRESETS, value=wanted, label="Motion").props("outlined dense").style("width:220px")
+            seed = number_field("Seed", asked(where, "seed", 51), whole=True)
+            gauge = number_field("Gauge length / mm", asked(where, "gauge", 25))
+            minutes = number_field("Duration / min", asked(where, "minutes", 23))
+        limited = any(where.query[key] for key in LIMITS.values())
+        fold = ui.expansion("Limits of the machine", value=limited).classes("w-full")
+        with fold, ui.row().classes("items-start"):
             limits = {
-                "--v-max": number_field("Speed / mm/s", None, optional=True),
-                "--a-max": number_field("Acceleration / mm/s²", None, optional=True),
-                "--x-min": number_field("Travel from / mm", None, positive=False, optional=True),
-                "--x-max": number_field("Travel to / mm", None, positive=False, optional=True),
+                option: number_field(
+                    LIMIT_NAMES[key], asked(where, key, None), positive=not key.endswith("est"), optional=True
+                )
+                for option, key in LIMITS.items()
             }
+        keep_in(where, motion=preset, seed=seed, gauge=gauge, minutes=minutes)
+        keep_in(where, **{key: limits[option] for option, key in LIMITS.items()})
         _say_which_hold(limits, str(preset.value))
         preset.on_value_change(lambda event: _say_which_hold(limits, str(event.value)))
         holder = ui.column().classes("w-full")
@@ -66,14 +103,14 @@ def _form(studio: Studio) -> None:
             job = studio.jobs.start(f"plan:{name}", f"Planning {name}", argv)
             holder.clear()
             with holder:
-                job_card(studio, job, _planned)
+                job_card(studio, job, partial(_planned, where))
 
         ui.button("Plan", icon="timeline", on_click=lambda: attempt(start)).props("unelevated")
 
 
-def _planned(job: Job) -> None:
+def _planned(where: Address, job: Job) -> None:
     if job.state is State.DONE:
-        ui.navigate.to(address("/plan", program=Path(job.argv[-1]).name))
+        where.go(program=Path(job.argv[-1]).name)
 
 
 def _say_which_hold(fields: Mapping[str, ui.number], preset: str) -> None:

@@ -27,11 +27,12 @@ PLOTLY_SHA256 = "7c593b9eda0e74a1d07335cf89cbf7a55ffc114909980c3729af835453bdb02
 
 
 def whole_report() -> Report:
-    both, steps = samples.overlay(), samples.steps()
+    both, steps, compared = samples.overlay(), samples.steps(), samples.comparison()
+    maps = {channel: entry["maps"] for channel, entry in compared["channels"].items()}
     glance = Picture("glance", ladder_figures.at_a_glance(both, steps, (20.0, 60.0)), "measured and modelled")
     parts = [
         sections.recording_section(samples.recording(), "Recording <b>one</b>", "recording-1"),
-        sections.comparison_section(both, samples.comparison()),
+        sections.comparison_section(both, compared, maps),
         sections.ladder_section(steps),
         sections.compensator_section(samples.score()),
         sections.diagnosis_section(samples.diagnosis()),

@@ -73,6 +73,18 @@ def test_parameters_say_what_they_are_and_what_to_doubt() -> None:
     assert "Another 1 numbers" in table.caption
 
 
+@pytest.mark.parametrize(("value", "error"), [(5.699724, 5.7e-6), (-0.175, 1e-6), (0.0, 1e-6)])
+def test_the_error_of_what_was_held_is_not_shown_as_knowledge(value: float, error: float) -> None:
+    entry = {"value": value, "unit": "N", "standard_error": error}
+    table = parameter_table({"parameters": {"elasticity.offset_N": entry}}, baseline())
+    assert table is not None
+    assert "±" not in table.rows[0][1]
+    assert table.rows[0][3] == "held while the rest was fitted"
+    fitted = parameter_table({"parameters": {"elasticity.offset_N": entry | {"standard_error": 1e-3}}}, baseline())
+    assert fitted is not None
+    assert "±" in fitted.rows[0][1]
+
+
 def place(**cell: float) -> dict:
     whole = {"low": 0.04, "high": 0.05, "direction": 1, "mean": -0.1, "standard_error": 0.01, "share": 0.1}
     return {

@@ -342,3 +342,51 @@ async def test_zooms_along_time_are_understood_and_others_left() -> None:
     assert zoomed_span({"xaxis.range": [1, 2]}) == (1.0, 2.0)
     assert zoomed_span({"xaxis.autorange": True, "yaxis.autorange": True}) == (None, None)
     assert zoomed_span({"yaxis.range[0]": 1, "yaxis.range[1]": 2}) is None
+
+
+async def test_the_choices_of_a_plan_are_in_its_address(user: User) -> None:
+    await user.open("/plan?motion=fast&seed=7&gauge=40&minutes=2.5&speed=3")
+    fields = {field.props["label"]: field.value for field in user.find(kind=ui.number).elements}
+    assert fields == {
+        "Seed": 7,
+        "Gauge length / mm": 40,
+        "Duration / min": 2.5,
+        "Speed / mm/s": 3,
+        "Acceleration / mm/s²": None,
+        "Travel from / mm": None,
+        "Travel to / mm": None,
+    }
+    user.find("Duration / min").clear().type("4")
+    await user.should_see("Plan and run")
+    for wrong, said in (("seed=soon", "seed='soon', which is no number"), ("motion=dance", "the motion 'dance'")):
+        await user.open(f"/plan?{wrong}")
+        await user.should_see(said)
+
+
+async def test_the_limits_of_an_experiment_are_in_its_address(user: User, fitted: Studio) -> None:
+    with_diagnosis(fitted)
+    await user.open("/experiment?c=sleeve&strain=12&minutes=3")
+    fields = {field.props["label"]: field.value for field in user.find(kind=ui.number).elements}
+    assert fields["Largest strain / %"] == 12
+    assert fields["Duration / min"] == 3
+    assert fields["Speed up to / mm/s"] == 10
+
+
+async def test_a_file_that_an_address_names_is_read_as_it_was_chosen(user: User, tmp_path: Path) -> None:
+    path = tmp_path / "plain.csv"
+    path.write_text("".join(f"{n / 10},{n % 7},{n % 5}\n" for n in range(60)))
+    told = json.dumps({"columns": {"time": "1", "force": "3"}, "units": {"force": "kN"}, "gauge_length_mm": 40})
+    await user.open(address("/import", file=str(path), name="again", chosen=told))
+    await user.should_see("Found: no row of names", retries=100)
+    chosen = {box.props.get("aria-label") or box.props.get("label"): box.value for box in _selects(user)}
+    assert chosen["Column of force"] == "3"
+    assert chosen["Unit of force"] == "kN"
+    assert {field.props["label"]: field.value for field in user.find(kind=ui.number).elements}[
+        "Gauge length / mm"
+    ] == 40
+    await user.open(address("/import", file=str(path), chosen='{"negate":["overwrite"]}'))
+    await user.should_see("which the import does not know", retries=50)
+
+
+def _selects(user: User) -> set[ui.select]:
+    return user.find(kind=ui.select).elements
