@@ -166,7 +166,7 @@ class _Loop:
         number, settings = len(self.state.runs), self.state.settings
         earlier = range(1, number) if settings.specimen == "aged" else ()
         past = [program_folder(self.folder, k) / "program.tap" for k in earlier]
-        self.watcher.tell(f"run {number}: {self.state.runs[-1].words}")
+        self.watcher.tell(f"run {number}: program {program_folder(self.folder, number) / 'program.tap'}")
         begun_s = now_s()
         order = Order(
             program_folder(self.folder, number) / "program.tap",
