@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     from testbench.api.diagnosing import diagnose as diagnose
     from testbench.api.fitting import FitResult as FitResult
     from testbench.api.fitting import fit as fit
+    from testbench.api.investigating import InvestigationResult as InvestigationResult
+    from testbench.api.investigating import investigate as investigate
     from testbench.api.ladder import Ladder as Ladder
     from testbench.api.ladder import ladder as ladder
     from testbench.api.simulating import baseline as baseline
@@ -53,6 +55,7 @@ _HOMES = {
     "testbench.api.designing": ["NextExperiment", "next_experiment"],
     "testbench.api.diagnosing": ["DiagnosisResult", "diagnose"],
     "testbench.api.fitting": ["FitResult", "fit"],
+    "testbench.api.investigating": ["InvestigationResult", "investigate"],
     "testbench.api.ladder": ["Ladder", "ladder"],
     "testbench.api.simulating": ["baseline", "example", "preset", "simulate"],
     "testbench.design.protocols": ["Bounds"],

@@ -23,6 +23,7 @@ COMMANDS: tuple[str, ...] = (
     "add",
     "ladder",
     "experiment",
+    "investigate",
     "report",
     "studio",
 )

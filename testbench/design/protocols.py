@@ -92,10 +92,11 @@ def menu(bounds: Bounds, share: float = 1.0) -> dict[str, TrajectorySpec]:
         v_max_mm_per_s=share * bounds.v_max_mm_per_s,
         a_max_mm_per_s2=share * bounds.a_max_mm_per_s2,
     )
-    return {name: _spec(name, make(eased), bounds) for name, make in MENU.items()}
+    return {name: spec_of(name, make(eased), bounds) for name, make in MENU.items()}
 
 
-def _spec(name: str, pieces: Sequence[Piece], bounds: Bounds) -> TrajectorySpec:
+def spec_of(name: str, pieces: Sequence[Piece], bounds: Bounds) -> TrajectorySpec:
+    """Pieces in a row, to be executed within the bounds."""
     limits = Limits(v_max_mm_per_s=bounds.v_max_mm_per_s, a_max_mm_per_s2=bounds.a_max_mm_per_s2)
     protocol = Protocol(pieces=tuple(pieces))
     return TrajectorySpec.of(

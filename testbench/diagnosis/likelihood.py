@@ -40,6 +40,8 @@ class Likelihood:
         Independent samples that each of them stands for.
     explained : mapping of channel to float, optional
         Standard deviation of what the best law explains.
+    pieces : float
+        Independent pieces of the measurement: those of one recording for each that it consists of.
     """
 
     measurement: Measurement
@@ -48,6 +50,7 @@ class Likelihood:
     floor: Mapping[str, float]
     share: Mapping[str, float]
     explained: Mapping[str, float] = field(default_factory=dict)
+    pieces: float = constants.INDEPENDENT
 
     @property
     def counts(self) -> dict[str, float]:
@@ -93,7 +96,7 @@ class Likelihood:
     @property
     def temperature(self) -> float:
         """Independent samples for each independent piece."""
-        return max(float(np.mean(list(self.counts.values()))) / constants.INDEPENDENT, 1.0)
+        return max(float(np.mean(list(self.counts.values()))) / self.pieces, 1.0)
 
     def picked(self, values: FloatArray, channel: str) -> FloatArray:
         """The samples that enter, over their relative noise; along the last axis."""

@@ -159,6 +159,7 @@ class Search:
         catalogue: Catalogue,
         tell: Callable[[str], None],
         start: KnitModel | None = None,
+        pieces: float = constants.INDEPENDENT,
     ):
         self.catalogue, self.tell = catalogue, tell
         noise = noise_of(measurement)
@@ -167,7 +168,7 @@ class Search:
         start = start or starting_baseline(self.measurement, catalogue)
         self.start = without_shapes(start)
         self.reference = self.start
-        self.likelihood = likelihood_of(self.reference, self.measurement, noise)
+        self.likelihood = replace(likelihood_of(self.reference, self.measurement, noise), pieces=pieces)
         tell("fitting the shape of the base laws")
         flexible = with_shapes(self.reference, self.measurement, catalogue, like=start)
         self.flexible = fitted(flexible, self.likelihood, self.reference, iterations=16)

@@ -16,6 +16,7 @@ from testbench.studio.pages import (
     effects,
     experiment,
     importing,
+    investigation,
     ladder,
     missing,
     plan,
@@ -33,6 +34,7 @@ NAVIGATION = (
     ("/import", "upload_file", "Import a CSV"),
     ("/plan", "timeline", "Plan and run"),
     ("/record", "sensors", "Record"),
+    ("/investigation", "travel_explore", "Investigations"),
     ("/effects", "functions", "Own effects"),
 )
 PAGES: dict[str, Callable] = {
@@ -47,6 +49,7 @@ PAGES: dict[str, Callable] = {
     "/compare": compare.page,
     "/missing": missing.page,
     "/experiment": experiment.page,
+    "/investigation": investigation.page,
     "/propose": propose.page,
     "/ladder": ladder.page,
     "/compensate": compensate.page,

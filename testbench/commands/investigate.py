@@ -1,0 +1,122 @@
+"""``testbench investigate``: experiments in turn, each designed on what the ones before left open."""
+
+from __future__ import annotations
+
+import argparse
+
+from testbench.commands._arguments import add_effects
+
+SUMMARY = "run experiments until it is sure what is missing: plan, run, diagnose, design the next motion"
+EXAMPLE = (
+    "testbench investigate hidden.json -o knit-7 --run-minutes 3 --budget-minutes 30\n"
+    "  testbench investigate --port /dev/ttyUSB0 -o knit-8\n"
+    "  testbench investigate --resume -o knit-7\n"
+    "exit code: 0 one hypothesis is sure, 1 the time is spent, 2 bad input, 130 interrupted (go on with --resume)"
+)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    from testbench.campaigns.sensors import natural, positive, rest
+
+    parser.add_argument(
+        "sensor",
+        nargs="?",
+        metavar="SENSOR",
+        help="what hangs in the simulated rig: a model.json or a preset (pes@3)",
+    )
+    parser.add_argument("--port", metavar="URL", help="a real rig's serial port, in place of SENSOR")
+    parser.add_argument("-o", dest="folder", required=True, metavar="FOLDER", help="where everything is kept")
+    parser.add_argument("--resume", action="store_true", help="go on with the investigation in FOLDER")
+    parser.add_argument(
+        "--speed",
+        type=positive,
+        metavar="X",
+        help="record the simulated rig over its pseudo-terminal, X times faster than real (default: at once)",
+    )
+    add_effects(parser)
+    parser.add_argument("--model", metavar="M", help="the model.json that something may be missing from")
+    parser.add_argument("--run-minutes", type=positive, default=3.0, metavar="T", help="length of a run (default 3)")
+    parser.add_argument(
+        "--budget-minutes", type=positive, default=30.0, metavar="T", help="time of motion at most (default 30)"
+    )
+    parser.add_argument("--sure", type=float, default=0.95, metavar="P", help="probability to end at (default 0.95)")
+    parser.add_argument("--fresh", action="store_true", help="a fresh specimen for each run (default: one that ages)")
+    parser.add_argument("--rest-s", type=rest, default=30.0, metavar="T", help="rest between runs (default 30)")
+    parser.add_argument("--v-max", type=positive, default=10.0, metavar="MM/S", help="speed limit (default 10)")
+    parser.add_argument(
+        "--a-max", type=positive, default=20.0, metavar="MM/S2", help="acceleration limit (default 20)"
+    )
+    parser.add_argument("--strain-max", type=positive, default=30.0, metavar="%", help="largest strain (default 30)")
+    parser.add_argument("--max-force-n", type=positive, metavar="F", help="no motion that may need more force")
+    parser.add_argument("--gauge-length-mm", type=positive, default=25.0, metavar="L", help="default 25")
+    parser.add_argument(
+        "--trials", type=natural, default=24, metavar="N", help="motions a design weighs (default 24)"
+    )
+    parser.add_argument("--seed", type=natural, default=1, help="of noise and random motion (default 1)")
+    parser.add_argument("--repeat", type=natural, default=2, metavar="N", help="effects of a diagnosis (default 2)")
+    parser.add_argument(
+        "--motion", choices=("designed", "perlin"), default="designed", help="perlin: random motion, to compare with"
+    )
+    parser.add_argument("--json", metavar="OUT", help="write the whole investigation here ('-' prints it)")
+    parser.add_argument("--quiet", action="store_true", help="no progress on stderr")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Investigate, print each run, write."""
+    import json
+    import sys
+
+    from gcode.support.files import write_json
+    from testbench.api.investigating import investigate
+    from testbench.investigating.words import ending_words
+    from testbench.rig.progress import terminal
+    from testbench.rig.signals import stop_signals
+
+    to_stdout = args.json == "-"
+    say = sys.stderr if to_stdout else sys.stdout
+
+    def after_run(text: str) -> None:
+        if sys.stderr.isatty() and not args.quiet:
+            print("\r\x1b[K", end="", file=sys.stderr)
+        print(text, file=say, flush=True)
+
+    bounds = {
+        "v_max_mm_per_s": args.v_max,
+        "a_max_mm_per_s2": args.a_max,
+        "strain_max_percent": args.strain_max,
+    }
+    with stop_signals() as stopped:
+        found = investigate(
+            args.sensor,
+            args.folder,
+            port=args.port,
+            speed=args.speed,
+            resume=args.resume,
+            bounds=bounds,
+            run_minutes=args.run_minutes,
+            budget_minutes=args.budget_minutes,
+            sure=args.sure,
+            specimen="fresh" if args.fresh else "aged",
+            motion=args.motion,
+            rest_s=args.rest_s,
+            seed=args.seed,
+            trials=max(args.trials, 1),
+            most=args.repeat,
+            force_max_N=args.max_force_n,
+            gauge_length_mm=args.gauge_length_mm,
+            model=args.model,
+            effects=args.effects,
+            progress=False if args.quiet else None,
+            after_run=after_run,
+            status=terminal("recording") if args.port or args.speed else None,
+            stopped=stopped,
+        )
+    if to_stdout:
+        print(json.dumps(found.to_dict(), indent=2))
+    elif args.json:
+        write_json(args.json, found.to_dict())
+    print(ending_words(found.state), file=say)
+    if not found.state.ended:
+        raise KeyboardInterrupt
+    return 0 if found.is_sure else 1

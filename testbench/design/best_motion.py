@@ -1,0 +1,204 @@
+"""The motion that is expected to tell most: named protocols, motions by chance, and neighbours of the best.
+
+What a motion tells is the mutual information between hypothesis and recording (`testbench.design.information`), its
+lower bound, which is what the search climbs: it makes the doubt that may stay as small as it can.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from gcode.programs.make import Made, make
+from gcode.support.errors import UserError
+from gcode.trajectories.planning import plan
+from gcode.trajectories.trajectory import Trajectory
+from testbench.design.compositions import ROOM, Motion, drawn, in_words, motion_of, varied
+from testbench.design.forecast import Forecaster, Likely, Reading
+from testbench.design.information import Information, information
+from testbench.design.protocols import MIN_DURATION_S, NOISE, Bounds, menu
+from testbench.fitting.measurement import BURN_IN_S, Measurement, coarser
+from testbench.knit.effect import FloatArray
+from testbench.knit.model import inputs
+
+DESIGN_HZ = 5.0  # grid of the predictions
+BEST = 3  # motions whose neighbours are tried
+BY_CHANCE = 0.5  # of the trials; the rest are neighbours
+SHARES = (1.0, 0.75, 0.5)  # of the speed and acceleration that a named protocol uses
+LEAST_WEIGHT = 0.02  # of a hypothesis: what is nearly excluded still has to be told from
+
+
+@dataclass(frozen=True, eq=False)
+class Design:
+    """The motion to make next.
+
+    Attributes
+    ----------
+    name : str
+        ``designed``, or a named protocol that no composition beat.
+    made : Made
+        Its checked program.
+    expected, perlin : Information
+        What it is expected to tell, and what random motion of the same length would.
+    tried : int
+        Motions that were weighed.
+    """
+
+    name: str
+    made: Made
+    expected: Information
+    perlin: Information
+    tried: int
+
+    @property
+    def words(self) -> str:
+        """The motion, for people."""
+        return in_words(self.made.spec) if self.name == "designed" else self.name.replace("-", " ")
+
+
+def best_motion(
+    likely: Sequence[Likely],
+    measurement: Measurement,
+    reading: Reading,
+    bounds: Bounds,
+    seed: int = 1,
+    rest_s: float | None = None,
+    trials: int = 40,
+    force_max_N: float = float("inf"),
+    progress: Callable[[str], None] | None = None,
+) -> Design:
+    """Find the motion within the bounds that is expected to tell most.
+
+    Parameters
+    ----------
+    likely : sequence of Likely
+        Two or more hypotheses, fitted to `measurement`.
+    measurement : Measurement
+        All readings so far.
+    reading : Reading
+        How much a recording counts.
+    bounds : Bounds
+        Limits and length of the motion.
+    rest_s : float, optional
+        The same specimen goes on after this rest; None: a fresh one.
+    trials : int
+        Motions to weigh beside the named ones.
+    force_max_N : float
+        No hypothesis may expect more force.
+
+    Raises
+    ------
+    UserError
+        If the hypotheses are fewer than two, or no motion keeps the limits.
+    """
+    if len(likely) < 2:
+        raise UserError(f"a motion that separates needs two hypotheses or more, got {len(likely)}")
+    tell = progress or (lambda _text: None)
+    tell("linearising what is still likely")
+    weigher = _Weigher(likely, measurement, reading, bounds, rest_s, force_max_N)
+    rng = np.random.default_rng(seed)
+    found: list[_Weighed] = []
+
+    def weigh(name: str, motion: Motion | None) -> None:
+        if motion is not None and (told := weigher(motion.trajectory)):
+            found.append(_Weighed(name, motion, told))
+            tell(f"motion {len(found)} tells {told.low:.3f} nats ({name})")
+
+    for name, motion in _named(bounds, seed).items():
+        weigh(name, motion)
+    by_chance = max(int(BY_CHANCE * trials), 1)
+    for number in range(trials):
+        free = sorted((w for w in found if w.motion.genes), key=lambda w: w.told.doubt)[:BEST]
+        genes = drawn(rng) if number < by_chance or not free else varied(free[number % len(free)].motion.genes, rng)
+        weigh("designed", motion_of(genes, bounds, seed))
+    perlin = next((w.told for w in found if w.name == NOISE), Information(0.0, 0.0, float("nan")))
+    for one in sorted(found, key=lambda w: w.told.doubt):
+        with contextlib.suppress(UserError):  # the controller's deviations may pass a limit that the plan keeps
+            made = make(one.motion.spec, seed, bounds.gauge_length_mm)
+            return Design(one.name, made, one.told, perlin, len(found))
+    raise UserError("no motion keeps these limits; allow more speed, acceleration, force or time")
+
+
+@dataclass(frozen=True, eq=False)
+class _Weighed:
+    name: str
+    motion: Motion
+    told: Information
+
+
+class _Weigher:
+    """What a motion is expected to tell; None where a hypothesis expects too much force."""
+
+    def __init__(
+        self,
+        likely: Sequence[Likely],
+        measurement: Measurement,
+        reading: Reading,
+        bounds: Bounds,
+        rest_s: float | None,
+        force_max_N: float,
+    ) -> None:
+        self.history = coarser(measurement, DESIGN_HZ)
+        self.forecasters = [Forecaster(one, self.history, reading) for one in likely]
+        self.chances = [max(one.chance, LEAST_WEIGHT) for one in likely]
+        self.bounds, self.rest_s, self.force_max_N = bounds, rest_s, force_max_N
+
+    def __call__(self, trajectory: Trajectory) -> Information | None:
+        ahead = following(self.history, trajectory, self.bounds.gauge_length_mm, self.rest_s)
+        expected = [one.expect(ahead) for one in self.forecasters]
+        if any(top > self.force_max_N for _, (_, top) in expected):
+            return None
+        if not all(np.all(np.isfinite(p.mean)) and np.all(np.isfinite(p.factor)) for p, _ in expected):
+            return None
+        return information([prediction for prediction, _ in expected], self.chances)
+
+
+def following(
+    history: Measurement, trajectory: Trajectory, gauge_length_mm: float, rest_s: float | None
+) -> Measurement:
+    """A measurement that was not made yet: the motion, after all that the specimen went through and a rest.
+
+    Parameters
+    ----------
+    rest_s : float or None
+        None: a fresh specimen.
+    """
+    dt_s = history.dt_s
+    time_s = np.arange(0, trajectory.duration_s, dt_s)
+    strain = np.interp(time_s, trajectory.time_s, trajectory.position_mm) / gauge_length_mm
+    counts = time_s >= BURN_IN_S
+    before: dict[str, FloatArray] = {"strain": np.zeros(0)}
+    if rest_s is not None:
+        resting = np.zeros(max(round(rest_s / dt_s), 1))
+        before["strain"] = np.concatenate([history.signals["strain"], resting])
+    past = len(before["strain"])
+    whole = np.concatenate([before["strain"], strain])
+    signals = inputs(np.arange(len(whole)) * dt_s, whole, _room(history, len(whole), past))
+    empty = {channel: np.zeros(len(whole)) for channel in history.measured}
+    seen = np.concatenate([np.zeros(past, bool), counts])
+    return replace(history, signals=signals, measured=empty, counts=seen)
+
+
+def _room(history: Measurement, count: int, past: int) -> FloatArray | None:
+    """A room that goes on as it was: the temperature read so far, again from its start."""
+    if "temperature_C" not in history.signals:
+        return None
+    seen = history.signals["temperature_C"]
+    return np.resize(np.concatenate([seen, seen[::-1]]), count) if past else np.resize(seen, count)
+
+
+def _named(bounds: Bounds, seed: int) -> Mapping[str, Motion | None]:
+    """The designed protocols of `testbench experiment`, as far as they can be planned within the bounds."""
+    found: dict[str, Motion | None] = {}
+    eased = replace(bounds, duration_s=max(ROOM * bounds.duration_s, MIN_DURATION_S))
+    for share in SHARES:
+        for name, spec in menu(eased, share).items():
+            if found.get(name) is None:
+                with contextlib.suppress(UserError):
+                    trajectory = plan(spec, seed, bounds.gauge_length_mm)
+                    if trajectory.duration_s <= bounds.duration_s:
+                        found[name] = Motion((), spec, trajectory)
+    return found

@@ -1,0 +1,113 @@
+"""What a fitted model expects of a motion that was not made yet, and how unsure of it its own data leave it.
+
+Linearised: the parameters are Gaussian about the fit, with the precision of the readings so far and of their priors,
+and the next reading follows them along its sensitivities. Nothing is fitted again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from testbench.design.information import Prediction
+from testbench.diagnosis.constants import ETA, GRID_HZ
+from testbench.diagnosis.priors import priors_of
+from testbench.fitting.measurement import FORCE_CHANNEL, Measurement
+from testbench.fitting.sensitivity import sensitivities
+from testbench.knit.effect import FloatArray
+from testbench.knit.model import KnitModel, SimulationCache
+
+NEGLIGIBLE = 1e-3  # nats: of directions whose variance is this share of the noise, none is lost
+SWITCHED_OFF = 1e3  # factor on the precision of a group of weights from which it changes nothing
+
+
+@dataclass(frozen=True, eq=False)
+class Likely:
+    """One hypothesis that is still likely.
+
+    Attributes
+    ----------
+    name : str
+        ``nothing`` or a mechanism.
+    chance : float
+    model : KnitModel
+        Fitted to all readings so far.
+    scales : mapping of str to float
+        Factor on the prior precision of each group of shape weights, as the evidence found it.
+    """
+
+    name: str
+    chance: float
+    model: KnitModel
+    scales: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Reading:
+    """How much a recording counts.
+
+    Attributes
+    ----------
+    noise : mapping of channel to float
+        What the best model leaves, in N and in ln S.
+    pieces : float
+        Independent pieces of one recording.
+    """
+
+    noise: Mapping[str, float]
+    pieces: float
+
+
+class Forecaster:
+    """Predictions of one hypothesis.
+
+    Parameters
+    ----------
+    likely : Likely
+    measurement : Measurement
+        All readings so far, on which its model was fitted.
+    reading : Reading
+    """
+
+    def __init__(self, likely: Likely, measurement: Measurement, reading: Reading) -> None:
+        self.likely, self.reading = likely, reading
+        priors = priors_of(likely.model, measurement, likely.model, {})
+        scale = np.array([likely.scales.get(name, 1.0) for name in priors.groups])
+        factor = np.where(priors.group >= 0, scale[priors.group], 1.0) if len(scale) else np.ones(len(priors.mean))
+        kept = np.flatnonzero(factor < SWITCHED_OFF)
+        self._parameters = [priors.parameters[k] for k in kept]
+        width = (priors.precision[kept] * factor[kept]) ** -0.5
+        # What is known of the parameters counts samples as the diagnosis does.
+        share = min(ETA * GRID_HZ * measurement.dt_s, 1.0)
+        _, rows, _ = self._linearised(measurement, share)
+        rows = rows * width[:, None]
+        value, vector = np.linalg.eigh(rows @ rows.T)
+        self._spread = width[:, None] * vector / np.sqrt(1.0 + np.maximum(value, 0.0))
+
+    def expect(self, measurement: Measurement) -> tuple[Prediction, tuple[float, float]]:
+        """What is expected of the counting samples, and the least and largest force in N (NaN where there is none).
+
+        Parameters
+        ----------
+        measurement : Measurement
+            A motion that was not made yet, begun by all that the specimen went through; only the new samples count.
+        """
+        mean, rows, modelled = self._linearised(measurement, self.reading.pieces / measurement.counts.sum())
+        factor = rows.T @ self._spread
+        value, vector = np.linalg.eigh(factor.T @ factor)
+        force_N = modelled.get(FORCE_CHANNEL, np.array([np.nan]))
+        extremes = float(force_N.min()), float(force_N.max())
+        return Prediction(mean, factor @ vector[:, value > NEGLIGIBLE]), extremes
+
+    def _linearised(self, measurement: Measurement, share: float) -> tuple[FloatArray, FloatArray, _Modelled]:
+        """Means and sensitivities over the noise, channels in a row, shapes (m,) and (p, m); and what is read."""
+        modelled, jacobian = sensitivities(self.likely.model, self._parameters, measurement, SimulationCache())
+        over = {c: np.sqrt(share) / noise for c, noise in self.reading.noise.items()}
+        counts = measurement.counts
+        mean = np.concatenate([modelled[c][counts] * over[c] for c in over])
+        return mean, np.hstack([jacobian[c][:, counts] * over[c] for c in over]), modelled
+
+
+_Modelled = Mapping[str, FloatArray]

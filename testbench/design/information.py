@@ -1,0 +1,142 @@
+"""How much a recording would tell which of several Gaussian hypotheses holds: mutual information, in nats.
+
+y | h ~ N(m_h, I + F_h F_h^T), in units of the noise that all hypotheses share. The information of an experiment is
+the mutual information between hypothesis and reading (Lindley, Ann. Math. Statist. 27 (1956) 986). For a mixture of
+Gaussians it lies between two sums over pairs (Kolchinsky & Tracey, Entropy 19 (2017) 361):
+
+    - sum_i p_i ln sum_j p_j exp(-D_ij),   D: Bhattacharyya distance (below), Kullback-Leibler divergence (above).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import solve_triangular
+from scipy.special import logsumexp
+
+from testbench.knit.effect import FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Prediction:
+    """What one hypothesis expects to read, over the noise.
+
+    Attributes
+    ----------
+    mean : ndarray, shape (n,)
+    factor : ndarray, shape (n, k)
+        Standard deviations that its parameters add to the noise, along k independent directions.
+    """
+
+    mean: FloatArray
+    factor: FloatArray
+
+
+@dataclass(frozen=True)
+class Information:
+    """Mutual information between hypothesis and reading, in nats.
+
+    Attributes
+    ----------
+    low, high : float
+        Bounds.
+    doubt : float
+        What stays open at most: the entropy of the hypotheses less `low`, exact where it is small. Motions that tell
+        nearly all are ranked by it.
+    """
+
+    low: float
+    high: float
+    doubt: float
+
+
+def information(predictions: Sequence[Prediction], chances: Sequence[float]) -> Information:
+    """Bounds of what a reading tells about which hypothesis holds.
+
+    Parameters
+    ----------
+    predictions : sequence of Prediction
+        Of one motion, one of each hypothesis.
+    chances : sequence of float
+        Probabilities of the hypotheses; they are normalised.
+    """
+    gaussians = _spanned(predictions)
+    weight = _normalised(chances)
+    near = np.array([[_bhattacharyya(one, other) for other in gaussians] for one in gaussians])
+    far = np.array([[_divergence(one, other) for other in gaussians] for one in gaussians])
+    entropy = float(-weight @ np.log(weight))
+    doubt, least = _doubt(near, weight), _doubt(far, weight)
+    return Information(max(entropy - doubt, 0.0), max(entropy - least, 0.0), doubt)
+
+
+def sampled_information(
+    predictions: Sequence[Prediction], chances: Sequence[float], rng: np.random.Generator, draws: int = 2000
+) -> float:
+    """The same by simulation: readings are drawn, and the hypotheses weighed with each (nested Monte Carlo)."""
+    gaussians, weight = _spanned(predictions), _normalised(chances)
+    told = 0.0
+    for k, truth in enumerate(gaussians):
+        noise = rng.standard_normal((draws, len(truth.mean)))
+        readings = truth.mean + noise @ truth.root.T
+        log = np.array([one.log_density(readings) for one in gaussians])
+        told += weight[k] * float(np.mean(log[k] - logsumexp(log, axis=0, b=weight[:, None])))
+    return told
+
+
+@dataclass(frozen=True, eq=False)
+class _Gaussian:
+    mean: FloatArray
+    root: FloatArray  # lower Cholesky factor of the covariance
+
+    @property
+    def half_log_det(self) -> float:
+        return float(np.log(np.diag(self.root)).sum())
+
+    def squares(self, readings: FloatArray) -> FloatArray:
+        """Mahalanobis squares of rows, shape (m,)."""
+        return np.sum(solve_triangular(self.root, (readings - self.mean).T, lower=True) ** 2, axis=0)
+
+    def log_density(self, readings: FloatArray) -> FloatArray:
+        """Up to a constant that all share, shape (m,)."""
+        return -0.5 * self.squares(readings) - self.half_log_det
+
+
+def _spanned(predictions: Sequence[Prediction]) -> list[_Gaussian]:
+    """All predictions in the space in which they differ from pure noise about the first one's mean."""
+    first = predictions[0].mean
+    apart = np.column_stack([p.mean - first for p in predictions])
+    basis = np.linalg.qr(np.hstack([apart, *(p.factor for p in predictions)]))[0]
+    found = []
+    for k, prediction in enumerate(predictions):
+        inside = basis.T @ prediction.factor
+        covariance = np.eye(basis.shape[1]) + inside @ inside.T
+        found.append(_Gaussian(basis.T @ apart[:, k], np.linalg.cholesky(covariance)))
+    return found
+
+
+def _bhattacharyya(one: _Gaussian, other: _Gaussian) -> float:
+    middle = np.linalg.cholesky(0.5 * (one.root @ one.root.T + other.root @ other.root.T))
+    between = _Gaussian(other.mean, middle)
+    spread = between.half_log_det - 0.5 * (one.half_log_det + other.half_log_det)
+    return float(between.squares(one.mean[None])[0]) / 8 + spread
+
+
+def _divergence(one: _Gaussian, other: _Gaussian) -> float:
+    """Kullback-Leibler, of `one` from `other`."""
+    trace = float(np.sum(solve_triangular(other.root, one.root, lower=True) ** 2))
+    shift = float(other.squares(one.mean[None])[0])
+    return 0.5 * (trace + shift - len(one.mean)) + other.half_log_det - one.half_log_det
+
+
+def _doubt(distance: FloatArray, weight: FloatArray) -> float:
+    """Entropy less information: sum_i p_i ln(1 + sum_(j not i) p_j / p_i exp(-D_ij))."""
+    odds = np.exp(-np.maximum(distance, 0.0)) * weight[None, :] / weight[:, None]
+    np.fill_diagonal(odds, 0.0)
+    return float(weight @ np.log1p(odds.sum(axis=1)))
+
+
+def _normalised(chances: Sequence[float]) -> FloatArray:
+    weight = np.asarray(chances, dtype=float)
+    return weight / weight.sum()

@@ -1,0 +1,127 @@
+"""What all recordings so far say: the diagnosis, and the models that speak for what is still likely."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import logsumexp
+from threadpoolctl import threadpool_limits
+
+from testbench.design.forecast import Likely, Reading
+from testbench.diagnosis import constants
+from testbench.diagnosis.laplace import Hypothesis
+from testbench.diagnosis.search import NOTHING, UNKNOWN, Round, Search
+from testbench.fitting.baseline import SHAPES, without_shapes
+from testbench.fitting.measurement import Measurement
+from testbench.knit.catalogue import Catalogue
+from testbench.knit.model import KnitModel
+
+RIVALS, LEAST = 4, 1e-3  # hypotheses that a motion is designed to separate; least probability of one
+
+
+@dataclass(frozen=True, eq=False)
+class Belief:
+    """What is believed after some recordings.
+
+    Attributes
+    ----------
+    probabilities : mapping
+        Of ``nothing``, ``unknown`` and every mechanism; they sum to 1.
+    verdict : str
+        ``missing``, ``nothing_missing`` or ``unknown``.
+    likely : tuple of Likely
+        The models of what is still likely, the most probable first; two at least where two were fitted.
+    reading : Reading
+        How much the next recording will count.
+    """
+
+    probabilities: Mapping[str, float]
+    verdict: str
+    likely: tuple[Likely, ...]
+    reading: Reading
+
+    @property
+    def top(self) -> tuple[str, float]:
+        """The most probable hypothesis and its probability."""
+        return max(self.probabilities.items(), key=lambda one: one[1])
+
+
+def judged(
+    measurement: Measurement,
+    runs: int,
+    catalogue: Catalogue,
+    start: KnitModel | None = None,
+    most: int = 1,
+    tell: Callable[[str], None] | None = None,
+) -> Belief:
+    """Diagnose a measurement that consists of `runs` recordings; each of them has its own independent pieces.
+
+    Parameters
+    ----------
+    start : KnitModel, optional
+        The model so far; default: the baseline.
+    most : int
+        Effects to find at most. The belief is about the one that is missing most.
+    """
+    # The kernels let go of the interpreter, so threads do run side by side; those of BLAS would only fight them.
+    with threadpool_limits(1, "blas"):
+        pieces = constants.INDEPENDENT * runs
+        search = Search(measurement, catalogue, tell or (lambda _text: None), start, pieces)
+        rounds, put_in = search.run(most)
+    first = rounds[0]
+    left = first.left(put_in[-1]) if put_in else None
+    named = left is not None and first.is_named(left)
+    chances = first.probabilities(left if named else None)
+    verdict = "missing" if named else "nothing_missing" if chances[NOTHING] >= chances[UNKNOWN] else "unknown"
+    noise = _noise(first)
+    return Belief(chances, verdict, _likely(first, chances), Reading(noise, constants.INDEPENDENT))
+
+
+def over_specimens(beliefs: Sequence[Mapping[str, float]]) -> dict[str, float]:
+    """The probabilities that recordings of several fresh specimens give together.
+
+    Specimens share what is missing and nothing else, so their evidence multiplies: the posteriors do, over the prior
+    that each of them has in it.
+    """
+    names = list(dict.fromkeys(name for one in beliefs for name in one))
+    prior = _prior(names)
+    logs = {
+        name: sum(np.log(max(one.get(name, 0.0), 1e-12)) for one in beliefs)
+        - (len(beliefs) - 1) * np.log(prior[name])
+        for name in names
+    }
+    total = logsumexp(list(logs.values()))
+    return {name: float(np.exp(value - total)) for name, value in logs.items()}
+
+
+def _prior(names: Sequence[str]) -> dict[str, float]:
+    mechanisms = max(len([name for name in names if name not in (NOTHING, UNKNOWN)]), 1)
+    prior = dict.fromkeys(names, (1 - constants.PRIOR_NOTHING) / mechanisms)
+    prior[NOTHING] = constants.PRIOR_NOTHING * (1 - constants.PRIOR_UNKNOWN)
+    prior[UNKNOWN] = constants.PRIOR_NOTHING * constants.PRIOR_UNKNOWN
+    return prior
+
+
+def _noise(first: Round) -> dict[str, float]:
+    """What the best model leaves in each channel, at least what a law is expected to leave."""
+    best = max((first.before, *first.entries), key=lambda e: e.log_z).hypothesis
+    return {c: float(max(sigma, first.likelihood.misfit[c])) for c, sigma in best.evidence.sigma.items()}
+
+
+def _likely(first: Round, chances: Mapping[str, float]) -> tuple[Likely, ...]:
+    """The best model of each hypothesis that has one; *unknown* has none that could foretell a recording."""
+    found = {NOTHING: _as_likely(NOTHING, chances[NOTHING], first.before.hypothesis)}
+    for entry in sorted(first.entries, key=lambda e: e.log_z):
+        found[entry.mechanism] = _as_likely(entry.mechanism, chances[entry.mechanism], entry.hypothesis)
+    ranked = sorted(found.values(), key=lambda one: -one.chance)
+    return tuple(one for k, one in enumerate(ranked[:RIVALS]) if k < 2 or one.chance >= LEAST)
+
+
+def _as_likely(name: str, chance: float, h: Hypothesis) -> Likely:
+    """Without the shapes that the evidence has switched off."""
+    unused = [shape for shape in h.model if shape in SHAPES and h.idle(shape)]
+    model = without_shapes(h.model, unused)
+    scales = {group: float(scale) for group, scale in h.scales.items() if group.partition(".")[0] in model}
+    return Likely(name, chance, model, scales)

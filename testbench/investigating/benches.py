@@ -1,0 +1,207 @@
+"""What an investigation runs on: the simulated rig at once, the same behind its pseudo-terminal, or a real port."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import takewhile
+from pathlib import Path
+from typing import Protocol
+
+from gcode.support.errors import UserError
+from testbench.campaigns.campaign import matches, simulate_campaign, vacant
+from testbench.campaigns.plan import Plan
+from testbench.campaigns.record import Job, begin, job_of, record
+from testbench.knit.model import KnitModel
+from testbench.recordings import manifest
+from testbench.recordings.instruments import Instruments
+from testbench.recordings.manifest import read_manifest
+from testbench.rig.links import paced
+from testbench.rig.motion import played
+from testbench.rig.pty_port import PtyPort, serve
+from testbench.rig.recorder import Limits, Status
+from testbench.rig.serial_port import SerialLink
+
+PATIENCE_S = 5.0  # for the rig to notice that nobody listens any more
+HOLD_S = 3.0  # the simulated rig stands still so long after its motion, for the recorder's end
+
+Report = Callable[[Status], None]
+
+
+@dataclass(frozen=True)
+class Order:
+    """One run that is wanted.
+
+    Attributes
+    ----------
+    program : Path
+    folder : Path
+        Campaign folder to write.
+    gauge_length_mm : float
+    past : sequence of Path
+        Programs that this specimen went through before; empty for a fresh one.
+    rest_s : float
+        Rest after each of them.
+    seed : int
+    """
+
+    program: Path
+    folder: Path
+    gauge_length_mm: float
+    past: Sequence[Path] = ()
+    rest_s: float = 0.0
+    seed: int = 1
+
+
+class Bench(Protocol):
+    """Something that makes recordings."""
+
+    @property
+    def keeps_time(self) -> bool:
+        """Whether rests take real time, so that they are measured and not stated."""
+        ...
+
+    def run(self, order: Order, report: Report, stopped: Callable[[], bool]) -> None:
+        """Make the campaign `order.folder`, or finish it where an earlier trial left it unfinished."""
+        ...
+
+
+@dataclass(frozen=True)
+class SimulatedBench:
+    """The simulated rig, at once.
+
+    Attributes
+    ----------
+    model : KnitModel
+    sensor : str
+    instruments : Instruments
+    effects : Path, optional
+        File with effects of the user's own that the model uses.
+    """
+
+    model: KnitModel
+    sensor: str = "model"
+    instruments: Instruments = field(default_factory=Instruments)
+    effects: Path | None = None
+    keeps_time: bool = False
+
+    def plan(self, order: Order) -> Plan:
+        """What the campaign depends on."""
+        return Plan(
+            order.program,
+            self.model,
+            order.gauge_length_mm,
+            order.seed,
+            self.sensor,
+            self.instruments,
+            tuple(order.past),
+            order.rest_s,
+            self.effects,
+        )
+
+    def run(self, order: Order, report: Report, stopped: Callable[[], bool] = lambda: False) -> None:
+        plan = self.plan(order)
+        if matches(order.folder, plan):
+            return
+        vacant(order.folder, overwrite=True)
+        motion, _ = played(order.program, order.gauge_length_mm)
+        simulate_campaign(plan, order.folder, motion, report)
+
+
+@dataclass(frozen=True)
+class PtyBench:
+    """The simulated rig behind a pseudo-terminal, recorded as a real one is.
+
+    Attributes
+    ----------
+    simulated : SimulatedBench
+    speed : float
+        Times faster than real.
+    """
+
+    simulated: SimulatedBench
+    speed: float = 1.0
+    keeps_time: bool = False
+
+    def run(self, order: Order, report: Report, stopped: Callable[[], bool] = lambda: False) -> None:
+        if is_complete(order.folder):
+            return
+        _remove_unfinished(order.folder)
+        motion, _ = played(order.program, order.gauge_length_mm)
+        lines = list(self.simulated.plan(order).rig(motion.held(HOLD_S)).lines())
+        port, heard = PtyPort(), threading.Event()
+        wire = takewhile(lambda _line: not heard.is_set(), paced(lines, self.speed))
+        worker = threading.Thread(target=lambda: serve(port, wire), daemon=True)
+        try:
+            worker.start()
+            PortBench(port.device).run(order, report, stopped)
+        finally:
+            heard.set()
+            worker.join(timeout=PATIENCE_S)
+            port.close()
+
+
+@dataclass(frozen=True)
+class PortBench:
+    """A real rig on a serial port; the person starts the machine's program.
+
+    Attributes
+    ----------
+    port : str
+    baud : int
+    limits : Limits
+    specimen : str
+    give_up_s : float
+    """
+
+    port: str
+    baud: int = 115200
+    limits: Limits = field(default_factory=Limits)
+    specimen: str = ""
+    give_up_s: float = 60.0
+    keeps_time: bool = True
+
+    def run(self, order: Order, report: Report, stopped: Callable[[], bool] = lambda: False) -> None:
+        if is_complete(order.folder):
+            return
+        resume = (order.folder / manifest.NAME).is_file()
+        if resume:
+            job = replace(job_of(order.folder, self.port, self.give_up_s), port=self.port)
+        else:
+            vacant(order.folder)
+            gauge_mm = order.gauge_length_mm
+            job = Job(self.port, self.baud, order.program, gauge_mm, self.limits, self.specimen, self.give_up_s)
+        link = SerialLink(job.port, job.baud, job.give_up_s)
+        try:
+            if not resume:
+                begin(job, order.folder)
+            status = record(job, order.folder, link, report, stopped, resume)
+        finally:
+            link.close()
+        if status.state == "interrupted":
+            raise KeyboardInterrupt
+        if status.state != "complete":
+            raise UserError(
+                f"{order.folder}: the recording ended early ({status.state}{': ' if status.message else ''}"
+                f"{status.message}); continue the investigation with --resume when the rig is ready"
+            )
+
+
+def is_complete(folder: Path) -> bool:
+    """Whether a campaign is there and was recorded to its end."""
+    return (folder / manifest.NAME).is_file() and read_manifest(folder)[0].status == "complete"
+
+
+def _remove_unfinished(folder: Path) -> None:
+    """A simulated run that was cut short is made again from its start: the rig is, too."""
+    import shutil
+
+    if (folder / manifest.NAME).is_file() and not is_complete(folder):
+        shutil.rmtree(folder)
+
+
+def now_s() -> float:
+    """Seconds since 1970: rests outlive the process that measures them."""
+    return time.time()

@@ -1,0 +1,88 @@
+"""Several recordings of one specimen as one measurement: one history, with rests that no sample was taken in."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from testbench.fitting.measurement import MAX_GRID_HZ, Measurement, prepare
+from testbench.fitting.motion import reading_noise
+from testbench.knit.effect import FloatArray
+from testbench.knit.model import inputs
+from testbench.recordings.recording import Recording
+
+
+def joined(recordings: Sequence[Recording], rests_s: Sequence[float]) -> Measurement:
+    """One measurement of all recordings in turn.
+
+    Parameters
+    ----------
+    recordings : sequence of Recording
+        Of one specimen, in the order in which they were made.
+    rests_s : sequence of float
+        Rest before each but the first, at the strain where the one before it ended.
+
+    Returns
+    -------
+    Measurement
+        Samples of the rests do not count; a model is simulated through them.
+
+    Raises
+    ------
+    UserError
+        If a recording is too short or too still.
+    """
+    first = prepare(recordings[0])
+    rate_hz = min(1.0 / first.dt_s, MAX_GRID_HZ)
+    parts = [prepare(one, rate_hz=rate_hz) for one in recordings]
+    if len(parts) == 1:
+        return parts[0]
+    gaps = [0, *(max(round(rest_s * rate_hz), 1) for rest_s in rests_s)]
+    lengths = [0, *(len(p.counts) for p in parts[:-1])]
+    starts = np.cumsum([gap + before for gap, before in zip(gaps, lengths, strict=True)])
+    strain = _chained([p.signals["strain"] for p in parts], gaps)
+    warm = [p.signals["temperature_C"] for p in parts if "temperature_C" in p.signals]
+    temperature = _chained(warm, gaps) if len(warm) == len(parts) else None
+    channels = [c for c in parts[0].channels if all(c in p.channels for p in parts)]
+    measured = {c: _read([p.measured[c] for p in parts], gaps) for c in channels}
+    counts = np.concatenate([np.r_[np.zeros(gap, bool), p.counts] for gap, p in zip(gaps, parts, strict=True)])
+    signals = inputs(np.arange(len(strain)) / rate_hz, strain, temperature)
+    whole = _one_recording(recordings, starts / rate_hz, [p.start_s for p in parts])
+    noise = float(np.mean([p.strain_noise for p in parts]))
+    averaged = float(np.mean([p.averaged for p in parts]))
+    return Measurement(signals, 1 / rate_hz, measured, counts, whole, parts[0].start_s, noise, averaged)
+
+
+def _chained(values: Sequence[FloatArray], gaps: Sequence[int]) -> FloatArray:
+    """Arrays in a row, with straight lines over the gaps."""
+    parts = [values[0]]
+    for before, gap, after in zip(values[:-1], gaps[1:], values[1:], strict=True):
+        parts += [np.linspace(before[-1], after[0], gap + 2)[1:-1], after]
+    return np.concatenate(parts)
+
+
+def _read(values: Sequence[FloatArray], gaps: Sequence[int]) -> FloatArray:
+    """Readings in a row; over the gaps they carry the noise of the reading, which is measured level by level."""
+    rng = np.random.default_rng(0)
+    noise = [reading_noise(np.arange(len(one), dtype=float), one) for one in values]
+    chained = _chained(values, gaps)
+    at = 0
+    for one, sd, gap in zip(values, noise, [*gaps[1:], 0], strict=True):
+        at += len(one)
+        chained[at : at + gap] += sd * rng.standard_normal(gap)
+        at += gap
+    return chained
+
+
+def _one_recording(recordings: Sequence[Recording], starts_s: FloatArray, firsts_s: Sequence[float]) -> Recording:
+    """All samples as recorded, each recording at the time of its first grid point."""
+    zero_s = firsts_s[0]
+    moved = [
+        one.time_s - one.time_s[0] + start_s - first_s + zero_s
+        for one, start_s, first_s in zip(recordings, starts_s, firsts_s, strict=True)
+    ]
+    shared = [name for name in recordings[0].channels if all(name in one.channels for one in recordings)]
+    channels = {name: np.concatenate([one.channels[name] for one in recordings]) for name in shared}
+    gauge_mm = recordings[0].gauge_length_mm
+    return Recording(np.concatenate(moved), channels, gauge_mm, f"{len(recordings)} recordings")

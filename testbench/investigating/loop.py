@@ -1,0 +1,228 @@
+"""The loop: plan, run, judge, until something is sure or the time is spent. Every step is kept before the next."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from gcode.programs.make import Made, make
+from gcode.support.errors import UserError
+from gcode.support.files import make_folder
+from testbench.design.best_motion import best_motion
+from testbench.design.protocols import NOISE, menu
+from testbench.fitting.measurement import Measurement
+from testbench.investigating.belief import Belief, judged, over_specimens
+from testbench.investigating.benches import Bench, Order, now_s
+from testbench.investigating.joining import joined
+from testbench.investigating.state import (
+    NAME,
+    BeliefState,
+    Investigation,
+    LikelyState,
+    RunState,
+    Settings,
+    load_investigation,
+    program_folder,
+    run_folder,
+    save_investigation,
+)
+from testbench.knit.catalogue import Catalogue
+from testbench.knit.model import KnitModel
+from testbench.recordings.files import read_recording
+from testbench.rig.recorder import Status
+
+SURE, SPENT = "sure", "the time is spent"
+
+Tell = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Watcher:
+    """Who is told what.
+
+    Attributes
+    ----------
+    tell : callable
+        A short text at each small step.
+    judged : callable
+        The investigation after each run.
+    status : callable
+        Of a recording that is under way.
+    stopped : callable
+        Whether to end early.
+    """
+
+    tell: Tell = lambda text: None
+    judged: Callable[[Investigation], None] = lambda investigation: None
+    status: Callable[[Status], None] = lambda status: None
+    stopped: Callable[[], bool] = lambda: False
+
+
+def begin(folder: Path, settings: Settings, sensor: str = "") -> Investigation:
+    """Make the folder of a new investigation.
+
+    Raises
+    ------
+    UserError
+        If something is there already, or a run cannot be planned within the limits and the budget.
+    """
+    if (folder / NAME).exists():
+        raise UserError(f"{folder}: holds an investigation already; continue it with --resume, or choose another -o")
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise UserError(f"{folder}: exists and is not empty; choose another place with -o")
+    menu(settings.limits)  # refuses a length that no run can have
+    if settings.budget_s < settings.limits.duration_s:
+        raise UserError(
+            f"budget: {settings.budget_s / 60:g} min are less than one run of {settings.limits.duration_s / 60:g} min"
+        )
+    investigation = Investigation(sensor=sensor, settings=settings)
+    make_folder(folder)
+    save_investigation(folder, investigation)
+    return investigation
+
+
+def proceed(
+    folder: Path,
+    bench: Bench,
+    catalogue: Catalogue,
+    start: KnitModel | None = None,
+    watcher: Watcher | None = None,
+) -> Investigation:
+    """Go on from wherever the investigation in `folder` is, to its end.
+
+    Parameters
+    ----------
+    bench : Bench
+        What it runs on.
+    start : KnitModel, optional
+        The model that something may be missing from; default: the baseline of the recording.
+    """
+    return _Loop(folder, bench, catalogue, start, watcher or Watcher()).run()
+
+
+class _Loop:
+    def __init__(
+        self, folder: Path, bench: Bench, catalogue: Catalogue, start: KnitModel | None, watcher: Watcher
+    ) -> None:
+        self.folder, self.bench, self.catalogue, self.start, self.watcher = folder, bench, catalogue, start, watcher
+        self.state = load_investigation(folder)
+
+    def run(self) -> Investigation:
+        while not self.state.ended and not self.watcher.stopped():
+            runs = self.state.runs
+            if not runs or runs[-1].belief is not None:
+                if ending := self._ending():
+                    self._keep(self.state.model_copy(update={"ended": ending}))
+                    break
+                self._plan()
+            elif not runs[-1].recorded:
+                self._record()
+            else:
+                self._judge()
+        return self.state
+
+    def _keep(self, state: Investigation) -> None:
+        self.state = state
+        save_investigation(self.folder, state)
+
+    def _ending(self) -> str:
+        settings, belief = self.state.settings, self.state.belief
+        if belief is not None and belief.top[1] >= settings.sure:
+            return SURE
+        beyond = self.state.spent_s + settings.limits.duration_s > settings.budget_s * (1 + 1e-6)
+        return SPENT if beyond else ""
+
+    def _plan(self) -> None:
+        """The next motion and its program: random at first, then the one that separates what is still likely."""
+        number, settings, belief = len(self.state.runs) + 1, self.state.settings, self.state.belief
+        if belief is None or settings.motion == "perlin":
+            made, words, expected, perlin = self._random(number), "random motion (Perlin noise)", None, None
+        else:
+            self.watcher.tell(f"run {number}: designing the motion that tells most")
+            rivals = belief.rivals(self.catalogue, str(self.folder / NAME))
+            found = best_motion(
+                rivals,
+                self._measured(),
+                belief.reading,
+                settings.limits,
+                settings.seed + number,
+                None if settings.specimen == "fresh" else settings.rest_s,
+                settings.trials,
+                settings.force_max_N or float("inf"),
+                self.watcher.tell,
+            )
+            made, words, expected, perlin = found.made, found.words, found.expected.low, found.perlin.low
+        made.write(program_folder(self.folder, number))
+        run = RunState(words=words, seconds=made.trajectory.duration_s, expected_nats=expected, perlin_nats=perlin)
+        self._keep(self.state.with_run(number - 1, run))
+
+    def _random(self, number: int) -> Made:
+        settings = self.state.settings
+        spec = menu(settings.limits)[NOISE]
+        return make(spec, settings.seed + number, settings.gauge_length_mm)
+
+    def _record(self) -> None:
+        number, settings = len(self.state.runs), self.state.settings
+        earlier = range(1, number) if settings.specimen == "aged" else ()
+        past = [program_folder(self.folder, k) / "program.tap" for k in earlier]
+        self.watcher.tell(f"run {number}: program {program_folder(self.folder, number) / 'program.tap'}")
+        begun_s = now_s()
+        order = Order(
+            program_folder(self.folder, number) / "program.tap",
+            run_folder(self.folder, number),
+            settings.gauge_length_mm,
+            past,
+            settings.rest_s,
+            settings.seed + number,
+        )
+        self.bench.run(order, self.watcher.status, self.watcher.stopped)
+        changes = {"recorded": True, "rest_s": self._rest_before(number, begun_s), "ended_s": now_s()}
+        self._keep(self.state.with_run(number - 1, self.state.runs[-1].model_copy(update=changes)))
+
+    def _rest_before(self, number: int, begun_s: float) -> float | None:
+        """The rest before a run: as it was stated, or by the clock where time was real."""
+        settings = self.state.settings
+        if settings.specimen == "fresh" or number == 1:
+            return None
+        before_s = self.state.runs[number - 2].ended_s
+        return max(begun_s - before_s, 1.0) if self.bench.keeps_time and before_s else settings.rest_s
+
+    def _measured(self) -> Measurement:
+        """All that the present specimen has shown; of fresh ones the last."""
+        recorded = [k for k, run in enumerate(self.state.runs, 1) if run.recorded]
+        if self.state.settings.specimen == "fresh":
+            recorded = recorded[-1:]
+        recordings = [read_recording(run_folder(self.folder, k)) for k in recorded]
+        rests = [self.state.runs[k - 1].rest_s or self.state.settings.rest_s for k in recorded[1:]]
+        return joined(recordings, rests)
+
+    def _judge(self) -> None:
+        number, settings = len(self.state.runs), self.state.settings
+        fresh = settings.specimen == "fresh"
+        self.watcher.tell(f"run {number}: diagnosing")
+        runs = 1 if fresh else number
+        tell = self.watcher.tell
+        found = judged(self._measured(), runs, self.catalogue, self.start, settings.effects_at_most, tell)
+        together = dict(found.probabilities)
+        if fresh:
+            earlier = [run.belief.own for run in self.state.runs if run.belief is not None]
+            together = over_specimens([*earlier, together])
+        run = self.state.runs[-1].model_copy(update={"belief": _kept(found, together)})
+        self._keep(self.state.with_run(number - 1, run))
+        self.watcher.judged(self.state)
+
+
+def _kept(found: Belief, together: dict[str, float]) -> BeliefState:
+    likely = [
+        LikelyState(name=one.name, chance=together[one.name], model=one.model.to_dict(), scales=dict(one.scales))
+        for one in found.likely
+    ]
+    return BeliefState(
+        probabilities=together,
+        own=dict(found.probabilities),
+        verdict=found.verdict,
+        noise=dict(found.reading.noise),
+        pieces=found.reading.pieces,
+        likely=likely,
+    )

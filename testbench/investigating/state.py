@@ -1,0 +1,189 @@
+"""The file that an investigation is kept in: what was asked, and every run with what was believed after it."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from gcode.support.errors import UserError
+from gcode.support.files import write_json
+from gcode.support.strict import StrictModel, load
+from testbench.design.forecast import Likely, Reading
+from testbench.design.protocols import Bounds
+from testbench.knit.catalogue import Catalogue, model_from_dict
+
+NAME = "investigation.json"
+FORMAT, VERSION = "knitbench-investigation", 1
+MOST_RUNS = 200
+
+Positive = Annotated[float, Field(gt=0)]
+Chance = Annotated[float, Field(ge=0, le=1)]
+
+
+class Settings(StrictModel):
+    """What was asked for.
+
+    Attributes
+    ----------
+    bounds : mapping
+        Fields of `testbench.Bounds`; ``duration_s`` is that of one run.
+    budget_s : float
+        Time of motion to spend at most.
+    sure : float
+        Probability at which it ends.
+    specimen : {"aged", "fresh"}
+        The same specimen all along, or a new one for each run.
+    motion : {"designed", "perlin"}
+        ``perlin``: random motion all along, to compare with.
+    rest_s : float
+        Rest of an aged specimen before each run but the first.
+    """
+
+    bounds: dict[str, Positive]
+    budget_s: Positive
+    sure: float = Field(0.95, gt=0.5, lt=1)
+    specimen: Literal["aged", "fresh"] = "aged"
+    motion: Literal["designed", "perlin"] = "designed"
+    rest_s: float = Field(30.0, ge=0, le=1e5)
+    seed: int = Field(1, ge=0, lt=2**31)
+    trials: int = Field(24, ge=1, le=10_000)
+    effects_at_most: int = Field(1, ge=1, le=10)
+    force_max_N: Positive | None = None
+    gauge_length_mm: Positive = 25.0
+
+    @property
+    def limits(self) -> Bounds:
+        """As the design needs them."""
+        return Bounds(**{**self.bounds, "gauge_length_mm": self.gauge_length_mm})
+
+
+class LikelyState(StrictModel):
+    """A hypothesis that was still likely, with its model as JSON."""
+
+    name: str
+    chance: Chance
+    model: dict[str, Any]
+    scales: dict[str, float]
+
+
+class BeliefState(StrictModel):
+    """What was believed after a run.
+
+    Attributes
+    ----------
+    own : mapping
+        What this run's recording says alone, where each run has a fresh specimen; else as `probabilities`.
+    """
+
+    probabilities: dict[str, Chance]
+    own: dict[str, Chance]
+    verdict: Literal["missing", "nothing_missing", "unknown"]
+    noise: dict[str, Positive]
+    pieces: Positive
+    likely: list[LikelyState]
+
+    @property
+    def top(self) -> tuple[str, float]:
+        """The most probable hypothesis and its probability."""
+        return max(self.probabilities.items(), key=lambda one: one[1])
+
+    def rivals(self, catalogue: Catalogue, source: str) -> list[Likely]:
+        """The models of what is still likely."""
+        return [
+            Likely(one.name, self.probabilities[one.name], model_from_dict(one.model, catalogue, source), one.scales)
+            for one in self.likely
+        ]
+
+    @property
+    def reading(self) -> Reading:
+        """How much the next recording will count."""
+        return Reading(self.noise, self.pieces)
+
+
+class RunState(StrictModel):
+    """One run: planned, then recorded, then judged.
+
+    Attributes
+    ----------
+    words : str
+        The motion, for people.
+    seconds : float
+        Length of the motion.
+    rest_s : float or None
+        Rest before it; None for a fresh specimen. Known once it was recorded.
+    expected_nats, perlin_nats : float or None
+        What it was expected to tell, and what random motion would have; None where it was not designed.
+    """
+
+    words: str
+    seconds: Positive
+    rest_s: float | None = None
+    expected_nats: float | None = None
+    perlin_nats: float | None = None
+    recorded: bool = False
+    ended_s: float | None = None
+    belief: BeliefState | None = None
+
+
+class Investigation(StrictModel):
+    """An investigation as it is kept."""
+
+    format: Literal["knitbench-investigation"] = "knitbench-investigation"
+    version: Literal[1] = 1
+    sensor: str = Field("", max_length=500)
+    settings: Settings
+    runs: list[RunState] = Field([], max_length=MOST_RUNS)
+    ended: str = ""
+
+    @property
+    def spent_s(self) -> float:
+        """Time of motion so far."""
+        return sum(run.seconds for run in self.runs if run.recorded)
+
+    @property
+    def belief(self) -> BeliefState | None:
+        """The last one."""
+        return next((run.belief for run in reversed(self.runs) if run.belief is not None), None)
+
+    def with_run(self, index: int, run: RunState) -> Investigation:
+        """The same with one run exchanged or added."""
+        runs = [*self.runs[:index], run, *self.runs[index + 1 :]]
+        return self.model_copy(update={"runs": runs})
+
+
+def load_investigation(folder: str | Path) -> Investigation:
+    """The investigation that is kept in `folder`.
+
+    Raises
+    ------
+    UserError
+        If there is none, or the file is damaged.
+    """
+    path = Path(folder) / NAME
+    if not path.is_file():
+        raise UserError(f"{folder}: no investigation in this folder ({NAME} is missing); start one with -o {folder}")
+    return load(path, Investigation, "investigation")
+
+
+def save_investigation(folder: Path, investigation: Investigation) -> None:
+    """Write it atomically: a kill leaves the old file or the new one."""
+    write_json(folder / NAME, investigation.model_dump(mode="json"))
+
+
+def program_folder(folder: Path, number: int) -> Path:
+    """Where the program of a run is, counted from 1."""
+    return folder / f"plan-{number}"
+
+
+def run_folder(folder: Path, number: int) -> Path:
+    """The campaign of a run."""
+    return folder / f"run-{number}"
+
+
+def run_numbers(folder: Path) -> list[int]:
+    """Runs whose campaign folders are there."""
+    found = (re.fullmatch(r"run-(\d{1,4})", one.name) for one in folder.iterdir() if one.is_dir())
+    return sorted(int(match.group(1)) for match in found if match)

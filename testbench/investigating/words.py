@@ -1,0 +1,56 @@
+"""An investigation as text for the terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from testbench.comparing.words import percent
+from testbench.diagnosis.search import NOTHING, UNKNOWN
+from testbench.investigating.state import Investigation, RunState
+
+SHOWN = 4
+SPOKEN = {NOTHING: "nothing is missing", UNKNOWN: "something that no effect explains"}
+
+
+def spoken(name: str) -> str:
+    """A hypothesis in words."""
+    return SPOKEN.get(name, name.replace("_", " "))
+
+
+def most_probable(chances: Mapping[str, float], count: int = SHOWN) -> list[tuple[str, float]]:
+    """The hypotheses with the largest probabilities, those under a percent left out."""
+    ranked = sorted(chances.items(), key=lambda one: -one[1])[:count]
+    return [one for k, one in enumerate(ranked) if k == 0 or one[1] >= 0.01]
+
+
+def belief_words(chances: Mapping[str, float]) -> str:
+    """``permanent set 93 %, clamp slip 5 %``."""
+    return ", ".join(f"{spoken(name)} {percent(chance)}" for name, chance in most_probable(chances))
+
+
+def run_words(number: int, run: RunState) -> str:
+    """One run and what was believed after it."""
+    said = f"run {number}, {run.seconds / 60:.1f} min: {run.words}"
+    if run.expected_nats is not None:
+        said += f"\n  expected to tell {run.expected_nats:.3f} nats (random motion: {run.perlin_nats or 0:.3f})"
+    if run.belief is not None:
+        said += f"\n  believed: {belief_words(run.belief.probabilities)}"
+    return said
+
+
+def ending_words(investigation: Investigation) -> str:
+    """How it ended, in one sentence."""
+    belief, minutes = investigation.belief, investigation.spent_s / 60
+    if belief is None:
+        return "nothing was judged yet"
+    name, chance = belief.top
+    if investigation.ended == "sure":
+        return f"{spoken(name)}: {percent(chance)} after {minutes:.1f} min of motion"
+    state = "the time is spent" if investigation.ended else "not ended yet"
+    return f"{state}: after {minutes:.1f} min of motion {belief_words(belief.probabilities)}"
+
+
+def investigation_words(investigation: Investigation) -> str:
+    """All runs, and how it ended."""
+    runs = [run_words(number, run) for number, run in enumerate(investigation.runs, 1)]
+    return "\n".join([*runs, ending_words(investigation)])

@@ -1,0 +1,73 @@
+"""Investigations: what was believed after each run, the motions, and where their recordings are."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from nicegui import ui
+
+from gcode.support.errors import UserError
+from testbench.api.investigating import motions_of
+from testbench.investigating.state import NAME, Investigation, load_investigation, run_folder
+from testbench.investigating.words import belief_words, ending_words
+from testbench.report.investigation_figures import investigation as figure_of
+from testbench.studio.picture import plot
+from testbench.studio.studio import Studio
+from testbench.studio.widgets import address, aside, guarded, heading, invitation, table
+from testbench.studio.workspace import MAX_DEPTH, RESULTS
+
+
+@guarded
+async def page(studio: Studio, i: str = "") -> None:
+    """Investigation `i`, a folder of the workspace; without it, the list of all."""
+    root = studio.workspace.root
+    heading("Investigations", "Experiments in turn, each designed on what the ones before left open.")
+    names = await aside(investigations, root)
+    if not names:
+        with invitation("No investigation yet", "Start one in this folder, on the simulated rig or a real one:"):
+            ui.label("testbench investigate pes@3 -o my-investigation").classes("mono")
+        return
+    for name in names:
+        ui.link(name, address("/investigation", i=name)).classes("way")
+    if i or len(names) == 1:
+        await _shown(root, i or names[0], names)
+
+
+def investigations(root: Path) -> list[str]:
+    """Folders below `root` that hold one, by name; hidden ones and results are not looked into."""
+    found = []
+    for folder, below, files in os.walk(root):
+        depth = len(Path(folder).relative_to(root).parts)
+        below[:] = [n for n in below if depth < MAX_DEPTH - 1 and not n.startswith(".") and (depth or n != RESULTS)]
+        if depth and NAME in files:
+            found.append(Path(folder).relative_to(root).as_posix())
+    return sorted(found)
+
+
+async def _shown(root: Path, name: str, names: list[str]) -> None:
+    if name not in names:
+        raise UserError(f"no investigation {name!r} in {root}; there are {', '.join(names)}")
+    folder = root / name
+    state = await aside(load_investigation, folder)
+    ui.label(f"{name}: {ending_words(state)}").classes("verdict")
+    if state.belief is not None:
+        caption = (
+            "Above: how probable each hypothesis was after each run; it ends at the dashed line. Below: the motion."
+        )
+        plot(figure_of(state, await aside(motions_of, folder, state)), caption)
+    table(("Run", "Minutes", "Motion", "Expected / nats", "Believed"), _rows(state))
+    with ui.row().classes("gap-4"):
+        for number, run in enumerate(state.runs, 1):
+            if run.recorded:
+                recording = run_folder(Path(name), number).as_posix()
+                ui.link(f"Recording of run {number}", address("/recording", c=recording)).classes("way")
+
+
+def _rows(state: Investigation) -> list[tuple[str, ...]]:
+    rows: list[tuple[str, ...]] = []
+    for number, run in enumerate(state.runs, 1):
+        expected = "" if run.expected_nats is None else f"{run.expected_nats:.2f} (random {run.perlin_nats or 0:.2f})"
+        believed = "" if run.belief is None else belief_words(run.belief.probabilities)
+        rows.append((str(number), f"{run.seconds / 60:.1f}", run.words, expected, believed))
+    return rows

@@ -1,0 +1,142 @@
+"""Free motions keep every limit, and the one that is chosen tells more than random motion when it is really made."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from gcode.programs.make import make
+from gcode.support.errors import UserError
+from testbench.design.best_motion import best_motion, following
+from testbench.design.compositions import drawn, in_words, motion_of, varied
+from testbench.design.experiment import planned
+from testbench.design.forecast import Forecaster, Likely, Reading
+from testbench.design.information import information, sampled_information
+from testbench.design.protocols import NOISE, Bounds, menu
+from testbench.fitting.fit import fit
+from tests.testbench.builders import CATALOGUE, NOISE_LN, NOISE_N, truth
+
+READING = Reading({"force": NOISE_N, "conductance": NOISE_LN}, 30)
+BOUNDS = Bounds(duration_s=120)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    seed=st.integers(0, 2**31),
+    v_max=st.floats(0.5, 40),
+    a_max=st.floats(2, 100),
+    strain=st.floats(2, 80),
+    duration=st.floats(120, 900),
+    gauge=st.sampled_from([10.0, 25.0, 100.0]),
+    steps=st.integers(0, 4),
+)
+def test_every_free_motion_keeps_every_limit(seed, v_max, a_max, strain, duration, gauge, steps):
+    bounds = Bounds(v_max, a_max, strain, duration, gauge)
+    rng = np.random.default_rng(seed)
+    genes = drawn(rng)
+    for _ in range(steps):
+        genes = varied(genes, rng)
+    motion = motion_of(genes, bounds, seed)
+    if motion is None:
+        return  # it is left out of the search
+    position, rate = motion.trajectory.position_mm, motion.trajectory.rate_hz
+    assert position.min() >= -1e-9
+    assert position.max() <= bounds.stroke_mm + 1e-3
+    assert np.abs(np.diff(position)).max() * rate <= v_max + 1e-6
+    assert np.abs(np.diff(position, 2)).max() * rate**2 <= a_max * (1 + 1e-6) + 1e-6
+    assert motion.trajectory.duration_s <= duration
+    assert position[0] == position[-1] == 0
+    assert in_words(motion.spec)
+
+
+def test_most_free_motions_can_be_driven_and_fill_their_time():
+    rng = np.random.default_rng(0)
+    motions = [motion_of(drawn(rng), BOUNDS, 1) for _ in range(60)]
+    driven = [motion for motion in motions if motion is not None]
+    assert len(driven) > 50
+    assert np.median([motion.trajectory.duration_s for motion in driven]) > 0.9 * BOUNDS.duration_s
+
+
+def history(model, seed: int = 3):
+    """Two minutes of random motion that a model went through, with noise."""
+    made = make(menu(BOUNDS)[NOISE], seed, BOUNDS.gauge_length_mm)
+    measurement = planned(made.trajectory, BOUNDS.gauge_length_mm, tuple(READING.noise))
+    clean = measurement.modelled(model)
+    rng = np.random.default_rng(seed)
+    noisy = {c: clean[c] + sd * rng.standard_normal(len(clean[c])) for c, sd in READING.noise.items()}
+    return replace(measurement, measured=noisy)
+
+
+def rivals(measured):
+    """Permanent set and a sliding clamp, each fitted to what was read."""
+    models = {
+        "permanent_set": truth().plus(CATALOGUE["permanent_set"]()),
+        "clamp_slip": truth().plus(CATALOGUE["clamp_slip_sliding"]()),
+    }
+    return [Likely(name, 0.5, fit(model, [measured], max_iterations=8).model) for name, model in models.items()]
+
+
+@pytest.fixture(scope="module")
+def designed():
+    measured = history(truth().plus(CATALOGUE["permanent_set"]()))
+    likely = rivals(measured)
+    return measured, likely, best_motion(likely, measured, READING, BOUNDS, rest_s=10.0, trials=6)
+
+
+def test_the_best_motion_is_expected_to_tell_more_than_random_motion(designed):
+    _, _, found = designed
+    assert found.expected.doubt <= found.perlin.doubt
+    assert found.expected.low >= found.perlin.low
+    assert found.tried > 10
+
+
+def test_the_best_motion_is_a_checked_program_within_the_limits(designed):
+    _, _, found = designed
+    assert found.made.statistics.v_max_mm_per_s <= BOUNDS.v_max_mm_per_s + 1e-6
+    assert found.made.statistics.a_max_mm_per_s2 <= BOUNDS.a_max_mm_per_s2 + 1e-6
+    assert found.made.statistics.x_max_mm <= BOUNDS.stroke_mm + 1e-3
+    assert found.made.trajectory.duration_s <= BOUNDS.duration_s
+
+
+def test_the_bounds_hold_what_simulated_readings_of_knit_models_tell(designed):
+    """Nested Monte Carlo on the forecasts of real models: readings are drawn, the rivals weighed with each."""
+    measured, likely, found = designed
+    ahead = following(measured, found.made.trajectory, BOUNDS.gauge_length_mm, 10.0)
+    expected = [Forecaster(one, measured, READING).expect(ahead)[0] for one in likely]
+    bounds = information(expected, [0.5, 0.5])
+    told = sampled_information(expected, [0.5, 0.5], np.random.default_rng(0), 4000)
+    assert bounds.low - 0.03 <= told <= bounds.high + 0.03
+
+
+def test_rivals_that_are_one_model_leave_nothing_to_learn(designed):
+    measured, likely, _ = designed
+    twins = [likely[0], replace(likely[0], name="twin")]
+    ahead = following(measured, make(menu(BOUNDS)[NOISE], 1, 25.0).trajectory, 25.0, 10.0)
+    expected = [Forecaster(one, measured, READING).expect(ahead)[0] for one in twins]
+    assert information(expected, [0.5, 0.5]).high < 1e-9
+
+
+def test_a_fresh_specimen_has_no_past_and_an_aged_one_all_of_it(designed):
+    measured, _, found = designed
+    fresh = following(measured, found.made.trajectory, 25.0, None)
+    aged = following(measured, found.made.trajectory, 25.0, 10.0)
+    assert len(aged.counts) - len(fresh.counts) == len(measured.counts) + round(10 / measured.dt_s)
+    assert fresh.counts.sum() == aged.counts.sum()
+    assert not aged.counts[: len(measured.counts)].any()
+
+
+def test_motions_that_need_too_much_force_are_left_out(designed):
+    measured, likely, _ = designed
+    top = float(np.max(measured.measured["force"]))
+    with pytest.raises(UserError, match="no motion keeps these limits"):
+        best_motion(likely, measured, READING, BOUNDS, rest_s=10.0, trials=2, force_max_N=0.2 * top)
+
+
+def test_one_hypothesis_is_no_question(designed):
+    measured, likely, _ = designed
+    with pytest.raises(UserError, match="two hypotheses or more, got 1"):
+        best_motion(likely[:1], measured, READING, BOUNDS)

@@ -1,0 +1,45 @@
+"""Evidence of several specimens, and one real diagnosis in the loop."""
+
+from __future__ import annotations
+
+import pytest
+
+import testbench as tb
+from testbench.diagnosis import constants
+from testbench.investigating.belief import over_specimens
+
+
+def test_one_specimen_says_what_it_says():
+    said = {"nothing": 0.2, "unknown": 0.1, "clamp_slip": 0.7}
+    assert over_specimens([said]) == pytest.approx(said)
+
+
+def test_a_specimen_that_says_nothing_new_changes_nothing():
+    u = constants.PRIOR_UNKNOWN
+    prior = {
+        "nothing": constants.PRIOR_NOTHING * (1 - u),
+        "unknown": constants.PRIOR_NOTHING * u,
+        "clamp_slip": 0.5 * (1 - constants.PRIOR_NOTHING),
+        "permanent_set": 0.5 * (1 - constants.PRIOR_NOTHING),
+    }
+    said = {"nothing": 0.1, "unknown": 0.1, "clamp_slip": 0.6, "permanent_set": 0.2}
+    assert over_specimens([said, prior]) == pytest.approx(said)
+
+
+def test_the_odds_of_specimens_multiply():
+    said = {"nothing": 0.0, "unknown": 0.0, "clamp_slip": 0.75, "permanent_set": 0.25}
+    together = over_specimens([said, said, said])
+    assert together["clamp_slip"] / together["permanent_set"] == pytest.approx(27)
+    assert sum(together.values()) == pytest.approx(1)
+
+
+@pytest.mark.slow
+def test_a_relaxing_sensor_is_found_and_told(tmp_path):
+    sensor = tb.baseline() + tb.effects.StressRelaxation(fraction=0.3)
+    found = tb.investigate(sensor, tmp_path / "i", run_minutes=2, budget_minutes=4, trials=2, progress=False)
+    assert found.hypothesis == "stress_relaxation"
+    assert sum(found.probabilities.values()) == pytest.approx(1)
+    assert (tmp_path / "i" / "belief-1.png").is_file()
+    likely = found.state.runs[0].belief.likely
+    assert len(likely) >= 2
+    assert "stress_relaxation" in [one.name for one in likely]

@@ -1,0 +1,56 @@
+"""The simulated rig at once and behind its pseudo-terminal make the same recording."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from gcode.programs.make import make
+from gcode.trajectories.designed import Hold, Triangle
+from gcode.trajectories.trajectory import Limits, TrajectorySpec
+from testbench.investigating.benches import Order, PtyBench, SimulatedBench, is_complete
+from testbench.recordings.files import read_recording
+from tests.testbench.investigating.samples import hidden
+
+SHORT = Hold(duration_s=1.0) + Triangle(high_percent=20, speed_mm_per_s=5, cycles=4)
+
+
+@pytest.fixture
+def order(tmp_path):
+    """Ten seconds of triangles."""
+    made = make(TrajectorySpec.of(SHORT, name="short", limits=Limits()), 1, 25.0)
+    made.write(tmp_path / "plan")
+    return Order(tmp_path / "plan" / "program.tap", tmp_path / "run", 25.0, seed=3)
+
+
+def test_over_the_pseudo_terminal_comes_what_the_rig_makes_at_once(order, tmp_path):
+    at_once = SimulatedBench(hidden())
+    PtyBench(at_once, speed=20).run(order, lambda status: None)
+    assert is_complete(order.folder)
+    recorded = read_recording(order.folder)
+    direct = Order(order.program, tmp_path / "direct", 25.0, seed=3)
+    at_once.run(direct, lambda status: None)
+    made = read_recording(direct.folder)
+    shared = min(len(recorded), len(made))
+    assert shared > 0.9 * len(made)
+    assert np.array_equal(recorded["force_N"][:shared], made["force_N"][:shared])
+    assert recorded.metadata["origin"] == "recorded"
+
+
+def test_what_is_there_already_is_not_made_again(order):
+    bench = SimulatedBench(hidden())
+    bench.run(order, lambda status: None)
+    before = (order.folder / "recording.csv").stat().st_mtime_ns
+    bench.run(order, lambda status: None)
+    PtyBench(bench, speed=1.0).run(order, lambda status: None)
+    assert (order.folder / "recording.csv").stat().st_mtime_ns == before
+
+
+def test_a_specimen_that_went_through_a_motion_answers_otherwise(order, tmp_path):
+    bench = SimulatedBench(hidden())
+    bench.run(order, lambda status: None)
+    aged = Order(order.program, tmp_path / "aged", 25.0, [order.program], 5.0, seed=3)
+    bench.run(aged, lambda status: None)
+    fresh, again = read_recording(order.folder), read_recording(aged.folder)
+    assert np.array_equal(fresh.time_s, again.time_s)
+    assert np.max(np.abs(fresh["force_N"] - again["force_N"])) > 0.05

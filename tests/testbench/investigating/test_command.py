@@ -1,0 +1,96 @@
+"""``testbench investigate`` and `tb.investigate`: exit codes, what is kept and printed, and what is refused."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from matplotlib.figure import Figure
+
+import testbench as tb
+from testbench.cli import main
+from testbench.investigating import loop
+from testbench.investigating.state import NAME
+from tests.testbench.investigating.samples import SET, Believing, hidden
+
+BRIEF = ["--run-minutes", "2", "--budget-minutes", "4", "--trials", "1", "--rest-s", "5", "--quiet"]
+
+
+@pytest.fixture
+def sensor(tmp_path) -> str:
+    """A model.json of the hidden sensor."""
+    path = tmp_path / "hidden.json"
+    path.write_text(json.dumps(hidden().to_dict()))
+    return str(path)
+
+
+def test_a_sure_one_ends_with_0_and_a_spent_one_with_1_and_both_are_kept(tmp_path, sensor, monkeypatch, capsys):
+    monkeypatch.setattr(loop, "judged", Believing(0.6, 0.99))
+    folder, out = tmp_path / "i", tmp_path / "out.json"
+    assert main(["investigate", sensor, "-o", str(folder), *BRIEF, "--json", str(out)]) == 0
+    said = capsys.readouterr().out
+    assert "run 1, 2.0 min: random motion" in said
+    assert "expected to tell" in said
+    assert "permanent set: 99 % after 3." in said or "permanent set: 99 % after 4." in said
+    assert json.loads(out.read_text()) == json.loads((folder / NAME).read_text())
+    for number in (1, 2):
+        assert (folder / f"belief-{number}.png").read_bytes().startswith(b"\x89PNG")
+    monkeypatch.setattr(loop, "judged", Believing(0.6, 0.7))
+    assert main(["investigate", sensor, "-o", str(tmp_path / "j"), *BRIEF, "--motion", "perlin"]) == 1
+    assert "the time is spent" in capsys.readouterr().out
+    # Both have ended: going on changes nothing and needs no sensor.
+    assert main(["investigate", "--resume", "-o", str(folder), "--quiet"]) == 0
+    assert main(["investigate", "--resume", "-o", str(tmp_path / "j"), "--quiet"]) == 1
+
+
+def test_the_result_shows_itself(tmp_path, monkeypatch):
+    monkeypatch.setattr(loop, "judged", Believing(0.6, 0.99))
+    found = tb.investigate(
+        hidden(), tmp_path / "i", run_minutes=2, budget_minutes=4, trials=1, rest_s=5, progress=False
+    )
+    assert (found.hypothesis, found.probability, found.is_sure) == (SET, 0.99, True)
+    frame = found.to_frame()
+    assert list(frame["run"]) == [1, 2]
+    assert list(frame["probability"]) == [0.6, 0.99]
+    assert found.minutes == pytest.approx(frame["minutes"].sum())
+    assert list(found.beliefs()[SET]) == [0.6, 0.99]
+    axis = Figure().subplots()
+    assert found.plot(axis) is axis
+    assert list(axis.lines[0].get_ydata()) == [60, 99]
+    assert "permanent set: 99 %" in found._repr_html_()
+    assert json.loads(json.dumps(found.to_dict()))["ended"] == "sure"
+    again = tb.investigate(folder=tmp_path / "i", resume=True, progress=False)
+    assert again.to_dict() == found.to_dict()
+
+
+@pytest.mark.parametrize(
+    ("argv", "match"),
+    [
+        ([], "SENSOR"),
+        (["absent.json"], "no such model.json"),
+        (["pes", "--port", "/dev/null"], "SENSOR"),
+        (["pes", "--sure", "2"], "sure"),
+        (["pes", "--budget-minutes", "1"], "less than one run"),
+        (["pes", "--run-minutes", "0.1"], "duration_s"),
+        (["pes", "--repeat", "0"], "effects_at_most"),
+        (["pes", "--effects", "absent.py"], "absent.py"),
+        (["--resume"], "no investigation"),
+    ],
+)
+def test_bad_input_is_one_sentence_and_leaves_nothing(tmp_path, capsys, argv, match):
+    folder = tmp_path / "i"
+    assert main(["investigate", *argv, "-o", str(folder)]) == 2
+    said = capsys.readouterr().err.strip()
+    assert match in said
+    assert "Traceback" not in said
+    assert not folder.exists()
+
+
+def test_a_folder_that_is_taken_and_a_damaged_state_are_refused(tmp_path, sensor, capsys):
+    folder = tmp_path / "i"
+    folder.mkdir()
+    (folder / NAME).write_text('{"format": "knitbench-investigation"')
+    assert main(["investigate", sensor, "-o", str(folder)]) == 2
+    assert "--resume" in capsys.readouterr().err
+    assert main(["investigate", "--resume", "-o", str(folder)]) == 2
+    assert "not valid JSON" in capsys.readouterr().err

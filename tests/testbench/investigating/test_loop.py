@@ -1,0 +1,218 @@
+"""The loop ends where it should, goes on from wherever it was killed, and makes the same experiment again."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from gcode.support.errors import UserError
+from testbench.campaigns.plan import plan_of
+from testbench.fitting.measurement import prepare
+from testbench.investigating import loop
+from testbench.investigating.benches import SimulatedBench
+from testbench.investigating.joining import joined
+from testbench.investigating.state import NAME, load_investigation, run_folder
+from testbench.recordings.files import read_recording
+from testbench.recordings.manifest import problems
+from tests.testbench.builders import CATALOGUE
+from tests.testbench.investigating.samples import SET, SLIP, Believing, asked, hidden, investigated
+
+
+def test_it_ends_where_one_hypothesis_is_sure(tmp_path, monkeypatch):
+    ended, believing = investigated(tmp_path / "i", monkeypatch, [0.6, 0.96])
+    assert ended.ended == loop.SURE
+    assert [run.belief.top for run in ended.runs] == [(SET, 0.6), (SET, 0.96)]
+    assert ended.spent_s == pytest.approx(sum(run.seconds for run in ended.runs))
+    assert [runs for runs, _ in believing.asked] == [1, 2]
+    assert ended.runs[0].expected_nats is None
+    assert ended.runs[1].expected_nats >= ended.runs[1].perlin_nats >= 0
+    assert load_investigation(tmp_path / "i") == ended
+    for number in (1, 2):
+        assert problems(run_folder(tmp_path / "i", number)) == []
+
+
+def test_it_ends_where_the_time_is_spent(tmp_path, monkeypatch):
+    ended, _ = investigated(tmp_path / "i", monkeypatch, [0.5, 0.5, 0.5, 0.5], motion="perlin")
+    assert ended.ended == loop.SPENT
+    assert len(ended.runs) == 3
+    assert ended.spent_s <= 360
+    assert all(run.expected_nats is None for run in ended.runs)
+
+
+def test_an_aged_specimen_remembers_and_a_fresh_one_does_not(tmp_path, monkeypatch):
+    aged, seen = investigated(tmp_path / "aged", monkeypatch, [0.5, 0.99])
+    fresh, alone = investigated(tmp_path / "fresh", monkeypatch, [0.5, 0.99], specimen="fresh")
+    assert len(plan_of(run_folder(tmp_path / "aged", 2)).past) == 1
+    assert len(plan_of(run_folder(tmp_path / "fresh", 2)).past) == 0
+    assert aged.runs[1].rest_s == 5
+    assert fresh.runs[1].rest_s is None
+    assert [runs for runs, _ in seen.asked] == [1, 2]
+    assert [runs for runs, _ in alone.asked] == [1, 1]
+    # Of fresh specimens the evidence multiplies: what the first said counts as well.
+    first, second = (run.belief for run in fresh.runs)
+    assert second.own[SET] == 0.99
+    odds = second.probabilities[SET] / second.probabilities[SLIP]
+    assert odds == pytest.approx(first.own[SET] / first.own[SLIP] * second.own[SET] / second.own[SLIP])
+
+
+def test_the_true_model_leaves_noise_over_all_runs_of_an_aged_specimen(tmp_path, monkeypatch):
+    _, believing = investigated(tmp_path / "i", monkeypatch, [0.5, 0.99])
+    whole = believing.asked[-1][1]
+    parts = [read_recording(run_folder(tmp_path / "i", k)) for k in (1, 2)]
+    assert whole.counts.sum() == sum(prepare(one).counts.sum() for one in parts)
+    together = whole.residual(hidden())
+    second = prepare(parts[1])
+    as_if_new = second.residual(hidden())
+    n = len(second.counts)
+    late = {c: np.std(values[-n:][second.counts]) for c, values in together.items()}
+    wrong = {c: np.std(values[second.counts]) for c, values in as_if_new.items()}
+    assert late["force"] < 0.01
+    assert late["force"] < 0.3 * wrong["force"]
+    assert len(whole.recording) == len(parts[0]) + len(parts[1])
+
+
+def test_recordings_are_joined_over_their_rests(tmp_path, monkeypatch):
+    investigated(tmp_path / "i", monkeypatch, [0.99])
+    one = read_recording(run_folder(tmp_path / "i", 1))
+    alone, twice = joined([one], []), joined([one, one], [40.0])
+    n, gap = len(alone.counts), round(40 / alone.dt_s)
+    assert len(twice.counts) == 2 * n + gap
+    assert not twice.counts[n : n + gap].any()
+    for c in alone.channels:
+        assert np.array_equal(twice.measured[c][-n:], alone.measured[c])
+    assert np.allclose(np.diff(twice.signals["time_s"]), alone.dt_s)
+    start_s = twice.recording.time_s[len(one)] - twice.recording.time_s[0]
+    assert start_s == pytest.approx((n + gap) * alone.dt_s, abs=1e-6)
+
+
+class Killed(Exception):
+    """The process died here."""
+
+
+class Dying(SimulatedBench):
+    """Dies before or after the recording of one run."""
+
+    at, when = 2, "before"
+
+    def run(self, order, report, stopped=lambda: False):
+        dies = order.folder.name == f"run-{self.at}"
+        if dies and self.when == "before":
+            raise Killed
+        super().run(order, report, stopped)
+        if dies:
+            raise Killed
+
+
+@pytest.mark.parametrize("when", ["before", "after"])
+def test_killed_around_a_recording_it_goes_on_and_makes_the_same(tmp_path, monkeypatch, when):
+    whole, _ = investigated(tmp_path / "whole", monkeypatch, [0.6, 0.96])
+    bench = Dying(hidden())
+    monkeypatch.setattr(Dying, "when", when)
+    with pytest.raises(Killed):
+        investigated(tmp_path / "cut", monkeypatch, [0.6], bench)
+    left = load_investigation(tmp_path / "cut")
+    assert [run.recorded for run in left.runs] == [True, False]
+    made = (tmp_path / "cut" / "run-2" / "recording.csv").stat().st_mtime_ns if when == "after" else None
+    again, _ = investigated(tmp_path / "cut", monkeypatch, [0.96], resume=True)
+    assert same(again) == same(whole)
+    for name in ("run-1", "run-2"):
+        one, other = (tmp_path / which / name / "recording.csv" for which in ("whole", "cut"))
+        assert one.read_bytes() == other.read_bytes()
+    if made is not None:
+        assert (tmp_path / "cut" / "run-2" / "recording.csv").stat().st_mtime_ns == made
+
+
+def test_killed_in_the_diagnosis_it_goes_on(tmp_path, monkeypatch):
+    whole, _ = investigated(tmp_path / "whole", monkeypatch, [0.6, 0.96])
+
+    def dies(*_args, **_kwargs):
+        raise Killed
+
+    loop.begin(tmp_path / "cut", asked(), "sample")
+    monkeypatch.setattr(loop, "judged", dies)
+    with pytest.raises(Killed):
+        loop.proceed(tmp_path / "cut", SimulatedBench(hidden()), CATALOGUE)
+    again, believing = investigated(tmp_path / "cut", monkeypatch, [0.6, 0.96], resume=True)
+    assert len(believing.asked) == 2
+    assert same(again) == same(whole)
+
+
+def test_killed_in_a_design_it_designs_again(tmp_path, monkeypatch):
+    whole, _ = investigated(tmp_path / "whole", monkeypatch, [0.6, 0.96])
+    design = loop.best_motion
+
+    def dies(*_args, **_kwargs):
+        raise Killed
+
+    monkeypatch.setattr(loop, "best_motion", dies)
+    with pytest.raises(Killed):
+        investigated(tmp_path / "cut", monkeypatch, [0.6])
+    monkeypatch.setattr(loop, "best_motion", design)
+    again, _ = investigated(tmp_path / "cut", monkeypatch, [0.96], resume=True)
+    assert same(again) == same(whole)
+
+
+def same(state) -> dict:
+    """An investigation without the times of the clock."""
+    data = state.model_dump(mode="json")
+    return {**data, "runs": [{**run, "ended_s": None} for run in data["runs"]]}
+
+
+def test_one_that_has_ended_is_not_run_again(tmp_path, monkeypatch):
+    ended, _ = investigated(tmp_path / "i", monkeypatch, [0.99])
+    again, believing = investigated(tmp_path / "i", monkeypatch, [], resume=True)
+    assert again == ended
+    assert believing.asked == []
+
+
+def test_it_can_be_stopped_between_steps(tmp_path, monkeypatch):
+    monkeypatch.setattr(loop, "judged", Believing(0.5, 0.99))
+    loop.begin(tmp_path / "i", asked(), "sample")
+    asked_for = iter([False, False, False, True])
+    watcher = loop.Watcher(stopped=lambda: next(asked_for))
+    halted = loop.proceed(tmp_path / "i", SimulatedBench(hidden()), CATALOGUE, watcher=watcher)
+    assert halted.ended == ""
+    assert len(halted.runs) == 1
+
+
+@pytest.mark.parametrize(
+    ("change", "match"),
+    [
+        (lambda data: data.update(format="else"), "format"),
+        (lambda data: data.update(extra=1), "extra"),
+        (lambda data: data["settings"].update(sure=1.5), "sure"),
+        (lambda data: data["settings"]["bounds"].update(v_max_mm_per_s=-1), "v_max_mm_per_s"),
+        (lambda data: data["runs"][0]["belief"]["probabilities"].update(permanent_set=7), "permanent_set"),
+        (lambda data: data["runs"][0].update(seconds="long"), "seconds"),
+    ],
+)
+def test_a_damaged_state_is_refused_by_name(tmp_path, monkeypatch, change, match):
+    investigated(tmp_path / "i", monkeypatch, [0.99])
+    path = tmp_path / "i" / NAME
+    data = json.loads(path.read_text())
+    change(data)
+    path.write_text(json.dumps(data))
+    with pytest.raises(UserError, match=match) as error:
+        load_investigation(tmp_path / "i")
+    assert NAME in str(error.value)
+
+
+def test_a_folder_that_is_taken_is_left_alone(tmp_path, monkeypatch):
+    investigated(tmp_path / "i", monkeypatch, [0.99])
+    with pytest.raises(UserError, match="--resume"):
+        loop.begin(tmp_path / "i", asked(), "sample")
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other" / "thesis.txt").write_text("mine")
+    with pytest.raises(UserError, match="not empty"):
+        loop.begin(tmp_path / "other", asked(), "sample")
+    assert (tmp_path / "other" / "thesis.txt").read_text() == "mine"
+
+
+def test_less_time_than_one_run_needs_is_refused(tmp_path):
+    with pytest.raises(UserError, match="less than one run"):
+        loop.begin(tmp_path / "i", asked(budget_s=60), "sample")
+    with pytest.raises(UserError, match="duration_s"):
+        loop.begin(tmp_path / "i", asked(bounds={"duration_s": 10}), "sample")
+    assert not (tmp_path / "i").exists()
