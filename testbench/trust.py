@@ -14,7 +14,6 @@ from pathlib import Path
 
 from gcode.support.errors import UserError
 from gcode.support.files import make_folder, sha256_of, write_text
-from gcode.support.strict import read_text
 
 EFFECTS_HELP = "Python file with effects of your own: a program that runs as you, so read a stranger's first"
 STORE = Path("knitbench") / "trusted-effects.txt"
@@ -77,6 +76,8 @@ def _store() -> Path:
 
 
 def _remembered() -> set[str]:
+    from gcode.support.strict import read_text  # pydantic is slow to import, and every --help comes by here
+
     try:
         text = read_text(_store(), "list of trusted effects", _MOST_BYTES)
     except UserError:

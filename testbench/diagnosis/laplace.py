@@ -24,7 +24,7 @@ FINAL_WEIGHTS = 3
 AGREED = 0.02  # relative change of the noise from one to the next
 PARTS = (1.0, 0.3, 0.0)  # of the last step, where the whole does not hold
 NARROWEST = 1e3  # factor on a group's precision: directions that a wider prior would show are kept
-AT_REST = 0.2  # nats gained in a step
+AT_REST = 0.02  # nats gained in a step: along a valley the steps are short
 HELD = 1e12  # precision of what is held at a bound
 
 

@@ -165,7 +165,7 @@ def take(studio: Studio, c: str, kept: Kept) -> None:
     if studio.effects_file is not None:
         if studio.runnable_effects is None:
             raise UserError(f"{path.name} holds effects that you have not agreed to run; look at them first")
-        before = studio.effects_file.read_text(encoding="utf-8")
+        before = read_text(studio.effects_file, "file of own effects", LARGEST_EFFECT_BYTES)
     write_text(path, with_law(before or "", kept))
     studio.agree_to_effects()
     try:

@@ -71,7 +71,7 @@ def test_what_cannot_be_predicted_is_said(compensator, tmp_path, capsys):
         predicted(replace(compensator, per_recording=True), np.arange(5.0), np.ones(5))
     compensator_files.save(tmp_path / "c.json", compensator)
     (tmp_path / "no.csv").write_text("time_s,force_N\n0,1\n")
-    for name, words in (("no.csv", "no column resistance_ohm"), ("absent.csv", "cannot read it")):
+    for name, words in (("no.csv", "no column resistance_ohm"), ("absent.csv", "cannot read this recording")):
         argv = ["predict", str(tmp_path / name), "--compensator", str(tmp_path / "c.json")]
         assert main([*argv, "-o", str(tmp_path / "out.csv")]) == 2
         assert words in capsys.readouterr().err

@@ -116,9 +116,13 @@ def test_command_takes_the_tied_effects_of_a_diagnosis(tmp_path, capsys):
     recording = write_csv(record(truth(), 120), tmp_path / "r.csv")
     errors = {"held_out": FLOORS, "calibration": FLOORS}
     step = {"step": "baseline", "model": truth().to_dict(), "noise_floor": FLOORS, "errors": errors}
-    ranked = [{"effect": name, "form": name} for name in ("self_heating", "load_cell_creep", "stress_relaxation")]
+    names = ("self_heating", "load_cell_creep", "stress_relaxation")
+    case = {"probability": 0.3, "log_evidence": 1.0, "gain": 0.1}
+    ranked = [{"effect": name, "form": name} | case for name in names]
     tied = ["load_cell_creep", "stress_relaxation"]
     said = {"verdict": "nothing_missing", "found": [], "tied": tied, "ranking": ranked, "history": [step]}
+    said |= {"probabilities": dict.fromkeys(names, 0.3) | {"nothing": 0.1}}
+    said |= {"error_before": FLOORS, "error_after": FLOORS, "noise_floor": FLOORS}
     (tmp_path / "d.json").write_text(json.dumps(said))
     place = ["--fit", recording, "--gauge-length-mm", "25", "--duration-s", "120"]
     assert main(["experiment", "--diagnosis", str(tmp_path / "d.json"), *place]) == 0

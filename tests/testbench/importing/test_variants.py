@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from testbench.cli import main
-from testbench.recordings.recording import read_recording
+from testbench.recordings.files import read_recording
 
 T = 0.1 * np.arange(400)
 X = 5 * (1 - np.cos(0.6 * T))  # mm

@@ -13,8 +13,8 @@ import pytest
 from gcode.support.disk import Disk
 from gcode.support.errors import UserError
 from testbench.campaigns.record import Job, begin, record
+from testbench.recordings.files import read_recording
 from testbench.recordings.manifest import problems
-from testbench.recordings.recording import read_recording
 from testbench.rig.recorder import Chunk, End, Limits
 from testbench.rig.sink import csv_line
 from testbench.rig.stream import Intake, Row
