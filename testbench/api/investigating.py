@@ -167,7 +167,7 @@ def investigate(
 
     Parameters
     ----------
-    sensor : model, path or name of a preset, optional
+    sensor : KnitModel, result, path or name of a preset, optional
         What hangs in the simulated rig. None with `port` or `resume`.
     folder : path
         New or empty; with `resume` that of an investigation.

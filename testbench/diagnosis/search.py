@@ -24,6 +24,7 @@ from testbench.knit.model import KnitModel
 
 NOTHING, UNKNOWN = "nothing", "unknown"
 Progress = Callable[[str], None]
+KEPT = 0.5  # of the gain to first order: a refit that keeps less started in the wrong place
 MUCH = 3.0  # squared noise floors above the noise: then a fit is worth another start
 
 
@@ -278,13 +279,19 @@ class Search:
         return self.entry(e.mechanism, best, likelihood, e.law, e.name)
 
     def entered(self, current: Hypothesis, proposals: Sequence[Proposal], likelihood: Likelihood) -> list[Entry]:
-        def enter(p: Proposal) -> Entry:
-            model = current.model.plus(p.first)
+        def refitted(p: Proposal, start: Effect) -> tuple[Hypothesis, str]:
+            model = current.model.plus(start)
             name = next(n for n in model if n not in current.model)
-            self.tell(f"refitting with {p.law}")
             address = f"{name}.{p.effect.strength}"
             believed = {address: p.believed} if p.believed and p.believed[0] > 0 else {}
-            h = fitted(model, likelihood, self.reference, current, iterations=6, quick=True, believed=believed)
+            return fitted(model, likelihood, self.reference, current, 6, quick=True, believed=believed), name
+
+        def enter(p: Proposal) -> Entry:
+            self.tell(f"refitting with {p.law}")
+            h, name = refitted(p, p.first)
+            if p.first != p.effect and h.log_z - current.log_z < KEPT * p.gain:
+                # A weak effect that holds on to nothing (a hum in another phase) loses itself.
+                h = max(h, refitted(p, p.effect)[0], key=lambda one: one.log_z)
             return self.entry(p.mechanism, h, likelihood, p.law, name)
 
         return list(self.pool.map(enter, proposals))

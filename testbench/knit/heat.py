@@ -155,7 +155,7 @@ class TemperatureDrift(RoomLaw):
     period_s: float = parameter(
         1500.0, unit="s", low=300, high=2e5, scale="log", doc="period of the swing where nothing was measured"
     )
-    phase_rad: float = parameter(0.0, unit="rad", low=-3.2, high=3.2, doc="phase of the swing at the start")
+    phase_rad: float = parameter(0.0, unit="rad", low=-6.3, high=6.3, doc="phase of the swing at the start")
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         measured = signals.get("temperature_C")

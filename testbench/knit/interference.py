@@ -45,7 +45,7 @@ class PeriodicInterference(InterferenceLaw):
 
     amplitude: float = parameter(0.01, unit="1", low=0, high=0.5, doc="relative amplitude")
     frequency_Hz: float = parameter(1.0, unit="Hz", low=0.02, high=20, scale="log", doc="frequency as sampled")
-    phase_rad: float = parameter(0.0, unit="rad", low=-3.2, high=3.2, doc="phase at the start")
+    phase_rad: float = parameter(0.0, unit="rad", low=-6.3, high=6.3, doc="phase at the start")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         wave = np.sin(2 * np.pi * self.frequency_Hz * signals["time_s"] + self.phase_rad)
@@ -91,7 +91,7 @@ class PeriodicInterferenceForce(InterferenceLaw):
 
     amplitude_N: float = parameter(0.02, unit="N", low=0, high=50, doc="amplitude")
     frequency_Hz: float = parameter(1.0, unit="Hz", low=0.02, high=20, scale="log", doc="frequency as sampled")
-    phase_rad: float = parameter(0.0, unit="rad", low=-3.2, high=3.2, doc="phase at the start")
+    phase_rad: float = parameter(0.0, unit="rad", low=-6.3, high=6.3, doc="phase at the start")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         wave = np.sin(2 * np.pi * self.frequency_Hz * signals["time_s"] + self.phase_rad)
