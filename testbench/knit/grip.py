@@ -6,9 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
+from testbench.knit.effect import Effect, FloatArray, Signals, Stage, bounds_of, parameter
+from testbench.knit.jumps import SIGNAL, steepness
 
 TURN_STRAIN = 2e-4  # that the motion comes back by for a turn to count
+MOST_TURNS, PITCHES = 40.0, 4  # turns of a screw within the motion; pitches to begin at
 JOINTS = np.linspace(-1, 1, 5)  # relative gaps of a drive whose play closes little by little
 
 
@@ -124,6 +126,24 @@ class LeadscrewRipple(Effect):
         strain = signals["strain"]
         wave = np.sin(2 * np.pi * strain / self.pitch + self.phase_rad)
         return {"strain": strain + self.amplitude * (wave - wave[0])}
+
+    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+        """The pitches whose waves over the strain, times the slope of the channel, follow the misfit best."""
+        strain = signals["strain"]
+        turns = np.arange(1.0, MOST_TURNS, 0.5)  # over the range of the strain
+        pitches = float(np.ptp(strain)) / turns
+        pitches = pitches[pitches >= bounds_of(type(self).model_fields["pitch"])["low"]]
+        phase = 2 * np.pi * strain / pitches[:, None]
+        explained, sine, cosine = np.zeros((3, len(pitches)))
+        for channel, misfit in residual.items():
+            slope = steepness(strain, signals[SIGNAL[channel]], channel)
+            a, b = slope * np.sin(phase), slope * np.cos(phase)
+            scale = float(np.sum(misfit**2)) * np.sum(a * a, axis=1)
+            explained += ((a @ misfit) ** 2 + (b @ misfit) ** 2) / np.maximum(scale, 1e-300)
+            sine += a @ misfit / np.maximum(float(np.sum(misfit**2)), 1e-300) ** 0.5
+            cosine += b @ misfit / np.maximum(float(np.sum(misfit**2)), 1e-300) ** 0.5
+        best = np.argsort(-explained)[:PITCHES]
+        return [{"pitch": float(pitches[i]), "phase_rad": float(np.arctan2(cosine[i], sine[i]))} for i in best]
 
 
 class Slack(Effect):

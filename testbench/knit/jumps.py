@@ -37,7 +37,7 @@ def slips(signals: Signals, residual: Signals) -> list[tuple[float, float]]:
     strain, dt_s = signals["strain"], step_s(signals)
     jump = {channel: jumps(values, dt_s) for channel, values in residual.items()}
     usual = {channel: _usual(residual[channel], jump[channel], dt_s) for channel in residual}
-    steep = {channel: _steepness(strain, signals[SIGNAL[channel]], channel) / usual[channel] for channel in residual}
+    steep = {channel: steepness(strain, signals[SIGNAL[channel]], channel) / usual[channel] for channel in residual}
     jumped = np.array([jump[channel] / usual[channel] for channel in residual])
     slip, clear = np.zeros(len(strain)), np.full(len(strain), LEAST**2)
     for stiffer in STIFFER_BACK if len(steep) > 1 else (1.0,):
@@ -53,7 +53,7 @@ def slips(signals: Signals, residual: Signals) -> list[tuple[float, float]]:
     return [(float(signals["time_s"][i]), float(slip[i])) for i in found]
 
 
-def _steepness(strain: FloatArray, values: FloatArray, channel: str) -> FloatArray:
+def steepness(strain: FloatArray, values: FloatArray, channel: str) -> FloatArray:
     """Mean change of force [N] or ln G by unit of strain at the strain of each sample, shape (n,)."""
     values = np.log(values) if channel == "conductance" else values
     edges = np.linspace(np.min(strain), np.max(strain), STRAIN_BINS + 1)

@@ -115,3 +115,17 @@ def test_a_wrongly_compensated_backlash_jumps_by_the_same_motion_at_every_turn()
     assert np.max(lost[1200:1300]) > 3 * short  # after which the whole of it is made up for all the same
     made_up = ActuatorBacklashCompensated(gap=-0.01, travel=0.004).apply({"strain": e}, 0.1)["strain"]
     np.testing.assert_allclose(made_up - e, lost, atol=1e-15)
+
+
+@pytest.mark.parametrize(("turns", "phase_rad"), [(3.0, 0.5), (7.5, -2.0), (12.0, 3.0)])
+def test_the_pitch_of_a_screw_is_read_from_the_misfit(turns: float, phase_rad: float) -> None:
+    time_s = np.arange(0, 300, 0.08)
+    strain = 0.12 - 0.12 * np.cos(0.31 * time_s) * np.cos(0.017 * time_s)
+    pitch = float(np.ptp(strain)) / turns
+    hidden = LeadscrewRipple(amplitude=1e-3, pitch=pitch, phase_rad=phase_rad)
+    signals = {"time_s": time_s, "strain": strain, "force_N": 8 * strain + 40 * strain**3}
+    off = hidden.apply(signals, 0.08)["strain"] - strain
+    misfit = (8 + 120 * strain**2) * off + 5e-3 * np.random.default_rng(0).standard_normal(len(strain))
+    first = LeadscrewRipple().starts(signals, {"force": misfit})[0]
+    assert first["pitch"] == pytest.approx(pitch, rel=0.02)
+    assert np.cos(first["phase_rad"] - phase_rad) > 0.9
