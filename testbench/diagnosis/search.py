@@ -175,9 +175,7 @@ class Search:
         self.flexible = fitted(flexible, self.likelihood, self.reference, iterations=16)
         # What the user has is the model as given; where its laws bend already, so does what it is compared with.
         given = any(name in SHAPES for name in start)
-        self.baseline = (
-            self.flexible if given else fitted(self.reference, self.likelihood, self.reference, iterations=1)
-        )
+        self.baseline = self.flexible if given else fitted(self.reference, self.likelihood, self.reference)
 
     def run(self, most: int = constants.ROUNDS) -> tuple[list[Round], list[Entry]]:
         """Rounds of the search, and what was put in, one a round.
