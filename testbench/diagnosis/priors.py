@@ -13,6 +13,7 @@ from testbench.fitting.parameters import FreeParameter, _lookup, free_parameters
 from testbench.knit.effect import Effect, FloatArray, bounds_of
 from testbench.knit.model import KnitModel
 
+SHARE_OF_RANGE = 0.1  # of the range of a sensor's force: the scale of its forces, if nothing else was declared
 
 @dataclass(frozen=True)
 class Priors:
@@ -98,9 +99,10 @@ def declared(effect: type[Effect], key: str, scales: Mapping[str, float]) -> tup
 def typical(effect: type[Effect], scales: Mapping[str, float]) -> float:
     """Typical size of an effect's strength: as declared, on the scale of this sensor's force where it is a force."""
     extra = bounds_of(effect.model_fields[effect.strength])
+    said: float | None = extra["typical"]
     if extra["unit"] == "N":
-        return (extra["typical"] or 0.1) * 10 * scales["N"]
+        return (said or SHARE_OF_RANGE) / SHARE_OF_RANGE * scales["N"]
     if extra["unit"] == "1/N":
-        return 0.1 / scales["N"]
+        return SHARE_OF_RANGE / scales["N"]
     default = effect.model_fields[effect.strength].default
-    return float(abs(default) or 0.1 * max(abs(extra["high"]), abs(extra["low"])))
+    return float(said or abs(default) or 0.1 * max(abs(extra["high"]), abs(extra["low"])))

@@ -23,6 +23,10 @@ def test_a_force_is_typically_a_tenth_of_the_range_and_friction_half_of_that():
     assert typical(CATALOGUE["hysteresis"], SCALES) == pytest.approx(0.4)
 
 
+def test_what_an_effect_declares_as_typical_is_what_is_believed():
+    assert typical(CATALOGUE["stress_relaxation_findley"], SCALES) == 0.7  # its default is 0.4
+
+
 def test_a_strength_is_believed_to_be_small_wherever_the_search_starts():
     model = truth()
     recording = record(model, 60.0, seed=1)
