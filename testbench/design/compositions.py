@@ -226,5 +226,5 @@ def _told(piece: Piece) -> str:
     if isinstance(piece, RateSweep):
         speeds = " ".join(f"{v:.2g}" for v in piece.speeds_mm_per_s)
         return f"{piece.cycles} triangles to {piece.high_percent:.0f} % at each of {speeds} mm/s"
-    seconds, high = getattr(piece, "duration_s", 0.0), getattr(piece, "high_percent", 0.0)
-    return f"{piece.kind if hasattr(piece, 'kind') else 'piece'} {seconds:.0f} s to {high:.0f} %"
+    assert isinstance(piece, (Multisine, Noise)), piece
+    return f"{piece.kind} {piece.duration_s:.0f} s to {piece.high_percent:.0f} %"

@@ -4,18 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from testbench.comparing.ladder import on_the_ladder
 from testbench.diagnosis import constants
 from testbench.diagnosis.discrepancy_map import Map
-from testbench.diagnosis.held_out import Interval, gain_over
+from testbench.diagnosis.held_out import Interval, block_energies, gain_interval
 from testbench.diagnosis.laplace import Hypothesis
-from testbench.diagnosis.search import NOTHING, UNKNOWN, Entry, Progress, Round, Search
-from testbench.fitting.baseline import SHAPES, without_shapes
+from testbench.diagnosis.search import NOTHING, UNKNOWN, Entry, Progress, Round, Search, Verdict, searched
+from testbench.fitting.baseline import SHAPES
 from testbench.fitting.errors import noise_floors
 from testbench.fitting.fit import Fit
 from testbench.fitting.measurement import Measurement, split
@@ -25,7 +24,6 @@ from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
 from testbench.recordings.recording import Recording
 
-Verdict = Literal["missing", "nothing_missing", "unknown"]
 TIED = 0.9  # the smallest set of mechanisms with this probability is what cannot be told apart
 
 
@@ -195,10 +193,7 @@ def diagnose(
     """
     catalogue = catalogue or load_catalogue()
     calibration, held = split(recording, held_out, clamp_play_mm=clamp_play_mm)
-    # The kernels let go of the interpreter, so threads do run side by side; those of BLAS would only fight them.
-    with threadpool_limits(1, "blas"):
-        search = Search(calibration, catalogue, progress or (lambda text: None), model)
-        return _concluded(search, *search.run(most), calibration, held)
+    return _concluded(*searched(calibration, catalogue, most, model, progress), calibration, held)
 
 
 def _concluded(
@@ -207,7 +202,7 @@ def _concluded(
     first, bare = rounds[0], rounds[0].before.hypothesis
     before = on_the_ladder(_as_fit(search.baseline), None, "baseline", calibration, held)
     left = first.left(put_in[-1]) if put_in else 1.0
-    verdict = _verdict(first, put_in, left)
+    verdict = first.verdict(left if put_in else None)
     if verdict != "missing":
         put_in, left = [], 1.0
     after = _ladder(bare, put_in, before, calibration, held)
@@ -249,20 +244,11 @@ def _ladder(
 
 
 def _as_fit(h: Hypothesis) -> Fit:
-    """A hypothesis as a fit, without the shapes that the evidence has switched off."""
-    unused = [name for name in h.model if name in SHAPES and h.idle(name)]
-    model = without_shapes(h.model, unused)
+    model = h.model_in_use
     kept = [i for i, p in enumerate(h.priors.parameters) if p.address.partition(".")[0] in model]
     parameters = tuple(h.priors.parameters[i] for i in kept)
     vector = h.vector[kept]
     return Fit(model, parameters, vector, h.evidence.covariance[np.ix_(kept, kept)], dict(h.evidence.sigma), 0)
-
-
-def _verdict(first: Round, put_in: list[Entry], left: float) -> Verdict:
-    if put_in and first.is_named(left):
-        return "missing"
-    chances = first.probabilities()
-    return "nothing_missing" if chances[NOTHING] >= chances[UNKNOWN] else "unknown"
 
 
 def _ranking(first: Round, chances: Mapping[str, float], held: Measurement) -> tuple[Ranked, ...]:
@@ -271,6 +257,7 @@ def _ranking(first: Round, chances: Mapping[str, float], held: Measurement) -> t
     for own in first.entries:
         refitted.setdefault(own.mechanism, own)
     base = first.before.hypothesis
+    bare = block_energies(base.model, held)
     ranked: list[Ranked] = []
     for proposal in first.proposals:
         if proposal.mechanism in {one.effect for one in ranked}:
@@ -285,7 +272,7 @@ def _ranking(first: Round, chances: Mapping[str, float], held: Measurement) -> t
             gain = float(
                 np.mean([2 * np.log(base.evidence.sigma[c] / s) for c, s in entry.hypothesis.evidence.sigma.items()])
             )
-            over = gain_over(base.model, entry.hypothesis.model, held)
+            over = gain_interval(bare, block_energies(entry.hypothesis.model, held))
             one = Ranked(entry.mechanism, entry.law, chance, entry.log_z - first.before.log_z, gain, over, law)
         ranked.append(one)
     return tuple(sorted(ranked, key=lambda one: (-one.probability, -one.log_evidence)))

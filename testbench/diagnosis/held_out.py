@@ -19,11 +19,6 @@ CONFIDENCE = 0.95
 Interval = tuple[float, float, float]  # value, low, high
 
 
-def gain_over(base: KnitModel, model: KnitModel, held: Measurement) -> Interval:
-    """What `model` takes off the squared held-out error of `base`: see `gain_interval`."""
-    return gain_interval(_block_energies(base, held), _block_energies(model, held))
-
-
 def gain_interval(before: Mapping[str, FloatArray], after: Mapping[str, FloatArray]) -> Interval:
     """ln(squared error before / after), channels averaged, and its 95 % interval.
 
@@ -49,7 +44,7 @@ def _gain(before: Mapping[str, FloatArray], after: Mapping[str, FloatArray], blo
     return np.mean(ratios, axis=0)
 
 
-def _block_energies(model: KnitModel, held: Measurement) -> dict[str, FloatArray]:
+def block_energies(model: KnitModel, held: Measurement) -> dict[str, FloatArray]:
     """Squared held-out errors summed over blocks, each channel's mean taken out first, as in `held_errors`."""
     model, held = brought_together(model, held)
     rows = held.counts

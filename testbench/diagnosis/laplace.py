@@ -13,6 +13,7 @@ from testbench.diagnosis.directions import Directions
 from testbench.diagnosis.evidence import LogEvidence, NormalEquations, maximised, opened
 from testbench.diagnosis.likelihood import Likelihood
 from testbench.diagnosis.priors import Priors, priors_of
+from testbench.fitting.baseline import SHAPES, without_shapes
 from testbench.fitting.downhill import downhill, huber, huber_weight
 from testbench.fitting.measurement import CONDUCTANCE_CHANNEL
 from testbench.fitting.parameters import values_of, with_values
@@ -78,6 +79,11 @@ class Hypothesis:
     def vector(self) -> FloatArray:
         """The point in the fit's coordinates, shape (p,)."""
         return values_of(self.model, self.priors.parameters)
+
+    @property
+    def model_in_use(self) -> KnitModel:
+        """Without the shapes that the evidence has switched off."""
+        return without_shapes(self.model, [name for name in self.model if name in SHAPES and self.idle(name)])
 
     def idle(self, name: str) -> bool:
         """Whether the evidence has switched a shape off: no weight of it is determined, none changes anything."""
@@ -217,28 +223,34 @@ class _Search:
         What is held stays.
         """
         step = np.where(self.held, 0.0, self.directions.full(evidence.coefficients))
-        now = self.cost({c: rows[0] for c, rows in self.columns.items()}, self.x)
+        now = self.cost_here()
         for part in PARTS:
             whole = np.where(self.priors.group >= 0, step, part * step)
             x = np.clip(self.x + whole, self.priors.low, self.priors.high)
-            trial = with_values(self.model, self.priors.parameters, x)
-            if self.cost(self.residual(trial), x) < now:
-                self.model, self.x = trial, values_of(trial, self.priors.parameters)
+            if self.cost_at(x) < now:
+                self.go(x)
                 self.linearise(np.flatnonzero(~self.held & (self.priors.group < 0)))
                 return
 
     def move(self, normal: NormalEquations, damping: float):
-        cost = self.cost({c: rows[0] for c, rows in self.columns.items()}, self.x)
-        found = downhill(partial(self.step, normal), self.cost_after, cost, damping, up=10.0, most=1e8)
+        cost = self.cost_here()
+        found = downhill(
+            partial(self.step, normal), lambda step: self.cost_at(self.x + step), cost, damping, up=10.0, most=1e8
+        )
         if found is None:
             return None, 1.0
-        self.model = with_values(self.model, self.priors.parameters, self.x + found.step)
-        self.x = values_of(self.model, self.priors.parameters)
+        self.go(self.x + found.step)
         return cost - found.cost, max(found.damping / 10, 1e-3)
 
-    def cost_after(self, step: FloatArray) -> float:
-        trial = with_values(self.model, self.priors.parameters, self.x + step)
-        return self.cost(self.residual(trial), self.x + step)
+    def go(self, x: FloatArray) -> None:
+        self.model = with_values(self.model, self.priors.parameters, x)
+        self.x = values_of(self.model, self.priors.parameters)
+
+    def cost_at(self, x: FloatArray) -> float:
+        return self.cost(self.residual(with_values(self.model, self.priors.parameters, x)), x)
+
+    def cost_here(self) -> float:
+        return self.cost({c: rows[0] for c, rows in self.columns.items()}, self.x)
 
     def residual(self, model: KnitModel) -> dict[str, FloatArray]:
         left = self.likelihood.measurement.residual(model, self.cache)

@@ -15,6 +15,7 @@ from testbench.knit.model import KnitModel
 
 SHARE_OF_RANGE = 0.1  # of the range of a sensor's force: the scale of its forces, if nothing else was declared
 
+
 @dataclass(frozen=True)
 class Priors:
     """Gaussian priors in the fit's coordinates.

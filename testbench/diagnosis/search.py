@@ -6,9 +6,11 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 from scipy.special import logsumexp
+from threadpoolctl import threadpool_limits
 
 from testbench.comparing.ladder import drawn_to_data
 from testbench.diagnosis import constants
@@ -23,6 +25,7 @@ from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
 
 NOTHING, UNKNOWN = "nothing", "unknown"
+Verdict = Literal["missing", "nothing_missing", "unknown"]
 Progress = Callable[[str], None]
 KEPT = 0.5  # of the gain to first order: a refit that keeps less started in the wrong place
 MUCH = 3.0  # squared noise floors above the noise: then a fit is worth another start
@@ -147,6 +150,13 @@ class Round:
             return None
         return speakers[mechanism]
 
+    def verdict(self, left: float | None = None) -> Verdict:
+        """What is said of the model before this round; `left` as in `probabilities`."""
+        if self.is_named(left):
+            return "missing"
+        chances = self.probabilities()
+        return "nothing_missing" if chances[NOTHING] >= chances[UNKNOWN] else "unknown"
+
     def is_named(self, left: float | None = None) -> bool:
         """Whether some mechanism is more probable than nothing and unknown together."""
         chances = self.probabilities(left)
@@ -158,7 +168,7 @@ class Search:
         self,
         measurement: Measurement,
         catalogue: Catalogue,
-        tell: Callable[[str], None],
+        tell: Progress,
         start: KnitModel | None = None,
         pieces: float = constants.INDEPENDENT,
     ):
@@ -167,8 +177,7 @@ class Search:
         self.measurement = telling(coarser(measurement, constants.GRID_HZ))
         tell("fitting the baseline")
         start = start or starting_baseline(self.measurement, catalogue)
-        self.start = without_shapes(start)
-        self.reference = self.start
+        self.reference = without_shapes(start)
         self.likelihood = replace(likelihood_of(self.reference, self.measurement, noise), pieces=pieces)
         tell("fitting the shape of the base laws")
         flexible = with_shapes(self.reference, self.measurement, catalogue, like=start)
@@ -271,7 +280,7 @@ class Search:
             alone = h.model.with_parameters({"contact_drive.strain_share": 0.0})
             found.append(fitted(alone, likelihood, self.reference, h))
         if on_force and excess(found[0], likelihood) > MUCH:
-            anew = with_shapes(self.start, self.measurement, self.catalogue).plus(effect, e.name)
+            anew = with_shapes(self.reference, self.measurement, self.catalogue).plus(effect, e.name)
             found.append(fitted(anew, likelihood, self.reference, iterations=16))
         best = max(found, key=lambda one: one.log_z)
         return self.entry(e.mechanism, best, likelihood, e.law, e.name)
@@ -297,6 +306,21 @@ class Search:
     def entry(self, mechanism: str, h: Hypothesis, likelihood: Likelihood, law: str = "", name: str = "") -> Entry:
         log_z = likelihood.judged(h.log_z, h.evidence.sigma)
         return Entry(mechanism, law, name, h, log_z, excess(h, likelihood))
+
+
+def searched(
+    measurement: Measurement,
+    catalogue: Catalogue,
+    most: int,
+    start: KnitModel | None = None,
+    tell: Progress | None = None,
+    pieces: float = constants.INDEPENDENT,
+) -> tuple[Search, list[Round], list[Entry]]:
+    """A search, its rounds and what was put in, one a round; see `Search`."""
+    # The kernels let go of the interpreter, so threads do run side by side; those of BLAS would only fight them.
+    with threadpool_limits(1, "blas"):
+        search = Search(measurement, catalogue, tell or (lambda _text: None), start, pieces)
+        return search, *search.run(most)
 
 
 def _named(share_left: float) -> float:

@@ -7,13 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.special import logsumexp
-from threadpoolctl import threadpool_limits
 
 from testbench.design.forecast import Likely, Reading
 from testbench.diagnosis import constants
 from testbench.diagnosis.laplace import Hypothesis
-from testbench.diagnosis.search import NOTHING, UNKNOWN, Round, Search
-from testbench.fitting.baseline import SHAPES, without_shapes
+from testbench.diagnosis.search import NOTHING, UNKNOWN, Round, Verdict, searched
 from testbench.fitting.measurement import Measurement
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.model import KnitModel
@@ -29,8 +27,7 @@ class Belief:
     ----------
     probabilities : mapping
         Of ``nothing``, ``unknown`` and every mechanism; they sum to 1.
-    verdict : str
-        ``missing``, ``nothing_missing`` or ``unknown``.
+    verdict : {"missing", "nothing_missing", "unknown"}
     likely : tuple of Likely
         The models of what is still likely, the most probable first; two at least where two were fitted.
     reading : Reading
@@ -38,7 +35,7 @@ class Belief:
     """
 
     probabilities: Mapping[str, float]
-    verdict: str
+    verdict: Verdict
     likely: tuple[Likely, ...]
     reading: Reading
 
@@ -65,18 +62,12 @@ def judged(
     most : int
         Effects to find at most. The belief is about the one that is missing most.
     """
-    # The kernels let go of the interpreter, so threads do run side by side; those of BLAS would only fight them.
-    with threadpool_limits(1, "blas"):
-        pieces = constants.INDEPENDENT * runs
-        search = Search(measurement, catalogue, tell or (lambda _text: None), start, pieces)
-        rounds, put_in = search.run(most)
+    _, rounds, put_in = searched(measurement, catalogue, most, start, tell, constants.INDEPENDENT * runs)
     first = rounds[0]
     left = first.left(put_in[-1]) if put_in else None
-    named = left is not None and first.is_named(left)
-    chances = first.probabilities(left if named else None)
-    verdict = "missing" if named else "nothing_missing" if chances[NOTHING] >= chances[UNKNOWN] else "unknown"
-    noise = _noise(first)
-    return Belief(chances, verdict, _likely(first, chances), Reading(noise, constants.INDEPENDENT))
+    verdict = first.verdict(left)
+    chances = first.probabilities(left if verdict == "missing" else None)
+    return Belief(chances, verdict, _likely(first, chances), Reading(_noise(first), constants.INDEPENDENT))
 
 
 def over_specimens(beliefs: Sequence[Mapping[str, float]]) -> dict[str, float]:
@@ -120,8 +111,6 @@ def _likely(first: Round, chances: Mapping[str, float]) -> tuple[Likely, ...]:
 
 
 def _as_likely(name: str, chance: float, h: Hypothesis) -> Likely:
-    """Without the shapes that the evidence has switched off."""
-    unused = [shape for shape in h.model if shape in SHAPES and h.idle(shape)]
-    model = without_shapes(h.model, unused)
+    model = h.model_in_use
     scales = {group: float(scale) for group, scale in h.scales.items() if group.partition(".")[0] in model}
     return Likely(name, chance, model, scales)

@@ -130,20 +130,18 @@ class LeadscrewRipple(Effect):
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         """The pitches whose waves over the strain, times the slope of the channel, follow the misfit best."""
         strain = signals["strain"]
-        turns = np.arange(1.0, MOST_TURNS, 0.5)  # over the range of the strain
-        pitches = float(np.ptp(strain)) / turns
+        pitches = float(np.ptp(strain)) / np.arange(1.0, MOST_TURNS, 0.5)  # turns over the range of the strain
         pitches = pitches[pitches >= bounds_of(type(self).model_fields["pitch"])["low"]]
-        phase = 2 * np.pi * strain / pitches[:, None]
-        explained, sine, cosine = np.zeros((3, len(pitches)))
+        waves = np.zeros((len(pitches), 3))  # share of the misfit that a pitch explains, its sine, its cosine
         for channel, misfit in residual.items():
             slope = steepness(strain, signals[SIGNAL[channel]], channel)
-            a, b = slope * np.sin(phase), slope * np.cos(phase)
-            scale = float(np.sum(misfit**2)) * np.sum(a * a, axis=1)
-            explained += ((a @ misfit) ** 2 + (b @ misfit) ** 2) / np.maximum(scale, 1e-300)
-            sine += a @ misfit / np.maximum(float(np.sum(misfit**2)), 1e-300) ** 0.5
-            cosine += b @ misfit / np.maximum(float(np.sum(misfit**2)), 1e-300) ** 0.5
-        best = np.argsort(-explained)[:PITCHES]
-        return [{"pitch": float(pitches[i]), "phase_rad": float(np.arctan2(cosine[i], sine[i]))} for i in best]
+            misfit = misfit / max(float(np.linalg.norm(misfit)), 1e-300)
+            for i, pitch in enumerate(pitches):
+                sine, cosine = (slope * wave(2 * np.pi * strain / pitch) for wave in (np.sin, np.cos))
+                s, c = float(sine @ misfit), float(cosine @ misfit)
+                waves[i] += (s * s + c * c) / max(float(sine @ sine), 1e-300), s, c
+        best = np.argsort(-waves[:, 0])[:PITCHES]
+        return [{"pitch": float(pitches[i]), "phase_rad": float(np.arctan2(waves[i, 2], waves[i, 1]))} for i in best]
 
 
 class Slack(Effect):

@@ -258,7 +258,7 @@ class Hunt:
         if excess(done.hypothesis, self.likelihood) < MUCH:
             return done
         effects = {n: e for n, e in done.hypothesis.model.effects.items() if n.startswith(self.name)}
-        anew = with_shapes(self.search.start, self.measurement, self.catalogue)
+        anew = with_shapes(self.search.reference, self.measurement, self.catalogue)
         for key, effect in effects.items():
             anew = anew.plus(effect, key)
         again = self.bench.trial(

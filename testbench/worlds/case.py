@@ -90,9 +90,9 @@ def make_case(
     if seed < 0:
         raise UserError(f"seed: must be 0 or a positive whole number, got {seed}")
     _check(world, noise, protocol, channels, strength=strength, minutes=minutes, rate_hz=rate_hz)
-    base = draw_world(world, _rng(seed, "base", world))
-    bench = _Bench(base, seed, minutes, rate_hz, noise, protocol)
-    chosen = [_choose(name, form, seed, base) for name in _names(effect, seed)]
+    base = draw_world(world, rng_of(seed, "base", world))
+    bench = Bench(base, seed, minutes, rate_hz, noise, protocol)
+    chosen = [choose(name, form, seed, base) for name in names_of(effect, seed)]
     hidden = [bench.scale(one, shape, strength) for one, shape in chosen]
     truth = bench.truth(hidden, [bench.report(one, strength) for one in hidden])
     truth["recipe"] = {"effect": effect, "strength": strength, "world": world, "seed": seed, "minutes": minutes}
@@ -104,12 +104,12 @@ def make_case(
 PARTS = ("calibration", "held_out")
 
 
-class _Bench:
+class Bench:
     """One sensor on the tester: its motion, its surroundings and its noise, the same whatever is hidden."""
 
     def __init__(self, base: BaseWorld, seed: int, minutes: float, rate_hz: float, noise: str, protocol: str):
         self.base, self.seed, self.rate_hz = base, seed, rate_hz
-        rng = _rng(seed, "noise")
+        rng = rng_of(seed, "noise")
         self.noise_kind = str(rng.choice(KINDS)) if noise == "any" else noise
         self.top_N = float(base.force(np.array([0.0, 0.3]))[1])
         self.motion = {part: self._motion(part, minutes, protocol) for part in PARTS}
@@ -119,15 +119,15 @@ class _Bench:
         swing = float(np.quantile(ln_g, 0.99) - np.quantile(ln_g, 0.01))
         self.floor_N = self.top_N * float(np.exp(rng.uniform(np.log(0.001), np.log(0.003))))
         self.floor_ln = swing * float(np.exp(rng.uniform(np.log(0.0015), np.log(0.004))))
-        self.floor_mm = float(np.exp(_rng(seed, "encoder").uniform(*np.log(READING_NOISE_MM))))
+        self.floor_mm = float(np.exp(rng_of(seed, "encoder").uniform(*np.log(READING_NOISE_MM))))
         self.typical_ohm = float(np.exp(-np.median(ln_g)))
         self._basis: dict[str, FloatArray] = {}
         self._plain: dict[str, FloatArray] = {}
 
     def _motion(self, part: str, minutes: float, protocol: str) -> tuple[FloatArray, FloatArray, FloatArray]:
-        t = sample_times(minutes, self.rate_hz, _rng(self.seed, part, "clock"))
-        strain = commanded_strain(protocol, t, _rng(self.seed, part, "motion"))
-        return t, strain, _ambient(t, _rng(self.seed, part, "ambient"))
+        t = sample_times(minutes, self.rate_hz, rng_of(self.seed, part, "clock"))
+        strain = commanded_strain(protocol, t, rng_of(self.seed, part, "motion"))
+        return t, strain, ambient_K(t, rng_of(self.seed, part, "ambient"))
 
     def scene(self, part: str) -> Scene:
         t, strain, ambient = self.motion[part]
@@ -201,7 +201,7 @@ class _Bench:
         """What the instruments write: noise, steps of the converters, and a thermometer where there is one."""
         t, strain, ambient = self.motion[part]
         force, ln_g = self.signals(part, hidden)
-        rng = _rng(self.seed, part, "noise")
+        rng = rng_of(self.seed, part, "noise")
         noise_N, noise_ln = (unit_noise(self.noise_kind, len(t), self.rate_hz, rng) for _ in range(2))
         read = {
             FORCE: quantised(force + self.floor_N * noise_N, self.floor_N / 4),
@@ -209,7 +209,9 @@ class _Bench:
         }
         step_ohm = self.typical_ohm * self.floor_ln / 4
         read[RESISTANCE] = np.maximum(quantised(read[RESISTANCE], step_ohm), step_ohm)
-        read_mm = strain * GAUGE_LENGTH_MM + self.floor_mm * _rng(self.seed, part, "encoder").standard_normal(len(t))
+        read_mm = strain * GAUGE_LENGTH_MM + self.floor_mm * rng_of(self.seed, part, "encoder").standard_normal(
+            len(t)
+        )
         kept = {DISPLACEMENT: np.round(read_mm, 4), **{name: read[name] for name in channels}}
         if self._has_thermometer(hidden):
             kept[TEMPERATURE] = np.round(23 + ambient + 0.02 * rng.standard_normal(len(t)), 2)
@@ -218,14 +220,14 @@ class _Bench:
     def _has_thermometer(self, hidden: Sequence[Hidden]) -> bool:
         """Where temperature matters the form says so; elsewhere a thermometer sometimes hangs there for nothing."""
         said = [one.shape["measured"] for one in hidden if "measured" in one.shape]
-        return bool(max(said)) if said else bool(_rng(self.seed, "decoy").uniform() < DECOY_SHARE)
+        return bool(max(said)) if said else bool(rng_of(self.seed, "decoy").uniform() < DECOY_SHARE)
 
 
 def _range(values: FloatArray) -> tuple[float, float]:
     return float(values.min()), float(values.max())
 
 
-def _ambient(t: FloatArray, rng: np.random.Generator) -> FloatArray:
+def ambient_K(t: FloatArray, rng: np.random.Generator) -> FloatArray:
     """Room temperature over its value at the start [K]: a slow walk and a heater that cycles."""
     steps = rng.standard_normal(len(t)) * np.sqrt(np.gradient(t))
     walk = lowpass(t, np.cumsum(steps) * 0.04, 90.0)
@@ -234,9 +236,9 @@ def _ambient(t: FloatArray, rng: np.random.Generator) -> FloatArray:
     return total - total[0]
 
 
-def _names(effect: str | None, seed: int) -> list[str]:
+def names_of(effect: str | None, seed: int) -> list[str]:
     """The effects to hide; "unknown" and a missing name are drawn by seed."""
-    rng = _rng(seed, "effect")
+    rng = rng_of(seed, "effect")
     if effect is None:
         effect = str(rng.choice([*CATALOGUE, "none", "none", "unknown", "unknown"]))
     names = [name.strip() for name in effect.split(",")]
@@ -254,9 +256,9 @@ def _names(effect: str | None, seed: int) -> list[str]:
     return names
 
 
-def _choose(name: str, form: str | None, seed: int, base: BaseWorld) -> tuple[Form, dict[str, float]]:
+def choose(name: str, form: str | None, seed: int, base: BaseWorld) -> tuple[Form, dict[str, float]]:
     forms = FORMS[name]
-    rng = _rng(seed, "form", name)
+    rng = rng_of(seed, "form", name)
     felt = [f for f in forms if base.contacts_feel_force or set(forms[f].changes) != {"pressure"}]
     drawn = str(rng.choice(felt))
     if form is not None and form not in forms:
@@ -265,7 +267,7 @@ def _choose(name: str, form: str | None, seed: int, base: BaseWorld) -> tuple[Fo
     return one, one.draw(rng)
 
 
-def _rng(seed: int, *labels: str) -> np.random.Generator:
+def rng_of(seed: int, *labels: str) -> np.random.Generator:
     """A generator of its own for every purpose, so that one choice never shifts another."""
     return np.random.default_rng([seed, *(zlib.crc32(label.encode()) for label in labels)])
 

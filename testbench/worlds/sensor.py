@@ -8,7 +8,7 @@ from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPE
 from testbench.recordings.recording import Recording
 from testbench.worlds import strength as strengths
 from testbench.worlds.base import draw_world
-from testbench.worlds.case import PARTS, _ambient, _Bench, _choose, _names, _rng
+from testbench.worlds.case import PARTS, Bench, ambient_K, choose, names_of, rng_of
 from testbench.worlds.chain import Scene, run
 from testbench.worlds.kernels import FloatArray
 from testbench.worlds.motion import GAUGE_LENGTH_MM, sample_times
@@ -39,15 +39,15 @@ class HiddenSensor:
         noise: str = "white",
         form: str | None = None,
     ) -> None:
-        base = draw_world(world, _rng(seed, "base", world))
-        self.bench = _Bench(base, seed, minutes, rate_hz, noise, "perlin")
-        self.hidden = [self.bench.scale(*_choose(name, form, seed, base), strength) for name in _names(effect, seed)]
+        base = draw_world(world, rng_of(seed, "base", world))
+        self.bench = Bench(base, seed, minutes, rate_hz, noise, "perlin")
+        self.hidden = [self.bench.scale(*choose(name, form, seed, base), strength) for name in names_of(effect, seed)]
         self.names = tuple(one.form.effect for one in self.hidden)
         left = self.bench.left_over(PARTS[0], self.hidden) if self.hidden else np.zeros(1)
         self.reached = strengths.rms(left)  # in noise floors; what is out of every form's reach ends lower
         self.seed, self.rate_hz = seed, rate_hz
         self.room_s = np.arange(0.0, HORIZON_S)
-        self.room_K = _ambient(self.room_s, _rng(seed, PARTS[0], "ambient"))
+        self.room_K = ambient_K(self.room_s, rng_of(seed, PARTS[0], "ambient"))
 
     def recording(
         self,
@@ -68,7 +68,7 @@ class HiddenSensor:
         run_number : int
             Another run has other noise and other sampling times.
         """
-        rng = _rng(self.seed, "run", str(run_number))
+        rng = rng_of(self.seed, "run", str(run_number))
         t = sample_times(float(time_s[-1]) / 60, self.rate_hz, rng)
         before = np.zeros(0) if past is None else past
         earlier_s = np.arange(len(before)) * past_dt_s

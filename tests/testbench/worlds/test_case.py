@@ -12,7 +12,7 @@ from gcode.support.errors import UserError
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE
 from testbench.worlds import CATALOGUE, OUTSIDE, make_case
 from testbench.worlds.base import WORLDS, draw_world
-from testbench.worlds.case import _Bench, _choose, _rng
+from testbench.worlds.case import Bench, choose, rng_of
 from testbench.worlds.forms import FORMS
 
 SHORT = {"minutes": 4.0, "rate_hz": 20.0}
@@ -71,7 +71,7 @@ def test_none_differs_from_an_effect_by_the_effect_alone():
 
 def test_the_noise_floor_in_the_truth_is_the_noise_in_the_recording():
     case = make_case("none", 5, "mismatched", 11, **SHORT)
-    bench = _Bench(draw_world("mismatched", _rng(11, "base", "mismatched")), 11, 4.0, 20.0, "any", "perlin")
+    bench = Bench(draw_world("mismatched", rng_of(11, "base", "mismatched")), 11, 4.0, 20.0, "any", "perlin")
     force, ln_g = bench.signals("held_out", ())
     noise_N = case.held_out[FORCE] - force
     noise_ln = np.log(case.held_out.conductance_S) - ln_g
@@ -82,9 +82,9 @@ def test_the_noise_floor_in_the_truth_is_the_noise_in_the_recording():
 @pytest.mark.parametrize(("effect", "form"), [("channel_lag", "late_force"), ("stress_relaxation", "one_time")])
 def test_a_real_refit_of_the_base_leaves_the_strength(effect, form):
     """The definition is a linear projection; least squares on all base parameters must agree with it."""
-    base = draw_world("matched", _rng(2, "base", "matched"))
-    bench = _Bench(base, 2, 4.0, 20.0, "white", "perlin")
-    one, shape = _choose(effect, form, 2, base)
+    base = draw_world("matched", rng_of(2, "base", "matched"))
+    bench = Bench(base, 2, 4.0, 20.0, "white", "perlin")
+    one, shape = choose(effect, form, 2, base)
     hidden = bench.scale(one, shape, 5.0)
     seen = bench.whitened("calibration", [hidden])
     names = [(law, p) for law, laws in base.laws().items() for p in laws.parameters]
