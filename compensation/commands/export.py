@@ -18,10 +18,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Write the file and say what it costs."""
+    from compensation.commands.common import check_places
     from compensation.export.export_c import c_header, code_bytes, cost
     from compensation.model.files import load
     from gcode.support.files import write_text
 
+    check_places(args.output, None)
     compensator = load(args.compensator)
     if args.format == "onnx":
         from compensation.export.export_onnx import write_onnx

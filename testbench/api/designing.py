@@ -17,7 +17,7 @@ from testbench.api.progress import Tell, telling
 from testbench.design import experiment
 from testbench.design.experiment import Option, Rival
 from testbench.design.experiment_words import experiment_table, verdict
-from testbench.design.protocols import Bounds
+from testbench.design.protocols import Bounds, menu
 from testbench.design.rivals import rivals_from_diagnosis, rivals_of
 from testbench.fitting.measurement import split
 from testbench.fitting.results import read_diagnosis
@@ -166,6 +166,7 @@ def next_experiment(
             first = recording_of(recording, gauge_length_mm)
             held = None if held_out is None else recording_of(held_out, gauge_length_mm)
             data, source = _diagnosis(rivals)
+            menu(_bounds({**(bounds or {}), "gauge_length_mm": first.gauge_length_mm}))  # refused before the refits
             say = tell or (lambda _text: None)
             found, noise = rivals_from_diagnosis(data, source, *split(first, held), catalogue, say)
             gauge, temperature = first.gauge_length_mm, temperature or first.has(TEMPERATURE)

@@ -38,7 +38,7 @@ def run(args: argparse.Namespace) -> int:
     from gcode.support.files import write_json
     from testbench.api.designing import next_experiment
     from testbench.api.progress import Telling
-    from testbench.design.protocols import Bounds, menu
+    from testbench.design.protocols import MENU
 
     if args.diagnosis and (args.models or not args.fit):
         raise UserError("experiment: --diagnosis goes with --fit RECORDING and without MODEL files")
@@ -50,7 +50,7 @@ def run(args: argparse.Namespace) -> int:
         "strain_max_percent": args.strain_max,
         "duration_s": args.duration_s,
     }
-    tell = Telling("motion", len(menu(Bounds(**bounds))), "imitating on")
+    tell = Telling("motion", len(MENU), "imitating on")
     found = next_experiment(
         args.diagnosis or args.models,
         args.fit if args.diagnosis else None,

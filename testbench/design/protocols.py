@@ -25,6 +25,7 @@ from gcode.trajectories.trajectory import Limits, TrajectorySpec
 
 RATE_HZ = 20.0
 MIN_DURATION_S = 120.0
+SHORTEST_STROKE_S = 2 / RATE_HZ  # a stroke of less than two steps cannot be planned
 APPROACHES_S = 12.0  # to the first position of a random motion, and back to zero at the end
 NOISE = "noise"  # the protocol that all others are measured against
 
@@ -81,18 +82,32 @@ def menu(bounds: Bounds, share: float = 1.0) -> dict[str, TrajectorySpec]:
     Raises
     ------
     UserError
-        If the duration is too short for the designs, or longer than a day.
+        If the duration is too short for the designs, or longer than a day; or if a stroke to the largest strain takes
+        less than two steps of the plan, or there and back more than the whole run.
     """
     if not MIN_DURATION_S <= bounds.duration_s <= 24 * 3600:
         raise UserError(
             f"duration_s: an experiment takes {MIN_DURATION_S:.0f} s to 24 h, got {bounds.duration_s:g} s"
         )
+    _check_stroke(bounds)
     eased = replace(
         bounds,
         v_max_mm_per_s=share * bounds.v_max_mm_per_s,
         a_max_mm_per_s2=share * bounds.a_max_mm_per_s2,
     )
     return {name: spec_of(name, make(eased), bounds) for name, make in MENU.items()}
+
+
+def _check_stroke(bounds: Bounds) -> None:
+    stroke_s = bounds.stroke_mm / max(bounds.fast_mm_per_s, 1e-300)
+    if SHORTEST_STROKE_S <= stroke_s <= bounds.duration_s / 2:
+        return
+    what = f"{bounds.strain_max_percent:g} % of {bounds.gauge_length_mm:g} mm at up to {bounds.fast_mm_per_s:g} mm/s"
+    raise UserError(
+        f"strain_max_percent, v_max_mm_per_s, a_max_mm_per_s2: a stroke ({what}) must take from "
+        f"{SHORTEST_STROKE_S:g} s to half the run ({bounds.duration_s / 2:g} s), not {stroke_s:.3g} s; "
+        "change the strain or the limits"
+    )
 
 
 def spec_of(name: str, pieces: Sequence[Piece], bounds: Bounds) -> TrajectorySpec:

@@ -144,3 +144,15 @@ def test_command_writes_the_file(compensator, tmp_path, capsys, format_):
     if format_ == "c":
         assert main(["export", str(tmp_path / "c.json"), "-o", str(out), "--name", "no good"]) == 2
         assert "C identifier" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("format_", ["c", "onnx"])
+@pytest.mark.parametrize(("place", "said"), [("no/such/x", "its folder does not exist"), (".", "is a folder")])
+def test_a_place_that_cannot_be_written_is_said_before_the_work(compensator, tmp_path, capsys, format_, place, said):
+    compensator_files.save(tmp_path / "c.json", compensator)
+    words = ["export", str(tmp_path / "c.json"), "--format", format_, "-o", str(tmp_path / place)]
+    assert main(words) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert "Traceback" not in error
+    assert [path.name for path in tmp_path.iterdir()] == ["c.json"]

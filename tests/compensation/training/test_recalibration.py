@@ -83,6 +83,21 @@ def test_the_command_saves_what_predict_reads(compensator, recordings, tmp_path,
     assert "--seconds must be a number from 5 on" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("seconds", ["60", "6"])
+def test_a_reference_that_was_never_tared_is_refused(compensator, recordings, tmp_path, capsys, seconds):
+    compensator_files.save(tmp_path / "c.json", compensator)
+    recording = recordings[1]
+    untared = replace(recording, channels={**recording.channels, "force_N": recording["force_N"] + 100.0})
+    write_recording_csv(tmp_path / "untared.csv", untared)
+    out = tmp_path / "new.json"
+    words = ["recalibrate", str(tmp_path / "c.json"), str(tmp_path / "untared.csv"), "--seconds", seconds]
+    assert main([*words, "-o", str(out)]) == 2
+    said = capsys.readouterr().err
+    assert "force_N lies between" in said
+    assert "it was not tared" in said
+    assert not out.exists()
+
+
 def test_too_little_reference_is_said(compensator, test_part):
     with pytest.raises(UserError, match=r"4.0 s of reference; a recalibration needs at least 5 s"):
         recalibrated(compensator, first(test_part, 4))

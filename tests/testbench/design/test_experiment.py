@@ -78,7 +78,15 @@ def test_every_design_keeps_the_limits_and_the_time(bounds):
 
 @pytest.mark.parametrize(
     ("changes", "match"),
-    [({"duration_s": 5}, "an experiment takes"), ({"v_max_mm_per_s": -1}, "v_max_mm_per_s: must be a positive")],
+    [
+        ({"duration_s": 5}, "an experiment takes"),
+        ({"v_max_mm_per_s": -1}, "v_max_mm_per_s: must be a positive"),
+        ({"strain_max_percent": 1e-300}, r"a stroke \(1e-300 % of 25 mm .* must take from 0.1 s to half the run"),
+        ({"strain_max_percent": 1e300}, "must take from 0.1 s to half the run"),
+        ({"v_max_mm_per_s": 1e-300}, "must take from 0.1 s to half the run"),
+        ({"v_max_mm_per_s": 1e300, "a_max_mm_per_s2": 1e300}, "must take from 0.1 s to half the run"),
+        ({"gauge_length_mm": 1e-300}, "must take from 0.1 s to half the run"),
+    ],
 )
 def test_impossible_bounds_are_refused(changes, match):
     with pytest.raises(UserError, match=match):
