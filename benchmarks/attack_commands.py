@@ -1,7 +1,7 @@
 """Attack every sub-command as a stranger would: every kind of wrong file in every place, every wrong number.
 
-Each case must end within `HANGS_AFTER_S` with exit code 0, 1 or 2 and without a traceback. Prints a row a command,
-and each case that did not; exits with 1 if there is one.
+Each case must end within `HANGS_AFTER_CPU_S` with exit code 0, 1 or 2 and without a traceback. Prints a row a
+command, and each case that did not; exits with 1 if there is one.
 
     python benchmarks/attack_commands.py                  # all of it, some minutes
     python benchmarks/attack_commands.py --only gcode     # one package, or "gcode check"
@@ -13,7 +13,6 @@ import argparse
 import contextlib
 import importlib
 import io
-import json
 import os
 import shutil
 import signal
@@ -25,7 +24,7 @@ from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
-HANGS_AFTER_S = 60
+HANGS_AFTER_S, HANGS_AFTER_CPU_S = 600, 60  # the first is for waiting, and far above what a busy machine takes
 NUMBERS = ("nan", "inf", "-inf", "-1", "0", "1e300", "-1e300", "1e-300", "9" * 400, "0x10", "1_0", "", "x", "١")
 # {name} is a place for a file; each is replaced by every file of the zoo in turn, the others by a good one.
 COMMANDS = {
@@ -38,20 +37,20 @@ COMMANDS = {
     "testbench fit": "{recording} --gauge-length-mm 25 --model {model} --held-out {recording} -o {out}",
     "testbench compare": "{recording} --model {model} --gauge-length-mm 25",
     "testbench diagnose": "{recording} --gauge-length-mm 25 --held-out {recording} --model {model} --json {out}",
-    "testbench propose": "{recording} --gauge-length-mm 25 --model {model} --quiet",
+    "testbench propose": "{recording} --gauge-length-mm 25 --model {model} --quiet -o {law}",
     "testbench add": "hysteresis --model {model} --fit {recording} --gauge-length-mm 25 -o {out}",
     "testbench ladder": "{model}",
-    "testbench experiment": "{model} {model} --duration-s 60",
-    "testbench experiment ": "--diagnosis {diagnosis} --fit {recording} --gauge-length-mm 25",
+    "testbench experiment": "{model} {rival} --duration-s 120",
+    "testbench experiment ": "--diagnosis {diagnosis} --fit {recording} --gauge-length-mm 25 --duration-s 120",
     "testbench report": "--recording {recording} --gauge-length-mm 25 --diagnosis {diagnosis} -o {out}",
     "testbench report ": "--compensator {score} --model {model} --commands {text} -o {out}",
     "testbench verify": "{campaign}",
-    "testbench align": "{campaign} --program {program} -o {out}",
+    "testbench align": "{campaign} --program {driven} -o {out}",
     "testbench dataset": "{dataset} -o {out} --workers 1",
     "testbench import": "{table} --gauge-length-mm 25 -o {out}",
     "testbench run": "--program {program} --sensor pes -o {out}",
     "testbench record": "--port /dev/knitbench-is-not-there --program {program} -o {out}",
-    "testbench record ": "--resume -o {campaign}",
+    "testbench record ": "--resume -o {unfinished}",
     "testbench hide": "--minutes 1 -o {out}",
     "testbench effects": "--effects {effects} --check",
     "compensation train": "{campaign} --target force --hidden 1 --restarts 1 -o {out}",
@@ -59,8 +58,18 @@ COMMANDS = {
     "compensation predict": "{campaign} --compensator {compensator} -o {out}",
     "compensation recalibrate": "{compensator} {campaign} -o {out}",
     "compensation export": "{compensator} -o {out}",
-    "compensation search": "{campaign} {campaign} {campaign} --sample 1 --seeds 1 --workers 1 -o {out}",
+    "compensation search": "{campaign} {campaign} {campaign} --target force --sample 1 --seeds 1 --workers 1 "
+    "-o {out}",
 }
+MADE_BY = (
+    "testbench run --program {driven} --sensor pes -o {campaign}",
+    "testbench fit {recording} --gauge-length-mm 25 -o {model}",
+    "testbench add stress_relaxation --model {model} --fit {recording} --gauge-length-mm 25 -o {rival}",
+    "testbench diagnose {recording} --gauge-length-mm 25 --json {diagnosis}",
+    "testbench effects --new my_effect -o {effects}",
+    "compensation train {campaign} --target force --hidden 1 --restarts 1 -o {compensator}",
+    "compensation score {compensator} {campaign} -o {score}",
+)
 NO_NUMBERS = {
     "--port",
     "--workers",
@@ -76,34 +85,39 @@ class Hung(BaseException):
 
 
 def good_files(folder: Path) -> dict[str, Path]:
-    """A small good file for each place."""
+    """A small good file for each place: made by the commands themselves, so that every loader takes it."""
     from gcode.trajectories.toml_spec import spec_to_toml
-    from testbench.campaigns.campaign import simulate_campaign
-    from tests.fuzz.targets import DATASET, DIAGNOSIS, SCORE, SPEC, TABLE, samples
-    from tests.testbench.rig.rigs import plan, program, triangle
+    from tests.fuzz.targets import DATASET, SPEC, TABLE, samples
+    from tests.testbench.builders import record, truth, write_csv
+    from tests.testbench.rig.rigs import PROGRAM_TEXT, program
 
-    made = samples()
-    files = {
-        "program": made["program"].encode(),
-        "spec": spec_to_toml(SPEC).encode(),
-        "recording": TABLE,
-        "table": TABLE,
-        "model": json.dumps(made["model"]).encode(),
-        "diagnosis": json.dumps(DIAGNOSIS).encode(),
-        "score": json.dumps(SCORE).encode(),
-        "text": b"testbench fit mine\n",
-        "dataset": DATASET.encode(),
-        "effects": b"x = 1\n",
-        "compensator": b'{"format": "knitbench-compensator", "version": 4}',
-    }
-    ends = {"program": "tap", "spec": "toml", "dataset": "toml", "recording": "csv", "table": "csv", "effects": "py"}
-    paths = {name: folder / f"{name}.{ends.get(name, 'json')}" for name in files}
-    for name, path in paths.items():
-        path.write_bytes(files[name])
-    (folder / "knit.json").write_bytes(files["model"])
     program(folder)
-    simulate_campaign(plan(folder), folder / "campaign", triangle(2.0))
-    return paths | {"campaign": folder / "campaign"}
+    texts = {
+        "program.tap": samples()["program"],
+        "driven.tap": PROGRAM_TEXT.replace("M30", "G1 X5 F120\nG1 X0 F120\n" * 12 + "M30"),
+        "spec.toml": spec_to_toml(SPEC),
+        "table.csv": TABLE.decode(),
+        "text.json": "testbench fit mine\n",
+        "dataset.toml": DATASET,
+    }
+    for name, text in texts.items():
+        (folder / name).write_text(text)
+    (folder / "unfinished").mkdir()
+    for name, data in samples()["files"].items():
+        (folder / "unfinished" / name).write_bytes(data)
+    paths = {name.partition(".")[0]: folder / name for name in texts}
+    paths |= {name: folder / f"{name}.json" for name in ("model", "rival", "diagnosis", "score", "compensator")}
+    paths |= {"recording": folder / "recording.csv", "effects": folder / "effects.py", "law": folder / "law.py"}
+    paths |= {"campaign": folder / "campaign", "unfinished": folder / "unfinished"}
+    write_csv(record(truth(), 30), paths["recording"])
+    for command in MADE_BY:
+        sub, *words = command.format(**paths).split()[1:]
+        with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()) as said:
+            code = importlib.import_module(f"{command.split()[0]}.cli").main([sub, *words])
+        if code:
+            raise RuntimeError(f"{command}: {said.getvalue()}")
+    (folder / "knit.json").write_bytes(paths["model"].read_bytes())
+    return paths
 
 
 def zoo(folder: Path, good: dict[str, Path]) -> dict[str, Path]:
@@ -192,7 +206,8 @@ def cases(only: str, good: dict[str, Path], bad: dict[str, Path], out: Path) -> 
         for place, word in enumerate(slots):
             for name, path in bad.items() if word.startswith("{") else ():
                 yield f"{program} {sub}", [sub, *filled[:place], str(path), *filled[place + 1 :]], f"{word}: {name}"
-        for option in _number_options(program, sub):
+        # A second way to call a sub-command has the same options as the first.
+        for option in _number_options(program, sub) if not command.endswith(" ") else ():
             for number in NUMBERS:
                 yield f"{program} {sub}", [sub, *filled, f"{option}={number}"], f"{option} {number[:10]}"
 
@@ -216,7 +231,9 @@ def attacked(command: str, words: list[str]) -> str:
         raise Hung
 
     signal.signal(signal.SIGALRM, hung)
+    signal.signal(signal.SIGPROF, hung)
     signal.alarm(HANGS_AFTER_S)
+    signal.setitimer(signal.ITIMER_PROF, HANGS_AFTER_CPU_S)
     try:
         with contextlib.redirect_stdout(told), contextlib.redirect_stderr(said), warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -224,12 +241,13 @@ def attacked(command: str, words: list[str]) -> str:
     except SystemExit as end:
         code = end.code
     except Hung:
-        return f"still running after {HANGS_AFTER_S} s"
+        return f"still running after {HANGS_AFTER_CPU_S} s of work, or {HANGS_AFTER_S} s of waiting"
     except BaseException as error:
         last = traceback.extract_tb(error.__traceback__)[-1]
         return f"{type(error).__name__}: {str(error)[:100]} ({Path(last.filename).name}:{last.lineno})"
     finally:
         signal.alarm(0)
+        signal.setitimer(signal.ITIMER_PROF, 0)
     if code not in (0, 1, 2):
         return f"exit code {code!r}"
     if "Traceback" in said.getvalue():

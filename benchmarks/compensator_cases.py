@@ -1,16 +1,21 @@
-"""What compensators are trained and tested on: fresh specimens of both presets, and pairs of measured recordings."""
+"""What compensators are trained and tested on: fresh specimens of both presets, and pairs of measured recordings.
+
+`measured` are the pairs of the carbon-black strip on which rules of `auto` were compared, so figures on them measure
+nothing; `others` are recordings that chose nothing: other materials, and a motion of the strip that is in no pair.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from compensation.paper.paper_campaigns import TAB, campaigns
-from testbench.recordings.files import read_recording
+from testbench.recordings.files import read_columns, read_recording
 from testbench.recordings.recording import Recording
 
-REAL = Path(__file__).resolve().parents[1] / "../shared/data/real/cb_silicone_strip"
+ALL_REAL = Path(__file__).resolve().parents[1] / "../shared/data/real"
+REAL = ALL_REAL / "cb_silicone_strip"
 GAUGE_LENGTH_MM, FIRST_PART = 40.0, 0.6
 # Trained on the first, tested on the second: the same strip, the same or another motion, another day or the same.
 PAIRS = (
@@ -25,6 +30,19 @@ PAIRS = (
 )
 
 
+# Folder, recordings in turn, and which column is which; a strain and an angle stand for the displacement.
+THREAD = {"displacement_mm": "strain_raw", "resistance_ohm": "resistance_rel"}
+OTHERS = (
+    ("velostat_pressure", "pike1_exp1", "pike1_exp2", {"force_N": "force_N", "resistance_ohm": "resistance_reading"}),
+    ("silver_nylon_thread", "steps_inc_single_1", "steps_inc_single_2", THREAD | {"force_N": "load_raw"}),
+    ("silver_nylon_thread", "steps_dec_double_1", "steps_dec_double_2", THREAD | {"force_N": "load_raw"}),
+    ("silver_nylon_thread", "steps_inc_single_1", "steps_inc_double_1", THREAD | {"force_N": "load_raw"}),
+    ("silver_nylon_thread", "cyclic_mixed_10_20", "cyclic_mixed_15_25", THREAD),
+    ("silver_nylon_thread", "cyclic_sin_20", "cyclic_tri_20", THREAD),
+)
+SLEEVE, SLEEVE_SENSORS = "knit_graphene_sleeve/HC_90_S1_2_HC90.csv", ("s1", "s2", "s3", "s4", "s5")
+
+
 @dataclass(frozen=True)
 class Case:
     """Recordings to learn from and to be tested on; `load` gives both, in that order."""
@@ -32,6 +50,7 @@ class Case:
     kind: str
     name: str
     load: Callable[[], tuple[Sequence[Recording], Sequence[Recording]]]
+    targets: tuple[str, ...] = ("force", "displacement")
 
 
 def simulated(folder: Path, numbers: Sequence[int]) -> Iterator[Case]:
@@ -67,3 +86,49 @@ def measured() -> Iterator[Case]:
         return [whole.between(0.0, cut)], [whole.between(cut, whole.duration_s)]
 
     yield Case("measured", "cb10 holds, first 60 % -> rest", halves)
+
+
+def others() -> Iterator[Case]:
+    """Pairs of other materials, both ways round, and parts of single recordings; nothing where they are absent."""
+    if not ALL_REAL.is_dir():
+        return
+    for folder, first, second, columns in OTHERS:
+        targets = tuple(name for name, channel in TARGET_OF.items() if channel in columns)
+        for one, other in ((first, second), (second, first)):
+            yield Case(
+                "others",
+                f"{folder.split('_')[0]} {one} -> {other}",
+                lambda f=folder, a=one, b=other, c=columns: (
+                    [_named(ALL_REAL / f / f"{a}.csv", c)],
+                    [_named(ALL_REAL / f / f"{b}.csv", c)],
+                ),
+                targets,
+            )
+    strip = {"displacement_mm": "displacement_mm", "force_N": "force_N", "resistance_ohm": "resistance_ohm"}
+    yield Case("others", "cb sine, first 60 % -> rest", lambda: _parts(_named(REAL / "cb7.5_s2_sine.csv", strip)))
+    for sensor in SLEEVE_SENSORS:
+        columns = {"displacement_mm": "knee_angle_deg", "resistance_ohm": f"{sensor}_dR_R0"}
+        # Two people follow each other, the boundary is not marked: the first 45 % are of the first alone.
+        yield Case(
+            "others",
+            f"sleeve {sensor}, first 60 % of one person -> rest",
+            lambda c=columns: _parts(_named(ALL_REAL / SLEEVE, c, change=True), 0.45),
+            ("displacement",),
+        )
+
+
+TARGET_OF = {"force": "force_N", "displacement": "displacement_mm"}
+
+
+def _named(path: Path, columns: Mapping[str, str], change: bool = False) -> Recording:
+    """A recording of these columns; a resistance that is a change against the first counts from 1 on."""
+    found = read_columns(path)
+    channels = {name: found[column] for name, column in columns.items()}
+    channels["resistance_ohm"] = channels["resistance_ohm"] + (1.0 if change else 0.0)
+    return Recording(found["time_s"], channels, GAUGE_LENGTH_MM, path.stem)
+
+
+def _parts(whole: Recording, share: float = 1.0) -> tuple[Sequence[Recording], Sequence[Recording]]:
+    begin_s, end_s = float(whole.time_s[0]), float(whole.time_s[0] + share * whole.duration_s)
+    cut_s = begin_s + FIRST_PART * (end_s - begin_s)
+    return [whole.between(begin_s, cut_s)], [whole.between(cut_s, end_s)]

@@ -113,6 +113,7 @@ def _add_repairs(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     import json
 
+    from gcode.support.console import printable
     from testbench.campaigns.campaign import vacant
     from testbench.campaigns.sensors import existing_file
     from testbench.importing.from_file import import_file, place_of, write_import
@@ -130,9 +131,9 @@ def run(args: argparse.Namespace) -> int:
         print(json.dumps({"recordings": data}))
         return 0
     for role, words in every[0].taken.items():
-        print(f"{role}: {words}")
+        print(printable(f"{role}: {words}"))
     for imported, place in zip(every, places, strict=True):
-        print("\n".join(_report(imported, place)))
+        print(printable("\n".join(_report(imported, place))))
     return 0
 
 

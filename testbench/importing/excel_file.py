@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import datetime
 import warnings
-import zipfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from xml.etree.ElementTree import ParseError
 
 from gcode.support.errors import UserError
+from testbench.importing import unpacking
 from testbench.importing.layout import find_layout
 from testbench.importing.sheet import HEAD_ROWS, Hints, Sheet
+from testbench.importing.unpacking import BROKEN, check_unpacked
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -69,31 +71,50 @@ def _read(path: Path, wanted: str | None) -> dict[str, list[Cells]]:
     import openpyxl
     from openpyxl.utils.exceptions import InvalidFileException
 
+    check_unpacked(path)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of styles and extensions that are of no use here
             book = openpyxl.load_workbook(path, read_only=True, data_only=True)
-    except (OSError, InvalidFileException, zipfile.BadZipFile, KeyError, ValueError) as error:
+    except (*BROKEN, InvalidFileException, ParseError, KeyError, TypeError, AttributeError) as error:
         raise UserError(f"{path}: not an Excel workbook that can be read ({error}); save it again as .xlsx") from None
     try:
         names = [sheet.title for sheet in book.worksheets]
         if wanted is not None and wanted not in names:
             raise UserError(f"{path}: no sheet {wanted!r}; it has {', '.join(names)}")
-        return {name: _rows(book[name]) for name in ([wanted] if wanted is not None else names)}
+        return {name: _rows(path, book[name]) for name in ([wanted] if wanted is not None else names)}
+    except UserError:
+        raise
+    except (*BROKEN, ParseError, KeyError, IndexError, TypeError) as error:
+        raise UserError(f"{path}: a workbook with broken parts ({error}); save it again as .xlsx") from None
     finally:
         book.close()
 
 
-def _rows(sheet: Any) -> list[Cells]:
+def _rows(path: Path, sheet: Any) -> list[Cells]:
     """The values as the sheet shows them: a cell in the format ``0 %`` holds 0.5 and shows 50 %."""
+    from openpyxl.cell.read_only import EMPTY_CELL
+
     rows: list[Cells] = []
+    count = 0
+    # What a sheet says of its size would fill every row up to there.
+    sheet.reset_dimensions()
     for cells in sheet.iter_rows():
-        values = [cell.value for cell in cells]
-        for place, cell in enumerate(cells):
-            if isinstance(cell.value, int | float) and "%" in str(cell.number_format or ""):
-                values[place] = 100 * cell.value
-        rows.append(values)
+        count += max(len(cells), 1)
+        if count > unpacking.MOST_CELLS:
+            raise UserError(
+                f"{path}: sheet {sheet.title!r} has more than {unpacking.MOST_CELLS} cells, empty ones between "
+                "others counted; export the table as CSV"
+            )
+        # Empty cells are all one object.
+        rows.append([None if cell is EMPTY_CELL else _value(cell) for cell in cells])
     return rows
+
+
+def _value(cell: Any) -> Any:
+    if isinstance(cell.value, int | float) and "%" in str(cell.number_format or ""):
+        return 100 * cell.value
+    return cell.value
 
 
 def _shown(cell: Any) -> str:

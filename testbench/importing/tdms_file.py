@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +17,7 @@ from testbench.importing.sheet import HEAD_ROWS, Hints, Sheet
 if TYPE_CHECKING:
     import pandas as pd
 
+MOST_WORDS = 200  # of what npTDMS objects to
 FIRST_ROW = 3  # names and units stand above the numbers
 _UNIT_PROPERTIES = ("unit_string", "NI_UnitDescription", "Unit", "unit")
 
@@ -58,12 +60,21 @@ def _cell(column: np.ndarray, row: int) -> str:
 
 
 def _channels(path: Path, group: str | None) -> tuple[list[str], list[str], list[np.ndarray]]:
+    # What npTDMS remarks about a broken file is bytes of that file.
+    logging.getLogger("nptdms").setLevel(logging.CRITICAL)
+    try:
+        return _read(path, group)
+    except UserError:
+        raise
+    except Exception as error:  # npTDMS raises whatever a broken file leads it to, running out of memory included
+        reason = f"{type(error).__name__}: {error}"[:MOST_WORDS]
+        raise UserError(f"{path}: not a TDMS file that can be read ({reason})") from None
+
+
+def _read(path: Path, group: str | None) -> tuple[list[str], list[str], list[np.ndarray]]:
     import nptdms
 
-    try:
-        file = nptdms.TdmsFile.read(path)
-    except Exception as error:  # npTDMS raises whatever a broken file leads it to
-        raise UserError(f"{path}: not a TDMS file that can be read ({error})") from None
+    file = nptdms.TdmsFile.read(path)
     groups = [one for one in file.groups() if any(len(channel) for channel in one.channels())]
     if not groups:
         raise UserError(f"{path}: a TDMS file without a channel that holds numbers, or none at all")

@@ -201,8 +201,8 @@ def _effects_in_file(path: Path) -> dict[str, type[Effect]]:
     if not path.is_file():
         raise UserError(f"{path}: no such effects file; `testbench effects --new NAME` writes a template")
     spec = importlib.util.spec_from_file_location(f"knitbench_user_{path.stem}", path)
-    assert spec is not None
-    assert spec.loader is not None
+    if spec is None or spec.loader is None:
+        raise UserError(f"{path}: an effects file is Python; its name must end in .py")
     module = importlib.util.module_from_spec(spec)
     try:
         spec.loader.exec_module(module)

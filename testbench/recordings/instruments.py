@@ -32,7 +32,7 @@ class _Settings(BaseModel):
 class SampleClock(_Settings):
     """When the firmware's loop reads: instantaneous rates 1/dt are lognormal with the measured mean and SD."""
 
-    rate_hz: float = Field(41.5, gt=0, le=1000, description="mean of 1/dt, measured on the paper's bench")
+    rate_hz: float = Field(41.5, ge=0.01, le=1000, description="mean of 1/dt, measured on the paper's bench")
     rate_sd_hz: float = Field(14.2, ge=0, le=500, description="standard deviation of 1/dt, measured likewise")
 
     def times(self, duration_s: float, rng: Generator) -> FloatArray:

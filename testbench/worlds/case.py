@@ -24,6 +24,7 @@ CATALOGUE = tuple(name for name in FORMS if name not in UNKNOWN)
 OUTSIDE = tuple(sorted(UNKNOWN))
 NOISES = (*KINDS, "any")
 DECOY_SHARE = 0.15
+LEAST_SAMPLES, MOST_SAMPLES = 200, 20_000_000  # the second: 48 h at 100 Hz
 READING_NOISE_MM = (0.0003, 0.005)  # standard deviation of a displacement reading, drawn for each sensor
 
 
@@ -285,7 +286,14 @@ def _check(world: str, noise: str, protocol: str, channels: Sequence[str], **num
     for what, number in numbers.items():
         if not (np.isfinite(number) and number > 0):
             raise UserError(f"{what}: must be a positive number, got {number}")
-    if numbers["minutes"] * 60 * numbers["rate_hz"] < 200:
+    samples = numbers["minutes"] * 60 * numbers["rate_hz"]
+    if samples < LEAST_SAMPLES:
         raise UserError(
-            f"minutes: {numbers['minutes']} min at {numbers['rate_hz']} Hz is under 200 samples; ask for more"
+            f"minutes: {numbers['minutes']} min at {numbers['rate_hz']} Hz is under {LEAST_SAMPLES} samples; "
+            "ask for more"
+        )
+    if samples > MOST_SAMPLES:
+        raise UserError(
+            f"minutes: {numbers['minutes']} min at {numbers['rate_hz']} Hz are more than the {MOST_SAMPLES} samples "
+            "that are simulated at once; ask for less"
         )

@@ -168,6 +168,8 @@ def test_the_truth_is_plain_json():
         ({"strength": 0.0}, "strength: must be a positive number"),
         ({"strength": float("nan")}, "strength: must be a positive number"),
         ({"minutes": 0.01}, "under 200 samples"),
+        ({"rate_hz": 1e300}, "more than the 20000000 samples"),
+        ({"minutes": 1e300}, "more than the 20000000 samples"),
         ({"seed": -1}, "seed: must be"),
         ({"channels": ("voltage_V",)}, "channels: must be"),
     ],
