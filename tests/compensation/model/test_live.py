@@ -15,12 +15,15 @@ from compensation.training.options import Options
 from compensation.training.training import train
 from gcode.support.errors import UserError
 from testbench.campaigns.following import live_compensator
+from testbench.campaigns.record import Job, begin, record
 from testbench.commands import record as command
+from testbench.recordings.manifest import problems
 from testbench.rig.progress import as_text
-from testbench.rig.recorder import Chunk, End, Recorder
+from testbench.rig.recorder import Chunk, End, Limits, Recorder
 from testbench.rig.sink import Sink
 from testbench.rig.stream import Intake
 from testbench.rig.wire import Sample, encode
+from tests.testbench.rig.rigs import program
 
 
 @pytest.fixture(scope="module")
@@ -52,6 +55,27 @@ def test_the_recorder_shows_and_keeps_what_the_stream_gives(compensator, recordi
     assert list(table) == ["time_s", "force_N", "status"]
     np.testing.assert_allclose(table["force_N"], expected, atol=1e-6)
     assert f"compensated {expected[-1]:.3f} N" in said[-1]
+
+
+def test_what_it_kept_is_sealed_with_the_campaign(compensator, recordings, tmp_path):
+    """`compensated.csv` has its hash in the manifest: any bit of it that changes is found."""
+    files.save(tmp_path / "c.json", compensator)
+    folder, job = tmp_path / "campaign", Job("/dev/ttyUSB0", 115200, program(tmp_path), 25.0, Limits())
+    begin(job, folder)
+    following = live_compensator(tmp_path / "c.json", folder)
+    lines = [encode(Sample(7, n, us, 100_000, mohm, 0)) for n, (us, mohm) in enumerate(samples(recordings[1]))]
+    record(job, folder, [*(Chunk(0.05 * n, line) for n, line in enumerate(lines)), End(9.0)], follow=following.follow)
+    following.close()
+    assert problems(folder) == []
+    kept = (folder / NAME).read_bytes()
+    assert len(kept.splitlines()) == 101
+    for place in range(0, len(kept), len(kept) // 20):
+        changed = bytearray(kept)
+        changed[place] ^= 1
+        (folder / NAME).write_bytes(bytes(changed))
+        assert any(NAME in problem for problem in problems(folder)), place
+    (folder / NAME).unlink()
+    assert any(NAME in problem for problem in problems(folder))
 
 
 def test_no_reading_and_a_lost_disk_stop_nothing(compensator, recordings, tmp_path):

@@ -1,4 +1,4 @@
-"""No dead networks; of 8 tuned ones the worst is within 0.03 of the median. Both presets and a measured strip."""
+"""No dead networks; of 20 tuned ones the worst is within 0.03 of the median. Both presets and a measured strip."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from compensation.paper import reproduction as ours
 from compensation.paper.paper_campaigns import TAB, campaigns
 from testbench.recordings.files import read_recording
 
-SEEDS, WITHIN = 8, 0.03
+SEEDS, WITHIN = 20, 0.03
 STRIP = ("cb7.5_s2_multisine_600s", "cb7.5_s2_multisine_300s_a", "cb7.5_s2_random_sawtooth_a")
 
 
@@ -32,7 +32,7 @@ def near_the_median(means: np.ndarray) -> bool:
 def test_five_starts_are_never_all_dead(series):
     """A single start of the published network is dead in one of five to ten; the best of five by training is not.
 
-    It still differs more between seeds than the tuned one: its worst of 8 is not within 0.03 of the median.
+    It still differs more between seeds than the tuned one: its worst of 20 is not within 0.03 of the median.
     """
     training, *tests = series
     found = ours.over_seeds(training, tests, "force", 5 * SEEDS)
