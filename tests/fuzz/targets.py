@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import signal
 import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 from hypothesis import strategies as st
 
+from compensation.memories.history import NO_HISTORY
 from compensation.model.files import load as load_compensator
+from compensation.model.files import save as save_compensator
+from compensation.model.streaming import CompensatorStream
+from compensation.training.learners import WHOLE
+from compensation.training.options import Options
+from compensation.training.training import train
 from gcode.mach4.controller import play
 from gcode.mach4.reader import parse_program, read_program, read_text
 from gcode.programs.make import make
@@ -31,6 +39,7 @@ from testbench.campaigns.dataset_index import index_problems
 from testbench.campaigns.dataset_spec import read_spec as read_dataset_spec
 from testbench.campaigns.record import Job, begin, job_of, record
 from testbench.fitting.model_file import ModelFile, load_model_file
+from testbench.fitting.results import read_experiment
 from testbench.importing.from_file import Wish, import_csv
 from testbench.knit.catalogue import baseline, load_catalogue
 from testbench.recordings.files import read_recording
@@ -41,6 +50,10 @@ from testbench.rig.recorder import Limits as Alarms
 from testbench.rig.resume import continued, mend
 from testbench.rig.stream import Intake
 from tests.fuzz import grammars
+from tests.testbench.builders import record as record_of
+from tests.testbench.builders import truth
+from tests.testbench.importing import exports
+from tests.testbench.report.samples import diagnosis, score
 from tests.testbench.rig.rigs import plan, program, rig, triangle
 
 HANGS_AFTER_S = 30
@@ -91,6 +104,33 @@ def samples() -> dict[str, Any]:
     }
 
 
+@cache
+def compensators() -> tuple[dict[str, Any], ...]:
+    """Good compensators of both kinds, quickly made; what they predict does not matter."""
+    folder = Path(tempfile.mkdtemp(prefix="fuzz-"))
+    found = []
+    for history in (NO_HISTORY, WHOLE):
+        options = Options(sizes=(2,), restarts=1, engine="fast", history=history)
+        made = train([record_of(truth(), 60)], "force", options)
+        save_compensator(folder / "c.json", replace(made, margins=(-0.1, 0.1)))
+        found.append(json.loads((folder / "c.json").read_text()))
+    return tuple(found)
+
+
+def compensator_sealed(data: dict[str, Any]) -> str:
+    """As somebody writes it who knows how the digest is made."""
+    bare = {key: value for key, value in data.items() if key != "sha256"}
+    digest = hashlib.sha256(json.dumps(bare, sort_keys=True, allow_nan=False).encode()).hexdigest()
+    return json.dumps(bare | {"sha256": digest})
+
+
+@cache
+def tables(end: str) -> bytes:
+    """A good workbook or TDMS file."""
+    folder = Path(tempfile.mkdtemp(prefix="fuzz-"))
+    return {"xlsx": exports.workbook, "tdms": exports.labview}[end](folder).read_bytes()
+
+
 FIT = {
     "parameters": {"elasticity.stiffness_N": {"value": 5.0, "unit": "N", "standard_error": 0.1}},
     "at_bound": [],
@@ -101,8 +141,16 @@ FIT = {
 }
 STEP = {
     "step": "baseline",
-    "errors": {"calibration": {"force_N": 0.1}, "held_out": {"force_N": 0.1}},
-    "noise_floor": {"force_N": 0.01},
+    "errors": {"calibration": {"force": 0.1}, "held_out": {"force": 0.1}},
+    "noise_floor": {"force": 0.01},
+}
+EXPERIMENT = {
+    "rivals": ["creep", "relaxation"],
+    "gauge_length_mm": 25.0,
+    "options": [
+        {"protocol": "noise", "duration_s": 600.0, "log_odds": 3.0, "grade": "decisive", "channel": "force"},
+    ],
+    "left": {"creep": {"time_s": [0.0, 1.0], "over_noise": [0.0, 2.0]}},
 }
 INDEX = {
     "format": "knitbench-dataset",
@@ -111,9 +159,6 @@ INDEX = {
         {"campaign": "a", "sensor": "s", "program": "p.tap", "seed": 1, "samples": 9, "manifest_sha256": "0" * 64}
     ],
 }
-DIAGNOSIS = {"verdict": "missing", "ranking": [], "error_before": {}, "error_after": {}, "noise_floor": {}}
-SCORE = {"format": "knitbench-score", "compensator": {"target": "force"}, "recordings": [], "summary": {}}
-COMPENSATOR = {"format": "knitbench-compensator", "version": 1, "target": "force", "rate_hz": 20.0, "networks": []}
 
 
 def _file(load: Callable[[Path], object], name: str) -> Callable[[Path, bytes | str], None]:
@@ -181,6 +226,17 @@ def _foreign(path: Path) -> None:
     import_csv(path, wish)
 
 
+def _table(path: Path) -> None:
+    import_csv(path, Wish(40.0))
+
+
+def _compensator(path: Path) -> None:
+    """One that loads must run: on good readings, and on none."""
+    stream = CompensatorStream(load_compensator(path))
+    for conductance_S in (1e-6, 2e-6, float("nan"), 0.0, 1e-6):
+        stream.update(conductance_S, 0.05)
+
+
 _catalogue = cache(load_catalogue)
 Target = tuple[Callable[[Path, Any], None], Callable[[], st.SearchStrategy]]
 TARGETS: dict[str, Target] = {
@@ -217,9 +273,20 @@ TARGETS: dict[str, Target] = {
         _file(lambda path: index_problems(path.parent), "dataset.json"),
         lambda: grammars.damaged_documents((INDEX,)),
     ),
-    "diagnosis": (_file(read_diagnosis, "d.json"), lambda: grammars.damaged_documents((DIAGNOSIS,))),
-    "score": (_file(read_score, "s.json"), lambda: grammars.damaged_documents((SCORE,))),
-    "compensator": (_file(load_compensator, "c.json"), lambda: grammars.damaged_documents((COMPENSATOR,))),
+    "diagnosis": (
+        _file(read_diagnosis, "d.json"),
+        lambda: grammars.damaged_documents((diagnosis("missing"), diagnosis("unknown"))),
+    ),
+    "score": (_file(read_score, "s.json"), lambda: grammars.damaged_documents((score(),))),
+    "compensator": (
+        _file(_compensator, "c.json"),
+        lambda: st.one_of(
+            grammars.damaged_documents(compensators()), grammars.damaged_documents(compensators(), compensator_sealed)
+        ),
+    ),
+    "experiment": (_file(read_experiment, "e.json"), lambda: grammars.damaged_documents((EXPERIMENT,))),
+    "workbook": (_file(_table, "t.xlsx"), lambda: grammars.damaged_bytes((tables("xlsx"),))),
+    "tdms": (_file(_table, "t.tdms"), lambda: grammars.damaged_bytes((tables("tdms"),))),
     "dataset spec": (
         _file(_dataset, "set.toml"),
         lambda: grammars.damaged_bytes((DATASET.encode(), VARIED.encode())),

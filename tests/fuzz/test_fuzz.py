@@ -5,6 +5,7 @@ The corpus (``tests/fuzz/corpus/TARGET/``) holds what once broke something; a ne
 
 from __future__ import annotations
 
+import json
 import os
 import random
 import resource
@@ -25,7 +26,17 @@ from testbench.fitting.model_file import load_model_file
 from testbench.importing.from_file import Wish, import_csv
 from testbench.recordings.files import read_recording
 from testbench.report.build import read_diagnosis
-from tests.fuzz.targets import TARGETS, attack, no_hang, samples
+from tests.fuzz.targets import (
+    EXPERIMENT,
+    TARGETS,
+    attack,
+    compensator_sealed,
+    compensators,
+    no_hang,
+    samples,
+    tables,
+)
+from tests.testbench.report.samples import diagnosis, score
 
 CORPUS = Path(__file__).parent / "corpus"
 QUICK, THOROUGH, MUTANTS = 40, 100_000, 49
@@ -80,6 +91,23 @@ def fuzzed(name: str, folder: Path, examples: int, mutants: int = 0) -> None:
     grown = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 - before
     print(f"\n{name}: {ran} cases, {grown >> 20} MB more memory at most")
     assert grown < MOST_MEMORY_BYTES
+
+
+GOOD = {
+    "model": lambda: json.dumps(samples()["model"]),
+    "diagnosis": lambda: json.dumps(diagnosis("missing")),
+    "score": lambda: json.dumps(score()),
+    "compensator": lambda: compensator_sealed(compensators()[1]),
+    "experiment": lambda: json.dumps(EXPERIMENT),
+    "workbook": lambda: tables("xlsx"),
+    "tdms": lambda: tables("tdms"),
+}
+
+
+@pytest.mark.parametrize("name", GOOD)
+def test_what_is_damaged_was_good(name, tmp_path):
+    """A sample that its loader refuses would be refused damaged, too, and nothing would have been tried."""
+    TARGETS[name][0](tmp_path, GOOD[name]())
 
 
 def mutant(case, rng: random.Random):
