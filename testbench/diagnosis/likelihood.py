@@ -68,17 +68,24 @@ class Likelihood:
         inexact = {channel: constants.INEXACT * self.explained.get(channel, 0.0) for channel in self.floor}
         return {c: float(np.hypot(constants.LEAST_MISFIT * floor, inexact[c])) for c, floor in self.floor.items()}
 
-    def noise_log_prior(self, sigma: Mapping[str, float]) -> float:
-        """Log density of the noise that a model leaves, if nothing else is missing, over the same if anything is.
+    def noise_log_prior(self, sigma: Mapping[str, float], explained: Mapping[str, float]) -> float:
+        """Log density of what a model leaves, if nothing else is missing, over the same if anything is.
 
-        A model that is complete leaves its misfit, within a factor; where something else is missing, every size of
-        what is left is alike, up to `MOST_LEFT` times the misfit.
+        A model that is complete leaves the misfit of its base and the error of its last law, within a factor; where
+        something else is missing, every size of what is left is alike, up to `MOST_LEFT` times the least misfit.
+
+        Parameters
+        ----------
+        sigma, explained : mapping of channel to float
+            Standard deviations of what the model leaves, and of what its last law explains.
         """
-        above = [
-            np.log(max(left / self.misfit[channel], 1.0)) / constants.NOISE_SPREAD for channel, left in sigma.items()
-        ]
+        expected = {
+            c: np.hypot(constants.LEAST_MISFIT * floor, constants.LAW_ERROR * explained.get(c, 0.0))
+            for c, floor in self.floor.items()
+        }
+        over = np.array([np.log(max(left / expected[c], 1.0)) for c, left in sigma.items()])
         at_best = np.log(np.log(constants.MOST_LEFT) / constants.NOISE_SPREAD * np.sqrt(2 / np.pi))
-        return float(sum(at_best - 0.5 * z**2 for z in above))
+        return float(np.sum(at_best - 0.5 * (over / constants.NOISE_SPREAD) ** 2))
 
     @property
     def in_pieces(self) -> Likelihood:

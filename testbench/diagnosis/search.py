@@ -86,8 +86,9 @@ class Round:
     def _complete(self, entry: Entry, left: Mapping[str, float] | None = None) -> float:
         """How much likelier what an entry leaves, or else what the whole model leaves, is if no more is missing."""
         sigma = entry.hypothesis.evidence.sigma
+        by_law = explained(self.before.hypothesis, entry.hypothesis)
         both = (sigma, {c: min(own, left[c]) for c, own in sigma.items()} if left else sigma)
-        return max(self.likelihood.noise_log_prior(one) for one in both)
+        return max(self.likelihood.noise_log_prior(one, by_law) for one in both)
 
     def left(self, entry: Entry) -> float:
         """Share of the error above the least misfit that an entry leaves; an error of that size is none."""
@@ -162,6 +163,7 @@ class Ground:
     hypothesis: Hypothesis
     start: KnitModel
     proposals: tuple[Proposal, ...]
+    bends: bool
 
 
 class Search:
@@ -279,7 +281,9 @@ class Search:
         proposals = tuple(Screen(h, self.compared).proposals(laws))
         bends = any(name in SHAPES for name in h.model)
         start = h.model if bends else self.bent(h.model)
-        return Ground(h if bends else fitted(start, self.compared, self.reference, iterations=0), start, proposals)
+        return Ground(
+            h if bends else fitted(start, self.compared, self.reference, iterations=0), start, proposals, bends
+        )
 
     def other_laws(self, current: Hypothesis) -> list[Effect]:
         """Laws that could take the place of one in the model, drawn to the data."""
@@ -326,8 +330,8 @@ class Search:
         return self.entry(e.mechanism, max(found, key=_evidence), self.compared, e.law, e.name)
 
     def entered(self, chosen: Sequence[tuple[Ground, Proposal]]) -> list[Entry]:
-        def refitted(ground: Ground, p: Proposal) -> tuple[Hypothesis, str]:
-            model = ground.start.plus(p.effect)
+        def refitted(ground: Ground, effect: Effect, p: Proposal) -> tuple[Hypothesis, str]:
+            model = ground.start.plus(effect)
             name = next(n for n in model if n not in ground.start)
             address = f"{name}.{p.effect.strength}"
             believed = {address: p.believed} if p.believed and p.believed[0] > 0 else {}
@@ -337,7 +341,8 @@ class Search:
         def enter(one: tuple[Ground, Proposal]) -> Entry:
             ground, p = one
             self.tell(f"refitting with {p.law}")
-            h, name = refitted(ground, p)
+            # Where the base may hold the effect already, it starts weak: room is made for it step by step.
+            h, name = refitted(ground, p.first if ground.bends else p.effect, p)
             return self.entry(p.mechanism, h, self.compared, p.law, name)
 
         return list(self.pool.map(enter, chosen))
