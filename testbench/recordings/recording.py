@@ -147,8 +147,9 @@ class Recording:
 
     @property
     def mean_rate_hz(self) -> float:
-        """Mean sampling rate."""
-        return (len(self) - 1) / self.duration_s
+        """Mean sampling rate while it was recorded: gaps do not count."""
+        gaps_s = [end_s - start_s for start_s, end_s in self.gaps]
+        return (len(self) - 1 - len(gaps_s)) / (self.duration_s - sum(gaps_s))
 
     def between(self, start_s: float, end_s: float) -> Recording:
         """The samples with ``start_s <= time_s < end_s``; time is kept as it was."""

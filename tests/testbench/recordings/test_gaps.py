@@ -23,6 +23,13 @@ def test_gaps_and_segments():
     assert len(recording(np.arange(10) * 10.0).segments()) == 1
 
 
+def test_a_gap_does_not_slow_the_sampling():
+    day = recording(np.concatenate([np.arange(100) / 40, 86400 + np.arange(100) / 40]))
+    assert day.mean_rate_hz == pytest.approx(40.0)
+    assert recording(np.arange(10) * 10.0).mean_rate_hz == pytest.approx(0.1)
+    assert recording([0.0, 3.0]).mean_rate_hz == pytest.approx(1 / 3)
+
+
 def test_a_short_gap_is_bridged_and_a_day_is_not():
     short = recording(np.concatenate([np.arange(100) / 40, 60 + np.arange(100) / 40]))
     assert len(short.resampled(20.0)) == pytest.approx(62.5 * 20, abs=2)
