@@ -27,6 +27,7 @@ from testbench.knit.model import KnitModel
 NOTHING, UNKNOWN = "nothing", "unknown"
 Verdict = Literal["missing", "nothing_missing", "unknown"]
 Progress = Callable[[str], None]
+BASES = 2  # base laws whose shapes are fitted
 MUCH = 3.0  # squared noise floors above the noise: then a fit is worth another start
 
 
@@ -212,13 +213,10 @@ class Search:
         Two effects of one size leave each other's part unexplained, so that neither can be named alone: the first is
         put in even where it leaves more than it explains, and stays if the second explains the rest.
         """
-        stiff = self.compare(self.baseline.model)
-        current = max(
-            self.compare(self.flexible.model, self.flexible), self.compare(self.bent(stiff.model)), key=_evidence
-        )
         rounds: list[Round] = []
         found: list[Entry] = []
         with ThreadPoolExecutor(2) as self.pool:
+            current, stiff = self.bases()
             while len(rounds) < most:
                 step = self.round(current, stiff)
                 rounds.append(step)
@@ -230,6 +228,14 @@ class Search:
                     break
                 stiff = self.compare(without_shapes(current.model))
         return rounds, found
+
+    def bases(self) -> tuple[Hypothesis, Hypothesis]:
+        """The best base whose laws bend, and the best whose laws cannot, over all laws that a base may have."""
+        model = self.baseline.model
+        models = [model, *(model.plus(law) for law in self.other_laws(model))]
+        stiff = sorted(self.pool.map(self.compare, models), key=_evidence)[-BASES:]
+        bent = self.pool.map(lambda h: self.compare(self.bent(h.model)), stiff)
+        return max(*bent, self.compare(self.flexible.model, self.flexible), key=_evidence), stiff[-1]
 
     def compare(self, model: KnitModel, like: Hypothesis | None = None) -> Hypothesis:
         """A model fitted as models are compared."""
@@ -261,8 +267,7 @@ class Search:
         for p in proposals:
             counted[p.mechanism] = counted.get(p.mechanism, 0) + 1
         entries = self.contest(grounds, proposals)
-        others = self.other_laws(current) if entries else []
-        before = [current, *self.pool.map(lambda law: self.exchanged(current, law), others)]
+        before = [current]
         if entries:
             best = max(entries, key=lambda e: e.log_z)
             before.append(self.compare(best.hypothesis.model.without(best.name), best.hypothesis))
@@ -285,18 +290,15 @@ class Search:
             h if bends else fitted(start, self.compared, self.reference, iterations=0), start, proposals, bends
         )
 
-    def other_laws(self, current: Hypothesis) -> list[Effect]:
+    def other_laws(self, model: KnitModel) -> list[Effect]:
         """Laws that could take the place of one in the model, drawn to the data."""
-        present = {effect.mechanism: effect.name for effect in current.model.effects.values() if not effect.strength}
+        present = {effect.mechanism: effect.name for effect in model.effects.values() if not effect.strength}
         forms = [
             form
             for form in self.catalogue.effects.values()
             if not form.strength and form.mechanism in present and form.name != present[form.mechanism]
         ]
         return [drawn_to_data(form(), self.measurement) for form in forms]
-
-    def exchanged(self, current: Hypothesis, law: Effect) -> Hypothesis:
-        return fitted(current.model.plus(law), self.compared, self.reference, current, iterations=6)
 
     def contest(self, grounds: Sequence[Ground], proposals: Sequence[Proposal]) -> list[Entry]:
         """The best mechanisms refitted: all quickly, on every ground that speaks for them, then the best in full."""
