@@ -29,7 +29,7 @@ from validation_words import page
 from gcode.support.files import make_folder, write_json, write_text
 from gcode.support.strict import read_json
 from testbench.diagnosis import Diagnosis, diagnose
-from testbench.diagnosis.search import NOTHING, UNKNOWN
+from testbench.diagnosis.rounds import NOTHING, UNKNOWN
 from testbench.fitting.measurement import Measurement, split
 from testbench.fitting.remounting import remounted
 from testbench.recordings.versions import software_versions

@@ -13,7 +13,8 @@ from testbench.diagnosis import constants
 from testbench.diagnosis.discrepancy_map import Map
 from testbench.diagnosis.held_out import Interval, block_energies, gain_interval
 from testbench.diagnosis.laplace import Hypothesis
-from testbench.diagnosis.search import NOTHING, UNKNOWN, Entry, Progress, Round, Search, Verdict, searched
+from testbench.diagnosis.rounds import NOTHING, UNKNOWN, Entry, Round, Verdict
+from testbench.diagnosis.search import Progress, Search, searched
 from testbench.fitting.baseline import SHAPES
 from testbench.fitting.errors import noise_floors
 from testbench.fitting.fit import Fit

@@ -25,7 +25,6 @@ FINAL_WEIGHTS = 3
 AGREED = 0.02  # relative change of the noise from one to the next
 PARTS = (1.0, 0.3, 0.0)  # of the last step, where the whole does not hold
 NARROWEST = 1e3  # factor on a group's precision: directions that a wider prior would show are kept
-PROBE, BENT = 0.1, 0.4  # part of a step at which its bend is measured; largest bend, over the step, that is believed
 AT_REST = 0.02  # nats gained in a step: along a valley the steps are short
 HELD = 1e12  # precision of what is held at a bound
 
@@ -180,7 +179,7 @@ class _Search:
             self.scale = evidence.scale
             # The linear model promises more than the next step keeps: a promise must make no outlier of a sample.
             self.sigma = {c: max(sigma, _trimmed(self.columns[c][0])) for c, sigma in evidence.sigma.items()}
-            gain, damping = self.move(normal, robust, damping)
+            gain, damping = self.move(normal, damping)
             if gain is None and fresh:
                 break
             if gain is None:
@@ -233,10 +232,10 @@ class _Search:
                 self.linearise(np.flatnonzero(~self.held & (self.priors.group < 0)))
                 return
 
-    def move(self, normal: NormalEquations, robust: Mapping[str, FloatArray], damping: float):
+    def move(self, normal: NormalEquations, damping: float):
         cost = self.cost_here()
         found = downhill(
-            partial(self.step, normal, robust),
+            partial(self.step, normal),
             lambda step: self.cost_at(self.x + step),
             cost,
             damping,
@@ -341,8 +340,8 @@ class _Search:
             products, likelihood.counts, likelihood.share, likelihood.least, mean, precision, group
         )
 
-    def step(self, normal: NormalEquations, robust: Mapping[str, FloatArray], damping: float) -> FloatArray:
-        """A step of all parameters, within their bounds: the one of the linear model, bent as the model bends."""
+    def step(self, normal: NormalEquations, damping: float) -> FloatArray:
+        """A step of all parameters, within their bounds."""
         information = {c: normal.share[c] / self.sigma[c] ** 2 for c in normal.products}
         total = np.sum([g * information[c] for c, g in normal.products.items()], axis=0)
         factor = np.where(normal.group >= 0, self.scale[normal.group], 1.0) if len(self.scale) else 1.0
@@ -354,16 +353,8 @@ class _Search:
         # may trade much. Weights are linear.
         own = normal.group < 0
         matrix += np.diag(np.where(own, damping * (precision + 1e-5 * np.diag(matrix)), 0.0))
-        low, high = self.room()
-        straight = within(matrix, gradient, low, high)
-        if np.any(np.abs(straight[own]) > 0):
-            bend = self.second_derivative(self.directions.full(straight))
-            pull = sum(self.rows[c][1:] @ (robust[c] ** 2 * bend[c]) * information[c] for c in bend)
-            curved = within(matrix, -0.5 * pull, low - straight, high - straight)
-            size = [float(np.sqrt(precision[own] @ one[own] ** 2)) for one in (straight, curved)]
-            if size[1] <= BENT * size[0]:
-                straight = straight + curved
-        return np.clip(self.x + self.directions.full(straight), self.priors.low, self.priors.high) - self.x
+        step = self.directions.full(within(matrix, gradient, *self.room()))
+        return np.clip(self.x + step, self.priors.low, self.priors.high) - self.x
 
     def room(self) -> tuple[FloatArray, FloatArray]:
         """How far each direction may go: that of a parameter up to its bounds."""
@@ -372,14 +363,6 @@ class _Search:
         low = np.where(own, (self.priors.low - self.x)[which], -np.inf)
         high = np.where(own, (self.priors.high - self.x)[which], np.inf)
         return np.minimum(low, 0.0), np.maximum(high, 0.0)
-
-    def second_derivative(self, step: FloatArray) -> dict[str, FloatArray]:
-        """Of the model along a step, from two points on it."""
-        near, far = (
-            self.residual(with_values(self.model, self.priors.parameters, self.x + part * step))
-            for part in (PROBE, 2 * PROBE)
-        )
-        return {c: -(far[c] - 2 * near[c] + self.columns[c][0]) / PROBE**2 for c in near}
 
     def cost(self, residual: Mapping[str, FloatArray], x: FloatArray) -> float:
         total = 0.5 * float(self.priors.scaled(self.scale) @ (x - self.priors.mean) ** 2)

@@ -142,24 +142,6 @@ def likelihood_of(model: KnitModel, measurement: Measurement, noise: Mapping[str
     return Likelihood(measurement, rows, weight, floor, dict.fromkeys(weight, constants.ETA))
 
 
-def correlated(likelihood: Likelihood, left: Mapping[str, FloatArray]) -> Likelihood:
-    """The same for residuals that are as correlated as `left`, what a good model leaves, weighted, shape (k,)."""
-    share = {channel: min(constants.ETA, 1 / correlation_length(values)) for channel, values in left.items()}
-    return replace(likelihood, share=share)
-
-
-def correlation_length(values: FloatArray) -> float:
-    """Samples that repeat each other: 1 + 2 sum of the autocorrelations up to the first that is not positive."""
-    limit = 5 * max(robust_sd(values), 1e-300)
-    x = np.clip(values - np.median(values), -limit, limit)
-    size = 1 << (2 * len(x) - 1).bit_length()
-    power = np.abs(np.fft.rfft(x, size)) ** 2
-    correlation = np.fft.irfft(power)[: len(x) // 4]
-    correlation /= max(correlation[0], 1e-300)
-    ends = np.flatnonzero(correlation < 0.05)
-    return float(1 + 2 * correlation[1 : ends[0] if len(ends) else None].sum())
-
-
 def _slopes(model: KnitModel, measurement: Measurement) -> dict[str, FloatArray]:
     """Change of each channel with the strain, shape (n,)."""
     step = 1e-4 * max(float(np.ptp(measurement.signals["strain"])), 1e-6)

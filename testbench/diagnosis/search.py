@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import Literal
 
 import numpy as np
-from scipy.special import logsumexp
 from threadpoolctl import threadpool_limits
 
 from testbench.comparing.ladder import drawn_to_data
@@ -18,139 +15,15 @@ from testbench.diagnosis.discrepancy_map import Map
 from testbench.diagnosis.laplace import Hypothesis, fitted, under
 from testbench.diagnosis.likelihood import Likelihood, likelihood_of, noise_of, telling
 from testbench.diagnosis.proposals import Proposal, Screen, laws_of
+from testbench.diagnosis.rounds import Entry, Round, excess, explained
 from testbench.fitting.baseline import SHAPES, starting_baseline, with_shapes, without_shapes
 from testbench.fitting.measurement import Measurement, coarser
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
 
-NOTHING, UNKNOWN = "nothing", "unknown"
-Verdict = Literal["missing", "nothing_missing", "unknown"]
 Progress = Callable[[str], None]
-MUCH = 3.0  # squared noise floors above the noise: then a fit is worth another start
-
-
-@dataclass(frozen=True, eq=False)
-class Entry:
-    """One law put in and refitted.
-
-    Attributes
-    ----------
-    mechanism, law, name : str
-        Of the catalogue; `name` is its name in the model.
-    log_z : float
-        Log evidence of the model, as models are compared.
-    excess : float
-        Squared error above the least that a law leaves, in units of it, summed over the channels.
-    """
-
-    mechanism: str
-    law: str
-    name: str
-    hypothesis: Hypothesis
-    log_z: float
-    excess: float
-
-
-@dataclass(frozen=True, eq=False)
-class Round:
-    """One step: the model so far against the same with each mechanism added.
-
-    Attributes
-    ----------
-    before : Entry
-        The model so far, at its best.
-    log_z_unknown : float
-        Log evidence of the model so far beside what it leaves: noise of any size, or a free-form map.
-    entries : tuple of Entry
-        What was refitted, the best first.
-    proposals : tuple of Proposal
-        Every law of the catalogue, to first order.
-    laws : mapping of mechanism to int
-        Laws that speak for it.
-    likelihood : Likelihood
-    """
-
-    before: Entry
-    log_z_unknown: float
-    entries: tuple[Entry, ...]
-    proposals: tuple[Proposal, ...]
-    laws: Mapping[str, int]
-    likelihood: Likelihood
-
-    @property
-    def log_z_nothing(self) -> float:
-        """Log evidence that nothing is missing: what is left is then noise, whose size is known."""
-        return self.before.log_z + self._complete(self.before)
-
-    def _complete(self, entry: Entry, left: Mapping[str, float] | None = None) -> float:
-        """How much likelier what an entry leaves, or else what the whole model leaves, is if no more is missing."""
-        sigma = entry.hypothesis.evidence.sigma
-        by_law = explained(self.before.hypothesis, entry.hypothesis)
-        both = (sigma, {c: min(own, left[c]) for c, own in sigma.items()} if left else sigma)
-        return max(self.likelihood.noise_log_prior(one, by_law) for one in both)
-
-    def left(self, entry: Entry) -> float:
-        """Share of the error above the least misfit that an entry leaves; an error of that size is none."""
-        return float(np.sqrt(entry.excess / (self.before.excess + 1.0)))
-
-    def is_enough(self, entry: Entry) -> bool:
-        """Whether an entry leaves no more than a law is expected to leave."""
-        misfit = self.likelihood.misfit
-        return all(sigma < 1.001 * misfit[c] for c, sigma in entry.hypothesis.evidence.sigma.items())
-
-    def probabilities(self, left: Mapping[str, float] | None = None) -> dict[str, float]:
-        """Of nothing, of unknown and of each mechanism to be what is missing most; they sum to 1.
-
-        Parameters
-        ----------
-        left : mapping of channel to float, optional
-            Standard deviation of what the whole model leaves, if more was found after this.
-        """
-        u = constants.PRIOR_UNKNOWN
-        logs = {
-            NOTHING: np.log(constants.PRIOR_NOTHING * (1 - u)) + self.log_z_nothing,
-            UNKNOWN: np.log(constants.PRIOR_NOTHING * u) + self.log_z_unknown,
-            **{mechanism: self._log_posterior(mechanism, left) for mechanism in self.laws},
-        }
-        total = logsumexp(list(logs.values()))
-        return {name: float(np.exp(value - total)) for name, value in logs.items()}
-
-    def _log_posterior(self, mechanism: str, left: Mapping[str, float] | None = None) -> float:
-        """Log prior and evidence of a mechanism, its laws summed; to first order if none was refitted."""
-        prior = np.log((1 - constants.PRIOR_NOTHING) / len(self.laws) / self.laws[mechanism])
-        found = self.candidate if left else None
-        own = [
-            e.log_z + self._complete(e, left if e is found else None)
-            for e in self.entries
-            if e.mechanism == mechanism
-        ]
-        if not own:
-            gains = (p.gain for p in self.proposals if p.mechanism == mechanism)
-            own = [self.before.log_z + min(gain, 0.0) + self._complete(self.before) for gain in gains]
-        return float(prior + logsumexp(own))
-
-    @cached_property
-    def candidate(self) -> Entry | None:
-        """The best law of the most probable mechanism, if it is more probable than nothing."""
-        if not self.entries:
-            return None
-        mechanism = max({e.mechanism for e in self.entries}, key=self._log_posterior)
-        if self._log_posterior(mechanism) < np.log(constants.PRIOR_NOTHING) + self.log_z_nothing:
-            return None
-        return max((e for e in self.entries if e.mechanism == mechanism), key=lambda e: e.log_z + self._complete(e))
-
-    def verdict(self, left: Mapping[str, float] | None = None) -> Verdict:
-        """What is said of the model before this round; `left` as in `probabilities`."""
-        if self.is_named(left):
-            return "missing"
-        chances = self.probabilities()
-        return "nothing_missing" if chances[NOTHING] >= chances[UNKNOWN] else "unknown"
-
-    def is_named(self, left: Mapping[str, float] | None = None) -> bool:
-        """Whether some mechanism is more probable than nothing and unknown together."""
-        chances = self.probabilities(left)
-        return self.candidate is not None and chances[NOTHING] + chances[UNKNOWN] < 0.5
+BASES = 2  # base laws whose shapes are fitted
 
 
 @dataclass(frozen=True, eq=False)
@@ -212,13 +85,10 @@ class Search:
         Two effects of one size leave each other's part unexplained, so that neither can be named alone: the first is
         put in even where it leaves more than it explains, and stays if the second explains the rest.
         """
-        stiff = self.compare(self.baseline.model)
-        current = max(
-            self.compare(self.flexible.model, self.flexible), self.compare(self.bent(stiff.model)), key=_evidence
-        )
         rounds: list[Round] = []
         found: list[Entry] = []
         with ThreadPoolExecutor(2) as self.pool:
+            current, stiff = self.bases()
             while len(rounds) < most:
                 step = self.round(current, stiff)
                 rounds.append(step)
@@ -230,6 +100,14 @@ class Search:
                     break
                 stiff = self.compare(without_shapes(current.model))
         return rounds, found
+
+    def bases(self) -> tuple[Hypothesis, Hypothesis]:
+        """The best base whose laws bend, and the best whose laws cannot, over all laws that a base may have."""
+        model = without_shapes(self.baseline.model)
+        models = [model, *(model.plus(law) for law in self.other_laws(model))]
+        stiff = sorted(self.pool.map(self.compare, models), key=_evidence)[-BASES:]
+        bent = self.pool.map(lambda h: self.compare(self.bent(h.model)), stiff)
+        return max(*bent, self.compare(self.flexible.model, self.flexible), key=_evidence), stiff[-1]
 
     def compare(self, model: KnitModel, like: Hypothesis | None = None) -> Hypothesis:
         """A model fitted as models are compared."""
@@ -261,8 +139,7 @@ class Search:
         for p in proposals:
             counted[p.mechanism] = counted.get(p.mechanism, 0) + 1
         entries = self.contest(grounds, proposals)
-        others = self.other_laws(current) if entries else []
-        before = [current, *self.pool.map(lambda law: self.exchanged(current, law), others)]
+        before = [current]
         if entries:
             best = max(entries, key=lambda e: e.log_z)
             before.append(self.compare(best.hypothesis.model.without(best.name), best.hypothesis))
@@ -285,18 +162,15 @@ class Search:
             h if bends else fitted(start, self.compared, self.reference, iterations=0), start, proposals, bends
         )
 
-    def other_laws(self, current: Hypothesis) -> list[Effect]:
+    def other_laws(self, model: KnitModel) -> list[Effect]:
         """Laws that could take the place of one in the model, drawn to the data."""
-        present = {effect.mechanism: effect.name for effect in current.model.effects.values() if not effect.strength}
+        present = {effect.mechanism: effect.name for effect in model.effects.values() if not effect.strength}
         forms = [
             form
             for form in self.catalogue.effects.values()
             if not form.strength and form.mechanism in present and form.name != present[form.mechanism]
         ]
         return [drawn_to_data(form(), self.measurement) for form in forms]
-
-    def exchanged(self, current: Hypothesis, law: Effect) -> Hypothesis:
-        return fitted(current.model.plus(law), self.compared, self.reference, current, iterations=6)
 
     def contest(self, grounds: Sequence[Ground], proposals: Sequence[Proposal]) -> list[Entry]:
         """The best mechanisms refitted: all quickly, on every ground that speaks for them, then the best in full."""
@@ -383,15 +257,3 @@ def _best_fits(entries: Sequence[Entry]) -> list[Entry]:
     for e in sorted(entries, key=lambda e: -e.log_z):
         found.setdefault(e.law, e)
     return list(found.values())
-
-
-def explained(without: Hypothesis, with_it: Hypothesis) -> dict[str, float]:
-    """Standard deviation of what an effect explains, per channel."""
-    before, after = without.evidence.sigma, with_it.evidence.sigma
-    return {c: float(np.sqrt(max(before[c] ** 2 - after[c] ** 2, 0.0))) for c in before}
-
-
-def excess(h: Hypothesis, likelihood: Likelihood) -> float:
-    """Squared error above the least that a law leaves, in units of it, summed over the channels."""
-    least = {c: constants.LEAST_MISFIT * floor for c, floor in likelihood.floor.items()}
-    return sum(max((sigma / least[c]) ** 2 - 1, 0.0) for c, sigma in h.evidence.sigma.items())

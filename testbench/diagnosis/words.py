@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from testbench.comparing.tables import ladder_table
 from testbench.comparing.words import percent
 from testbench.diagnosis.diagnosis import Diagnosis, Ranked
-from testbench.diagnosis.search import NOTHING, UNKNOWN
+from testbench.diagnosis.rounds import NOTHING, UNKNOWN
 
 SHOWN = 6
 

@@ -11,7 +11,8 @@ from scipy.special import logsumexp
 from testbench.design.forecast import Likely, Reading
 from testbench.diagnosis import constants
 from testbench.diagnosis.laplace import Hypothesis
-from testbench.diagnosis.search import NOTHING, UNKNOWN, Round, Verdict, searched
+from testbench.diagnosis.rounds import NOTHING, UNKNOWN, Round, Verdict
+from testbench.diagnosis.search import searched
 from testbench.fitting.measurement import Measurement
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.model import KnitModel

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from testbench.comparing.words import percent
-from testbench.diagnosis.search import NOTHING, UNKNOWN
+from testbench.diagnosis.rounds import NOTHING, UNKNOWN
 from testbench.investigating.state import Investigation, RunState
 
 SHOWN = 4

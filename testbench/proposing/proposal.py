@@ -12,7 +12,8 @@ from threadpoolctl import threadpool_limits
 
 from testbench.comparing.ladder import on_the_ladder
 from testbench.diagnosis.laplace import Hypothesis, fitted
-from testbench.diagnosis.search import MUCH, Progress, Search, excess
+from testbench.diagnosis.rounds import excess
+from testbench.diagnosis.search import Progress, Search
 from testbench.fitting.baseline import SHAPES, with_shapes
 from testbench.fitting.errors import noise_floors, over_the_floors
 from testbench.fitting.fit import Fit
@@ -37,6 +38,7 @@ from testbench.recordings.recording import Recording
 Verdict = Literal["proposed", "nothing_left", "no_law", "does_not_hold"]
 MOST_LAWS = 2
 NOTHING_LEFT = 0.3  # squared noise floors above the noise, all channels: the floors themselves are known to a tenth
+MUCH = 3.0  # squared noise floors above the noise: then a fit is worth another start
 LEAST_GAIN = 10.0  # nats: about ln of the number of laws that are tried
 LEAST_SHARE = 0.1  # of the squared error above the noise that a law takes off
 FINALISTS, OF_ONE_PLACE, OF_ONE_COORDINATE, SETTLED = 6, 3, 2, 2
