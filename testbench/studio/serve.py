@@ -8,6 +8,7 @@ import threading
 
 from gcode.support.errors import UserError
 from gcode.support.files import make_folder
+from testbench.rig.signals import what_ends_it
 from testbench.studio.studio import KEY_RECORDING, RESULTS_URL, Studio
 from testbench.studio.workspace import RESULTS
 
@@ -26,7 +27,7 @@ FAVICON = (
 
 
 def serve(studio: Studio, port: int, show: bool) -> None:
-    """Serve until Ctrl-C.
+    """Serve until Ctrl-C, or SIGTERM.
 
     Raises
     ------
@@ -46,7 +47,7 @@ def serve(studio: Studio, port: int, show: bool) -> None:
     app.add_middleware(TrustedHostMiddleware, allowed_hosts=[HOST, "localhost"])
     app.on_startup(lambda: threading.Thread(target=_warm, daemon=True).start())
     app.on_shutdown(lambda: _close(studio))
-    print(f"studio of {studio.workspace.root}: http://{HOST}:{port} (Ctrl-C ends it)", flush=True)
+    print(f"studio of {studio.workspace.root}: http://{HOST}:{port} ({what_ends_it()} ends it)", flush=True)
     ui.run(
         lambda: frame(studio),
         host=HOST,
