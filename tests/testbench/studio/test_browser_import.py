@@ -11,7 +11,7 @@ from playwright.sync_api import expect
 
 from testbench.recordings.files import read_recording
 from tests.testbench.importing import exports
-from tests.testbench.studio.browsing import IN_CHROMIUM, browser, choose, opened, page, running, shot
+from tests.testbench.studio.browsing import IN_CHROMIUM, PHONE, browser, choose, opened, page, running, screen, shot
 from tests.testbench.studio.seeing import nameless, unreadable
 
 pytestmark = IN_CHROMIUM
@@ -111,14 +111,11 @@ def test_a_row_that_cannot_be_used_is_said_with_the_pages_own_control(running, p
 
 
 def test_the_page_with_a_file_fits_a_phone(running, browser, tmp_path) -> None:
-    context = browser.new_context(viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True)
-    tab = context.new_page()
-    tab.set_default_timeout(120_000)
-    for export in (exports.testxpert, exports.bluehill, exports.headerless, exports.workbook):
-        opened(running, tab, export(tmp_path))
-        tab.get_by_role("combobox", name="Column of force").wait_for()
-        shot(tab, f"phone-import-{export.__name__}")
-        assert tab.evaluate("document.documentElement.scrollWidth") <= 390, export.__name__
-        assert tab.evaluate(BEYOND_THE_EDGE) == [], export.__name__
-        assert not unreadable(tab) + nameless(tab)
-    context.close()
+    with screen(browser, **PHONE) as tab:
+        for export in (exports.testxpert, exports.bluehill, exports.headerless, exports.workbook):
+            opened(running, tab, export(tmp_path))
+            tab.get_by_role("combobox", name="Column of force").wait_for()
+            shot(tab, f"phone-import-{export.__name__}")
+            assert tab.evaluate("document.documentElement.scrollWidth") <= 390, export.__name__
+            assert tab.evaluate(BEYOND_THE_EDGE) == [], export.__name__
+            assert not unreadable(tab) + nameless(tab)

@@ -30,9 +30,10 @@ def test_it_says_what_is_known() -> None:
         "fitted",
         "wet",
         "first try",
-        "4 min · 40 Hz",
+        "4 min",
+        "<svg/>",
     )
-    assert [word for word in (*words, "<svg/>") if word not in text] == []
+    assert [word for word in words if word not in text] == []
 
 
 def test_a_trouble_stands_where_the_facts_would() -> None:
