@@ -143,7 +143,7 @@ def test_the_port_gone_midway_is_said_and_the_samples_stay(running, page, progra
     finally:
         os.kill(rig.pid, signal.SIGKILL)
         rig.wait()
-    page.get_by_text(re.compile(r"port lost \(.*trying to get it back")).wait_for()
+    page.get_by_role("alert").filter(has_text=re.compile(r"port lost \(.*trying to get it back")).wait_for()
     shot(page, "port-gone")
     page.get_by_role("button", name="Stop").click()
     page.get_by_role("button", name="Open the recording").wait_for()
