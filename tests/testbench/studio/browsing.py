@@ -44,6 +44,13 @@ def running(tmp_path: Path) -> Iterator[Served]:
         yield studio
 
 
+@pytest.fixture(scope="module")
+def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+    """One studio for all tests of a module, each of which makes campaigns of its own."""
+    with served(tmp_path_factory.mktemp("shared") / "ws") as studio:
+        yield studio
+
+
 @pytest.fixture
 def page(browser):
     """A tab at 1280 x 800 that fails on any script error and on anything fetched from elsewhere."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -12,8 +11,8 @@ import pandas as pd
 import pytest
 
 from testbench.recordings.files import read_recording
-from tests.testbench.studio.browsing import IN_CHROMIUM, browser, opened, page, shot
-from tests.testbench.studio.served import Served, served
+from tests.testbench.studio.browsing import IN_CHROMIUM, browser, opened, page, shared, shot
+from tests.testbench.studio.served import Served
 
 SHARED = Path(__file__).parents[3] / "../shared/data"
 WRITTEN = {"rel": 1e-6, "abs": 1e-6}  # a recording has six decimals
@@ -23,14 +22,7 @@ pytestmark = [
     pytest.mark.real_data,
     pytest.mark.skipif(not (SHARED / "foreign").is_dir(), reason="the measured recordings are not here"),
 ]
-__all__ = ["browser", "page"]  # pytest finds its fixtures by name
-
-
-@pytest.fixture(scope="module")
-def studio(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
-    """One studio; each test makes campaigns of its own."""
-    with served(tmp_path_factory.mktemp("files") / "ws") as running:
-        yield running
+__all__ = ["browser", "page", "shared"]  # pytest finds its fixtures by name
 
 
 @dataclass(frozen=True)
@@ -44,9 +36,9 @@ class Said:
     boxes: tuple[str, ...] = ()
 
 
-def read(studio: Served, page, file: str, said: Said = Said()) -> None:
+def read(shared: Served, page, file: str, said: Said = Said()) -> None:
     """Open a file on the page and say what has to be said."""
-    opened(studio, page, (SHARED / file).resolve())
+    opened(shared, page, (SHARED / file).resolve())
     for label, value in said.numbers.items():
         page.get_by_label(label).fill(value)
         page.keyboard.press("Tab")
@@ -80,7 +72,7 @@ def pick(page, label: str, option: str) -> None:
     page.wait_for_function("() => document.querySelector('.role') && !document.querySelector('.role.stale')")
 
 
-def imported(studio: Served, page, name: str, gauge_mm: float | None) -> None:
+def imported(shared: Served, page, name: str, gauge_mm: float | None) -> None:
     """Press the button; what comes of it is the caller's to see."""
     if gauge_mm:
         page.get_by_label("Gauge length / mm").fill(f"{gauge_mm:g}")
@@ -88,10 +80,10 @@ def imported(studio: Served, page, name: str, gauge_mm: float | None) -> None:
     page.get_by_role("button", name="Import", exact=True).click()
 
 
-def arrived(studio: Served, page, name: str):
-    page.wait_for_url(f"**/recording?c={name}", timeout=20000)
+def arrived(shared: Served, page, name: str):
+    page.wait_for_url(f"**/recording?c={name}")
     page.wait_for_selector(".js-plotly-plot .main-svg")
-    return read_recording(studio.root / name)
+    return read_recording(shared.root / name)
 
 
 def raw(file: str, **options) -> np.ndarray:
@@ -108,11 +100,11 @@ PLAIN = {
 
 
 @pytest.mark.parametrize("name", PLAIN)
-def test_a_file_that_names_its_columns_needs_its_gauge_length_only(studio: Served, page, name: str) -> None:
+def test_a_file_that_names_its_columns_needs_its_gauge_length_only(shared: Served, page, name: str) -> None:
     file, gauge_mm, options, columns = PLAIN[name]
-    read(studio, page, file)
-    imported(studio, page, name, gauge_mm)
-    recording, wanted = arrived(studio, page, name), raw(file, **options)
+    read(shared, page, file)
+    imported(shared, page, name, gauge_mm)
+    recording, wanted = arrived(shared, page, name), raw(file, **options)
     assert recording.time_s == pytest.approx(wanted[:, 0] - wanted[0, 0], **WRITTEN)
     for channel, column in zip(("displacement_mm", "force_N", "resistance_ohm"), columns, strict=True):
         assert recording.has(channel) == (column is not None)
@@ -120,42 +112,42 @@ def test_a_file_that_names_its_columns_needs_its_gauge_length_only(studio: Serve
             assert recording[channel] == pytest.approx(wanted[:, column], **WRITTEN)
 
 
-def test_a_wrong_gauge_length_is_doubted_where_a_strain_says_another(studio: Served, page) -> None:
-    read(studio, page, "real/vhb4910_elastomer/cycle_0d03_2d5.csv")
-    imported(studio, page, "wrong-gauge", 40)
+def test_a_wrong_gauge_length_is_doubted_where_a_strain_says_another(shared: Served, page) -> None:
+    read(shared, page, "real/vhb4910_elastomer/cycle_0d03_2d5.csv")
+    imported(shared, page, "wrong-gauge", 40)
     page.get_by_text(re.compile("is that of a gauge length of 80 mm.*“Gauge length / mm” says 40")).wait_for()
     shot(page, "import-wrong-gauge")
 
 
-def test_two_positions_and_doubled_times_are_asked_about(studio: Served, page) -> None:
+def test_two_positions_and_doubled_times_are_asked_about(shared: Served, page) -> None:
     file = "foreign/electropuls-quoted-header.csv"
-    read(studio, page, file)
+    read(shared, page, file)
     page.get_by_text("both fit: choose one").wait_for()
     pick(page, "Column of displacement", r"9 ·.*")
-    imported(studio, page, "electropuls", 30)
+    imported(shared, page, "electropuls", 30)
     page.get_by_text("“Put rows in the order of time” puts rows in order").wait_for()
     page.get_by_role("checkbox", name="Put rows in the order of time").click()
-    imported(studio, page, "electropuls", 30)
+    imported(shared, page, "electropuls", 30)
     page.get_by_text("a zero of its own, and strain is counted from 0").wait_for()
     page.get_by_role("button", name="Open electropuls").click()
-    recording = arrived(studio, page, "electropuls")
+    recording = arrived(shared, page, "electropuls")
     wanted = pd.DataFrame(raw(file)).drop_duplicates(0).to_numpy()
     assert recording.time_s == pytest.approx(wanted[:, 0], **WRITTEN)
     assert recording["displacement_mm"] == pytest.approx(wanted[:, 8], **WRITTEN)
     assert recording["force_N"] == pytest.approx(wanted[:, 7], **WRITTEN)
 
 
-def test_three_clocks_without_a_header_and_leads_that_were_swapped(studio: Served, page) -> None:
+def test_three_clocks_without_a_header_and_leads_that_were_swapped(shared: Served, page) -> None:
     file = "foreign/headerless-7-columns.csv"
     columns = {"time": 3, "displacement": 4, "force": 6, "resistance": 2}
     units = {"time": "s", "displacement": "mm", "force": "N", "resistance": "Ω"}
     turned = ("Turn the sign of the displacement",)
-    read(studio, page, file, Said(columns, units, clocks={"displacement": 5, "force": 7}, boxes=turned))
-    imported(studio, page, "clocks", 40)
+    read(shared, page, file, Said(columns, units, clocks={"displacement": 5, "force": 7}, boxes=turned))
+    imported(shared, page, "clocks", 40)
     page.get_by_text("if its leads were the other way round").wait_for()
     page.get_by_role("checkbox", name="Turn the sign of the resistance").click()
-    imported(studio, page, "clocks", 40)
-    recording, table = arrived(studio, page, "clocks"), raw(file, header=None)
+    imported(shared, page, "clocks", 40)
+    recording, table = arrived(shared, page, "clocks"), raw(file, header=None)
     time_s = table[:, 2]
     inside = (time_s >= max(table[0, 4], table[0, 6])) & (time_s <= min(table[-1, 4], table[-1, 6]))
     time_s = time_s[inside]
@@ -165,57 +157,57 @@ def test_three_clocks_without_a_header_and_leads_that_were_swapped(studio: Serve
     assert recording["force_N"] == pytest.approx(np.interp(time_s, table[:, 6], table[:, 5]), **WRITTEN)
 
 
-def test_neither_header_nor_time_needs_a_rate_and_a_resistance_to_relate_to(studio: Served, page) -> None:
+def test_neither_header_nor_time_needs_a_rate_and_a_resistance_to_relate_to(shared: Served, page) -> None:
     file = "foreign/bom-headerless-12-columns.csv"
-    read(studio, page, file, Said(numbers={"Sampling rate / Hz": "100"}))
+    read(shared, page, file, Said(numbers={"Sampling rate / Hz": "100"}))
     page.get_by_text("choose its column, or those of force and resistance").wait_for()
     for label, option in (("Column of strain", "1"), ("Unit of strain", "%"), ("Column of (r-r0)/r0", "2")):
         show(page, label)
         pick(page, label, option)
     page.get_by_label("R0 / Ω").fill("1000")
     page.keyboard.press("Tab")
-    imported(studio, page, "sleeve", 40)
-    recording, wanted = arrived(studio, page, "sleeve"), raw(file, header=None, encoding="utf-8-sig")
+    imported(shared, page, "sleeve", 40)
+    recording, wanted = arrived(shared, page, "sleeve"), raw(file, header=None, encoding="utf-8-sig")
     assert recording.mean_rate_hz == pytest.approx(100)
     assert recording["resistance_ohm"] == pytest.approx(1000 * (1 + wanted[:, 1]), **WRITTEN)
     assert recording["displacement_mm"] == pytest.approx(0.4 * wanted[:, 0], **WRITTEN)
 
 
-def test_what_has_no_unit_is_asked_for_each(studio: Served, page) -> None:
+def test_what_has_no_unit_is_asked_for_each(shared: Served, page) -> None:
     file = "real/silver_nylon_thread/steps_inc_single_1.csv"
-    read(studio, page, file)
-    imported(studio, page, "thread", 40)
+    read(shared, page, file)
+    imported(shared, page, "thread", 40)
     page.get_by_text(re.compile("^Strain: the file does not say the unit")).wait_for()
     pick(page, "Unit of strain", "as a ratio")
     pick(page, "Unit of force", "N")
     page.get_by_label("R0 / Ω").fill("100")
     page.keyboard.press("Tab")
-    imported(studio, page, "thread", 40)
-    recording, wanted = arrived(studio, page, "thread"), raw(file)
+    imported(shared, page, "thread", 40)
+    recording, wanted = arrived(shared, page, "thread"), raw(file)
     assert recording["displacement_mm"] == pytest.approx(40 * wanted[:, 1], **WRITTEN)
     assert recording["force_N"] == pytest.approx(wanted[:, 2], **WRITTEN)
     assert recording["resistance_ohm"] == pytest.approx(100 * wanted[:, 3], **WRITTEN)
 
 
-def test_a_pressure_film_has_no_gauge_length(studio: Served, page) -> None:
+def test_a_pressure_film_has_no_gauge_length(shared: Served, page) -> None:
     file = "real/velostat_pressure/pike1_exp1.csv"
-    read(studio, page, file, Said(units={"resistance": "Ω"}))
-    imported(studio, page, "film", None)
-    recording, wanted = arrived(studio, page, "film"), raw(file)
+    read(shared, page, file, Said(units={"resistance": "Ω"}))
+    imported(shared, page, "film", None)
+    recording, wanted = arrived(shared, page, "film"), raw(file)
     assert not recording.has("displacement_mm")
     assert recording["force_N"] == pytest.approx(wanted[:, 1], **WRITTEN)
     assert recording["resistance_ohm"] == pytest.approx(wanted[:, 2], **WRITTEN)
 
 
-def test_five_pulls_in_one_file_become_five_campaigns(studio: Served, page) -> None:
+def test_five_pulls_in_one_file_become_five_campaigns(shared: Served, page) -> None:
     file = "real/knit_fabric_uniaxial/acrylic_yarn_garter_x.csv"
-    read(studio, page, file)
-    imported(studio, page, "fabric", 91.6)
+    read(shared, page, file)
+    imported(shared, page, "fabric", 91.6)
     page.get_by_role("button", name="Open fabric-5").wait_for()
     table = raw(file)
     for number in range(1, 6):
-        recording, wanted = read_recording(studio.root / f"fabric-{number}"), table[table[:, 0] == number]
+        recording, wanted = read_recording(shared.root / f"fabric-{number}"), table[table[:, 0] == number]
         assert recording["displacement_mm"] == pytest.approx(wanted[:, 3], **WRITTEN)
         assert recording["force_N"] == pytest.approx(wanted[:, 4], **WRITTEN)
     page.get_by_role("button", name="Open fabric-1").click()
-    arrived(studio, page, "fabric-1")
+    arrived(shared, page, "fabric-1")
