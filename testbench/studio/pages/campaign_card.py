@@ -135,7 +135,8 @@ class Card:
         """Check and draw."""
         found = await aside(_looked_at, self.studio, self.found.campaign)
         self.known = replace(found, state=self.known.state)
-        self.inside.set_content(card_html(self.found, self.known))
+        if not self.inside.is_deleted:  # the page may have been left meanwhile
+            self.inside.set_content(card_html(self.found, self.known))
 
 
 def _named(control: ui.element, name: str, title: str) -> None:

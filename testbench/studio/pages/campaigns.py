@@ -124,7 +124,7 @@ class _List:
         with self.grid:
             cards = [Card(self.studio, found, self._choose, self._again) for found in fits[: self.shown]]
         for card in cards:
-            if turn != self.turn:
+            if turn != self.turn or self.grid.is_deleted:
                 return
             await card.fill()
 
