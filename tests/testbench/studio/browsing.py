@@ -67,8 +67,8 @@ def page(browser):
 def screen(browser, width: int, height: int, **options):
     """A tab in a browser of its own, of so many pixels."""
     context = browser.new_context(viewport={"width": width, "height": height}, **options)
+    context.set_default_timeout(PATIENCE_MS)
     tab = context.new_page()
-    tab.set_default_timeout(PATIENCE_MS)
     try:
         yield tab
     finally:
