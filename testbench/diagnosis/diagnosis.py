@@ -201,17 +201,20 @@ def _concluded(
 ) -> Diagnosis:
     first, bare = rounds[0], rounds[0].before.hypothesis
     before = on_the_ladder(_as_fit(search.baseline), None, "baseline", calibration, held)
-    left = first.left(put_in[-1]) if put_in else 1.0
-    verdict = first.verdict(left if put_in else None)
+    remains = put_in[-1].hypothesis.evidence.sigma if put_in else None
+    verdict = first.verdict(remains)
     if verdict != "missing":
-        put_in, left = [], 1.0
-    after = _ladder(bare, put_in, before, calibration, held)
-    chances = first.probabilities(left if put_in else None)
+        put_in, remains = [], None
+    left = first.left(put_in[-1]) if put_in else 1.0
+    after = _ladder(search, bare, put_in, before, calibration, held)
+    chances = first.probabilities(remains)
     explained = Map(put_in[-1].hypothesis if put_in else bare, rounds[-1].likelihood).gains
     return Diagnosis(
         verdict,
         chances,
-        tuple(_found(step, entry, left) for step, entry in zip(rounds, put_in, strict=False)),  # one a round, in turn
+        tuple(
+            _found(step, entry, remains) for step, entry in zip(rounds, put_in, strict=False)
+        ),  # one a round, in turn
         _ranking(first, chances, held),
         _tied(chances, verdict),
         tuple(name for name in after.model if name in SHAPES and name not in before.model),
@@ -226,20 +229,25 @@ def _concluded(
     )
 
 
-def _found(step: Round, entry: Entry, left: float) -> Found:
+def _found(step: Round, entry: Entry, left: Mapping[str, float] | None) -> Found:
     gain = entry.log_z - step.before.log_z
     return Found(entry.mechanism, entry.law, step.probabilities(left)[entry.mechanism], gain)
 
 
 def _ladder(
-    bare: Hypothesis, put_in: list[Entry], before: ModelFile, calibration: Measurement, held: Measurement
+    search: Search,
+    bare: Hypothesis,
+    put_in: list[Entry],
+    before: ModelFile,
+    calibration: Measurement,
+    held: Measurement,
 ) -> ModelFile:
     """From the baseline over the freedom of its shapes to each effect that was found."""
     after = before
     if not any(name in SHAPES for name in before.model):
-        after = on_the_ladder(_as_fit(bare), after, "+ shape freedom", calibration, held)
+        after = on_the_ladder(_as_fit(search.sharp(bare)), after, "+ shape freedom", calibration, held)
     for entry in put_in:
-        after = on_the_ladder(_as_fit(entry.hypothesis), after, f"+ {entry.law}", calibration, held)
+        after = on_the_ladder(_as_fit(search.sharp(entry.hypothesis)), after, f"+ {entry.law}", calibration, held)
     return after
 
 

@@ -60,7 +60,7 @@ class Map:
             for g, name in enumerate(names):
                 inside = np.flatnonzero(np.asarray(groups) == g) + place * count
                 self.gains[c, name] = float(np.mean((amounts[inside] @ rows[c][inside]) ** 2) / np.mean(residual**2))
-        self.log_z = likelihood.judged(found.value + tails, found.sigma)
+        self.log_z = found.value + tails - hypothesis.unlikely
 
 
 @lru_cache(maxsize=2)

@@ -14,7 +14,7 @@ from testbench.diagnosis.evidence import LogEvidence, NormalEquations, maximised
 from testbench.diagnosis.likelihood import Likelihood
 from testbench.diagnosis.priors import Priors, priors_of
 from testbench.fitting.baseline import SHAPES, without_shapes
-from testbench.fitting.downhill import downhill, huber, huber_weight
+from testbench.fitting.downhill import downhill, huber, huber_weight, within
 from testbench.fitting.measurement import CONDUCTANCE_CHANNEL
 from testbench.fitting.parameters import values_of, with_values
 from testbench.fitting.sensitivity import RELATIVE_STEP
@@ -25,6 +25,7 @@ FINAL_WEIGHTS = 3
 AGREED = 0.02  # relative change of the noise from one to the next
 PARTS = (1.0, 0.3, 0.0)  # of the last step, where the whole does not hold
 NARROWEST = 1e3  # factor on a group's precision: directions that a wider prior would show are kept
+PROBE, BENT = 0.1, 0.4  # part of a step at which its bend is measured; largest bend, over the step, that is believed
 AT_REST = 0.02  # nats gained in a step: along a valley the steps are short
 HELD = 1e12  # precision of what is held at a bound
 
@@ -62,10 +63,10 @@ class Hypothesis:
 
     @property
     def log_z(self) -> float:
-        return self.evidence.value + self.tails - self._unlikely
+        return self.evidence.value + self.tails - self.unlikely
 
     @cached_property
-    def _unlikely(self) -> float:
+    def unlikely(self) -> float:
         """What the priors say against the parameters that are held, in nats."""
         off = (self.vector - self.priors.mean)[self.held]
         return 0.5 * float(self.priors.scaled(self.evidence.scale)[self.held] @ off**2)
@@ -179,7 +180,7 @@ class _Search:
             self.scale = evidence.scale
             # The linear model promises more than the next step keeps: a promise must make no outlier of a sample.
             self.sigma = {c: max(sigma, _trimmed(self.columns[c][0])) for c, sigma in evidence.sigma.items()}
-            gain, damping = self.move(normal, damping)
+            gain, damping = self.move(normal, robust, damping)
             if gain is None and fresh:
                 break
             if gain is None:
@@ -232,10 +233,15 @@ class _Search:
                 self.linearise(np.flatnonzero(~self.held & (self.priors.group < 0)))
                 return
 
-    def move(self, normal: NormalEquations, damping: float):
+    def move(self, normal: NormalEquations, robust: Mapping[str, FloatArray], damping: float):
         cost = self.cost_here()
         found = downhill(
-            partial(self.step, normal), lambda step: self.cost_at(self.x + step), cost, damping, up=10.0, most=1e8
+            partial(self.step, normal, robust),
+            lambda step: self.cost_at(self.x + step),
+            cost,
+            damping,
+            up=10.0,
+            most=1e8,
         )
         if found is None:
             return None, 1.0
@@ -335,22 +341,45 @@ class _Search:
             products, likelihood.counts, likelihood.share, likelihood.least, mean, precision, group
         )
 
-    def step(self, normal: NormalEquations, damping: float) -> FloatArray:
-        """A step of all parameters, within their bounds."""
-        total = np.sum([g * (normal.share[c] / self.sigma[c] ** 2) for c, g in normal.products.items()], axis=0)
+    def step(self, normal: NormalEquations, robust: Mapping[str, FloatArray], damping: float) -> FloatArray:
+        """A step of all parameters, within their bounds: the one of the linear model, bent as the model bends."""
+        information = {c: normal.share[c] / self.sigma[c] ** 2 for c in normal.products}
+        total = np.sum([g * information[c] for c, g in normal.products.items()], axis=0)
         factor = np.where(normal.group >= 0, self.scale[normal.group], 1.0) if len(self.scale) else 1.0
         precision = normal.precision * factor
         matrix, gradient = total[1:, 1:] + np.diag(precision), total[1:, 0] + precision * normal.mean
-        low, high, push = self.priors.low, self.priors.high, self.directions.full(gradient)
-        self.held = ((self.x <= low) & (push < 0)) | ((self.x >= high) & (push > 0))
-        free = np.flatnonzero(~(np.abs(self.directions.basis[self.held]).sum(axis=0) > 0.5))
-        inner = matrix[np.ix_(free, free)]
-        step = np.zeros(len(gradient))
+        push = self.directions.full(gradient)
+        self.held = ((self.x <= self.priors.low) & (push < 0)) | ((self.x >= self.priors.high) & (push > 0))
         # Steps are short against what is believed, not against what the data know: laws that resemble each other
         # may trade much. Weights are linear.
-        damped = np.where(normal.group[free] < 0, damping * (precision[free] + 1e-5 * np.diag(inner)), 0.0)
-        step[free] = np.linalg.solve(inner + np.diag(damped), gradient[free])
-        return np.clip(self.x + self.directions.full(step), low, high) - self.x
+        own = normal.group < 0
+        matrix += np.diag(np.where(own, damping * (precision + 1e-5 * np.diag(matrix)), 0.0))
+        low, high = self.room()
+        straight = within(matrix, gradient, low, high)
+        if np.any(np.abs(straight[own]) > 0):
+            bend = self.second_derivative(self.directions.full(straight))
+            pull = sum(self.rows[c][1:] @ (robust[c] ** 2 * bend[c]) * information[c] for c in bend)
+            curved = within(matrix, -0.5 * pull, low - straight, high - straight)
+            size = [float(np.sqrt(precision[own] @ one[own] ** 2)) for one in (straight, curved)]
+            if size[1] <= BENT * size[0]:
+                straight = straight + curved
+        return np.clip(self.x + self.directions.full(straight), self.priors.low, self.priors.high) - self.x
+
+    def room(self) -> tuple[FloatArray, FloatArray]:
+        """How far each direction may go: that of a parameter up to its bounds."""
+        own = self.directions.group < 0
+        which = np.argmax(self.directions.basis != 0, axis=0)
+        low = np.where(own, (self.priors.low - self.x)[which], -np.inf)
+        high = np.where(own, (self.priors.high - self.x)[which], np.inf)
+        return np.minimum(low, 0.0), np.maximum(high, 0.0)
+
+    def second_derivative(self, step: FloatArray) -> dict[str, FloatArray]:
+        """Of the model along a step, from two points on it."""
+        near, far = (
+            self.residual(with_values(self.model, self.priors.parameters, self.x + part * step))
+            for part in (PROBE, 2 * PROBE)
+        )
+        return {c: -(far[c] - 2 * near[c] + self.columns[c][0]) / PROBE**2 for c in near}
 
     def cost(self, residual: Mapping[str, FloatArray], x: FloatArray) -> float:
         total = 0.5 * float(self.priors.scaled(self.scale) @ (x - self.priors.mean) ** 2)

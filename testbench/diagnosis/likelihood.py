@@ -68,35 +68,33 @@ class Likelihood:
         inexact = {channel: constants.INEXACT * self.explained.get(channel, 0.0) for channel in self.floor}
         return {c: float(np.hypot(constants.LEAST_MISFIT * floor, inexact[c])) for c, floor in self.floor.items()}
 
-    def judged(self, log_z: float, sigma: Mapping[str, float]) -> float:
-        """Log evidence of a model as it is compared with other models, none of which is quite true.
+    def noise_log_prior(self, sigma: Mapping[str, float], explained: Mapping[str, float]) -> float:
+        """Log density of what a model leaves, if nothing else is missing, over the same if anything is.
 
-        What lies below the least misfit of a law is no merit, and the errors of a law go on for longer than those of
-        a sample: the log evidence counts `INDEPENDENT` pieces of a recording (a power posterior; Grunwald & van
-        Ommen, Bayesian Anal. 12 (2017) 1069).
+        A model that is complete leaves the misfit of its base and the error of its last law, within a factor; where
+        something else is missing, every size of what is left is alike, up to `MOST_LEFT` times the least misfit.
 
         Parameters
         ----------
-        log_z : float
-            At `sigma`, the noise that was found in each channel.
+        sigma, explained : mapping of channel to float
+            Standard deviations of what the model leaves, and of what its last law explains.
         """
-        for channel, found in sigma.items():
-            least = max(self.misfit[channel], found)
-            log_z += self.counts[channel] * (np.log(found / least) + 0.5 * (1 - (found / least) ** 2))
-        return log_z / self.temperature
-
-    def surplus(self, sigma: Mapping[str, float]) -> float:
-        """Log evidence that is lost, as models are compared, if the noise is known and not what was found."""
-        total = 0.0
-        for channel, found in sigma.items():
-            ratio = max(found / self.misfit[channel], 1.0) ** 2
-            total += 0.5 * self.counts[channel] * (ratio - 1 - np.log(ratio))
-        return float(total / self.temperature)
+        expected = {
+            c: np.hypot(constants.LEAST_MISFIT * floor, constants.LAW_ERROR * explained.get(c, 0.0))
+            for c, floor in self.floor.items()
+        }
+        over = np.array([np.log(max(left / expected[c], 1.0)) for c, left in sigma.items()])
+        at_best = np.log(np.log(constants.MOST_LEFT) / constants.NOISE_SPREAD * np.sqrt(2 / np.pi))
+        return float(np.sum(at_best - 0.5 * (over / constants.NOISE_SPREAD) ** 2))
 
     @property
-    def temperature(self) -> float:
-        """Independent samples for each independent piece."""
-        return max(float(np.mean(list(self.counts.values()))) / self.pieces, 1.0)
+    def in_pieces(self) -> Likelihood:
+        """As models are compared, none of which is quite true.
+
+        The errors of a law go on for longer than those of a sample: a recording has `INDEPENDENT` pieces (a power
+        posterior; Grunwald & van Ommen, Bayesian Anal. 12 (2017) 1069).
+        """
+        return replace(self, share=dict.fromkeys(self.share, min(self.pieces / len(self.rows), constants.ETA)))
 
     def picked(self, values: FloatArray, channel: str) -> FloatArray:
         """The samples that enter, over their relative noise; along the last axis."""

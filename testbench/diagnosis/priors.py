@@ -74,7 +74,7 @@ def priors_of(
             believed.append(known[p.address])
         elif index:
             believed.append((0.0, p.width))
-        elif name in reference and key == type(model[name]).strength:
+        elif name in reference and _has_scale(type(model[name]), key):
             believed.append(declared(type(model[name]), key, scales))
         elif name in reference and type(reference[name]) is type(model[name]):
             believed.append((p.to_fit(_lookup(reference, p.address)), p.width))
@@ -94,7 +94,12 @@ def declared(effect: type[Effect], key: str, scales: Mapping[str, float]) -> tup
         return float(np.log(default)), max(float(np.log(high / low)) / 4, 0.5)
     if key == effect.strength:
         return 0.0, typical(effect, scales)
-    return default, (high - low) / 4
+    return default, extra["typical"] or (high - low) / 4
+
+
+def _has_scale(effect: type[Effect], key: str) -> bool:
+    """Whether a parameter of a base law is believed near what its effect says, not near where the data drew it."""
+    return key == effect.strength or bool(bounds_of(effect.model_fields[key])["typical"])
 
 
 def typical(effect: type[Effect], scales: Mapping[str, float]) -> float:

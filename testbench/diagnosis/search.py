@@ -16,7 +16,7 @@ from testbench.comparing.ladder import drawn_to_data
 from testbench.diagnosis import constants
 from testbench.diagnosis.discrepancy_map import Map
 from testbench.diagnosis.laplace import Hypothesis, fitted, under
-from testbench.diagnosis.likelihood import Likelihood, correlated, likelihood_of, noise_of, telling
+from testbench.diagnosis.likelihood import Likelihood, likelihood_of, noise_of, telling
 from testbench.diagnosis.proposals import Proposal, Screen, laws_of
 from testbench.fitting.baseline import SHAPES, starting_baseline, with_shapes, without_shapes
 from testbench.fitting.measurement import Measurement, coarser
@@ -27,7 +27,6 @@ from testbench.knit.model import KnitModel
 NOTHING, UNKNOWN = "nothing", "unknown"
 Verdict = Literal["missing", "nothing_missing", "unknown"]
 Progress = Callable[[str], None]
-KEPT = 0.5  # of the gain to first order: a refit that keeps less started in the wrong place
 MUCH = 3.0  # squared noise floors above the noise: then a fit is worth another start
 
 
@@ -82,7 +81,14 @@ class Round:
     @property
     def log_z_nothing(self) -> float:
         """Log evidence that nothing is missing: what is left is then noise, whose size is known."""
-        return self.before.log_z - self.likelihood.surplus(self.before.hypothesis.evidence.sigma)
+        return self.before.log_z + self._complete(self.before)
+
+    def _complete(self, entry: Entry, left: Mapping[str, float] | None = None) -> float:
+        """How much likelier what an entry leaves, or else what the whole model leaves, is if no more is missing."""
+        sigma = entry.hypothesis.evidence.sigma
+        by_law = explained(self.before.hypothesis, entry.hypothesis)
+        both = (sigma, {c: min(own, left[c]) for c, own in sigma.items()} if left else sigma)
+        return max(self.likelihood.noise_log_prior(one, by_law) for one in both)
 
     def left(self, entry: Entry) -> float:
         """Share of the error above the least misfit that an entry leaves; an error of that size is none."""
@@ -93,77 +99,90 @@ class Round:
         misfit = self.likelihood.misfit
         return all(sigma < 1.001 * misfit[c] for c, sigma in entry.hypothesis.evidence.sigma.items())
 
-    def probabilities(self, left: float | None = None) -> dict[str, float]:
+    def probabilities(self, left: Mapping[str, float] | None = None) -> dict[str, float]:
         """Of nothing, of unknown and of each mechanism to be what is missing most; they sum to 1.
 
         Parameters
         ----------
-        left : float, optional
-            Share of the error above the noise that the whole model leaves, if more was found after this.
+        left : mapping of channel to float, optional
+            Standard deviation of what the whole model leaves, if more was found after this.
         """
         u = constants.PRIOR_UNKNOWN
         logs = {
             NOTHING: np.log(constants.PRIOR_NOTHING * (1 - u)) + self.log_z_nothing,
             UNKNOWN: np.log(constants.PRIOR_NOTHING * u) + self.log_z_unknown,
-            **{mechanism: self._log_posterior(mechanism) for mechanism in self.laws},
+            **{mechanism: self._log_posterior(mechanism, left) for mechanism in self.laws},
         }
-        found = self.candidate
-        if found:
-            share = self.left(found) if left is None else min(left, self.left(found))
-            # Laws of the catalogue are never quite the sensor's own: what is mostly explained is not unknown.
-            logs[UNKNOWN] = min(logs[UNKNOWN], logs[found.mechanism] - _named(share))
-        rest = max(logs[NOTHING], logs[UNKNOWN])
-        for entry in self._speakers().values():
-            share = self.left(entry) if entry is not found or left is None else min(left, self.left(entry))
-            # And what explains little is no name, however much better it is than nothing.
-            if share > constants.MOST_LEFT:
-                logs[entry.mechanism] = min(logs[entry.mechanism], rest + _named(share))
-        untried = self.left(self.before)
-        if untried > constants.MOST_LEFT:
-            for mechanism in set(self.laws) - set(self._speakers()):
-                logs[mechanism] = min(logs[mechanism], rest + _named(untried))
         total = logsumexp(list(logs.values()))
         return {name: float(np.exp(value - total)) for name, value in logs.items()}
 
-    def _speakers(self) -> dict[str, Entry]:
-        """The best refitted law of each mechanism; two that both reach the noise differ in what they cost."""
-        return {e.mechanism: e for e in sorted(self.entries, key=lambda e: e.hypothesis.log_z)}
-
-    def _log_posterior(self, mechanism: str) -> float:
+    def _log_posterior(self, mechanism: str, left: Mapping[str, float] | None = None) -> float:
         """Log prior and evidence of a mechanism, its laws summed; to first order if none was refitted."""
         prior = np.log((1 - constants.PRIOR_NOTHING) / len(self.laws) / self.laws[mechanism])
-        own = [e.log_z for e in self.entries if e.mechanism == mechanism]
+        found = self.candidate if left else None
+        own = [
+            e.log_z + self._complete(e, left if e is found else None)
+            for e in self.entries
+            if e.mechanism == mechanism
+        ]
         if not own:
             gains = (p.gain for p in self.proposals if p.mechanism == mechanism)
-            # What the data do not ask for has nothing but its Occam factor, which no samples made.
-            own = [self.before.log_z + min(gain, gain / self.likelihood.temperature) for gain in gains]
+            own = [self.before.log_z + min(gain, 0.0) + self._complete(self.before) for gain in gains]
         return float(prior + logsumexp(own))
 
     @cached_property
     def candidate(self) -> Entry | None:
-        """The best law of the mechanism with the most evidence, if it has more than nothing has."""
-        speakers = self._speakers()
-        if not speakers:
+        """The best law of the most probable mechanism, if it is more probable than nothing."""
+        if not self.entries:
             return None
-        mechanism = max(speakers, key=self._log_posterior)
+        mechanism = max({e.mechanism for e in self.entries}, key=self._log_posterior)
         if self._log_posterior(mechanism) < np.log(constants.PRIOR_NOTHING) + self.log_z_nothing:
             return None
-        return speakers[mechanism]
+        return max((e for e in self.entries if e.mechanism == mechanism), key=lambda e: e.log_z + self._complete(e))
 
-    def verdict(self, left: float | None = None) -> Verdict:
+    def verdict(self, left: Mapping[str, float] | None = None) -> Verdict:
         """What is said of the model before this round; `left` as in `probabilities`."""
         if self.is_named(left):
             return "missing"
         chances = self.probabilities()
         return "nothing_missing" if chances[NOTHING] >= chances[UNKNOWN] else "unknown"
 
-    def is_named(self, left: float | None = None) -> bool:
+    def is_named(self, left: Mapping[str, float] | None = None) -> bool:
         """Whether some mechanism is more probable than nothing and unknown together."""
         chances = self.probabilities(left)
         return self.candidate is not None and chances[NOTHING] + chances[UNKNOWN] < 0.5
 
 
+@dataclass(frozen=True, eq=False)
+class Ground:
+    """A model to add effects to, and what the laws of the catalogue promise there, the best first.
+
+    An effect that a flexible base has taken in shows in no residual any more; it does where the base cannot bend.
+    """
+
+    hypothesis: Hypothesis
+    start: KnitModel
+    proposals: tuple[Proposal, ...]
+    bends: bool
+
+
 class Search:
+    """A search over models of one measurement.
+
+    Attributes
+    ----------
+    measurement : Measurement
+        On the grid of the comparison; only samples that say something new count.
+    reference : KnitModel
+        The base as it was started from the data.
+    likelihood : Likelihood
+        For the last fit of a model.
+    compared : Likelihood
+        As models are compared.
+    baseline, flexible : Hypothesis
+        The user's model, and the same with base laws that bend.
+    """
+
     def __init__(
         self,
         measurement: Measurement,
@@ -179,6 +198,7 @@ class Search:
         start = start or starting_baseline(self.measurement, catalogue)
         self.reference = without_shapes(start)
         self.likelihood = replace(likelihood_of(self.reference, self.measurement, noise), pieces=pieces)
+        self.compared = self.likelihood.in_pieces
         tell("fitting the shape of the base laws")
         flexible = with_shapes(self.reference, self.measurement, catalogue, like=start)
         self.flexible = fitted(flexible, self.likelihood, self.reference, iterations=16)
@@ -192,12 +212,15 @@ class Search:
         Two effects of one size leave each other's part unexplained, so that neither can be named alone: the first is
         put in even where it leaves more than it explains, and stays if the second explains the rest.
         """
-        current = self.flexible
+        stiff = self.compare(self.baseline.model)
+        current = max(
+            self.compare(self.flexible.model, self.flexible), self.compare(self.bent(stiff.model)), key=_evidence
+        )
         rounds: list[Round] = []
         found: list[Entry] = []
         with ThreadPoolExecutor(2) as self.pool:
             while len(rounds) < most:
-                step = self.round(current)
+                step = self.round(current, stiff)
                 rounds.append(step)
                 if step.candidate is None or (len(rounds) > 1 and not step.is_named()):
                     break
@@ -205,37 +228,62 @@ class Search:
                 current = step.candidate.hypothesis
                 if step.is_named() and step.is_enough(step.candidate):
                     break
+                stiff = self.compare(without_shapes(current.model))
         return rounds, found
 
-    def round(self, current: Hypothesis) -> Round:
+    def compare(self, model: KnitModel, like: Hypothesis | None = None) -> Hypothesis:
+        """A model fitted as models are compared."""
+        return fitted(model, self.compared, self.reference, like)
+
+    def bent(self, model: KnitModel) -> KnitModel:
+        """A model with base laws that may bend, but do not yet."""
+        return with_shapes(model, self.measurement, self.catalogue)
+
+    def sharp(self, h: Hypothesis) -> Hypothesis:
+        """The last fit of a model that was chosen."""
+        return fitted(h.model, self.likelihood, self.reference, h)
+
+    def round(self, current: Hypothesis, stiff: Hypothesis) -> Round:
+        """One step.
+
+        Parameters
+        ----------
+        current : Hypothesis
+            The model so far, at its best.
+        stiff : Hypothesis
+            The same model, whose base laws cannot bend.
+        """
         self.tell("screening the catalogue")
-        likelihood = self.likelihood
-        current = under(current, likelihood)
-        laws = laws_of(current, likelihood, self.catalogue, self.pool)
-        proposals = Screen(current, likelihood).proposals(laws)
+        likelihood = self.compared
+        grounds = [self.ground(current), self.ground(stiff)]
+        proposals = _best_of_each_law([p for ground in grounds for p in ground.proposals])
         counted: dict[str, int] = {}
         for p in proposals:
             counted[p.mechanism] = counted.get(p.mechanism, 0) + 1
-        entries = self.contest(current, proposals, likelihood)
+        entries = self.contest(grounds, proposals)
         others = self.other_laws(current) if entries else []
-        before = [current, *self.pool.map(lambda law: self.exchanged(current, law, likelihood), others)]
+        before = [current, *self.pool.map(lambda law: self.exchanged(current, law), others)]
         if entries:
             best = max(entries, key=lambda e: e.log_z)
-            likelihood = correlated(likelihood, Map(best.hypothesis, likelihood).left)
-            before.append(
-                fitted(best.hypothesis.model.without(best.name), likelihood, self.reference, best.hypothesis)
-            )
+            before.append(self.compare(best.hypothesis.model.without(best.name), best.hypothesis))
             likelihood = replace(likelihood, explained=explained(current, best.hypothesis))
-        bare = max(
-            (self.entry("", under(h, likelihood), likelihood) for h in before),
-            key=lambda e: e.log_z,
-        )
+        bare = max((self.entry("", under(h, likelihood), likelihood) for h in before), key=lambda e: e.log_z)
         entries = [
             self.entry(e.mechanism, under(e.hypothesis, likelihood), likelihood, e.law, e.name) for e in entries
         ]
         entries.sort(key=lambda e: -e.log_z)
         unknown = float(np.logaddexp(Map(bare.hypothesis, likelihood).log_z, bare.log_z) - np.log(2))
         return Round(bare, unknown, tuple(entries), tuple(proposals), counted, likelihood)
+
+    def ground(self, h: Hypothesis) -> Ground:
+        """A model, and what each law of the catalogue promises beside it."""
+        laws = laws_of(h, self.compared, self.catalogue, self.pool)
+        proposals = tuple(Screen(h, self.compared).proposals(laws))
+        bends = any(name in SHAPES for name in h.model)
+        start = h.model if bends else self.bent(h.model)
+        return Ground(
+            h if bends else fitted(start, self.compared, self.reference, iterations=0), start, proposals, bends
+        )
 
     def other_laws(self, current: Hypothesis) -> list[Effect]:
         """Laws that could take the place of one in the model, drawn to the data."""
@@ -247,65 +295,60 @@ class Search:
         ]
         return [drawn_to_data(form(), self.measurement) for form in forms]
 
-    def exchanged(self, current: Hypothesis, law: Effect, likelihood: Likelihood) -> Hypothesis:
-        return fitted(current.model.plus(law), likelihood, self.reference, current, iterations=6)
+    def exchanged(self, current: Hypothesis, law: Effect) -> Hypothesis:
+        return fitted(current.model.plus(law), self.compared, self.reference, current, iterations=6)
 
-    def contest(self, current: Hypothesis, proposals: Sequence[Proposal], likelihood: Likelihood) -> list[Entry]:
-        """The best mechanisms refitted: all quickly, then the best of them in full, then its other laws."""
+    def contest(self, grounds: Sequence[Ground], proposals: Sequence[Proposal]) -> list[Entry]:
+        """The best mechanisms refitted: all quickly, on every ground that speaks for them, then the best in full."""
         likely = [p for p in proposals if p.gain > 0]
-        if not likely or likely[0].gain < likelihood.temperature:
-            return []
-        mechanisms = list(dict.fromkeys(p.mechanism for p in likely))
+        mechanisms = list(dict.fromkeys(p.mechanism for p in likely))[: constants.REFITS]
         chosen = []
-        for place, mechanism in enumerate(mechanisms[: constants.REFITS]):
-            chosen += [p for p in likely if p.mechanism == mechanism][: 2 if place < 3 else 1]
-        entries = self.entered(current, chosen, likelihood)
+        for place, mechanism in enumerate(mechanisms):
+            for ground in grounds:
+                own = [p for p in ground.proposals if p.mechanism == mechanism and p.gain > 0]
+                chosen += [(ground, p) for p in own[: 2 if place < 3 else 1]]
+        entries = self.entered(chosen)
+        if not entries:
+            return []
         best = max(entries, key=lambda e: e.log_z)
-        more = [p for p in likely if p.mechanism == best.mechanism and p not in chosen][:3]
-        entries += self.entered(current, more, likelihood)
-        entries.sort(key=lambda e: -e.log_z)
-        full = [*self.pool.map(lambda e: self.settled(e, likelihood), entries[: constants.SETTLED])]
+        tried = {p.law for _, p in chosen}
+        more = [(g, p) for g in grounds for p in g.proposals if p.mechanism == best.mechanism and p.law not in tried]
+        entries = _best_fits([*entries, *self.entered([one for one in more if one[1].gain > 0][:3])])
+        full = [*self.pool.map(self.settled, entries[: constants.SETTLED])]
         return [*full, *entries[constants.SETTLED :]]
 
-    def settled(self, e: Entry, likelihood: Likelihood) -> Entry:
-        """Refitted in full from several starts: a base that had to do without the effect may lie in a wrong valley.
+    def settled(self, e: Entry) -> Entry:
+        """Refitted in full; contacts that were found to feel some strain are tried with the force alone, too.
 
-        Contacts that were found to feel some strain are tried with the force alone; and where much is left, so is the
-        base as it was started from the data.
+        A base that had to do without the effect may lie in a wrong valley.
         """
         h, effect = e.hypothesis, e.hypothesis.model[e.name]
+        found = [self.compare(h.model, h)]
         on_force = {"strain", "force_N"} & set(effect.writes)
-        found = [fitted(h.model, likelihood, self.reference, h)]
         if on_force and getattr(h.model.effects.get("contact_drive"), "strain_share", 0.0) > 0.02:
-            alone = h.model.with_parameters({"contact_drive.strain_share": 0.0})
-            found.append(fitted(alone, likelihood, self.reference, h))
-        if on_force and excess(found[0], likelihood) > MUCH:
-            anew = with_shapes(self.reference, self.measurement, self.catalogue).plus(effect, e.name)
-            found.append(fitted(anew, likelihood, self.reference, iterations=16))
-        best = max(found, key=lambda one: one.log_z)
-        return self.entry(e.mechanism, best, likelihood, e.law, e.name)
+            found.append(self.compare(h.model.with_parameters({"contact_drive.strain_share": 0.0}), h))
+        return self.entry(e.mechanism, max(found, key=_evidence), self.compared, e.law, e.name)
 
-    def entered(self, current: Hypothesis, proposals: Sequence[Proposal], likelihood: Likelihood) -> list[Entry]:
-        def refitted(p: Proposal, start: Effect) -> tuple[Hypothesis, str]:
-            model = current.model.plus(start)
-            name = next(n for n in model if n not in current.model)
+    def entered(self, chosen: Sequence[tuple[Ground, Proposal]]) -> list[Entry]:
+        def refitted(ground: Ground, effect: Effect, p: Proposal) -> tuple[Hypothesis, str]:
+            model = ground.start.plus(effect)
+            name = next(n for n in model if n not in ground.start)
             address = f"{name}.{p.effect.strength}"
             believed = {address: p.believed} if p.believed and p.believed[0] > 0 else {}
-            return fitted(model, likelihood, self.reference, current, 6, quick=True, believed=believed), name
+            h = fitted(model, self.compared, self.reference, ground.hypothesis, 6, quick=True, believed=believed)
+            return h, name
 
-        def enter(p: Proposal) -> Entry:
+        def enter(one: tuple[Ground, Proposal]) -> Entry:
+            ground, p = one
             self.tell(f"refitting with {p.law}")
-            h, name = refitted(p, p.first)
-            if p.first != p.effect and h.log_z - current.log_z < KEPT * p.gain:
-                # A weak effect that holds on to nothing (a hum in another phase) loses itself.
-                h = max(h, refitted(p, p.effect)[0], key=lambda one: one.log_z)
-            return self.entry(p.mechanism, h, likelihood, p.law, name)
+            # Where the base may hold the effect already, it starts weak: room is made for it step by step.
+            h, name = refitted(ground, p.first if ground.bends else p.effect, p)
+            return self.entry(p.mechanism, h, self.compared, p.law, name)
 
-        return list(self.pool.map(enter, proposals))
+        return list(self.pool.map(enter, chosen))
 
     def entry(self, mechanism: str, h: Hypothesis, likelihood: Likelihood, law: str = "", name: str = "") -> Entry:
-        log_z = likelihood.judged(h.log_z, h.evidence.sigma)
-        return Entry(mechanism, law, name, h, log_z, excess(h, likelihood))
+        return Entry(mechanism, law, name, h, h.log_z, excess(h, likelihood))
 
 
 def searched(
@@ -323,9 +366,23 @@ def searched(
         return search, *search.run(most)
 
 
-def _named(share_left: float) -> float:
-    """Log odds that an effect which leaves this share of the error above the noise deserves to be named."""
-    return 0.5 * (constants.MOST_LEFT**2 - share_left**2) / constants.LAW_ERROR**2
+def _evidence(h: Hypothesis) -> float:
+    return h.log_z
+
+
+def _best_of_each_law(proposals: Sequence[Proposal]) -> list[Proposal]:
+    found: dict[str, Proposal] = {}
+    for p in sorted(proposals, key=lambda p: -p.gain):
+        found.setdefault(p.law, p)
+    return list(found.values())
+
+
+def _best_fits(entries: Sequence[Entry]) -> list[Entry]:
+    """One of each law, the best first."""
+    found: dict[str, Entry] = {}
+    for e in sorted(entries, key=lambda e: -e.log_z):
+        found.setdefault(e.law, e)
+    return list(found.values())
 
 
 def explained(without: Hypothesis, with_it: Hypothesis) -> dict[str, float]:

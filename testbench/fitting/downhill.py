@@ -11,6 +11,8 @@ from functools import partial
 from typing import Protocol
 
 import numpy as np
+from scipy.linalg import cho_factor, cho_solve, solve_triangular
+from scipy.optimize import lsq_linear
 
 from testbench.knit.effect import FloatArray
 
@@ -146,13 +148,40 @@ def _cost_after(problem: LeastSquares, x: FloatArray, step: FloatArray) -> float
 
 
 def _projected(problem: LeastSquares, here: Linearised, x: FloatArray, damping: float) -> FloatArray:
-    """Damped step within the bounds; what pushes against one stays there."""
-    held = ((x <= problem.low) & (here.gradient < 0)) | ((x >= problem.high) & (here.gradient > 0))
-    free = np.flatnonzero(~held)
-    matrix = here.matrix[np.ix_(free, free)]
-    step = np.zeros_like(x)
-    step[free] = np.linalg.solve(matrix + damping * np.diag(np.diag(matrix)), here.gradient[free])
-    return np.clip(x + step, problem.low, problem.high) - x
+    """Damped step within the bounds."""
+    damped = here.matrix + damping * np.diag(np.diag(here.matrix))
+    return within(damped, here.gradient, problem.low - x, problem.high - x)
+
+
+def within(matrix: FloatArray, gradient: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:
+    """The step d of least d' matrix d / 2 - gradient' d with low <= d <= high, shape (p,).
+
+    A step that is cut off at a bound afterwards would leave alone what made up for the part cut off.
+    Source: Stark & Parker, Comput. Stat. 10 (1995) 129 (bounded-variable least squares).
+    """
+    tied = np.flatnonzero(np.isfinite(low) | np.isfinite(high))
+    free = np.setdiff1d(np.arange(len(gradient)), tied)
+    # The free ones follow: they are eliminated first.
+    inner = cho_factor(matrix[np.ix_(free, free)]) if len(free) else None
+    cross = matrix[np.ix_(free, tied)]
+    bare, follow = (cho_solve(inner, part) if inner else part for part in (gradient[free], cross))
+    step = np.zeros(len(gradient))
+    step[tied] = _in_box(
+        matrix[np.ix_(tied, tied)] - cross.T @ follow, gradient[tied] - cross.T @ bare, low[tied], high[tied]
+    )
+    step[free] = bare - follow @ step[tied]
+    return step
+
+
+def _in_box(matrix: FloatArray, gradient: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:
+    size = np.diag(matrix) ** -0.5
+    scaled = matrix * np.outer(size, size)
+    step = size * np.linalg.solve(scaled, size * gradient)
+    if np.all((step >= low) & (step <= high)):
+        return step
+    factor = np.linalg.cholesky(scaled)
+    goal = solve_triangular(factor, size * gradient, lower=True)
+    return size * lsq_linear(factor.T, goal, (low / size, high / size), method="bvls").x
 
 
 def huber(z: FloatArray) -> FloatArray:

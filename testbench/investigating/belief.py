@@ -64,7 +64,7 @@ def judged(
     """
     _, rounds, put_in = searched(measurement, catalogue, most, start, tell, constants.INDEPENDENT * runs)
     first = rounds[0]
-    left = first.left(put_in[-1]) if put_in else None
+    left = put_in[-1].hypothesis.evidence.sigma if put_in else None
     verdict = first.verdict(left)
     chances = first.probabilities(left if verdict == "missing" else None)
     return Belief(chances, verdict, _likely(first, chances), Reading(_noise(first), constants.INDEPENDENT))

@@ -77,7 +77,8 @@ def parameter(
         What it means, and where its usual value comes from.
     typical : float, optional
         Of a strength: its usual size, the width of its prior around zero; in N, as a share of the range of the force.
-        Default: `default`, or a tenth of that range.
+        Default: `default`, or a tenth of that range. Of another linear parameter: the width of its prior around
+        `default`; else a quarter of its range.
     """
     extra = {"unit": unit, "low": low, "high": high, "scale": scale, "source": source, "typical": typical}
     if isinstance(default, tuple):

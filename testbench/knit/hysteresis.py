@@ -45,7 +45,9 @@ class Hysteresis(FrictionLaw):
     threshold: float = parameter(
         0.02, unit="1", low=5e-4, high=0.5, scale="log", doc="strain after a reversal at which slip is under way"
     )
-    growth: float = parameter(0.0, unit="1", low=-1, high=30, doc="relative growth of friction per unit strain")
+    growth: float = parameter(
+        0.0, unit="1", low=-1, high=30, typical=2.0, doc="relative growth of friction per unit strain"
+    )
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         e = signals["strain"]
@@ -73,7 +75,9 @@ class HysteresisBoucWen(FrictionLaw):
         0.02, unit="1", low=5e-4, high=0.5, scale="log", doc="strain in which the friction turns over"
     )
     skew: float = parameter(0.3, unit="1", low=0, high=0.9, doc="how much stiffer unloading is than loading")
-    growth: float = parameter(0.0, unit="1", low=-1, high=30, doc="relative growth of friction per unit strain")
+    growth: float = parameter(
+        0.0, unit="1", low=-1, high=30, typical=2.0, doc="relative growth of friction per unit strain"
+    )
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         from testbench.knit.kernels import bouc_wen
