@@ -37,6 +37,10 @@ def made(root: Path) -> None:
     if not (results / "diagnosis.json").exists():
         found = ("--json", results / "diagnosis.json", "-o", results / "diagnosed.json")
         do("testbench", "diagnose", *pair, "--model", model, *found)
+    if not (results / "experiment.json").exists():
+        asked = ("--diagnosis", results / "diagnosis.json", "--fit", *pair, "--strain-max", 30, "--duration-s", 600)
+        program = root / "programs" / f"{C}-experiment"
+        do("testbench", "experiment", *asked, "--json", results / "experiment.json", "-o", program)
 
 
 def drawn(page: Page) -> None:
@@ -55,10 +59,6 @@ def pictures(page: Page, address: str, out: Path) -> None:
     drawn(page)
     page.screenshot(path=out / "studio-candidate.png")
     page.goto(f"{address}/experiment?c={C}")
-    page.get_by_label("Duration / min").fill("5")
-    page.get_by_role("button", name="Find the motion").click()
-    page.get_by_role("button", name="Download the Mach4 program").wait_for()
-    page.reload()
     page.get_by_role("button", name="Download the Mach4 program").wait_for()
     drawn(page)
     page.screenshot(path=out / "studio-experiment.png")
