@@ -188,9 +188,9 @@ def lists(browser, root: Path, count: int, runs: int) -> None:
             time.sleep(3)
             page = browser.new_page(viewport={"width": 1280, "height": 800})
             page.goto(f"{studio.address}/effects")
-            bare.append(timed(page, partial(page.goto, f"{studio.address}/effects"), HEADED))
+            bare.append(timed(page, partial(page.goto, f"{studio.address}/effects", wait_until="commit"), HEADED))
             for times in (first, again):
-                times.append(timed(page, partial(page.goto, studio.address), LISTED, [count]))
+                times.append(timed(page, partial(page.goto, studio.address, wait_until="commit"), LISTED, [count]))
             wanted = f"run-{count // 2:04d}"
             found.append(timed(page, partial(page.get_by_label("Search").fill, wanted), FOUND, [count]))
             page.close()

@@ -98,7 +98,9 @@ def _add_layout(parser: argparse.ArgumentParser) -> None:
 
 def _add_repairs(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("repairs")
-    group.add_argument("--negate", nargs="+", default=[], metavar="ROLE", help="turn the sign of displacement, force")
+    group.add_argument(
+        "--negate", nargs="+", default=[], metavar="ROLE", help="turn the sign of displacement, force, resistance"
+    )
     group.add_argument(
         "--zero",
         nargs="+",

@@ -38,6 +38,7 @@ def run(args: argparse.Namespace) -> int:
     from testbench.rig.links import paced
     from testbench.rig.motion import played
     from testbench.rig.pty_port import PtyPort, serve
+    from testbench.rig.signals import what_ends_it
 
     if not 0 <= args.faults <= 1:
         raise UserError(f"--faults must be a share from 0 to 1, got {args.faults}")
@@ -52,7 +53,7 @@ def run(args: argparse.Namespace) -> int:
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # as Ctrl-C: the link must not stay behind
     try:
         print(port.name, flush=True)
-        print("rig: the motion starts when the port is opened; Ctrl-C ends the rig", file=sys.stderr)
+        print(f"rig: the motion starts when the port is opened; {what_ends_it()} ends the rig", file=sys.stderr)
         unheard = serve(port, faulty(paced(lines, args.speed), args.faults, default_rng(args.seed)))
         if port.has_reader():
             port.wait_for_reader(wanted=False)

@@ -6,7 +6,7 @@ The pieces are in `testbench.recordings`: how the file is written (`sheet`, `lay
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -17,12 +17,13 @@ from gcode.support.errors import UserError
 from gcode.support.files import make_folder, sha256_of
 from testbench.importing.choice import NOT_THERE, Choice, Said, choose, in_words
 from testbench.importing.columns import Read, on_main_clock, read_columns
+from testbench.importing.gauge import gauge_doubt
 from testbench.importing.layout import Column, misfit
 from testbench.importing.notation import numbers
 from testbench.importing.opening import open_sheet
 from testbench.importing.repeats import repeats_of
 from testbench.importing.sheet import Hints, Sheet
-from testbench.importing.signs import SIGNED, doubts, zero_of
+from testbench.importing.signs import SIGNED, TURNED, doubts, zero_of
 from testbench.importing.words import STRETCH, counts_repeats
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE, TIME
 from testbench.recordings.checks import such
@@ -32,6 +33,7 @@ from testbench.recordings.recording import Recording
 from testbench.recordings.versions import software_versions
 
 SLOWEST_HZ = 0.1
+MOSTLY = 0.5  # of the rows negative: the resistance has the wrong sign, and no bad rows
 
 
 @dataclass(frozen=True)
@@ -226,14 +228,11 @@ def _recorded(
     when_s = time_s[rows][index]
     picked = {name: values[index] for name, values in channels.items()}
     told = _zeroed(picked, choice, wish)
-    for role in wish.negate:
-        _signed(role, choice)
-        name = DISPLACEMENT if role in STRETCH else FORCE
-        picked[name] = 0.0 - picked[name]
-        told.append(f"the sign of {role} was turned")
+    told += _turned(picked, choice, wish)
     recording = Recording(when_s - when_s[0], picked, _gauge_mm(wish, picked), str(path))
     done = Imported(recording, label, int((~kept).sum()), moved, repeated, float(when_s[0]), dict(read.words))
-    done.doubts = _doubts(choice, recording, wish)
+    strained = gauge_doubt(sheet, choice, read, wish.gauge_length_mm)
+    done.doubts = [*_doubts(choice, recording, wish), *([strained] if strained else [])]
     done.notes = [*choice.notes, *told, *_remarks(choice, recording)]
     done.details = _details(sheet, choice, wish, done)
     return done
@@ -243,17 +242,27 @@ def _gauge_mm(wish: Wish, channels: Mapping[str, np.ndarray]) -> float:
     return float(wish.gauge_length_mm) if wish.gauge_length_mm and DISPLACEMENT in channels else np.nan
 
 
-def _signed(role: str, choice: Choice) -> None:
-    if role not in SIGNED or role not in choice.taken:
-        have = ", ".join(one for one in SIGNED if one in choice.taken) or "nothing that has a sign"
-        raise UserError(f"--negate and --zero can be said of {have}, got {role}")
+def _signed(flag: str, role: str, allowed: Sequence[str], choice: Choice) -> None:
+    if role not in allowed or role not in choice.taken:
+        have = ", ".join(one for one in allowed if one in choice.taken) or "nothing that has a sign"
+        raise UserError(f"{flag} can be said of {have}, got {role}")
+
+
+def _turned(picked: dict[str, np.ndarray], choice: Choice, wish: Wish) -> list[str]:
+    """Turn the signs that `wish` says, in place (a resistance was turned as it was read); what was done, in words."""
+    for role in wish.negate:
+        _signed("--negate", role, TURNED, choice)
+        if role in SIGNED:
+            name = DISPLACEMENT if role in STRETCH else FORCE
+            picked[name] = 0.0 - picked[name]
+    return [f"the sign of {role} was turned" for role in sorted(wish.negate)]
 
 
 def _zeroed(picked: dict[str, np.ndarray], choice: Choice, wish: Wish) -> list[str]:
     """Count displacement and force from where `wish` says, in place; what was done, in words."""
     told = []
     for role, text in wish.zero.items():
-        _signed(role, choice)
+        _signed("--zero", role, SIGNED, choice)
         name = DISPLACEMENT if role in STRETCH else FORCE
         unit = choice.taken[role].unit
         assert unit is not None
@@ -345,7 +354,7 @@ def _channels(scaled: Mapping[str, np.ndarray], wish: Wish) -> dict[str, np.ndar
         channels[FORCE] = scaled["force"]
     resistance = _resistance(scaled, wish.r0_ohm or 1.0)
     if resistance is not None:
-        channels[RESISTANCE] = resistance
+        channels[RESISTANCE] = -resistance if "resistance" in wish.negate else resistance
     if "temperature" in scaled:
         channels[TEMPERATURE] = scaled["temperature"]
     return channels
@@ -375,9 +384,12 @@ def _usable(
         if not fine.all() and not drop_bad:
             first = int(np.flatnonzero(~fine)[0])
             want = "positive and finite" if name == RESISTANCE else "a finite number"
+            remedy = "--drop-bad leaves them out"
+            if name == RESISTANCE and (values < 0).mean() > MOSTLY:
+                remedy = "if its leads were the other way round, add --negate resistance"
             raise UserError(
                 f"{path}: row {rows[first]}: {name} must be {want}, got {values[first]:g} "
-                f"({such(int((~fine).sum()))}); --drop-bad leaves them out"
+                f"({such(int((~fine).sum()))}); {remedy}"
             )
         good &= fine
     return good

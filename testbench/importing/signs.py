@@ -12,6 +12,7 @@ from testbench.importing.units import Unit, conversion, unit_of
 from testbench.recordings.channels import DISPLACEMENT, FORCE
 
 SIGNED = ("displacement", "strain", "force")
+TURNED = (*SIGNED, "resistance")  # negative where the sense leads are the other way round
 AGAINST = -0.5  # correlation of force and displacement below which one of them runs the wrong way
 FEW = 100_000  # samples that are enough for a correlation
 _VALUE = re.compile(r"^\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*(\S*)\s*$")

@@ -26,7 +26,8 @@ if TYPE_CHECKING:
     from testbench.recordings.stored import Resource
 
 ORDER = (TIME, DISPLACEMENT, FORCE, RESISTANCE)
-DECIMALS = {TIME: 6, DISPLACEMENT: 6, FORCE: 6, RESISTANCE: 3}
+DECIMALS = 6  # µs, nm, µN
+RESISTANCE_DIGITS = 7  # of the smallest one: a thread has 1 Ω, a knit 1 MΩ
 ROWS_AT_ONCE = 100_000
 MOST_BYTES = 4 << 30  # 24 h at 1 kHz
 MOST_COLUMNS = 1000
@@ -211,9 +212,24 @@ def _is_remark(frame: pd.DataFrame, name: str) -> bool:
 
 
 def _all_text(column: pd.Series) -> bool:
+    return bool(_parsed(column).isna().all())
+
+
+def _parsed(column: pd.Series) -> pd.Series:
+    """A column as numbers; NaN where a cell is none, or a whole number of hundreds of digits."""
     import pandas as pd
 
-    return bool(pd.to_numeric(column, errors="coerce").isna().all())
+    try:
+        return pd.to_numeric(column, errors="coerce")
+    except OverflowError:
+        return column.map(_as_float).astype(float)
+
+
+def _as_float(cell: object) -> float:
+    try:
+        return float(cell)  # type: ignore[arg-type]
+    except (ValueError, TypeError, OverflowError):
+        return np.nan
 
 
 def in_words(error: Exception) -> str:
@@ -232,9 +248,7 @@ def _whole_lines(path: Path) -> io.BytesIO:
 
 
 def _numbers(path: Path, name: str, column) -> np.ndarray:
-    import pandas as pd
-
-    numbers = pd.to_numeric(column, errors="coerce")
+    numbers = _parsed(column)
     wrong = np.flatnonzero(numbers.isna() & column.notna())
     if wrong.size:
         row, came = int(wrong[0]) + 2, column.iloc[int(wrong[0])]
@@ -246,12 +260,22 @@ def _numbers(path: Path, name: str, column) -> np.ndarray:
 
 
 def write_recording_csv(path: str | Path, recording: Recording) -> None:
-    """Write ``recording.csv`` atomically, known columns first, in fixed decimals (same bytes from same data)."""
+    """Write ``recording.csv`` atomically, known columns first, in fixed decimals (same bytes from same data).
+
+    A resistance has mΩ, and more where it is small.
+    """
     columns = {TIME: recording.time_s, **recording.channels}
     names = [name for name in ORDER if name in columns] + sorted(set(columns) - set(ORDER))
-    line = ",".join(f"%.{DECIMALS.get(name, 6)}f" for name in names) + "\n"
+    line = ",".join(f"%.{_decimals(name, columns[name])}f" for name in names) + "\n"
     with atomic_writer(path) as write:
         write((",".join(names) + "\n").encode())
         for start in range(0, len(recording), ROWS_AT_ONCE):
             block = np.column_stack([columns[name][start : start + ROWS_AT_ONCE] for name in names])
             write((line * len(block) % tuple(block.ravel().tolist())).encode())
+
+
+def _decimals(name: str, values: np.ndarray) -> int:
+    if name != RESISTANCE:
+        return DECIMALS
+    smallest = np.min(np.abs(values[np.isfinite(values) & (values != 0)]), initial=1e4)
+    return int(np.clip(RESISTANCE_DIGITS - 1 - np.floor(np.log10(smallest)), 3, 15))

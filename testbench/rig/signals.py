@@ -1,8 +1,9 @@
-"""Ctrl-C ends a recording well; a second one ends the program at once."""
+"""Ctrl-C ends a recording well; a second one ends the program at once. How to end what runs in the background."""
 
 from __future__ import annotations
 
 import contextlib
+import os
 import signal
 from collections.abc import Callable, Iterator
 
@@ -26,3 +27,21 @@ def stop_signals() -> Iterator[Callable[[], bool]]:
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+def what_ends_it() -> str:
+    """``Ctrl-C``, where this program is in the foreground of a terminal; elsewhere the ``kill`` that ends it.
+
+    A shell keeps Ctrl-C from what was started with ``&``, and a program without a terminal never gets one.
+    """
+    try:
+        terminal = os.open(os.ctermid(), os.O_RDONLY | os.O_NOCTTY)
+    except OSError:
+        return f"kill {os.getpid()}"
+    try:
+        in_foreground = os.tcgetpgrp(terminal) == os.getpgrp()
+    except OSError:
+        in_foreground = False
+    finally:
+        os.close(terminal)
+    return "Ctrl-C" if in_foreground else f"kill {os.getpid()}"

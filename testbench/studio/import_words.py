@@ -34,6 +34,7 @@ FIELDS = {
     "--time-of": "Own times",
     "--overwrite": "Campaign name",
 }
+_AT = r"(?: (?:displacement|force|strain|resistance)\b)"
 _ROLES = {"relative-resistance": "relative"} | {role.replace("_", "-"): role for role in TITLES}
 
 
@@ -50,8 +51,8 @@ def page_words(text: str) -> str:
         text = re.sub(rf"--{name}-unit\b", f"“Unit of {_spoken(name)}”", text)
         text = re.sub(rf"--{name}(?![\w-])", f"“Column of {_spoken(name)}”", text)
     for flag in sorted(FIELDS, key=len, reverse=True):
-        text = re.sub(rf"{flag}(?![\w-])((?: (?:displacement|force|strain)\b)*)", f"“{FIELDS[flag]}”\\1", text)
-    return re.sub(r"”((?: (?:displacement|force|strain)\b)+)", lambda found: f"” at{found[1]}", text)
+        text = re.sub(rf"{flag}(?![\w-])({_AT}*)", f"“{FIELDS[flag]}”\\1", text)
+    return re.sub(rf"”({_AT}+)", lambda found: f"” at{found[1]}", text)
 
 
 def _spoken(name: str) -> str:

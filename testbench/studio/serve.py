@@ -8,6 +8,7 @@ import threading
 
 from gcode.support.errors import UserError
 from gcode.support.files import make_folder
+from testbench.rig.signals import what_ends_it
 from testbench.studio.studio import KEY_RECORDING, RESULTS_URL, Studio
 from testbench.studio.workspace import RESULTS
 
@@ -26,7 +27,7 @@ FAVICON = (
 
 
 def serve(studio: Studio, port: int, show: bool) -> None:
-    """Serve until Ctrl-C.
+    """Serve until Ctrl-C, or SIGTERM.
 
     Raises
     ------
@@ -44,9 +45,9 @@ def serve(studio: Studio, port: int, show: bool) -> None:
     app.add_static_files(RESULTS_URL, make_folder(studio.workspace.root / RESULTS), max_cache_age=0)
     # A page elsewhere must not reach the studio by giving this machine another name (DNS rebinding).
     app.add_middleware(TrustedHostMiddleware, allowed_hosts=[HOST, "localhost"])
-    app.on_startup(lambda: threading.Thread(target=_warm, daemon=True).start())
+    app.on_startup(lambda: threading.Thread(target=_warm, args=[studio], daemon=True).start())
     app.on_shutdown(lambda: _close(studio))
-    print(f"studio of {studio.workspace.root}: http://{HOST}:{port} (Ctrl-C ends it)", flush=True)
+    print(f"studio of {studio.workspace.root}: http://{HOST}:{port} ({what_ends_it()} ends it)", flush=True)
     ui.run(
         lambda: frame(studio),
         host=HOST,
@@ -72,8 +73,9 @@ async def _close(studio: Studio) -> None:
             print(f"{job.title} goes on without the studio; {again}, or end it with: kill -INT {job.about.pid}")
 
 
-def _warm() -> None:
-    """Import what the first pages need while the browser is still opening."""
+def _warm(studio: Studio) -> None:
+    """Read the manifests and import what the first pages need, while the browser is still opening."""
+    studio.workspace.campaigns()
     for module in WARM:
         importlib.import_module(module)
 

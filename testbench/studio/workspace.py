@@ -9,6 +9,7 @@ import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from threading import Lock
 
 from gcode.support.errors import UserError
 from gcode.support.files import make_folder, write_text
@@ -78,13 +79,16 @@ class Workspace:
         self._recordings = Memory(KEPT_RECORDINGS)
         self._verdicts = Memory(KEPT_VERDICTS)
         self._known: dict[str, tuple[tuple[int, int], Campaign]] = {}
+        self._reading = Lock()
 
     def campaigns(self) -> list[Campaign]:
         """Every campaign below the root, newest first; a folder whose manifest cannot be read is listed too.
 
         A manifest is read once and again only when it has changed, so thousands are listed in less than a second.
+        Who asks while another thread reads them waits for that one.
         """
-        found = [self._described(folder, made) for folder, made in _manifests(self.root, MAX_DEPTH)]
+        with self._reading:
+            found = [self._described(folder, made) for folder, made in _manifests(self.root, MAX_DEPTH)]
         return sorted(found, key=lambda campaign: (-campaign.made_s, campaign.name))
 
     def _described(self, folder: str, made: os.stat_result) -> Campaign:

@@ -6,17 +6,15 @@ from functools import partial
 
 from nicegui import ui
 
-from gcode.support.errors import UserError
-from testbench.recordings.manifest import IN_PROGRESS
-from testbench.report.recording_figures import summary, thumbnail
 from testbench.studio.finding import ORDERS, STATES, Found, all_tags, narrowed
-from testbench.studio.notes import Note, tags_of
+from testbench.studio.notes import Note
+from testbench.studio.pages.campaign_card import Card
 from testbench.studio.studio import Studio
-from testbench.studio.unfinished import is_under_way, is_unfinished
+from testbench.studio.unfinished import is_unfinished
 from testbench.studio.widgets import Address, address, aside, attempt, guarded, heading, invitation
-from testbench.studio.workspace import Campaign, results_name
+from testbench.studio.workspace import results_name
 
-AT_ONCE = 36  # cards; more on demand
+AT_ONCE = 24  # cards; more on demand
 
 
 @guarded
@@ -124,13 +122,13 @@ class _List:
         self.more.set_visibility(len(fits) > self.shown)
         self.grid.clear()
         with self.grid:
-            cards = [(found, _Card(self, found)) for found in fits[: self.shown]]
-        for found, card in cards:
-            if turn != self.turn:
+            cards = [Card(self.studio, found, self._choose, self._again) for found in fits[: self.shown]]
+        for card in cards:
+            if turn != self.turn or self.grid.is_deleted:
                 return
-            await card.fill(self.studio, found.campaign)
+            await card.fill()
 
-    def choose(self, name: str, wanted: bool) -> None:
+    def _choose(self, name: str, wanted: bool) -> None:
         """Take a campaign into the side-by-side comparison; the last two count."""
         self.chosen = [one for one in self.chosen if one != name] + ([name] if wanted else [])
         self.side.set_visibility(len(self.chosen) > 1)
@@ -139,119 +137,7 @@ class _List:
         first, second = self.chosen[-2:]
         ui.navigate.to(address("/side", a=first, b=second))
 
-    async def again(self) -> None:
+    async def _again(self) -> None:
         """Read the folder and the notes anew."""
         self.everything = await aside(found_in, self.studio)
         await self._draw()
-
-
-class _Card:
-    """One campaign: name and tags at once, picture and checksum when they are known."""
-
-    def __init__(self, parent: _List, found: Found) -> None:
-        self.parent, self.found = parent, found
-        campaign = found.campaign
-        with ui.element("div").classes("campaign-card"):
-            with ui.link(target=address("/recording", c=campaign.name)).classes("campaign"):
-                with ui.row().classes("items-center justify-between w-full no-wrap"):
-                    ui.label(campaign.name).classes("name")
-                    self.verdict = ui.label("…").classes("tag")
-                self.picture = ui.html("", sanitize=False).classes("w-full").style("min-height:64px;margin:8px 0 4px")
-                with ui.row().classes("items-center gap-1"):
-                    if campaign.origin:
-                        ui.label(campaign.origin).classes("tag")
-                    self.state = ui.label().classes("tag bad")
-                    self.state.set_visibility(False)
-                    for made in sorted(found.states - {"unfinished"}, key=STATES.index):
-                        ui.label(made).classes("tag made")
-                    for tag in found.note.tags:
-                        ui.label(tag).classes("tag own")
-                self.facts = ui.label("").classes("quiet text-sm")
-                if found.note.text:
-                    ui.label(found.note.text).classes("text-sm note")
-            self._tools(campaign.name)
-
-    def _tools(self, name: str) -> None:
-        with ui.row().classes("tools items-center gap-0 no-wrap"):
-            choice = ui.checkbox(on_change=lambda event: self.parent.choose(name, event.value)).props("dense")
-            choice.props(f'aria-label="Compare {name} with another"').tooltip("Choose two to see them side by side")
-            ui.space()
-            for icon, what, action in (
-                ("sell", "Tags and note", self._edit),
-                ("delete_outline", "Delete", self._delete),
-            ):
-                button = ui.button(icon=icon, on_click=partial(attempt, action)).props("flat dense round size=sm")
-                button.props(f'aria-label="{what} of {name}"' if icon == "sell" else f'aria-label="{what} {name}"')
-                button.tooltip(what)
-
-    def _edit(self) -> None:
-        name, note = self.found.campaign.name, self.found.note
-        with ui.dialog() as dialog, ui.card().classes("gap-3").style("min-width:min(420px, 88vw)"):
-            ui.label(name).style("font-weight:620")
-            tags = ui.input("Tags, with commas between", value=", ".join(note.tags)).classes("w-full")
-            text = ui.textarea("Note", value=note.text).classes("w-full")
-
-            async def save() -> None:
-                self.parent.studio.notes.put(name, Note(tags_of(tags.value or ""), (text.value or "").strip()))
-                dialog.close()
-                await self.parent.again()
-
-            with ui.row():
-                ui.button("Save", on_click=save).props("unelevated")
-                ui.button("Cancel", on_click=dialog.close).props("flat")
-        dialog.open()
-
-    def _delete(self) -> None:
-        campaign, studio = self.found.campaign, self.parent.studio
-        if is_under_way(studio, campaign):
-            raise UserError(f"{campaign.name} is being recorded now; stop the recording first")
-        studio.workspace.delete(campaign.name)
-        ui.navigate.reload()
-
-    async def fill(self, studio: Studio, campaign: Campaign) -> None:
-        """Check and draw; a campaign that cannot be read, or is not what was written, says why."""
-        growing = campaign.status == IN_PROGRESS
-        self._tell_state(studio, campaign)
-        try:
-            problems = [] if growing else await aside(studio.workspace.problems, campaign.name)
-            if problems:
-                self._mark("changed" if campaign.origin else "not ours", "bad", "; ".join(problems))
-                return
-            picture, facts = await aside(_sketch, studio, campaign)
-        except UserError as error:
-            self._mark("unreadable", "bad", str(error))
-            return
-        if growing:
-            self.verdict.set_visibility(False)  # there is nothing to hold its bytes against yet
-        else:
-            self._mark("verified", "good")
-        self.picture.set_content(picture)
-        self.facts.set_text(facts)
-
-    def _tell_state(self, studio: Studio, campaign: Campaign) -> None:
-        if is_under_way(studio, campaign):
-            self.state.set_text("recording now")
-        elif is_unfinished(campaign):
-            self.state.set_text("unfinished")
-        elif campaign.status not in ("", "complete"):
-            self.state.set_text(campaign.status)
-        self.state.set_visibility(bool(self.state.text))
-
-    def _mark(self, text: str, kind: str, why: str = "") -> None:
-        self.verdict.set_text(text)
-        self.verdict.classes(add=kind)
-        if why:
-            self.verdict.tooltip(why)
-            self.facts.set_text(why[:140])
-
-
-def _sketch(studio: Studio, campaign: Campaign) -> tuple[str, str]:
-    """Thumbnail and a line of facts, drawn once."""
-    from testbench.studio.memory import stamp
-
-    def draw() -> tuple[str, str]:
-        recording = studio.workspace.recording(campaign.name)
-        told = summary(recording)
-        return thumbnail(recording), " · ".join(value for _, value in told[:1] + told[3:4])
-
-    return studio.sketches.recall(stamp(campaign.folder / "recording.csv"), draw)

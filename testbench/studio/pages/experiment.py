@@ -60,7 +60,7 @@ def _ask(studio: Studio, c: str, diagnosis: Mapping[str, Any], where: Address) -
         subheading(
             f"Which is it: {' or '.join(rivals_of(diagnosis))}?",
             "A dozen motions are tried on the models of both; the best is the one that leaves the wrong model the "
-            "least room. This takes half a minute.",
+            "least room. This takes a minute or two.",
         )
         with ui.row().classes("items-center"):
             strain = number_field("Largest strain / %", asked(where, "strain", 30))

@@ -13,6 +13,7 @@ from nicegui import events, ui
 from nicegui.elements.mixins.value_element import ValueElement
 
 from gcode.support.errors import UserError
+from testbench.importing.signs import SIGNED, TURNED
 from testbench.studio.import_form import NOT_THERE, Choices
 from testbench.studio.import_words import TITLES, page_words
 from testbench.studio.jobs import Job, State
@@ -245,7 +246,7 @@ class _Form:
             with ui.row().classes("items-center gap-2"):
                 wrong = _trouble_words(choice, role)
                 ui.label(wrong or words.get(role, "")).classes("wrong" if wrong else "")
-                if role in ("displacement", "strain", "force") and taken:
+                if role in TURNED and taken:
                     self._repairs(role)
 
     def _repairs(self, role: str) -> None:
@@ -253,6 +254,8 @@ class _Form:
             ("Turn the sign", self.choices.negate),
             ("Count from the first sample", self.choices.zero),
         ):
+            if marked is self.choices.zero and role not in SIGNED:
+                continue
 
             def mark(event: events.ValueChangeEventArguments, marked: set[str] = marked) -> None:
                 (marked.add if event.value else marked.discard)(role)

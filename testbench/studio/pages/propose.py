@@ -169,7 +169,8 @@ def _formula(line: str, svg: str) -> None:
 
     words = read_aloud(line)
     if svg:
-        ui.html(svg, sanitize=False).classes("typeset").props(f'role=img aria-label="{escape(words)}"')
+        hidden = svg.replace("<svg", '<svg aria-hidden="true"', 1)  # its parts say nothing; the words say it all
+        ui.html(hidden, sanitize=False).classes("typeset").props(f'role=img aria-label="{escape(words)}"')
     else:
         ui.label(words).classes("formula")
 

@@ -166,8 +166,40 @@ def test_zero_and_sign(tmp_path):
     for wrong in ("x", "1 mm"):
         with pytest.raises(UserError, match="--zero force= needs a number in kN, or with its unit"):
             import_csv(path, Wish(40.0, zero={"force": wrong}))
-    with pytest.raises(UserError, match="--negate and --zero can be said of displacement, force, got time"):
+    with pytest.raises(UserError, match="--negate can be said of displacement, force, got time"):
         import_csv(path, Wish(40.0, negate=frozenset({"time"})))
+
+
+def test_a_resistance_whose_leads_were_the_other_way_round_is_turned_and_not_dropped(tmp_path):
+    path = tmp_path / "leads.csv"
+    path.write_text("Time [s],Extension [mm],R [kOhm]\n0,0,-1.5\n1,1,-1.6\n2,2,-1.7\n")
+    with pytest.raises(UserError, match=r"got -1500 \(3 such rows\); .* add --negate resistance"):
+        import_csv(path, Wish(40.0))
+    found = import_csv(path, Wish(40.0, negate=frozenset({"resistance"})))
+    assert found.recording["resistance_ohm"] == pytest.approx([1500, 1600, 1700])
+    assert "the sign of resistance was turned" in found.notes
+    with pytest.raises(UserError, match="--zero can be said of displacement, got resistance"):
+        import_csv(path, Wish(40.0, negate=frozenset({"resistance"}), zero={"resistance": None}))
+
+
+@pytest.mark.parametrize(
+    ("name", "factor", "lengths"),
+    [("Strain", 1.0, "80 mm or 8000 mm"), ("Strain [%]", 100.0, "80 mm"), ("Strain [1]", 1.0, "80 mm")],
+)
+def test_a_strain_beside_the_displacement_knows_the_gauge_length(tmp_path, name, factor, lengths):
+    path = tmp_path / "both.csv"
+    rows = "".join(f"{n},{n % 9},{n % 5},{factor * (n % 9) / 80 - 0.01:.9f}\n" for n in range(50))
+    path.write_text(f"Time [s],Extension [mm],Load [N],{name}\n{rows}")
+    said = f"is that of a gauge length of {lengths}, and --gauge-length-mm says 40"
+    assert any(said in doubt for doubt in import_csv(path, Wish(40.0)).doubts)
+    assert import_csv(path, Wish(80.5)).doubts == []
+
+
+def test_a_strain_of_something_else_says_nothing_of_the_gauge_length(tmp_path):
+    path = tmp_path / "both.csv"
+    rows = "".join(f"{n},{n % 9},{n % 5},{(n * n) % 11}\n" for n in range(50))
+    path.write_text(f"Time [s],Extension [mm],Load [N],Transverse strain [%]\n{rows}")
+    assert import_csv(path, Wish(40.0)).doubts == []
 
 
 REFUSED = [

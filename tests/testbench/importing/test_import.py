@@ -12,7 +12,7 @@ from testbench import cli
 from testbench.importing.from_file import Wish, import_csv
 from testbench.recordings.files import read_recording
 
-REAL = Path(__file__).parents[2] / "../shared/data/real"
+REAL = Path(__file__).parents[3] / "../shared/data/real"
 GOOD = "t,x,F,R\n0,0.0,0.1,1000\n0.1,0.5,0.2,900\n0.2,1.0,0.3,800\n"
 
 

@@ -157,3 +157,11 @@ def test_a_bad_model_file_is_refused_and_nothing_is_written(tmp_path, capsys, te
     assert message in error
     assert error.count("\n") == 1
     assert sorted(path.name for path in tmp_path.iterdir()) == ["m.json", "two_triangles.tap"]
+
+
+@pytest.mark.parametrize("ohm", [1e-3, 0.98, 42.0, 1e3, 4.4e5])
+def test_a_resistance_keeps_its_digits_however_small_it_is(tmp_path, ohm):
+    values = ohm * (1 + np.linspace(0, 0.1, 50))
+    channels = {"displacement_mm": np.zeros(50), "resistance_ohm": values}
+    write_recording_csv(tmp_path / "r.csv", Recording(np.arange(50.0), channels, 25.0))
+    assert read_recording(tmp_path / "r.csv", 25.0)["resistance_ohm"] == pytest.approx(values, rel=1e-6)

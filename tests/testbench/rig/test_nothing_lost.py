@@ -125,10 +125,10 @@ def test_a_recorder_killed_at_random_instants_loses_at_most_a_second(tmp_path):
 
 
 @pytest.mark.slow
-def test_a_recorder_killed_200_times_loses_at_most_a_second_each(tmp_path):
+def test_a_recorder_killed_100_times_loses_at_most_a_second_each(tmp_path):
     with Device(tmp_path / "port") as device:
         wish = program(tmp_path)
-        killed_again_and_again(tmp_path / "c", device, wish, kills=200, seed=2)
+        killed_again_and_again(tmp_path / "c", device, wish, kills=100, seed=2)
         finished_well(tmp_path / "c", device, wish)
 
 

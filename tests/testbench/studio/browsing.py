@@ -6,6 +6,7 @@ import json
 import re
 import shutil
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -17,6 +18,7 @@ from testbench.cli import main as run_testbench
 from tests.testbench.studio.served import CHROMIUM, Served, served
 
 SHOTS = Path(__file__).parents[3] / "artifacts" / "studio"
+PATIENCE_MS = 120_000  # of every wait: a machine may be busy
 IN_CHROMIUM = [
     pytest.mark.browser,
     pytest.mark.slow,
@@ -28,6 +30,7 @@ IN_CHROMIUM = [
 def browser():
     """Debian's chromium, headless."""
     playwright = pytest.importorskip("playwright.sync_api")
+    playwright.expect.set_options(timeout=PATIENCE_MS)
     with playwright.sync_playwright() as play:
         chromium = play.chromium.launch(executable_path=str(CHROMIUM), args=["--no-sandbox"])
         yield chromium
@@ -41,19 +44,39 @@ def running(tmp_path: Path) -> Iterator[Served]:
         yield studio
 
 
+@pytest.fixture(scope="module")
+def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+    """One studio for all tests of a module, each of which makes campaigns of its own."""
+    with served(tmp_path_factory.mktemp("shared") / "ws") as studio:
+        yield studio
+
+
 @pytest.fixture
 def page(browser):
     """A tab at 1280 x 800 that fails on any script error and on anything fetched from elsewhere."""
-    context = browser.new_context(viewport={"width": 1280, "height": 800})
-    tab = context.new_page()
-    tab.set_default_timeout(120_000)
     wrong: list[str] = []
-    tab.on("pageerror", lambda error: wrong.append(str(error)))
-    tab.on("console", lambda message: wrong.append(message.text) if message.type == "error" else None)
-    tab.on("request", lambda request: _note_foreign(request.url, wrong))
-    yield tab
-    context.close()
+    with screen(browser, 1280, 800) as tab:
+        tab.on("pageerror", lambda error: wrong.append(str(error)))
+        tab.on("console", lambda message: wrong.append(message.text) if message.type == "error" else None)
+        tab.on("request", lambda request: _note_foreign(request.url, wrong))
+        yield tab
     assert not wrong, "\n".join(wrong)
+
+
+@contextmanager
+def screen(browser, width: int, height: int, **options):
+    """A tab in a browser of its own, of so many pixels."""
+    context = browser.new_context(viewport={"width": width, "height": height}, **options)
+    context.set_default_timeout(PATIENCE_MS)
+    tab = context.new_page()
+    try:
+        yield tab
+    finally:
+        context.close()
+
+
+TABLET = {"width": 820, "height": 1180, "has_touch": True}
+PHONE = {"width": 390, "height": 844, "has_touch": True, "is_mobile": True}
 
 
 @pytest.fixture(scope="module")

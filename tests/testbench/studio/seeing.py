@@ -66,8 +66,20 @@ def unreadable(page: Any) -> list[str]:
     return sorted({f"{one['text']!r}: {one['ratio']:.2f}" for one in found if one["ratio"] < one["least"]})
 
 
+LOOKS = 100  # in 10 s and more; an editor gets its name a moment after it is there
+
+
 def nameless(page: Any) -> list[str]:
     """Controls and pictures that have no accessible name; Chromium works the names out, as for a screen reader."""
+    for _ in range(LOOKS):
+        found = _nameless_now(page)
+        if not found:
+            break
+        page.wait_for_timeout(100)
+    return found
+
+
+def _nameless_now(page: Any) -> list[str]:
     session = page.context.new_cdp_session(page)
     nodes = session.send("Accessibility.getFullAXTree")["nodes"]
     session.detach()

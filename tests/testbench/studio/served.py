@@ -39,6 +39,12 @@ class Served:
         assert found
         return int(found.group(1)) / 1024
 
+    def busy_s(self) -> float:
+        """Processor time of the server and of the jobs that have ended, in s of one core: the load does not count."""
+        text = Path(f"/proc/{self.process.pid}/stat").read_text()
+        ticks = text.rpartition(")")[2].split()[11:15]  # utime, stime, cutime, cstime; proc(5)
+        return sum(map(int, ticks)) / os.sysconf("SC_CLK_TCK")
+
 
 @contextmanager
 def served(root: Path, refresh_s: float = 0.5) -> Iterator[Served]:

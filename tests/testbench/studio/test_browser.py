@@ -18,7 +18,7 @@ from testbench.cli import main as run_testbench
 from testbench.knit.catalogue import baseline, load_catalogue
 from testbench.recordings.files import write_recording_csv
 from testbench.studio.jobs import interpreter_argv
-from tests.testbench.studio.browsing import IN_CHROMIUM, browser, page, running, shot
+from tests.testbench.studio.browsing import IN_CHROMIUM, browser, page, running, screen, shot
 
 ROOT = Path(__file__).parents[3]
 MEASURED = ROOT / "../shared/data/real/cb_silicone_strip/cb7.5_s2_multisine_300s_a.csv"
@@ -143,7 +143,7 @@ def test_the_port_gone_midway_is_said_and_the_samples_stay(running, page, progra
     finally:
         os.kill(rig.pid, signal.SIGKILL)
         rig.wait()
-    page.get_by_text(re.compile(r"port lost \(.*trying to get it back")).wait_for()
+    page.get_by_role("alert").filter(has_text=re.compile(r"port lost \(.*trying to get it back")).wait_for()
     shot(page, "port-gone")
     page.get_by_role("button", name="Stop").click()
     page.get_by_role("button", name="Open the recording").wait_for()
@@ -163,13 +163,12 @@ def test_a_diagnosis_can_be_cancelled_and_two_tabs_share_it(
     page.goto(f"{address}/missing?c=knit")
     page.get_by_role("button", name="Find what is missing").click()
     page.get_by_role("button", name="Stop").wait_for()
-    other = browser.new_page()
-    other.goto(f"{address}/missing?c=knit")
-    other.get_by_role("button", name="Stop").wait_for()
-    page.get_by_role("button", name="Stop").click()
-    page.get_by_text(re.compile("cancelled after")).wait_for()
-    other.get_by_text(re.compile("cancelled after")).wait_for()
-    other.close()
+    with screen(browser, 1280, 800) as other:
+        other.goto(f"{address}/missing?c=knit")
+        other.get_by_role("button", name="Stop").wait_for()
+        page.get_by_role("button", name="Stop").click()
+        page.get_by_text(re.compile("cancelled after")).wait_for()
+        other.get_by_text(re.compile("cancelled after")).wait_for()
     assert not (folder / "diagnosis.json").exists()
     page.get_by_role("link", name="Campaigns").first.click()
     page.get_by_text("verified").wait_for()
@@ -179,14 +178,12 @@ def test_a_tablet_in_portrait_needs_no_sideways_scrolling(running, browser, prog
     address, root = running.address, running.root
     argv = ["run", "--sensor", "pes", "--program", str(program / "program.tap"), "--seed", "1"]
     assert run_testbench([*argv, "-o", str(root / "knit")]) == 0
-    context = browser.new_context(viewport={"width": 800, "height": 1280}, has_touch=True)
-    tab = context.new_page()
-    for path in ("/", "/recording?c=knit", "/plan", "/import", "/compare?c=knit", "/compensate?c=knit"):
-        tab.goto(address + path)
-        tab.wait_for_selector(".page h1")
-        shot(tab, f"tablet{path.partition('?')[0].replace('/', '-')}")
-        assert tab.evaluate("document.documentElement.scrollWidth") <= 800, path
-    context.close()
+    with screen(browser, 800, 1280, has_touch=True) as tab:
+        for path in ("/", "/recording?c=knit", "/plan", "/import", "/compare?c=knit", "/compensate?c=knit"):
+            tab.goto(address + path)
+            tab.wait_for_selector(".page h1")
+            shot(tab, f"tablet{path.partition('?')[0].replace('/', '-')}")
+            assert tab.evaluate("document.documentElement.scrollWidth") <= 800, path
 
 
 def test_first_view_and_steps_are_quick(running, page, program: Path) -> None:

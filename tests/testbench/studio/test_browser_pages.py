@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -13,7 +14,19 @@ from pathlib import Path
 import pytest
 
 from testbench.cli import main as run_testbench
-from tests.testbench.studio.browsing import IN_CHROMIUM, browser, finished, full, page, running, shot, standing
+from tests.testbench.studio.browsing import (
+    IN_CHROMIUM,
+    PHONE,
+    TABLET,
+    browser,
+    finished,
+    full,
+    page,
+    running,
+    screen,
+    shot,
+    standing,
+)
 from tests.testbench.studio.seeing import nameless, unreadable
 from tests.testbench.studio.served import Served
 
@@ -46,28 +59,26 @@ def test_every_page_opens_by_its_address(standing: Served, page) -> None:
 
 
 def test_every_page_fits_a_tablet(standing: Served, browser) -> None:
-    context = browser.new_context(viewport={"width": 820, "height": 1180}, has_touch=True)
-    tab = context.new_page()
-    for path, words in PAGES.items():
-        tab.goto(standing.address + path)
-        tab.get_by_text(words).first.wait_for(timeout=60_000)
-        shot(tab, f"tablet-{path.partition('?')[0].strip('/') or 'campaigns'}")
-        assert tab.evaluate("document.documentElement.scrollWidth") <= 820, path
-    context.close()
+    with screen(browser, **TABLET) as tab:
+        for path, words in PAGES.items():
+            tab.goto(standing.address + path)
+            tab.get_by_text(words).first.wait_for()
+            shot(tab, f"tablet-{path.partition('?')[0].strip('/') or 'campaigns'}")
+            assert tab.evaluate("document.documentElement.scrollWidth") <= 820, path
 
 
 def test_every_page_fits_a_phone_and_names_itself(standing: Served, browser) -> None:
-    context = browser.new_context(viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True)
-    tab = context.new_page()
-    for path, words in PAGES.items():
-        tab.goto(standing.address + path)
-        tab.get_by_text(words).first.wait_for(timeout=60_000)
-        tab.wait_for_function("() => document.title.includes(' · knitbench')")
-        shot(tab, f"phone-{path.partition('?')[0].strip('/') or 'campaigns'}")
-        assert tab.evaluate("document.documentElement.scrollWidth") <= 390, path
-        assert tab.evaluate(IN_VIEW), f"{path}: the active tab is in view"
-        assert tab.evaluate("[...document.querySelectorAll('.js-plotly-plot')].every(e => e.ariaLabel?.length > 10)")
-    context.close()
+    with screen(browser, **PHONE) as tab:
+        for path, words in PAGES.items():
+            tab.goto(standing.address + path)
+            tab.get_by_text(words).first.wait_for()
+            tab.wait_for_function("() => document.title.includes(' · knitbench')")
+            shot(tab, f"phone-{path.partition('?')[0].strip('/') or 'campaigns'}")
+            assert tab.evaluate("document.documentElement.scrollWidth") <= 390, path
+            assert tab.evaluate(IN_VIEW), f"{path}: the active tab is in view"
+            assert tab.evaluate(
+                "[...document.querySelectorAll('.js-plotly-plot')].every(e => e.ariaLabel?.length > 10)"
+            )
 
 
 IN_VIEW = """() => {
@@ -78,17 +89,14 @@ IN_VIEW = """() => {
 
 @pytest.mark.parametrize("width", [1280, 390])
 def test_everything_can_be_read_and_has_a_name(standing: Served, browser, width: int) -> None:
-    context = browser.new_context(viewport={"width": width, "height": 844})
-    tab = context.new_page()
-    tab.set_default_timeout(120_000)
-    wrong: dict[str, list[str]] = {}
-    for path, words in PAGES.items():
-        tab.goto(standing.address + path)
-        tab.get_by_text(words).first.wait_for()
-        draw_all(tab)
-        found = unreadable(tab) + nameless(tab)
-        wrong |= {path: found} if found else {}
-    context.close()
+    with screen(browser, width, 844) as tab:
+        wrong: dict[str, list[str]] = {}
+        for path, words in PAGES.items():
+            tab.goto(standing.address + path)
+            tab.get_by_text(words).first.wait_for()
+            draw_all(tab)
+            found = unreadable(tab) + nameless(tab)
+            wrong |= {path: found} if found else {}
     assert not wrong
 
 
@@ -100,22 +108,21 @@ def draw_all(tab) -> None:
 
 
 def test_panels_stack_on_a_phone_and_no_plot_overlaps_the_next(standing: Served, browser) -> None:
-    context = browser.new_context(viewport={"width": 390, "height": 844})
-    tab = context.new_page()
-    tab.goto(f"{standing.address}/recording?c=knit")
-    tab.get_by_text("How often each value occurred").wait_for(timeout=60_000)
-    draw_all(tab)
-    widths = tab.evaluate(
-        "[...document.querySelectorAll('.js-plotly-plot')].map(e => [e.layout.xaxis.domain, e.layout.xaxis2?.domain])"
-    )
-    assert all(domain in (None, [0, 1]) for pair in widths for domain in pair)
-    boxes = tab.evaluate(
-        "[...document.querySelectorAll('figure')].map(e => [e.getBoundingClientRect().top, e.scrollHeight,"
-        " Math.max(...[...e.querySelectorAll('svg')].map(s => s.getBoundingClientRect().bottom))])"
-    )
-    for (_, _, bottom), (top, _, _) in itertools.pairwise(boxes):
-        assert bottom <= top + 1
-    context.close()
+    with screen(browser, 390, 844) as tab:
+        tab.goto(f"{standing.address}/recording?c=knit")
+        tab.get_by_text("How often each value occurred").wait_for()
+        draw_all(tab)
+        widths = tab.evaluate(
+            "[...document.querySelectorAll('.js-plotly-plot')]"
+            ".map(e => [e.layout.xaxis.domain, e.layout.xaxis2?.domain])"
+        )
+        assert all(domain in (None, [0, 1]) for pair in widths for domain in pair)
+        boxes = tab.evaluate(
+            "[...document.querySelectorAll('figure')].map(e => [e.getBoundingClientRect().top, e.scrollHeight,"
+            " Math.max(...[...e.querySelectorAll('svg')].map(s => s.getBoundingClientRect().bottom))])"
+        )
+        for (_, _, bottom), (top, _, _) in itertools.pairwise(boxes):
+            assert bottom <= top + 1
 
 
 def test_compare_opens_where_it_fails_and_every_place_is_a_link(full: Served, page) -> None:
@@ -292,15 +299,14 @@ def test_what_is_not_ours_or_was_changed_is_said(full: Served, page) -> None:
 
 
 def test_two_tabs_see_the_same_and_do_not_fight(full: Served, page, browser) -> None:
-    other = browser.new_page()
-    for tab in (page, other):
-        tab.goto(f"{full.address}/plan")
-        tab.get_by_label("Duration / min").fill("2")
-    for tab in (page, other):
-        tab.get_by_role("button", name="Plan", exact=True).click()
-    for tab in (page, other):
-        tab.wait_for_url("**/plan?program=paper-1-seed51-25mm-2min", timeout=60_000)
-    other.close()
+    with screen(browser, 1280, 800) as other:
+        for tab in (page, other):
+            tab.goto(f"{full.address}/plan")
+            tab.get_by_label("Duration / min").fill("2")
+        for tab in (page, other):
+            tab.get_by_role("button", name="Plan", exact=True).click()
+        for tab in (page, other):
+            tab.wait_for_url(re.compile(r"/plan\?program=paper-1-seed51-25mm-2min&"))
 
 
 def test_a_report_opens_without_a_network(finished: Path, page, tmp_path: Path) -> None:

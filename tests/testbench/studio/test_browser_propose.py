@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 
 from testbench.studio.laws import FOLDER
-from tests.testbench.studio.browsing import IN_CHROMIUM, browser, finished, full, page, running, shot
+from tests.testbench.studio.browsing import IN_CHROMIUM, PHONE, browser, finished, full, page, running, screen, shot
 from tests.testbench.studio.proposals import write_proposal
 from tests.testbench.studio.seeing import nameless, unreadable
 from tests.testbench.studio.served import Served
@@ -46,12 +46,9 @@ def test_a_law_is_proposed_from_the_verdict_and_added_by_a_click(full: Served, p
 
 def test_a_proposed_law_fits_a_phone(full: Served, browser) -> None:
     proposed(full)
-    context = browser.new_context(viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True)
-    tab = context.new_page()
-    tab.set_default_timeout(120_000)
-    tab.goto(f"{full.address}/propose?c=knit")
-    tab.get_by_text("The effect file").wait_for()
-    shot(tab, "phone-propose")
-    assert tab.evaluate("document.documentElement.scrollWidth") <= 390
-    assert not unreadable(tab) + nameless(tab)
-    context.close()
+    with screen(browser, **PHONE) as tab:
+        tab.goto(f"{full.address}/propose?c=knit")
+        tab.get_by_text("The effect file").wait_for()
+        shot(tab, "phone-propose")
+        assert tab.evaluate("document.documentElement.scrollWidth") <= 390
+        assert not unreadable(tab) + nameless(tab)

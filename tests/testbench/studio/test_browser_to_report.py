@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 import time
 from collections.abc import Callable
@@ -22,6 +23,7 @@ pytestmark = IN_CHROMIUM
 __all__ = ["browser", "page", "running"]  # pytest finds its fixtures by name
 
 RATE_HZ = 20.0
+IN_TIME_S = 180.0  # of one core, from the file to the report: what issue 19 asks of an idle machine
 COLUMNS = (("time", "2", "s"), ("displacement", "3", "mm"), ("force", "5", "N"), ("resistance", "1", "Ω"))
 
 
@@ -42,7 +44,7 @@ def measured(tmp_path_factory: pytest.TempPathFactory) -> exports.Measured:
     return exports.Measured(time_s, *(np.interp(time_s, since_s, values) for values in taken))
 
 
-@pytest.mark.parametrize("export", [exports.testxpert, exports.bluehill, exports.headerless, exports.workbook])
+@pytest.mark.parametrize("export", [exports.testxpert, exports.headerless])  # the others differ in their import alone
 def test_from_a_file_to_verdict_and_report(
     running, page, tmp_path: Path, measured: exports.Measured, export: Callable
 ) -> None:
@@ -75,8 +77,10 @@ def test_from_a_file_to_verdict_and_report(
     said("verdict")
     page.get_by_role("link", name="Error ladder").click()
     page.get_by_role("button", name="Report").click()
+    link = page.get_by_role("link", name="Open the report")
+    link.wait_for()
     with page.context.expect_page() as opened:
-        page.get_by_role("link", name="Open the report").click()
+        link.click()
     report = opened.value
     report.wait_for_selector(".plot[data-drawn] .main-svg")
     said("report")
@@ -84,7 +88,9 @@ def test_from_a_file_to_verdict_and_report(
     assert "What is missing" in report.inner_text("main")
     diagnosis = json.loads((running.root / "results" / "knit" / "diagnosis.json").read_text())
     assert diagnosis["ranking"][0]["effect"] == "stress_relaxation"
-    note(export.__name__, times)
+    busy_s = running.busy_s()
+    note(export.__name__, times, busy_s)
+    assert busy_s < IN_TIME_S
 
 
 def say_what_is_what(page) -> None:
@@ -97,9 +103,10 @@ def say_what_is_what(page) -> None:
     page.get_by_role("checkbox", name="Turn the sign of the displacement").click()
 
 
-def note(name: str, times: dict[str, float]) -> None:
+def note(name: str, times: dict[str, float], busy_s: float) -> None:
     """Print the times, and keep them among CI's artefacts; a busy machine makes no test fail."""
     words = f"{name}: " + ", ".join(f"{step} after {at_s:.0f} s" for step, at_s in times.items())
+    words += f"; {busy_s:.0f} s of one core, load {os.getloadavg()[0]:.0f}"
     print(words, file=sys.stderr)
     with (SHOTS / "times-to-report.txt").open("a") as stream:
         stream.write(words + "\n")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,7 @@ import tests.testbench.report.samples as samples
 from gcode.support.errors import UserError
 from testbench.cli import main
 from testbench.recordings.files import write_recording_csv
+from testbench.studio import workspace
 from testbench.studio.studio import Studio
 from testbench.studio.workspace import Workspace
 
@@ -29,6 +31,22 @@ def test_a_flipped_byte_is_found_though_the_answer_was_kept(studio: Studio) -> N
     raw[-5] ^= 1
     path.write_bytes(bytes(raw))
     assert "checksum differs" in studio.workspace.problems("sleeve")[0]
+
+
+def test_two_who_ask_at_once_share_one_reading(studio: Studio, monkeypatch: pytest.MonkeyPatch) -> None:
+    read: list[str] = []
+    true = workspace.read_json
+
+    def counted(path: str, *more: object) -> object:
+        read.append(str(path))
+        return true(path, *more)
+
+    monkeypatch.setattr(workspace, "read_json", counted)
+    fresh = Workspace(studio.workspace.root)
+    with ThreadPoolExecutor(4) as pool:
+        lists = [asked.result() for asked in [pool.submit(fresh.campaigns) for _ in range(4)]]
+    assert [[one.name for one in found] for found in lists] == [["sleeve"]] * 4
+    assert len(read) == 1
 
 
 def test_a_foreign_manifest_is_listed_not_thrown(studio: Studio) -> None:

@@ -1,0 +1,47 @@
+"""A strain column beside the displacement knows the gauge length: what a person said must agree with it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from testbench.importing.choice import Choice
+from testbench.importing.columns import Read
+from testbench.importing.notation import numbers
+from testbench.importing.sheet import Sheet
+
+APART = 0.02  # relative; a gauge length is measured with a ruler
+ALIKE = 0.999  # correlation of the two; below it, the strain is that of something else
+
+
+def gauge_doubt(sheet: Sheet, choice: Choice, read: Read, gauge_length_mm: float | None) -> str:
+    """What speaks against the gauge length; empty where nothing does.
+
+    A strain without a unit may be a ratio or %.
+    """
+    if "displacement" not in choice.taken or not gauge_length_mm:
+        return ""
+    moved_mm = read.values["displacement"]
+    for column in choice.unused:
+        if "strain" not in dict(column.heading.roles):
+            continue
+        values, _ = numbers(sheet.body([column.number])[column.number], sheet.decimal)
+        unit = column.heading.unit(column.unit_text)
+        factors = [unit.factor] if unit and unit.quantity == "ratio" else [1.0, 0.01]
+        length_mm = _slope(values[read.rows - sheet.layout.first_row], moved_mm)
+        lengths_mm = [length_mm / factor for factor in factors]
+        if length_mm and min(abs(one / gauge_length_mm - 1) for one in lengths_mm) > APART:
+            said = " or ".join(f"{one:.4g} mm" for one in lengths_mm)
+            return (
+                f"{column.label} is that of a gauge length of {said}, and --gauge-length-mm says {gauge_length_mm:g}"
+            )
+    return ""
+
+
+def _slope(strain: np.ndarray, moved_mm: np.ndarray) -> float:
+    """Millimetres for a unit of strain; 0 where the two do not move together."""
+    good = np.isfinite(strain) & np.isfinite(moved_mm)
+    if good.sum() < 3 or np.ptp(strain[good]) == 0 or np.ptp(moved_mm[good]) == 0:
+        return 0.0
+    covariance = np.cov(strain[good], moved_mm[good])
+    alike = covariance[0, 1] / np.sqrt(covariance[0, 0] * covariance[1, 1])
+    return float(covariance[0, 1] / covariance[0, 0]) if alike > ALIKE else 0.0

@@ -1,0 +1,54 @@
+"""A card of the list: what it says of a campaign, and that what a stranger's file says stays text."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from testbench.studio.finding import Found
+from testbench.studio.notes import Note
+from testbench.studio.pages.campaign_card import Known, card_html
+from testbench.studio.workspace import Campaign
+
+EVIL = "<img src=x onerror=alert(1)>\"'"
+
+
+def found(**said: str) -> Found:
+    campaign = Campaign(said.get("name", "knit"), Path("knit"), said.get("origin", "recorded"), 25.0)
+    return Found(campaign, Note((said.get("tag", "wet"),), said.get("note", "first try")), frozenset({"fitted"}))
+
+
+def test_it_says_what_is_known() -> None:
+    text = card_html(found(), Known("verified", True, state="interrupted", picture="<svg/>", facts="4 min"))
+    words = (
+        "knit",
+        '"tag good"',
+        "verified",
+        "recorded",
+        "interrupted",
+        "fitted",
+        "wet",
+        "first try",
+        "4 min",
+        "<svg/>",
+    )
+    assert [word for word in words if word not in text] == []
+
+
+def test_a_trouble_stands_where_the_facts_would() -> None:
+    text = card_html(found(), Known("changed", False, "recording.csv: checksum differs", facts="4 min"))
+    assert '"tag bad" title="recording.csv: checksum differs">changed' in text
+    assert "4 min" not in text
+
+
+@pytest.mark.parametrize("place", ["name", "origin", "tag", "note"])
+def test_what_a_file_says_is_never_code(place: str) -> None:
+    assert "<img" not in card_html(found(**{place: EVIL}), Known())
+
+
+@pytest.mark.parametrize("place", ["verdict", "why", "state", "facts"])
+def test_what_was_found_is_never_code(place: str) -> None:
+    text = card_html(found(), Known(**{place: EVIL}))
+    assert "<img" not in text
+    assert EVIL not in text
