@@ -136,7 +136,9 @@ def minimised(
             break
         used += found.tries
         still = still + 1 if here.cost - found.cost < small_gain * here.cost else 0
-        x, damping = x + found.step, max(found.damping / DOWN, LEAST_DAMPING)
+        # A sum may round to beyond a bound.
+        x = np.clip(x + found.step, problem.low, problem.high)
+        damping = max(found.damping / DOWN, LEAST_DAMPING)
         here = problem.linearised(x)
         if still == quiet:
             break

@@ -136,8 +136,19 @@ class Workspace:
         return self._verdicts.recall(stamp(*files), lambda: _verdict(folder))
 
     def results(self, name: str) -> Path:
-        """Folder for what is made from a campaign (models, diagnoses, compensators), made if needed."""
+        """Folder for what is made from a campaign (models, diagnoses, compensators), made if needed.
+
+        Raises
+        ------
+        UserError
+            If a link leads it out of the workspace.
+        """
         folder = self.root / RESULTS / results_name(name)
+        if folder.resolve() != folder:
+            raise UserError(
+                f"{folder}: a link leads to {folder.resolve()}; results are written below the workspace only: "
+                "remove the link"
+            )
         folder.mkdir(parents=True, exist_ok=True)
         return folder
 

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import least_squares, lsq_linear
 
-from testbench.fitting.downhill import HUBER, Linearised, downhill, huber, huber_weight, minimised
+from testbench.fitting.downhill import HUBER, Linearised, downhill, huber, huber_weight, minimised, within
 
 
 class Curve:
@@ -36,6 +36,18 @@ def test_a_linear_problem_between_bounds_is_solved_as_scipy_does(count, seed):
     assert np.all((low <= ours) & (ours <= high))
     best = lsq_linear(a, b, (low, high), tol=1e-12).x
     assert problem.cost(ours) <= problem.cost(best) * (1 + 1e-6)
+
+
+@settings(max_examples=40)
+@given(st.integers(1, 4), st.integers(0, 5), st.integers(0, 10_000))
+def test_a_step_within_bounds_is_the_best_there_is(tied, free, seed):
+    rng = np.random.default_rng(seed)
+    a, b = rng.standard_normal((40, tied + free)), rng.standard_normal(40)
+    low, high = np.full(tied + free, -np.inf), np.full(tied + free, np.inf)
+    where = rng.permutation(tied + free)[:tied]
+    low[where], high[where] = -rng.uniform(0.01, 0.2, tied), rng.uniform(0.01, 0.2, tied)
+    best = lsq_linear(a, b, (low, high), tol=1e-14).x
+    np.testing.assert_allclose(within(a.T @ a, a.T @ b, low, high), best, atol=1e-6)
 
 
 def test_rosenbrock_is_solved_from_its_usual_start():
