@@ -88,6 +88,6 @@ def test_results_stay_in_the_workspace(hostile):
     outside = hostile.parent / "outside"
     outside.mkdir()
     (hostile / "results").symlink_to(outside)
-    with pytest.raises(UserError, match="a link leads to .*outside.*remove the link"):
+    with pytest.raises(UserError, match=r"a link leads to .*outside.*remove the link"):
         Workspace(hostile).results("good")
     assert list(outside.iterdir()) == []
