@@ -124,7 +124,7 @@ class Round:
         """The best law of the most probable mechanism, if it is more probable than nothing."""
         if not self.entries:
             return None
-        mechanism = max({e.mechanism for e in self.entries}, key=self._log_posterior)
+        mechanism = max(dict.fromkeys(e.mechanism for e in self.entries), key=self._log_posterior)
         if self._log_posterior(mechanism) < np.log(constants.PRIOR_NOTHING) + self.log_z_nothing:
             return None
         return max((e for e in self.entries if e.mechanism == mechanism), key=lambda e: e.log_z + self._complete(e))
