@@ -9,6 +9,7 @@ NOISE_SPREAD = 0.3  # of ln(what a complete model leaves / least misfit): how fa
 MOST_LEFT = 100.0  # least misfits that a model leaves at most, if something else is missing
 PRIOR_NOTHING = 0.5  # before seeing data, that nothing is missing
 PRIOR_UNKNOWN = 0.1  # before seeing data, that what is missing is in no catalogue
+MISLED = 0.2  # of sensors that nobody here simulated: evidence that seemed sure spoke for the wrong mechanism
 GRID_HZ = 12.5  # grid of the comparison: quicker than the motion, slower than most samplings
 SAMPLES = 9_000  # samples of one channel that enter the normal equations; longer recordings are thinned
 REFITS, SETTLED = 6, 4  # mechanisms refitted in one round of the search; refits that are carried to their end

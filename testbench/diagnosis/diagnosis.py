@@ -208,7 +208,7 @@ def _concluded(
         put_in, remains = [], None
     left = first.left(put_in[-1]) if put_in else 1.0
     after = _ladder(search, bare, put_in, before, calibration, held)
-    chances = first.probabilities(remains)
+    chances = first.doubted(remains)
     explained = Map(put_in[-1].hypothesis if put_in else bare, rounds[-1].likelihood).gains
     return Diagnosis(
         verdict,
@@ -217,7 +217,7 @@ def _concluded(
             _found(step, entry, remains) for step, entry in zip(rounds, put_in, strict=False)
         ),  # one a round, in turn
         _ranking(first, chances, held),
-        _tied(chances, verdict),
+        _tied(first.probabilities(remains), verdict),
         tuple(name for name in after.model if name in SHAPES and name not in before.model),
         tuple(e.name for n, e in after.model.effects.items() if n in before.model and e.name != before.model[n].name),
         tuple(sorted(((c, where, share) for (c, where), share in explained.items()), key=lambda one: -one[2])),
@@ -232,7 +232,7 @@ def _concluded(
 
 def _found(step: Round, entry: Entry, left: Mapping[str, float] | None) -> Found:
     gain = entry.log_z - step.before.log_z
-    return Found(entry.mechanism, entry.law, step.probabilities(left)[entry.mechanism], gain)
+    return Found(entry.mechanism, entry.law, step.doubted(left)[entry.mechanism], gain)
 
 
 def _ladder(

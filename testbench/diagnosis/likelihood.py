@@ -72,20 +72,21 @@ class Likelihood:
         """Log density of what a model leaves, if nothing else is missing, over the same if anything is.
 
         A model that is complete leaves the misfit of its base and the error of its last law, within a factor; where
-        something else is missing, every size of what is left is alike, up to `MOST_LEFT` times the least misfit.
+        something else is missing, every size of what is left is alike, up to `MOST_LEFT` times the least misfit. The
+        channels are taken together, in noise floors: what is missing most may leave alone a channel that it does not
+        touch.
 
         Parameters
         ----------
         sigma, explained : mapping of channel to float
             Standard deviations of what the model leaves, and of what its last law explains.
         """
-        expected = {
-            c: np.hypot(constants.LEAST_MISFIT * floor, constants.LAW_ERROR * explained.get(c, 0.0))
-            for c, floor in self.floor.items()
-        }
-        over = np.array([np.log(max(left / expected[c], 1.0)) for c, left in sigma.items()])
+        floors = sum((left / self.floor[c]) ** 2 for c, left in sigma.items())
+        by_law = sum((constants.LAW_ERROR * some / self.floor[c]) ** 2 for c, some in explained.items())
+        expected = len(sigma) * constants.LEAST_MISFIT**2 + by_law
+        over = 0.5 * np.log(max(floors / expected, 1.0))
         at_best = np.log(np.log(constants.MOST_LEFT) / constants.NOISE_SPREAD * np.sqrt(2 / np.pi))
-        return float(np.sum(at_best - 0.5 * (over / constants.NOISE_SPREAD) ** 2))
+        return float(at_best - 0.5 * (over / constants.NOISE_SPREAD) ** 2)
 
     @property
     def in_pieces(self) -> Likelihood:

@@ -105,6 +105,21 @@ class Round:
         total = logsumexp(list(logs.values()))
         return {name: float(np.exp(value - total)) for name, value in logs.items()}
 
+    def doubted(self, left: Mapping[str, float] | None = None) -> dict[str, float]:
+        """The probabilities as they are told: no evidence is surer than the laws that it was found with.
+
+        In some sensors all laws of the right mechanism are so far from its own that another does better, however long
+        the recording; what was believed before is all that is left then.
+        """
+        chances = self.probabilities(left)
+        mechanism = (1 - constants.PRIOR_NOTHING) / len(self.laws)
+        before = dict.fromkeys(chances, mechanism) | {
+            NOTHING: constants.PRIOR_NOTHING * (1 - constants.PRIOR_UNKNOWN),
+            UNKNOWN: constants.PRIOR_NOTHING * constants.PRIOR_UNKNOWN,
+        }
+        misled = constants.MISLED
+        return {name: (1 - misled) * chance + misled * before[name] for name, chance in chances.items()}
+
     def _log_posterior(self, mechanism: str, left: Mapping[str, float] | None = None) -> float:
         """Log prior and evidence of a mechanism, its laws summed; to first order if none was refitted."""
         prior = np.log((1 - constants.PRIOR_NOTHING) / len(self.laws) / self.laws[mechanism])

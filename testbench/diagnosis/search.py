@@ -88,9 +88,9 @@ class Search:
         rounds: list[Round] = []
         found: list[Entry] = []
         with ThreadPoolExecutor(2) as self.pool:
-            current, stiff = self.bases()
+            current, *others = self.bases()
             while len(rounds) < most:
-                step = self.round(current, stiff)
+                step = self.round(current, others)
                 rounds.append(step)
                 if step.candidate is None or (len(rounds) > 1 and not step.is_named()):
                     break
@@ -98,16 +98,21 @@ class Search:
                 current = step.candidate.hypothesis
                 if step.is_named() and step.is_enough(step.candidate):
                     break
-                stiff = self.compare(without_shapes(current.model))
+                others = [self.compare(without_shapes(current.model))]
         return rounds, found
 
-    def bases(self) -> tuple[Hypothesis, Hypothesis]:
-        """The best base whose laws bend, and the best whose laws cannot, over all laws that a base may have."""
+    def bases(self) -> list[Hypothesis]:
+        """The best base, and others that an effect may show beside: whose laws cannot bend, or as they were started.
+
+        All laws that a base may have are tried.
+        """
         model = without_shapes(self.baseline.model)
         models = [model, *(model.plus(law) for law in self.other_laws(model))]
-        stiff = sorted(self.pool.map(self.compare, models), key=_evidence)[-BASES:]
-        bent = self.pool.map(lambda h: self.compare(self.bent(h.model)), stiff)
-        return max(*bent, self.compare(self.flexible.model, self.flexible), key=_evidence), stiff[-1]
+        started, *exchanged = self.pool.map(self.compare, models)
+        stiff = sorted([started, *exchanged], key=_evidence)[-BASES:]
+        flexible = self.compare(self.flexible.model, self.flexible)
+        best = max(*self.pool.map(lambda h: self.compare(self.bent(h.model)), stiff), flexible, key=_evidence)
+        return list(dict.fromkeys((best, stiff[-1], flexible, started)))
 
     def compare(self, model: KnitModel, like: Hypothesis | None = None) -> Hypothesis:
         """A model fitted as models are compared."""
@@ -121,19 +126,19 @@ class Search:
         """The last fit of a model that was chosen."""
         return fitted(h.model, self.likelihood, self.reference, h)
 
-    def round(self, current: Hypothesis, stiff: Hypothesis) -> Round:
+    def round(self, current: Hypothesis, others: Sequence[Hypothesis]) -> Round:
         """One step.
 
         Parameters
         ----------
         current : Hypothesis
             The model so far, at its best.
-        stiff : Hypothesis
-            The same model, whose base laws cannot bend.
+        others : sequence of Hypothesis
+            The same with other bases, beside which effects are proposed, too.
         """
         self.tell("screening the catalogue")
         likelihood = self.compared
-        grounds = [self.ground(current), self.ground(stiff)]
+        grounds = [self.ground(h) for h in (current, *others)]
         proposals = _best_of_each_law([p for ground in grounds for p in ground.proposals])
         counted: dict[str, int] = {}
         for p in proposals:
@@ -178,9 +183,8 @@ class Search:
         mechanisms = list(dict.fromkeys(p.mechanism for p in likely))[: constants.REFITS]
         chosen = []
         for place, mechanism in enumerate(mechanisms):
-            for ground in grounds:
-                own = [p for p in ground.proposals if p.mechanism == mechanism and p.gain > 0]
-                chosen += [(ground, p) for p in own[: 2 if place < 3 else 1]]
+            own = [(g, p) for g in grounds for p in g.proposals if p.mechanism == mechanism and p.gain > 0]
+            chosen += sorted(own, key=lambda one: -one[1].gain)[: 4 if place < 3 else 2]
         entries = self.entered(chosen)
         if not entries:
             return []
