@@ -86,7 +86,7 @@ class Likelihood:
         expected = len(sigma) * constants.LEAST_MISFIT**2 + by_law
         over = 0.5 * np.log(max(floors / expected, 1.0))
         at_best = np.log(np.log(constants.MOST_LEFT) / constants.NOISE_SPREAD * np.sqrt(2 / np.pi))
-        return float(at_best - 0.5 * (over / constants.NOISE_SPREAD) ** 2)
+        return float(len(sigma) * at_best - 0.5 * (over / constants.NOISE_SPREAD) ** 2)
 
     @property
     def in_pieces(self) -> Likelihood:
