@@ -274,7 +274,7 @@ def _ranking(first: Round, chances: Mapping[str, float], held: Measurement) -> t
         entry = refitted.get(proposal.mechanism)
         chance = chances[proposal.mechanism]
         if entry is None:
-            gain = 2 * max(proposal.gain, 0.0) / sum(first.likelihood.counts.values())
+            gain = 2 * max(proposal.gain, 0.0) / (first.likelihood.count * len(first.likelihood.floor))
             one = Ranked(proposal.mechanism, proposal.law, chance, proposal.gain, gain, None, proposal.effect)
         else:
             law = entry.hypothesis.model[entry.name]

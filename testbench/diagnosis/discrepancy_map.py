@@ -54,9 +54,8 @@ class Map:
             amounts = found.coefficients[size:]
             residual = base[c][0] - found.coefficients[:size] @ base[c][1:]
             self.left[c] = residual - amounts @ rows[c]
-            tails += tail(
-                self.left[c] / hypothesis.robust[c] / found.sigma[c], hypothesis.robust[c], likelihood.share[c]
-            )
+            robust = hypothesis.robust[c]
+            tails += tail(self.left[c] / robust / found.sigma[c], robust, likelihood.share)
             for g, name in enumerate(names):
                 inside = np.flatnonzero(np.asarray(groups) == g) + place * count
                 self.gains[c, name] = float(np.mean((amounts[inside] @ rows[c][inside]) ** 2) / np.mean(residual**2))

@@ -25,9 +25,9 @@ class NormalEquations:
     Attributes
     ----------
     products : mapping of channel to ndarray, shape (q, q)
-    counts : mapping of channel to float
-        Independent samples.
-    share : mapping of channel to float
+    count : float
+        Independent samples of each channel.
+    share : float
         Independent samples that each sample in the products stands for.
     least : mapping of channel to float
         Standard deviation that no residual may fall below: the noise of the reading.
@@ -38,8 +38,8 @@ class NormalEquations:
     """
 
     products: Mapping[str, FloatArray]
-    counts: Mapping[str, float]
-    share: Mapping[str, float]
+    count: float
+    share: float
     least: Mapping[str, float]
     mean: FloatArray
     precision: FloatArray
@@ -88,15 +88,13 @@ def maximised(
     gram = {c: values[np.ix_(picked, picked)] for c, values in normal.products.items()}
     factor = np.ones(int(normal.group.max(initial=-1)) + 1) if scale is None else scale.copy()
     sigma = (
-        dict(start.sigma)
-        if start
-        else {c: np.sqrt(g[0, 0] * normal.share[c] / normal.counts[c]) for c, g in gram.items()}
+        dict(start.sigma) if start else {c: np.sqrt(g[0, 0] * normal.share / normal.count) for c, g in gram.items()}
     )
     members = [np.flatnonzero(group == g) for g in range(len(factor))]
     value = -np.inf
     for _ in range(iterations):
         precision = declared * np.where(group >= 0, factor[group], 1.0) if len(factor) else declared
-        total = sum(g * (normal.share[c] / sigma[c] ** 2) for c, g in gram.items())
+        total = sum(g * (normal.share / sigma[c] ** 2) for c, g in gram.items())
         matrix = total[1:, 1:].copy()
         matrix[np.diag_indices_from(matrix)] += precision
         goal = total[1:, 0] + precision * mean
@@ -106,11 +104,11 @@ def maximised(
             chol, failed = lapack.dpotrf(matrix, lower=1)
         x = lapack.dpotrs(chol, goal, lower=1)[0]
         vector = np.r_[1.0, -x]
-        squares = {c: max(float(vector @ g @ vector), 1e-300) * normal.share[c] for c, g in gram.items()}
-        before, value = value, _value(squares, sigma, normal.counts, x, mean, precision, chol)
+        squares = {c: max(float(vector @ g @ vector), 1e-300) * normal.share for c, g in gram.items()}
+        before, value = value, _value(squares, sigma, normal.count, x, mean, precision, chol)
         inverse, _ = lapack.dpotri(chol, lower=1)
         variance = np.diag(inverse)
-        sigma = {c: max(np.sqrt(squares[c] / normal.counts[c]), normal.least[c]) for c in gram}
+        sigma = {c: max(np.sqrt(squares[c] / normal.count), normal.least[c]) for c in gram}
         for g, where in enumerate(members):
             if len(where):
                 known = len(where) - float(precision[where] @ variance[where])
@@ -130,12 +128,12 @@ def opened(scale: FloatArray) -> FloatArray:
 def _value(
     squares: Mapping[str, float],
     sigma: Mapping[str, float],
-    counts: Mapping[str, float],
+    count: float,
     x: FloatArray,
     mean: FloatArray,
     precision: FloatArray,
     chol: FloatArray,
 ) -> float:
-    misfit = sum(squares[c] / sigma[c] ** 2 + 2 * counts[c] * np.log(sigma[c]) for c in squares)
+    misfit = sum(squares[c] / sigma[c] ** 2 + 2 * count * np.log(sigma[c]) for c in squares)
     prior = float(precision @ (x - mean) ** 2) - float(np.log(precision).sum())
     return -0.5 * (misfit + prior) - float(np.log(np.diag(chol)).sum())

@@ -310,7 +310,7 @@ class _Search:
     def normal(self) -> tuple[NormalEquations, dict[str, FloatArray]]:
         """Along the directions that the data see, and the square roots of the Huber weights."""
         if self.stale:
-            share = {c: self.likelihood.share[c] / self.sigma[c] ** 2 for c in self.columns}
+            share = {c: self.likelihood.share / self.sigma[c] ** 2 for c in self.columns}
             self.directions = Directions.seen(self.columns, share, self.priors, np.minimum(self.scale, NARROWEST))
             self.rows = {c: self.directions.rows(rows) for c, rows in self.columns.items()}
             self.stale = False
@@ -336,13 +336,11 @@ class _Search:
     def equations(self, rows: Mapping[str, FloatArray], robust, mean, precision, group) -> NormalEquations:
         products = {c: _gram(values * robust[c]) for c, values in rows.items()}
         likelihood = self.likelihood
-        return NormalEquations(
-            products, likelihood.counts, likelihood.share, likelihood.least, mean, precision, group
-        )
+        return NormalEquations(products, likelihood.count, likelihood.share, likelihood.least, mean, precision, group)
 
     def step(self, normal: NormalEquations, damping: float) -> FloatArray:
         """A step of all parameters, within their bounds."""
-        information = {c: normal.share[c] / self.sigma[c] ** 2 for c in normal.products}
+        information = {c: normal.share / self.sigma[c] ** 2 for c in normal.products}
         total = np.sum([g * information[c] for c, g in normal.products.items()], axis=0)
         factor = np.where(normal.group >= 0, self.scale[normal.group], 1.0) if len(self.scale) else 1.0
         precision = normal.precision * factor
@@ -367,12 +365,12 @@ class _Search:
     def cost(self, residual: Mapping[str, FloatArray], x: FloatArray) -> float:
         total = 0.5 * float(self.priors.scaled(self.scale) @ (x - self.priors.mean) ** 2)
         for c, values in residual.items():
-            total += float(np.sum(huber(np.abs(values) / self.sigma[c]))) * self.likelihood.share[c]
+            total += float(np.sum(huber(np.abs(values) / self.sigma[c]))) * self.likelihood.share
         return total if np.isfinite(total) else np.inf
 
     def tails(self, robust: Mapping[str, FloatArray], sigma: Mapping[str, float]) -> float:
         share = self.likelihood.share
-        return sum(tail(rows[0] / sigma[c], robust[c], share[c]) for c, rows in self.columns.items())
+        return sum(tail(rows[0] / sigma[c], robust[c], share) for c, rows in self.columns.items())
 
 
 def tail(z: FloatArray, robust: FloatArray, share: float) -> float:
@@ -387,7 +385,7 @@ def _trimmed(values: FloatArray) -> float:
 
 def _rms(normal: NormalEquations) -> dict[str, float]:
     """Noise that the point itself leaves, not a step that was not taken."""
-    here = {c: np.sqrt(g[0, 0] * normal.share[c] / normal.counts[c]) for c, g in normal.products.items()}
+    here = {c: np.sqrt(g[0, 0] * normal.share / normal.count) for c, g in normal.products.items()}
     return {c: max(float(here[c]), low) for c, low in normal.least.items()}
 
 
@@ -403,10 +401,10 @@ def _gram(rows: FloatArray) -> FloatArray:
 
 def under(h: Hypothesis, likelihood: Likelihood) -> Hypothesis:
     """The same point judged with samples that count otherwise; the linear model finds the new maximum."""
-    normal = replace(h.normal, counts=likelihood.counts, share=likelihood.share)
+    normal = replace(h.normal, count=likelihood.count, share=likelihood.share)
     # A shape that only fits what no law is asked to reach is switched off.
     least = {c: max(sigma, likelihood.misfit[c]) for c, sigma in _rms(normal).items()}
     known = replace(_pinned(normal, h.held), least=least)
     evidence = maximised(known, scale=h.evidence.scale, iterations=15)
-    tails = sum(tail(rows[0] / evidence.sigma[c], h.robust[c], likelihood.share[c]) for c, rows in h.columns.items())
+    tails = sum(tail(rows[0] / evidence.sigma[c], h.robust[c], likelihood.share) for c, rows in h.columns.items())
     return replace(h, normal=normal, evidence=evidence, tails=tails)

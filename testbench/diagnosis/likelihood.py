@@ -36,7 +36,7 @@ class Likelihood:
         Typical noise over the noise at this sample.
     floor : mapping of channel to float
         Standard deviation of the white noise at a typical sample.
-    share : mapping of channel to float
+    share : float
         Independent samples that each of them stands for.
     explained : mapping of channel to float, optional
         Standard deviation of what the best law explains.
@@ -48,14 +48,14 @@ class Likelihood:
     rows: np.ndarray
     weight: Mapping[str, FloatArray]
     floor: Mapping[str, float]
-    share: Mapping[str, float]
+    share: float
     explained: Mapping[str, float] = field(default_factory=dict)
     pieces: float = constants.INDEPENDENT
 
     @property
-    def counts(self) -> dict[str, float]:
+    def count(self) -> float:
         """Independent samples of each channel."""
-        return {channel: len(self.rows) * share for channel, share in self.share.items()}
+        return len(self.rows) * self.share
 
     @property
     def least(self) -> dict[str, float]:
@@ -95,7 +95,7 @@ class Likelihood:
         The errors of a law go on for longer than those of a sample: a recording has `INDEPENDENT` pieces (a power
         posterior; Grunwald & van Ommen, Bayesian Anal. 12 (2017) 1069).
         """
-        return replace(self, share=dict.fromkeys(self.share, min(self.pieces / len(self.rows), constants.ETA)))
+        return replace(self, share=min(self.pieces / len(self.rows), constants.ETA))
 
     def picked(self, values: FloatArray, channel: str) -> FloatArray:
         """The samples that enter, over their relative noise; along the last axis."""
@@ -140,7 +140,7 @@ def likelihood_of(model: KnitModel, measurement: Measurement, noise: Mapping[str
         sd = np.hypot(read, (slope[channel] * measurement.strain_noise)[rows])
         floor[channel] = float(np.mean(sd**-2.0) ** -0.5)
         weight[channel] = floor[channel] / sd
-    return Likelihood(measurement, rows, weight, floor, dict.fromkeys(weight, constants.ETA))
+    return Likelihood(measurement, rows, weight, floor, constants.ETA)
 
 
 def _slopes(model: KnitModel, measurement: Measurement) -> dict[str, FloatArray]:

@@ -114,7 +114,7 @@ class Screen:
     def _first_order(self, tried: Sequence[Candidate], rows: Rows) -> FloatArray:
         """Gains at the scales of the model as it is, shape (m,)."""
         evidence, normal = self.plain, self.hypothesis.normal
-        share = {c: normal.share[c] / evidence.sigma[c] ** 2 for c in rows}
+        share = {c: normal.share / evidence.sigma[c] ** 2 for c in rows}
         with_base = sum((rows[c] @ self.base[c].T) * share[c] for c in rows)
         size = sum(np.einsum("ij,ij->i", rows[c], rows[c]) * share[c] for c in rows)
         inner = with_base[:, 1:]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
@@ -67,6 +67,11 @@ class Round:
     laws: Mapping[str, int]
     likelihood: Likelihood
 
+    @cached_property
+    def prior(self) -> dict[str, float]:
+        """What is believed of every hypothesis before the data."""
+        return prior_of(self.laws)
+
     @property
     def log_z_nothing(self) -> float:
         """Log evidence that nothing is missing: what is left is then noise, whose size is known."""
@@ -96,12 +101,9 @@ class Round:
         left : mapping of channel to float, optional
             Standard deviation of what the whole model leaves, if more was found after this.
         """
-        u = constants.PRIOR_UNKNOWN
-        logs = {
-            NOTHING: np.log(constants.PRIOR_NOTHING * (1 - u)) + self.log_z_nothing,
-            UNKNOWN: np.log(constants.PRIOR_NOTHING * u) + self.log_z_unknown,
-            **{mechanism: self._log_posterior(mechanism, left) for mechanism in self.laws},
-        }
+        logs = {mechanism: self._log_posterior(mechanism, left) for mechanism in self.laws}
+        for name, log_z in ((NOTHING, self.log_z_nothing), (UNKNOWN, self.log_z_unknown)):
+            logs[name] = np.log(self.prior[name]) + log_z
         total = logsumexp(list(logs.values()))
         return {name: float(np.exp(value - total)) for name, value in logs.items()}
 
@@ -111,18 +113,12 @@ class Round:
         In some sensors all laws of the right mechanism are so far from its own that another does better, however long
         the recording; what was believed before is all that is left then.
         """
-        chances = self.probabilities(left)
-        mechanism = (1 - constants.PRIOR_NOTHING) / len(self.laws)
-        before = dict.fromkeys(chances, mechanism) | {
-            NOTHING: constants.PRIOR_NOTHING * (1 - constants.PRIOR_UNKNOWN),
-            UNKNOWN: constants.PRIOR_NOTHING * constants.PRIOR_UNKNOWN,
-        }
-        misled = constants.MISLED
-        return {name: (1 - misled) * chance + misled * before[name] for name, chance in chances.items()}
+        misled, chances = constants.MISLED, self.probabilities(left)
+        return {name: (1 - misled) * chance + misled * self.prior[name] for name, chance in chances.items()}
 
     def _log_posterior(self, mechanism: str, left: Mapping[str, float] | None = None) -> float:
         """Log prior and evidence of a mechanism, its laws summed; to first order if none was refitted."""
-        prior = np.log((1 - constants.PRIOR_NOTHING) / len(self.laws) / self.laws[mechanism])
+        prior = np.log(self.prior[mechanism] / self.laws[mechanism])
         found = self.candidate if left else None
         own = [
             e.log_z + self._complete(e, left if e is found else None)
@@ -140,7 +136,7 @@ class Round:
         if not self.entries:
             return None
         mechanism = max(dict.fromkeys(e.mechanism for e in self.entries), key=self._log_posterior)
-        if self._log_posterior(mechanism) < np.log(constants.PRIOR_NOTHING) + self.log_z_nothing:
+        if self._log_posterior(mechanism) < np.log(self.prior[NOTHING]) + self.log_z_nothing:
             return None
         return max((e for e in self.entries if e.mechanism == mechanism), key=lambda e: e.log_z + self._complete(e))
 
@@ -155,6 +151,13 @@ class Round:
         """Whether some mechanism is more probable than nothing and unknown together."""
         chances = self.probabilities(left)
         return self.candidate is not None and chances[NOTHING] + chances[UNKNOWN] < 0.5
+
+
+def prior_of(mechanisms: Collection[str]) -> dict[str, float]:
+    """Prior probabilities of nothing, of unknown and of each mechanism, all of which are alike; they sum to 1."""
+    nothing, unknown = constants.PRIOR_NOTHING, constants.PRIOR_UNKNOWN
+    shared = dict.fromkeys(mechanisms, (1 - nothing) / max(len(mechanisms), 1))
+    return {**shared, NOTHING: nothing * (1 - unknown), UNKNOWN: nothing * unknown}
 
 
 def explained(without: Hypothesis, with_it: Hypothesis) -> dict[str, float]:

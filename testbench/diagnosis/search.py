@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -23,6 +25,7 @@ from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
 
 Progress = Callable[[str], None]
+One = TypeVar("One", Proposal, Entry)
 BASES = 2  # base laws whose shapes are fitted
 
 
@@ -139,10 +142,8 @@ class Search:
         self.tell("screening the catalogue")
         likelihood = self.compared
         grounds = [self.ground(h) for h in (current, *others)]
-        proposals = _best_of_each_law([p for ground in grounds for p in ground.proposals])
-        counted: dict[str, int] = {}
-        for p in proposals:
-            counted[p.mechanism] = counted.get(p.mechanism, 0) + 1
+        proposals = _best_of_each_law((p for g in grounds for p in g.proposals), lambda p: p.gain)
+        counted = Counter(p.mechanism for p in proposals)
         entries = self.contest(grounds, proposals)
         before = [current]
         if entries:
@@ -161,11 +162,10 @@ class Search:
         """A model, and what each law of the catalogue promises beside it."""
         laws = laws_of(h, self.compared, self.catalogue, self.pool)
         proposals = tuple(Screen(h, self.compared).proposals(laws))
-        bends = any(name in SHAPES for name in h.model)
-        start = h.model if bends else self.bent(h.model)
-        return Ground(
-            h if bends else fitted(start, self.compared, self.reference, iterations=0), start, proposals, bends
-        )
+        if any(name in SHAPES for name in h.model):
+            return Ground(h, h.model, proposals, bends=True)
+        start = self.bent(h.model)
+        return Ground(fitted(start, self.compared, self.reference, iterations=0), start, proposals, bends=False)
 
     def other_laws(self, model: KnitModel) -> list[Effect]:
         """Laws that could take the place of one in the model, drawn to the data."""
@@ -191,7 +191,8 @@ class Search:
         best = max(entries, key=lambda e: e.log_z)
         tried = {p.law for _, p in chosen}
         more = [(g, p) for g in grounds for p in g.proposals if p.mechanism == best.mechanism and p.law not in tried]
-        entries = _best_fits([*entries, *self.entered([one for one in more if one[1].gain > 0][:3])])
+        more = [one for one in more if one[1].gain > 0][:3]
+        entries = _best_of_each_law([*entries, *self.entered(more)], lambda e: e.log_z)
         full = [*self.pool.map(self.settled, entries[: constants.SETTLED])]
         return [*full, *entries[constants.SETTLED :]]
 
@@ -208,22 +209,17 @@ class Search:
         return self.entry(e.mechanism, max(found, key=_evidence), self.compared, e.law, e.name)
 
     def entered(self, chosen: Sequence[tuple[Ground, Proposal]]) -> list[Entry]:
-        def refitted(ground: Ground, effect: Effect, p: Proposal) -> tuple[Hypothesis, str]:
-            model = ground.start.plus(effect)
-            name = next(n for n in model if n not in ground.start)
-            address = f"{name}.{p.effect.strength}"
-            believed = {address: p.believed} if p.believed and p.believed[0] > 0 else {}
-            h = fitted(model, self.compared, self.reference, ground.hypothesis, 6, quick=True, believed=believed)
-            return h, name
+        """Laws put in, each on its ground, and refitted quickly."""
+        return list(self.pool.map(lambda one: self.enter(*one), chosen))
 
-        def enter(one: tuple[Ground, Proposal]) -> Entry:
-            ground, p = one
-            self.tell(f"refitting with {p.law}")
-            # Where the base may hold the effect already, it starts weak: room is made for it step by step.
-            h, name = refitted(ground, p.first if ground.bends else p.effect, p)
-            return self.entry(p.mechanism, h, self.compared, p.law, name)
-
-        return list(self.pool.map(enter, chosen))
+    def enter(self, ground: Ground, p: Proposal) -> Entry:
+        self.tell(f"refitting with {p.law}")
+        # Where the base may hold the effect already, it starts weak: room is made for it step by step.
+        model = ground.start.plus(p.first if ground.bends else p.effect)
+        name = next(n for n in model if n not in ground.start)
+        believed = {f"{name}.{p.effect.strength}": p.believed} if p.believed and p.believed[0] > 0 else {}
+        h = fitted(model, self.compared, self.reference, ground.hypothesis, 6, quick=True, believed=believed)
+        return self.entry(p.mechanism, h, self.compared, p.law, name)
 
     def entry(self, mechanism: str, h: Hypothesis, likelihood: Likelihood, law: str = "", name: str = "") -> Entry:
         return Entry(mechanism, law, name, h, h.log_z, excess(h, likelihood))
@@ -248,16 +244,9 @@ def _evidence(h: Hypothesis) -> float:
     return h.log_z
 
 
-def _best_of_each_law(proposals: Sequence[Proposal]) -> list[Proposal]:
-    found: dict[str, Proposal] = {}
-    for p in sorted(proposals, key=lambda p: -p.gain):
-        found.setdefault(p.law, p)
-    return list(found.values())
-
-
-def _best_fits(entries: Sequence[Entry]) -> list[Entry]:
-    """One of each law, the best first."""
-    found: dict[str, Entry] = {}
-    for e in sorted(entries, key=lambda e: -e.log_z):
-        found.setdefault(e.law, e)
-    return list(found.values())
+def _best_of_each_law(found: Iterable[One], merit: Callable[[One], float]) -> list[One]:
+    """The best first."""
+    best: dict[str, One] = {}
+    for one in sorted(found, key=merit, reverse=True):
+        best.setdefault(one.law, one)
+    return list(best.values())

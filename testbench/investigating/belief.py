@@ -11,7 +11,7 @@ from scipy.special import logsumexp
 from testbench.design.forecast import Likely, Reading
 from testbench.diagnosis import constants
 from testbench.diagnosis.laplace import Hypothesis
-from testbench.diagnosis.rounds import NOTHING, UNKNOWN, Round, Verdict
+from testbench.diagnosis.rounds import NOTHING, UNKNOWN, Round, Verdict, prior_of
 from testbench.diagnosis.search import searched
 from testbench.fitting.measurement import Measurement
 from testbench.knit.catalogue import Catalogue
@@ -78,7 +78,7 @@ def over_specimens(beliefs: Sequence[Mapping[str, float]]) -> dict[str, float]:
     that each of them has in it.
     """
     names = list(dict.fromkeys(name for one in beliefs for name in one))
-    prior = _prior(names)
+    prior = prior_of([name for name in names if name not in (NOTHING, UNKNOWN)])
     logs = {
         name: sum(np.log(max(one.get(name, 0.0), 1e-12)) for one in beliefs)
         - (len(beliefs) - 1) * np.log(prior[name])
@@ -86,14 +86,6 @@ def over_specimens(beliefs: Sequence[Mapping[str, float]]) -> dict[str, float]:
     }
     total = logsumexp(list(logs.values()))
     return {name: float(np.exp(value - total)) for name, value in logs.items()}
-
-
-def _prior(names: Sequence[str]) -> dict[str, float]:
-    mechanisms = max(len([name for name in names if name not in (NOTHING, UNKNOWN)]), 1)
-    prior = dict.fromkeys(names, (1 - constants.PRIOR_NOTHING) / mechanisms)
-    prior[NOTHING] = constants.PRIOR_NOTHING * (1 - constants.PRIOR_UNKNOWN)
-    prior[UNKNOWN] = constants.PRIOR_NOTHING * constants.PRIOR_UNKNOWN
-    return prior
 
 
 def _noise(first: Round) -> dict[str, float]:

@@ -47,7 +47,7 @@ class Projector:
         evidence, base = hypothesis.evidence, []
         self.weight: dict[str, FloatArray] = {}
         for c in self.channels:
-            unit = np.sqrt(hypothesis.normal.share[c] * every) / evidence.sigma[c]
+            unit = np.sqrt(hypothesis.normal.share * every) / evidence.sigma[c]
             self.weight[c] = (likelihood.weight[c] * hypothesis.robust[c] * unit)[::every]
             base.append((hypothesis.columns[c] * hypothesis.robust[c] * unit)[:, ::every])
         stacked = np.hstack(base)

@@ -26,8 +26,8 @@ def linear(seed: int) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray], Nor
     columns = {c: np.vstack([residuals[c], designs[c]]) for c in SIGMA}
     normal = NormalEquations(
         {c: rows @ rows.T for c, rows in columns.items()},
-        dict.fromkeys(SIGMA, float(COUNT)),
-        dict.fromkeys(SIGMA, 1.0),
+        float(COUNT),
+        1.0,
         SIGMA,
         mean,
         precision,
@@ -98,11 +98,9 @@ def test_the_scale_of_a_group_is_found_by_the_evidence():
     weights = size * rng.standard_normal(count)
     residual, design = weights + 1e-3 * rng.standard_normal(count), np.eye(count)
     rows = np.vstack([residual, design])
-    one = {"force": 1.0}
     normal = NormalEquations(
-        {"force": rows @ rows.T}, {"force": 1000.0}, one, {"force": 1e-3}, np.zeros(count), np.ones(count),
-        np.zeros(count, int),
-    )  # fmt: skip
+        {"force": rows @ rows.T}, 1000.0, 1.0, {"force": 1e-3}, np.zeros(count), np.ones(count), np.zeros(count, int)
+    )
     start = LogEvidence(0.0, np.zeros(count), {"force": 1e-3}, np.ones(1), np.eye(count))
     found = maximised(normal, start=start, iterations=40, scale=np.ones(1))
     assert found.scale[0] ** -0.5 == pytest.approx(size, rel=0.05)
