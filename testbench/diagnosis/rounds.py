@@ -39,6 +39,7 @@ class Entry:
     hypothesis: Hypothesis
     log_z: float
     excess: float
+    is_settled: bool = False
 
 
 @dataclass(frozen=True, eq=False)
