@@ -18,6 +18,7 @@ from testbench.diagnosis.laplace import Hypothesis, fitted, under
 from testbench.diagnosis.likelihood import Likelihood, likelihood_of, noise_of, telling
 from testbench.diagnosis.proposals import Proposal, Screen, laws_of
 from testbench.diagnosis.rounds import Entry, Round, excess, explained
+from testbench.diagnosis.starts import best_start
 from testbench.fitting.baseline import SHAPES, laws_that_may_act, starting_baseline, with_shapes, without_shapes
 from testbench.fitting.measurement import Measurement, coarser
 from testbench.knit.catalogue import Catalogue
@@ -34,12 +35,19 @@ class Ground:
     """A model to add effects to, and what the laws of the catalogue promise there, the best first.
 
     An effect that a flexible base has taken in shows in no residual any more; it does where the base cannot bend.
+
+    Attributes
+    ----------
+    hypothesis : Hypothesis
+        The model as it was fitted.
+    bent : Hypothesis
+        The same with base laws that may bend, to which effects are added.
+    proposals : tuple of Proposal
     """
 
     hypothesis: Hypothesis
-    start: KnitModel
+    bent: Hypothesis
     proposals: tuple[Proposal, ...]
-    bends: bool
 
 
 class Search:
@@ -169,10 +177,9 @@ class Search:
         """A model, and what each law of the catalogue promises beside it."""
         laws = laws_of(h, self.compared, self.catalogue, self.pool)
         proposals = tuple(Screen(h, self.compared).proposals(laws))
-        if any(name in SHAPES for name in h.model):
-            return Ground(h, h.model, proposals, bends=True)
-        start = self.bent(h.model)
-        return Ground(fitted(start, self.compared, self.reference, iterations=0), start, proposals, bends=False)
+        bends = any(name in SHAPES for name in h.model)
+        bent = h if bends else fitted(self.bent(h.model), self.compared, self.reference, iterations=0)
+        return Ground(h, bent, proposals)
 
     def other_laws(self, model: KnitModel) -> list[Effect]:
         """Laws that could take the place of one in the model, drawn to the data."""
@@ -191,7 +198,10 @@ class Search:
         chosen = []
         for place, mechanism in enumerate(mechanisms):
             own = [(g, p) for g in grounds for p in g.proposals if p.mechanism == mechanism and p.gain > 0]
-            chosen += sorted(own, key=lambda one: -one[1].gain)[: 4 if place < 3 else 2]
+            own.sort(key=lambda one: -one[1].gain)
+            # Gains tell the laws on one ground from each other; that of the best ground is lost on all others.
+            own.sort(key=lambda one: one != next((it for it in own if it[0] is grounds[0]), None))
+            chosen += own[: 4 if place < 3 else 2]
         entries = self.entered(chosen)
         if not entries:
             return []
@@ -230,11 +240,10 @@ class Search:
 
     def enter(self, ground: Ground, p: Proposal) -> Entry:
         self.tell(f"refitting with {p.law}")
-        # Where the base may hold the effect already, it starts weak: room is made for it step by step.
-        model = ground.start.plus(p.first if ground.bends else p.effect)
-        name = next(n for n in model if n not in ground.start)
+        model = best_start(ground.hypothesis, ground.bent.model, p, self.compared)
+        name = next(n for n in model if n not in ground.bent.model)
         believed = {f"{name}.{p.effect.strength}": p.believed} if p.believed and p.believed[0] > 0 else {}
-        h = fitted(model, self.compared, self.reference, ground.hypothesis, 6, quick=True, believed=believed)
+        h = fitted(model, self.compared, self.reference, ground.bent, 6, quick=True, believed=believed)
         return self.entry(p.mechanism, h, self.compared, p.law, name)
 
     def entry(self, mechanism: str, h: Hypothesis, likelihood: Likelihood, law: str = "", name: str = "") -> Entry:
