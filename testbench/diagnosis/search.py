@@ -32,21 +32,9 @@ BASES = 2  # base laws whose shapes are fitted
 
 @dataclass(frozen=True, eq=False)
 class Ground:
-    """A model to add effects to, and what the laws of the catalogue promise there, the best first.
-
-    An effect that a flexible base has taken in shows in no residual any more; it does where the base cannot bend.
-
-    Attributes
-    ----------
-    hypothesis : Hypothesis
-        The model as it was fitted.
-    bent : Hypothesis
-        The same with base laws that may bend, to which effects are added.
-    proposals : tuple of Proposal
-    """
+    """A model to add effects to, and what the laws of the catalogue promise there, the best first."""
 
     hypothesis: Hypothesis
-    bent: Hypothesis
     proposals: tuple[Proposal, ...]
 
 
@@ -109,27 +97,26 @@ class Search:
                 current = step.candidate.hypothesis
                 if step.is_named() and step.is_enough(step.candidate):
                     break
-                others = [self.compare(without_shapes(current.model))]
+                others = [self.about_to_bend(self.compare(without_shapes(current.model)))]
         return rounds, found
 
     def bases(self) -> list[Hypothesis]:
-        """The best base, and others that an effect may show beside: whose laws cannot bend, or as they were started.
+        """The best base, and others whose laws are about to bend: the best of those, and the first.
 
-        All laws that a base may have are tried.
+        Where a base has bent to take an effect in, its other parameters have moved along; in one about to bend they
+        have not. All laws that a base may have are tried.
         """
         model = without_shapes(self.baseline.model)
-        models = [
-            model,
-            *(
-                model.plus(law)
-                for law in [*self.other_laws(model), *laws_that_may_act(model, self.measurement, self.catalogue)]
-            ),
-        ]
-        started, *exchanged = self.pool.map(self.compare, models)
+        laws = [*self.other_laws(model), *laws_that_may_act(model, self.measurement, self.catalogue)]
+        started, *exchanged = self.pool.map(self.compare, [model, *(model.plus(law) for law in laws)])
         stiff = sorted([started, *exchanged], key=_evidence)[-BASES:]
-        flexible = self.compare(self.flexible.model, self.flexible)
-        best = max(*self.pool.map(lambda h: self.compare(self.bent(h.model)), stiff), flexible, key=_evidence)
-        return list(dict.fromkeys((best, stiff[-1], flexible, started)))
+        bent = self.pool.map(lambda h: self.compare(self.bent(h.model)), stiff)
+        best = max(*bent, self.compare(self.flexible.model, self.flexible), key=_evidence)
+        return [best, *map(self.about_to_bend, dict.fromkeys((stiff[-1], started)))]
+
+    def about_to_bend(self, h: Hypothesis) -> Hypothesis:
+        """A base as it is, its shapes there to be used."""
+        return fitted(self.bent(h.model), self.compared, self.reference, iterations=0)
 
     def compare(self, model: KnitModel, like: Hypothesis | None = None) -> Hypothesis:
         """A model fitted as models are compared."""
@@ -177,9 +164,7 @@ class Search:
         """A model, and what each law of the catalogue promises beside it."""
         laws = laws_of(h, self.compared, self.catalogue, self.pool)
         proposals = tuple(Screen(h, self.compared).proposals(laws))
-        bends = any(name in SHAPES for name in h.model)
-        bent = h if bends else fitted(self.bent(h.model), self.compared, self.reference, iterations=0)
-        return Ground(h, bent, proposals)
+        return Ground(h, proposals)
 
     def other_laws(self, model: KnitModel) -> list[Effect]:
         """Laws that could take the place of one in the model, drawn to the data."""
@@ -240,10 +225,10 @@ class Search:
 
     def enter(self, ground: Ground, p: Proposal) -> Entry:
         self.tell(f"refitting with {p.law}")
-        model = best_start(ground.hypothesis, ground.bent.model, p, self.compared)
-        name = next(n for n in model if n not in ground.bent.model)
+        model = best_start(ground.hypothesis, p, self.compared)
+        name = next(n for n in model if n not in ground.hypothesis.model)
         believed = {f"{name}.{p.effect.strength}": p.believed} if p.believed and p.believed[0] > 0 else {}
-        h = fitted(model, self.compared, self.reference, ground.bent, 6, quick=True, believed=believed)
+        h = fitted(model, self.compared, self.reference, ground.hypothesis, 6, quick=True, believed=believed)
         return self.entry(p.mechanism, h, self.compared, p.law, name)
 
     def entry(self, mechanism: str, h: Hypothesis, likelihood: Likelihood, law: str = "", name: str = "") -> Entry:

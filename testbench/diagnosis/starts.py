@@ -12,8 +12,8 @@ from testbench.fitting.parameters import with_values
 from testbench.knit.model import KnitModel
 
 
-def best_start(h: Hypothesis, model: KnitModel, p: Proposal, likelihood: Likelihood) -> KnitModel:
-    """The law beside the model, where the linear model promises the maximum, as far as that holds.
+def best_start(h: Hypothesis, p: Proposal, likelihood: Likelihood) -> KnitModel:
+    """The law beside a model, where the linear model promises the maximum, as far as that holds.
 
     The shapes are linear in their weights, so their part of the step holds; of the other parameters as much is taken
     as fits best. Where nothing of it holds, the law starts weak, on the model as it is.
@@ -22,14 +22,12 @@ def best_start(h: Hypothesis, model: KnitModel, p: Proposal, likelihood: Likelih
     ----------
     h : Hypothesis
         Beside which the law was proposed.
-    model : KnitModel
-        The same with base laws that may bend.
     """
     low, high = h.priors.low, h.priors.high
-    tried = [model.plus(p.first)]
+    tried = [h.model.plus(p.first)]
     for part in PARTS:
         step = np.where(h.priors.group >= 0, p.step, part * p.step)
-        tried.append(with_values(model, h.priors.parameters, np.clip(h.vector + step, low, high)).plus(p.effect))
+        tried.append(with_values(h.model, h.priors.parameters, np.clip(h.vector + step, low, high)).plus(p.effect))
     return min(tried, key=lambda one: _misfit(one, h, likelihood))
 
 
