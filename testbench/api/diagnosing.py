@@ -11,12 +11,13 @@ from gcode.support.errors import UserError
 from gcode.support.figures import panels, picture
 from gcode.support.html import card, frame_table
 from testbench import diagnosis as core
-from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, recording_of
+from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, recordings_for
 from testbench.api.ladder import Ladder
 from testbench.api.progress import Tell, telling
 from testbench.diagnosis.diagnosis import Diagnosis
 from testbench.diagnosis.words import diagnosis_table, first_line
-from testbench.fitting.model_file import ModelFile, check_same_set_up
+from testbench.fitting.model_file import ModelFile
+from testbench.fitting.results import read_diagnosis
 from testbench.knit.model import KnitModel
 from testbench.report import style
 
@@ -193,12 +194,12 @@ def diagnose(
         raise UserError(f"most: effects to find must be 1 or more, got {most}")
     catalogue = catalogue_of(effects)
     given = None if model is None else model_file_of(model, catalogue)
-    gauge_length_mm = gauge_length_mm or (given.gauge_length_mm if given else None) or None
-    first = recording_of(recording, gauge_length_mm)
-    held = None if held_out is None else recording_of(held_out, gauge_length_mm)
-    if given is not None:
-        check_same_set_up(given, first, "model" if not isinstance(model, str | Path) else model)
-    play_mm = clamp_play_mm or (given.clamp_play_mm if given and held else 0.0)
+    first, held, play_mm = recordings_for(model, given, recording, held_out, gauge_length_mm, clamp_play_mm)
     with telling(progress) as tell:
         found = core.diagnose(first, held, given.model if given else None, catalogue, tell, most, play_mm)
     return DiagnosisResult(found)
+
+
+def diagnosis_data(diagnosis: DiagnosisResult | str | Path) -> Mapping[str, Any]:
+    """A diagnosis, or the file of one, as the JSON that ``testbench diagnose --json`` writes."""
+    return diagnosis.to_dict() if isinstance(diagnosis, DiagnosisResult) else read_diagnosis(diagnosis)

@@ -5,12 +5,13 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from testbench.commands._arguments import existing_file, positive
+
 SUMMARY = "find delay and clock drift between the planned and the recorded displacement, and apply them"
 EXAMPLE = "testbench align knit-7 -o knit-7-aligned"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    from testbench.campaigns.sensors import positive
 
     parser.add_argument("recording", metavar="RECORDING", help="campaign folder, or a CSV with --program")
     parser.add_argument("--program", metavar="FILE", help="default: the campaign's own")
@@ -27,7 +28,6 @@ def run(args: argparse.Namespace) -> int:
     from testbench.campaigns.alignment import align, applied
     from testbench.campaigns.campaign import vacant, write_derived
     from testbench.campaigns.plan import PROGRAM
-    from testbench.campaigns.sensors import existing_file
     from testbench.recordings.files import read_recording
     from testbench.rig.motion import played
 
