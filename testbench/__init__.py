@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from testbench.api.ladder import Ladder as Ladder
     from testbench.api.ladder import ladder as ladder
     from testbench.api.reporting import ReportResult as ReportResult
-    from testbench.api.reporting import report as report
+    from testbench.api.reporting import make_report as make_report
     from testbench.api.running import RunResult as RunResult
     from testbench.api.running import run as run
     from testbench.api.simulating import baseline as baseline
@@ -64,7 +64,7 @@ _HOMES = {
     "testbench.api.fitting": ["FitResult", "fit"],
     "testbench.api.investigating": ["InvestigationResult", "investigate"],
     "testbench.api.ladder": ["Ladder", "ladder"],
-    "testbench.api.reporting": ["ReportResult", "report"],
+    "testbench.api.reporting": ["ReportResult", "make_report"],
     "testbench.api.running": ["RunResult", "run"],
     "testbench.api.simulating": ["baseline", "example", "preset", "simulate"],
     "testbench.design.protocols": ["Bounds"],

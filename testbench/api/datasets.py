@@ -108,7 +108,7 @@ def dataset(
     >>> import gcode
     >>> import testbench as tb
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     _ = gcode.generate("paper-1", duration_s=30).write(folder)
+    ...     _ = gcode.generate("paper-1", seed=1, duration_s=30).write(folder)
     ...     spec = Path(folder) / "knits.toml"
     ...     _ = spec.write_text('sensors = ["pes"]\\nprograms = ["*.tap"]\\nseeds = "1-2"')
     ...     knits = tb.dataset(spec, Path(folder) / "knits", workers=1, progress=False)

@@ -1,4 +1,4 @@
-"""`report`: recordings, model, diagnosis and compensator on one self-contained page."""
+"""`make_report`: recordings, model, diagnosis and compensator on one self-contained page."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ class ReportResult:
         return card(self.report.title, [self.verdict, *(part.title for part in self.report.sections)])
 
 
-def report(
+def make_report(
     recordings: Source | Iterable[Source] = (),
     *,
     held_out: Source | None = None,
@@ -114,7 +114,7 @@ def report(
     --------
     >>> import testbench as tb
     >>> recording = tb.example()
-    >>> made = tb.report(recording, model=tb.fit(recording, progress=False))
+    >>> made = tb.make_report(recording, model=tb.fit(recording, progress=False))
     >>> [part.title for part in made.report.sections][:2]
     ['The error ladder', 'Where the model fails']
     """

@@ -141,7 +141,7 @@ def run(
     >>> import gcode
     >>> import testbench as tb
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     made = tb.run(tb.preset("pes"), gcode.generate("paper-1", duration_s=60), folder)
+    ...     made = tb.run(tb.preset("pes"), gcode.generate("paper-1", seed=1, duration_s=60), folder)
     ...     made.recording.gauge_length_mm
     25.0
     """

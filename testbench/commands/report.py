@@ -37,9 +37,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Build the report and write it."""
-    from testbench.api.reporting import report
+    from testbench.api.reporting import make_report
 
-    made = report(
+    made = make_report(
         args.recording,
         held_out=args.held_out,
         model=args.model,

@@ -125,17 +125,17 @@ def test_dataset_makes_what_the_command_makes(tmp_path, capsys):
         tb.dataset(spec, tmp_path / "mine", format="xlsx")
 
 
-def test_report_writes_the_page_of_the_command(file, tmp_path, monkeypatch):
+def test_make_report_writes_the_page_of_the_command(file, tmp_path, monkeypatch):
     monkeypatch.setattr("testbench.report.build.today", lambda: "today")
     fitted().save(tmp_path / "model.json")
     write_json(tmp_path / "found.json", diagnosed().to_dict())
     model, found, theirs = str(tmp_path / "model.json"), str(tmp_path / "found.json"), tmp_path / "theirs.html"
     words = ["report", "--recording", file, "--gauge-length-mm", "25", "--model", model, "--diagnosis", found]
     assert main([*words, "-o", str(theirs)]) == 0
-    tb.report(file, model=model, diagnoses=found, gauge_length_mm=25).write(tmp_path / "mine.html")
+    tb.make_report(file, model=model, diagnoses=found, gauge_length_mm=25).write(tmp_path / "mine.html")
     assert (tmp_path / "mine.html").read_text() == theirs.read_text()
-    objects = tb.report(relaxed(), model=fitted(), diagnoses=diagnosed())
-    assert objects.verdict == tb.report(file, model=model, diagnoses=found, gauge_length_mm=25).verdict
+    objects = tb.make_report(relaxed(), model=fitted(), diagnoses=diagnosed())
+    assert objects.verdict == tb.make_report(file, model=model, diagnoses=found, gauge_length_mm=25).verdict
     assert objects.report.sections[-1].items == []  # of objects no file is known
 
 

@@ -25,7 +25,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, str]:
 
 def report(made: tuple[str, str], resistance: bool) -> Report:
     path, model = made
-    return tb.report(path, gauge_length_mm=25.0, model=model, resistance=resistance).report
+    return tb.make_report(path, gauge_length_mm=25.0, model=model, resistance=resistance).report
 
 
 def words(told: Report) -> str:
