@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,7 +13,7 @@ from testbench.diagnosis import constants
 from testbench.diagnosis.discrepancy_map import Map
 from testbench.diagnosis.held_out import Interval, block_energies, gain_interval
 from testbench.diagnosis.laplace import Hypothesis
-from testbench.diagnosis.rounds import NOTHING, UNKNOWN, Entry, Round, Verdict
+from testbench.diagnosis.rounds import NOTHING, UNKNOWN, Entry, Round, Verdict, log_posterior_of
 from testbench.diagnosis.search import Progress, Search, searched
 from testbench.fitting.baseline import SHAPES
 from testbench.fitting.errors import noise_floors
@@ -202,22 +202,20 @@ def _concluded(
 ) -> Diagnosis:
     first, bare = rounds[0], rounds[0].before.hypothesis
     before = on_the_ladder(_as_fit(search.baseline), None, "baseline", calibration, held)
-    remains = put_in[-1].hypothesis.evidence.sigma if put_in else None
-    verdict = first.verdict(remains)
+    verdict = first.verdict(log_posterior_of(rounds, put_in))
     if verdict != "missing":
-        put_in, remains = [], None
+        put_in = []
+    whole = log_posterior_of(rounds, put_in)
     left = first.left(put_in[-1]) if put_in else 1.0
     after = _ladder(search, bare, put_in, before, calibration, held)
-    chances = first.doubted(remains)
+    chances = first.doubted(whole)
     explained = Map(put_in[-1].hypothesis if put_in else bare, rounds[-1].likelihood).gains
     return Diagnosis(
         verdict,
         chances,
-        tuple(
-            _found(step, entry, remains) for step, entry in zip(rounds, put_in, strict=False)
-        ),  # one a round, in turn
+        tuple(_found(rounds[k:], put_in[k:]) for k in range(len(put_in))),
         _ranking(first, chances, held),
-        _tied(first.probabilities(remains), verdict),
+        _tied(first.probabilities(whole), verdict),
         tuple(name for name in after.model if name in SHAPES and name not in before.model),
         tuple(e.name for n, e in after.model.effects.items() if n in before.model and e.name != before.model[n].name),
         tuple(sorted(((c, where, share) for (c, where), share in explained.items()), key=lambda one: -one[2])),
@@ -230,9 +228,11 @@ def _concluded(
     )
 
 
-def _found(step: Round, entry: Entry, left: Mapping[str, float] | None) -> Found:
-    gain = entry.log_z - step.before.log_z
-    return Found(entry.mechanism, entry.law, step.doubted(left)[entry.mechanism], gain)
+def _found(rounds: Sequence[Round], put_in: Sequence[Entry]) -> Found:
+    """The first of what was put in, one in each of the rounds."""
+    step, entry = rounds[0], put_in[0]
+    chance = step.doubted(log_posterior_of(rounds, put_in))[entry.mechanism]
+    return Found(entry.mechanism, entry.law, chance, entry.log_z - step.before.log_z)
 
 
 def _ladder(

@@ -67,8 +67,7 @@ class Hypothesis:
     @cached_property
     def unlikely(self) -> float:
         """What the priors say against the parameters that are held, in nats."""
-        off = (self.vector - self.priors.mean)[self.held]
-        return 0.5 * float(self.priors.scaled(self.evidence.scale)[self.held] @ off**2)
+        return float(np.sum(self.priors.cost(self.vector, self.evidence.scale)[self.held]))
 
     @property
     def pinned(self) -> NormalEquations:
@@ -327,7 +326,7 @@ class _Search:
     def believed(self) -> tuple[FloatArray, FloatArray]:
         """Prior of the step from here; what is held makes none."""
         mean = np.where(self.held, 0.0, self.priors.mean - self.x)
-        return mean, np.where(self.held, HELD, self.priors.precision)
+        return mean, np.where(self.held, HELD, self.priors.precision_at(self.x))
 
     def all_normal(self, robust: Mapping[str, FloatArray]) -> NormalEquations:
         """For every parameter."""
@@ -363,7 +362,7 @@ class _Search:
         return np.minimum(low, 0.0), np.maximum(high, 0.0)
 
     def cost(self, residual: Mapping[str, FloatArray], x: FloatArray) -> float:
-        total = 0.5 * float(self.priors.scaled(self.scale) @ (x - self.priors.mean) ** 2)
+        total = float(np.sum(self.priors.cost(x, self.scale)))
         for c, values in residual.items():
             total += float(np.sum(huber(np.abs(values) / self.sigma[c]))) * self.likelihood.share
         return total if np.isfinite(total) else np.inf

@@ -18,12 +18,18 @@ SHARE_OF_RANGE = 0.1  # of the range of a sensor's force: the scale of its force
 
 @dataclass(frozen=True)
 class Priors:
-    """Gaussian priors in the fit's coordinates.
+    """Gaussian priors in the fit's coordinates; that of an effect's strength has long tails.
+
+    An effect that is asked about may be many times its typical size. Beyond one standard deviation the density of its
+    strength falls with 1 / size: ten times the typical size costs 3 nats, not fifty. There it is that of a Gaussian
+    as wide as the strength is large, in value, slope and evidence.
 
     Attributes
     ----------
     parameters : tuple of FreeParameter
     mean, precision, low, high : ndarray, shape (p,)
+    tails : ndarray of bool, shape (p,)
+        Strengths of effects.
     group : ndarray of int, shape (p,)
         Weights of one vector share a scale that the evidence finds; -1: as declared.
     groups : tuple of str
@@ -33,6 +39,7 @@ class Priors:
     parameters: tuple[FreeParameter, ...]
     mean: FloatArray
     precision: FloatArray
+    tails: np.ndarray
     low: FloatArray
     high: FloatArray
     group: np.ndarray
@@ -43,9 +50,18 @@ class Priors:
         """Mean and standard deviation by address."""
         return {p.address: (m, w**-0.5) for p, m, w in zip(self.parameters, self.mean, self.precision, strict=True)}
 
+    def precision_at(self, x: FloatArray) -> FloatArray:
+        """Precisions of the Gaussians that the priors are like at a point, shape (p,)."""
+        return np.where(self.tails, with_tails(self.precision, x - self.mean), self.precision)
+
     def scaled(self, factor: FloatArray) -> FloatArray:
         """Precisions with the scales of the groups, shape (p,)."""
         return self.precision * np.where(self.group >= 0, factor[self.group], 1.0) if len(factor) else self.precision
+
+    def cost(self, x: FloatArray, factor: FloatArray) -> FloatArray:
+        """Minus the log density over that at the mean, in nats, shape (p,)."""
+        off = self.scaled(factor) * (x - self.mean) ** 2
+        return 0.5 * np.where(self.tails & (off > 1), 1 + np.log(np.maximum(off, 1.0)), off)
 
 
 def priors_of(
@@ -63,7 +79,7 @@ def priors_of(
     scales = shape_scales(measurement)
     parameters = free_parameters(model, scales)
     groups: list[str] = []
-    believed, group = [], []
+    believed, group, tails = [], [], []
     for p in parameters:
         name, _, key = p.address.partition(".")
         vector, _, index = p.address.partition("[")
@@ -80,9 +96,18 @@ def priors_of(
             believed.append((p.to_fit(_lookup(reference, p.address)), p.width))
         else:
             believed.append(declared(type(model[name]), key, scales))
+        is_strength = key == model[name].strength and name not in reference
+        tails.append(is_strength and believed[-1][0] == 0)
     mean, width = np.array(believed).reshape(-1, 2).T
     low, high = (np.array([p.to_fit(getattr(p, side)) for p in parameters]) for side in ("low", "high"))
-    return Priors(tuple(parameters), mean, width**-2.0, low, high, np.array(group, int), tuple(groups))
+    return Priors(
+        tuple(parameters), mean, width**-2.0, np.array(tails, bool), low, high, np.array(group, int), tuple(groups)
+    )
+
+
+def with_tails(precision: FloatArray, off: FloatArray) -> FloatArray:
+    """Precision of the Gaussian that a density with long tails is like so far off its centre."""
+    return precision / np.maximum(precision * off**2, 1.0)
 
 
 def declared(effect: type[Effect], key: str, scales: Mapping[str, float]) -> tuple[float, float]:

@@ -11,7 +11,7 @@ import numpy as np
 from testbench.diagnosis.evidence import LogEvidence, NormalEquations, maximised, opened
 from testbench.diagnosis.laplace import Hypothesis
 from testbench.diagnosis.likelihood import Likelihood
-from testbench.diagnosis.priors import typical
+from testbench.diagnosis.priors import typical, with_tails
 from testbench.fitting.candidates import Candidate, candidate_mechanisms, expand, is_vector, two_signed
 from testbench.fitting.fit import shape_scales
 from testbench.knit.catalogue import Catalogue
@@ -41,20 +41,30 @@ class Law:
 
 @dataclass(frozen=True, eq=False)
 class Proposal:
-    """A law at its best point, and its gain in ln Z to first order.
+    """A law at its best point.
 
-    `believed` is mean and standard deviation of a strength that only the data have a scale for: a threshold, a level.
+    Attributes
+    ----------
+    mechanism, law : str
+    effect : Effect
+    gain : float
+        In ln Z, to first order.
+    step : ndarray, shape (p,)
+        By which the parameters of the model give way to it, to first order, in the fit's coordinates.
+    believed : (mean, standard deviation), optional
+        Of a strength that only the data have a scale for: a threshold, a level.
     """
 
     mechanism: str
     law: str
     effect: Effect
     gain: float
+    step: FloatArray
     believed: tuple[float, float] | None = None
 
     @property
     def first(self) -> Effect:
-        """The law where a fit may start: weak, while the model without it does not make room yet."""
+        """The law where a fit may start beside a model that makes no room for it yet: weak."""
         strength = getattr(self.effect, self.effect.strength)
         if self.believed is not None or isinstance(strength, tuple):
             return self.effect
@@ -107,12 +117,12 @@ class Screen:
         first = law.candidates[0]
         if is_vector(type(first.effect), first.effect.strength):
             return self._vector(law, rows)
-        gains = self._first_order(law.candidates, rows)
-        tried = [self._beside(law, rows, int(i), gains[i]) for i in np.argsort(-gains)[:POINTS]]
+        gains, amounts = self._first_order(law.candidates, rows)
+        tried = [self._beside(law, rows, int(i), gains[i], amounts[i]) for i in np.argsort(-gains)[:POINTS]]
         return max(tried, key=lambda p: p.gain)
 
-    def _first_order(self, tried: Sequence[Candidate], rows: Rows) -> FloatArray:
-        """Gains at the scales of the model as it is, shape (m,)."""
+    def _first_order(self, tried: Sequence[Candidate], rows: Rows) -> tuple[FloatArray, FloatArray]:
+        """Gains at the scales of the model as it is, and coefficients of the traces, both of shape (m,)."""
         evidence, normal = self.plain, self.hypothesis.normal
         share = {c: normal.share / evidence.sigma[c] ** 2 for c in rows}
         with_base = sum((rows[c] @ self.base[c].T) * share[c] for c in rows)
@@ -122,28 +132,32 @@ class Screen:
         left = size - np.einsum("ij,ij->i", inner @ evidence.covariance, inner)
         left = np.maximum(left, 1e-9 * size)
         mean, precision = np.array([amplitude_prior(one, self.scales) for one in tried]).T
+        precision = np.where(mean == 0, with_tails(precision, goal / left), precision)
         coefficient = (goal + precision * mean) / (left + precision)
         gain = 0.5 * (left + precision) * coefficient**2 - 0.5 * precision * mean**2
         gain -= 0.5 * np.log((left + precision) / precision)
         one_way = np.array([not two_signed(type(one.effect)) for one in tried])
-        return np.where(one_way & (coefficient <= 0), np.minimum(gain, 0.0) - 1.0, gain)
+        return np.where(one_way & (coefficient <= 0), np.minimum(gain, 0.0) - 1.0, gain), coefficient
 
-    def _beside(self, law: Law, rows: Rows, index: int, gain: float) -> Proposal:
+    def _beside(self, law: Law, rows: Rows, index: int, gain: float, amount: float) -> Proposal:
         """One point of a law, all scales found anew."""
-        candidate = law.candidates[index]
-        amount = 1.0
+        candidate, step = law.candidates[index], np.zeros(len(self.hypothesis.normal.mean))
         if gain > 0.5:
             mean, precision = amplitude_prior(candidate, self.scales)
+            precision = with_tails(precision, amount) if mean == 0 else precision
             found = self.evidence({c: values[index : index + 1] for c, values in rows.items()}, mean, precision, -1)
             amount, gain = float(found.coefficients[-1]), found.value - self.plain.value
+            step = found.coefficients[:-1]
             if amount <= 0 and not two_signed(type(candidate.effect)):
                 gain = -1.0
+        else:
+            amount = 1.0
         # The best of so many points is no better than one for having been chosen.
         gain = float(gain) - np.log(len(law.candidates))
         effect = candidate.at(amount)
         size = abs(getattr(effect, effect.strength))
         believed = (size, 0.3 * size) if candidate.from_data or effect.nonlinear else None
-        return Proposal(law.mechanism, candidate.law, effect, gain, believed)
+        return Proposal(law.mechanism, candidate.law, effect, gain, step, believed)
 
     def _vector(self, law: Law, rows: Rows) -> Proposal:
         """A law with a vector of weights: all its columns at once, their scale found by evidence."""
@@ -152,7 +166,7 @@ class Screen:
         weights = tuple(float(a) * first.strength for a in found.coefficients[-count:])
         effect = first.effect.near(**{first.effect.strength: weights})
         gain = found.value - self.plain.value
-        return Proposal(law.mechanism, first.law, effect, gain)
+        return Proposal(law.mechanism, first.law, effect, gain, found.coefficients[:-count])
 
     def evidence(self, rows: Rows, mean: float, precision: float, group: int, iterations: int = 6) -> LogEvidence:
         """The model beside more columns of one prior; `group` 0: their scale is found by evidence."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
@@ -39,6 +39,7 @@ class Entry:
     hypothesis: Hypothesis
     log_z: float
     excess: float
+    is_settled: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,14 +76,12 @@ class Round:
     @property
     def log_z_nothing(self) -> float:
         """Log evidence that nothing is missing: what is left is then noise, whose size is known."""
-        return self.before.log_z + self._complete(self.before)
+        return self.log_z_alone(self.before)
 
-    def _complete(self, entry: Entry, left: Mapping[str, float] | None = None) -> float:
-        """How much likelier what an entry leaves, or else what the whole model leaves, is if no more is missing."""
-        sigma = entry.hypothesis.evidence.sigma
+    def _complete(self, entry: Entry) -> float:
+        """How much likelier what an entry leaves is if no more is missing."""
         by_law = explained(self.before.hypothesis, entry.hypothesis)
-        both = (sigma, {c: min(own, left[c]) for c, own in sigma.items()} if left else sigma)
-        return max(self.likelihood.noise_log_prior(one, by_law) for one in both)
+        return self.likelihood.noise_log_prior(entry.hypothesis.evidence.sigma, by_law)
 
     def left(self, entry: Entry) -> float:
         """Share of the error above the least misfit that an entry leaves; an error of that size is none."""
@@ -93,42 +92,48 @@ class Round:
         misfit = self.likelihood.misfit
         return all(sigma < 1.001 * misfit[c] for c, sigma in entry.hypothesis.evidence.sigma.items())
 
-    def probabilities(self, left: Mapping[str, float] | None = None) -> dict[str, float]:
+    def probabilities(self, whole: float = -np.inf) -> dict[str, float]:
         """Of nothing, of unknown and of each mechanism to be what is missing most; they sum to 1.
 
         Parameters
         ----------
-        left : mapping of channel to float, optional
-            Standard deviation of what the whole model leaves, if more was found after this.
+        whole : float
+            Log posterior of all that was put in from here on, together; see `log_posterior_of`. Two effects of one
+            size leave each other's part, by which either alone is worse than a free-form map; together they are not.
         """
-        logs = {mechanism: self._log_posterior(mechanism, left) for mechanism in self.laws}
+        logs = {mechanism: self._log_posterior(mechanism) for mechanism in self.laws}
+        if self.candidate:
+            more = max(whole - logs[self.candidate.mechanism], 0.0)
+            logs = {mechanism: value + more for mechanism, value in logs.items()}
         for name, log_z in ((NOTHING, self.log_z_nothing), (UNKNOWN, self.log_z_unknown)):
             logs[name] = np.log(self.prior[name]) + log_z
         total = logsumexp(list(logs.values()))
         return {name: float(np.exp(value - total)) for name, value in logs.items()}
 
-    def doubted(self, left: Mapping[str, float] | None = None) -> dict[str, float]:
+    def doubted(self, whole: float = -np.inf) -> dict[str, float]:
         """The probabilities as they are told: no evidence is surer than the laws that it was found with.
 
         In some sensors all laws of the right mechanism are so far from its own that another does better, however long
         the recording; what was believed before is all that is left then.
         """
-        misled, chances = constants.MISLED, self.probabilities(left)
+        misled, chances = constants.MISLED, self.probabilities(whole)
         return {name: (1 - misled) * chance + misled * self.prior[name] for name, chance in chances.items()}
 
-    def _log_posterior(self, mechanism: str, left: Mapping[str, float] | None = None) -> float:
+    def log_prior(self, mechanism: str) -> float:
+        """Of one law of a mechanism."""
+        return float(np.log(self.prior[mechanism] / self.laws[mechanism]))
+
+    def log_z_alone(self, entry: Entry) -> float:
+        """Log evidence that an entry, and nothing else, is missing."""
+        return entry.log_z + self._complete(entry)
+
+    def _log_posterior(self, mechanism: str) -> float:
         """Log prior and evidence of a mechanism, its laws summed; to first order if none was refitted."""
-        prior = np.log(self.prior[mechanism] / self.laws[mechanism])
-        found = self.candidate if left else None
-        own = [
-            e.log_z + self._complete(e, left if e is found else None)
-            for e in self.entries
-            if e.mechanism == mechanism
-        ]
+        own = [self.log_z_alone(e) for e in self.entries if e.mechanism == mechanism]
         if not own:
             gains = (p.gain for p in self.proposals if p.mechanism == mechanism)
-            own = [self.before.log_z + min(gain, 0.0) + self._complete(self.before) for gain in gains]
-        return float(prior + logsumexp(own))
+            own = [self.log_z_alone(self.before) + min(gain, 0.0) for gain in gains]
+        return self.log_prior(mechanism) + float(logsumexp(own))
 
     @cached_property
     def candidate(self) -> Entry | None:
@@ -138,19 +143,28 @@ class Round:
         mechanism = max(dict.fromkeys(e.mechanism for e in self.entries), key=self._log_posterior)
         if self._log_posterior(mechanism) < np.log(self.prior[NOTHING]) + self.log_z_nothing:
             return None
-        return max((e for e in self.entries if e.mechanism == mechanism), key=lambda e: e.log_z + self._complete(e))
+        return max((e for e in self.entries if e.mechanism == mechanism), key=self.log_z_alone)
 
-    def verdict(self, left: Mapping[str, float] | None = None) -> Verdict:
-        """What is said of the model before this round; `left` as in `probabilities`."""
-        if self.is_named(left):
+    def verdict(self, whole: float = -np.inf) -> Verdict:
+        """What is said of the model before this round; `whole` as in `probabilities`."""
+        if self.is_named(whole):
             return "missing"
         chances = self.probabilities()
         return "nothing_missing" if chances[NOTHING] >= chances[UNKNOWN] else "unknown"
 
-    def is_named(self, left: Mapping[str, float] | None = None) -> bool:
+    def is_named(self, whole: float = -np.inf) -> bool:
         """Whether some mechanism is more probable than nothing and unknown together."""
-        chances = self.probabilities(left)
+        chances = self.probabilities(whole)
         return self.candidate is not None and chances[NOTHING] + chances[UNKNOWN] < 0.5
+
+
+def log_posterior_of(rounds: Sequence[Round], put_in: Sequence[Entry]) -> float:
+    """Log prior and evidence of all that was put in together, one in each round; minus infinity if none was."""
+    if not put_in:
+        return -np.inf
+    steps = rounds[: len(put_in)]
+    priors = sum(step.log_prior(e.mechanism) for step, e in zip(steps, put_in, strict=True))
+    return priors + steps[-1].log_z_alone(put_in[-1])
 
 
 def prior_of(mechanisms: Collection[str]) -> dict[str, float]:

@@ -18,7 +18,8 @@ from testbench.diagnosis.laplace import Hypothesis, fitted, under
 from testbench.diagnosis.likelihood import Likelihood, likelihood_of, noise_of, telling
 from testbench.diagnosis.proposals import Proposal, Screen, laws_of
 from testbench.diagnosis.rounds import Entry, Round, excess, explained
-from testbench.fitting.baseline import SHAPES, starting_baseline, with_shapes, without_shapes
+from testbench.diagnosis.starts import best_start
+from testbench.fitting.baseline import SHAPES, laws_that_may_act, starting_baseline, with_shapes, without_shapes
 from testbench.fitting.measurement import Measurement, coarser
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import Effect
@@ -34,12 +35,19 @@ class Ground:
     """A model to add effects to, and what the laws of the catalogue promise there, the best first.
 
     An effect that a flexible base has taken in shows in no residual any more; it does where the base cannot bend.
+
+    Attributes
+    ----------
+    hypothesis : Hypothesis
+        The model as it was fitted.
+    bent : Hypothesis
+        The same with base laws that may bend, to which effects are added.
+    proposals : tuple of Proposal
     """
 
     hypothesis: Hypothesis
-    start: KnitModel
+    bent: Hypothesis
     proposals: tuple[Proposal, ...]
-    bends: bool
 
 
 class Search:
@@ -110,7 +118,13 @@ class Search:
         All laws that a base may have are tried.
         """
         model = without_shapes(self.baseline.model)
-        models = [model, *(model.plus(law) for law in self.other_laws(model))]
+        models = [
+            model,
+            *(
+                model.plus(law)
+                for law in [*self.other_laws(model), *laws_that_may_act(model, self.measurement, self.catalogue)]
+            ),
+        ]
         started, *exchanged = self.pool.map(self.compare, models)
         stiff = sorted([started, *exchanged], key=_evidence)[-BASES:]
         flexible = self.compare(self.flexible.model, self.flexible)
@@ -142,7 +156,8 @@ class Search:
         self.tell("screening the catalogue")
         likelihood = self.compared
         grounds = [self.ground(h) for h in (current, *others)]
-        proposals = _best_of_each_law((p for g in grounds for p in g.proposals), lambda p: p.gain)
+        every = sorted((p for g in grounds for p in g.proposals), key=lambda p: -p.gain)
+        proposals = _first_of_each(every, lambda p: p.law)
         counted = Counter(p.mechanism for p in proposals)
         entries = self.contest(grounds, proposals)
         before = [current]
@@ -154,7 +169,7 @@ class Search:
         entries = [
             self.entry(e.mechanism, under(e.hypothesis, likelihood), likelihood, e.law, e.name) for e in entries
         ]
-        entries.sort(key=lambda e: -e.log_z)
+        entries = _best_first(entries)
         unknown = float(np.logaddexp(Map(bare.hypothesis, likelihood).log_z, bare.log_z) - np.log(2))
         return Round(bare, unknown, tuple(entries), tuple(proposals), counted, likelihood)
 
@@ -162,10 +177,9 @@ class Search:
         """A model, and what each law of the catalogue promises beside it."""
         laws = laws_of(h, self.compared, self.catalogue, self.pool)
         proposals = tuple(Screen(h, self.compared).proposals(laws))
-        if any(name in SHAPES for name in h.model):
-            return Ground(h, h.model, proposals, bends=True)
-        start = self.bent(h.model)
-        return Ground(fitted(start, self.compared, self.reference, iterations=0), start, proposals, bends=False)
+        bends = any(name in SHAPES for name in h.model)
+        bent = h if bends else fitted(self.bent(h.model), self.compared, self.reference, iterations=0)
+        return Ground(h, bent, proposals)
 
     def other_laws(self, model: KnitModel) -> list[Effect]:
         """Laws that could take the place of one in the model, drawn to the data."""
@@ -184,29 +198,41 @@ class Search:
         chosen = []
         for place, mechanism in enumerate(mechanisms):
             own = [(g, p) for g in grounds for p in g.proposals if p.mechanism == mechanism and p.gain > 0]
-            chosen += sorted(own, key=lambda one: -one[1].gain)[: 4 if place < 3 else 2]
+            own.sort(key=lambda one: -one[1].gain)
+            # Gains tell the laws on one ground from each other; that of the best ground is lost on all others.
+            own.sort(key=lambda one: one != next((it for it in own if it[0] is grounds[0]), None))
+            chosen += own[: 4 if place < 3 else 2]
         entries = self.entered(chosen)
         if not entries:
             return []
+        entries = self.champions(entries)
         best = max(entries, key=lambda e: e.log_z)
         tried = {p.law for _, p in chosen}
         more = [(g, p) for g in grounds for p in g.proposals if p.mechanism == best.mechanism and p.law not in tried]
         more = [one for one in more if one[1].gain > 0][:3]
-        entries = _best_of_each_law([*entries, *self.entered(more)], lambda e: e.log_z)
-        full = [*self.pool.map(self.settled, entries[: constants.SETTLED])]
-        return [*full, *entries[constants.SETTLED :]]
+        return self.champions([*entries, *self.entered(more)])
+
+    def champions(self, entries: Sequence[Entry]) -> list[Entry]:
+        """The best law of each mechanism refitted in full, and all the others as they are, the best first."""
+        laws = _first_of_each(_best_first(entries), lambda e: e.law)
+        best = _first_of_each(laws, lambda e: e.mechanism)
+        rest = [e for e in laws if e not in best]
+        return _best_first([*self.pool.map(self.settled, best), *rest])
 
     def settled(self, e: Entry) -> Entry:
         """Refitted in full; contacts that were found to feel some strain are tried with the force alone, too.
 
         A base that had to do without the effect may lie in a wrong valley.
         """
+        if e.is_settled:
+            return e
         h, effect = e.hypothesis, e.hypothesis.model[e.name]
         found = [self.compare(h.model, h)]
         on_force = {"strain", "force_N"} & set(effect.writes)
         if on_force and getattr(h.model.effects.get("contact_drive"), "strain_share", 0.0) > 0.02:
             found.append(self.compare(h.model.with_parameters({"contact_drive.strain_share": 0.0}), h))
-        return self.entry(e.mechanism, max(found, key=_evidence), self.compared, e.law, e.name)
+        found_best = max(found, key=_evidence)
+        return replace(self.entry(e.mechanism, found_best, self.compared, e.law, e.name), is_settled=True)
 
     def entered(self, chosen: Sequence[tuple[Ground, Proposal]]) -> list[Entry]:
         """Laws put in, each on its ground, and refitted quickly."""
@@ -214,11 +240,10 @@ class Search:
 
     def enter(self, ground: Ground, p: Proposal) -> Entry:
         self.tell(f"refitting with {p.law}")
-        # Where the base may hold the effect already, it starts weak: room is made for it step by step.
-        model = ground.start.plus(p.first if ground.bends else p.effect)
-        name = next(n for n in model if n not in ground.start)
+        model = best_start(ground.hypothesis, ground.bent.model, p, self.compared)
+        name = next(n for n in model if n not in ground.bent.model)
         believed = {f"{name}.{p.effect.strength}": p.believed} if p.believed and p.believed[0] > 0 else {}
-        h = fitted(model, self.compared, self.reference, ground.hypothesis, 6, quick=True, believed=believed)
+        h = fitted(model, self.compared, self.reference, ground.bent, 6, quick=True, believed=believed)
         return self.entry(p.mechanism, h, self.compared, p.law, name)
 
     def entry(self, mechanism: str, h: Hypothesis, likelihood: Likelihood, law: str = "", name: str = "") -> Entry:
@@ -244,9 +269,12 @@ def _evidence(h: Hypothesis) -> float:
     return h.log_z
 
 
-def _best_of_each_law(found: Iterable[One], merit: Callable[[One], float]) -> list[One]:
-    """The best first."""
-    best: dict[str, One] = {}
-    for one in sorted(found, key=merit, reverse=True):
-        best.setdefault(one.law, one)
-    return list(best.values())
+def _first_of_each(ordered: Iterable[One], kind: Callable[[One], str]) -> list[One]:
+    first: dict[str, One] = {}
+    for one in ordered:
+        first.setdefault(kind(one), one)
+    return list(first.values())
+
+
+def _best_first(entries: Iterable[Entry]) -> list[Entry]:
+    return sorted(entries, key=lambda e: -e.log_z)

@@ -48,6 +48,16 @@ def starting_baseline(measurement: Measurement, catalogue: Catalogue | None = No
     return KnitModel.of(*laws, *contacts, drift)
 
 
+def laws_that_may_act(model: KnitModel, measurement: Measurement, catalogue: Catalogue | None = None) -> list[Effect]:
+    """Laws of a baseline that only some recordings need, where the data show something for them to start at."""
+    law = (catalogue or load_catalogue()).effects.get("buckling")
+    force = measurement.measured.get(FORCE_CHANNEL)
+    if law is None or force is None or "buckling" in model:
+        return []
+    signals = {"strain": measurement.signals["strain"], "force_N": force}
+    return [law().near(**start) for start in law().starts(signals, {})]
+
+
 def _slope(x: FloatArray, y: FloatArray) -> float:
     return float(np.cov(x, y)[0, 1])
 

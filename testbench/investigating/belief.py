@@ -11,7 +11,7 @@ from scipy.special import logsumexp
 from testbench.design.forecast import Likely, Reading
 from testbench.diagnosis import constants
 from testbench.diagnosis.laplace import Hypothesis
-from testbench.diagnosis.rounds import NOTHING, UNKNOWN, Round, Verdict, prior_of
+from testbench.diagnosis.rounds import NOTHING, UNKNOWN, Round, Verdict, log_posterior_of, prior_of
 from testbench.diagnosis.search import searched
 from testbench.fitting.measurement import Measurement
 from testbench.knit.catalogue import Catalogue
@@ -65,9 +65,9 @@ def judged(
     """
     _, rounds, put_in = searched(measurement, catalogue, most, start, tell, constants.INDEPENDENT * runs)
     first = rounds[0]
-    left = put_in[-1].hypothesis.evidence.sigma if put_in else None
-    verdict = first.verdict(left)
-    chances = first.probabilities(left if verdict == "missing" else None)
+    whole = log_posterior_of(rounds, put_in)
+    verdict = first.verdict(whole)
+    chances = first.probabilities(whole) if verdict == "missing" else first.probabilities()
     return Belief(chances, verdict, _likely(first, chances), Reading(_noise(first), constants.INDEPENDENT))
 
 

@@ -33,6 +33,7 @@ BUILT_IN = {
     "coating_wear_load": "testbench.knit.electrical:CoatingWearLoad",
     "coating_cracks": "testbench.knit.electrical:CoatingCracks",
     "electrical_hysteresis": "testbench.knit.electrical:ElectricalHysteresis",
+    "buckling": "testbench.knit.buckling:Buckling",
     # kinematics
     "permanent_set": "testbench.knit.permanent_set:PermanentSet",
     "permanent_set_yield": "testbench.knit.permanent_set:PermanentSetYield",

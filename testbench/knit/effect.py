@@ -12,6 +12,7 @@ stage       what happens                                                   may w
 =========== ============================================================== =========================
 KINEMATICS  what strain the knit really sees: backlash, slip, set          ``strain``
 MECHANICS   force the knit answers with                                    ``force_N``
+TENSION     a thin fabric buckles rather than pushes                       ``force_N``
 PRESSURE    force that presses the contacts (starts as ``force_N``)        ``contact_force_N``
 CONTACT     contact force (and strain) to conductance                      ``conductance_S``
 ELECTRICAL  what happens to the conductance afterwards                     ``conductance_S``
@@ -41,10 +42,11 @@ class Stage(IntEnum):
 
     KINEMATICS = 0
     MECHANICS = 1
-    PRESSURE = 2
-    CONTACT = 3
-    ELECTRICAL = 4
-    READOUT = 5
+    TENSION = 2
+    PRESSURE = 3
+    CONTACT = 4
+    ELECTRICAL = 5
+    READOUT = 6
 
 
 def parameter(

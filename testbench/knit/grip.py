@@ -119,7 +119,7 @@ class LeadscrewRipple(Effect):
     look = "a ripple of force and conductance with a fixed period in displacement, at any speed"
 
     amplitude: float = parameter(0.001, unit="1", low=0, high=0.02, doc="amplitude, as strain")
-    pitch: float = parameter(0.08, unit="1", low=0.01, high=1, scale="log", doc="travel of one turn, as strain")
+    pitch: float = parameter(0.08, unit="1", low=0.001, high=1, scale="log", doc="travel of one turn, as strain")
     phase_rad: float = parameter(0.0, unit="rad", low=-6.3, high=6.3, doc="phase at zero strain")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:

@@ -16,6 +16,7 @@ from testbench.knit.effect import Effect, FloatArray, Signals, Stage, bounds_of
 AVAILABLE = {
     Stage.KINEMATICS: ("time_s", "strain_nominal", "strain"),
     Stage.MECHANICS: ("time_s", "strain_nominal", "strain", "force_N"),
+    Stage.TENSION: ("time_s", "strain_nominal", "strain", "force_N"),
     Stage.PRESSURE: ("time_s", "strain_nominal", "strain", "force_N", "contact_force_N"),
     Stage.CONTACT: ("time_s", "strain_nominal", "strain", "force_N", "contact_force_N", "conductance_S"),
     Stage.ELECTRICAL: ("time_s", "strain_nominal", "strain", "force_N", "contact_force_N", "conductance_S"),
@@ -24,6 +25,7 @@ AVAILABLE = {
 WRITABLE = {
     Stage.KINEMATICS: {"strain"},
     Stage.MECHANICS: {"force_N"},
+    Stage.TENSION: {"force_N"},
     Stage.PRESSURE: {"contact_force_N"},
     Stage.CONTACT: {"conductance_S"},
     Stage.ELECTRICAL: {"conductance_S"},

@@ -11,7 +11,10 @@ from testbench.knit.filters import lowpass, memory_of_decades, memory_of_two_tim
 
 
 class LoadCellLaw(Effect):
-    """Base of the laws of a load cell whose reading creeps."""
+    """Base of the laws of a load cell whose reading creeps.
+
+    Typical sizes: a cell of class C creeps by a few parts in ten thousand of the load within 30 min (OIML R 60).
+    """
 
     mechanism = "load_cell_creep"
     stage = Stage.READOUT
@@ -32,7 +35,9 @@ class LoadCellCreep(LoadCellLaw):
     name = "load_cell_creep"
     look = "in a hold the force reading creeps while the conductance holds; after a release zero is off"
 
-    fraction: float = parameter(0.02, unit="1", low=-1, high=1, doc="share of the load by which it creeps")
+    fraction: float = parameter(
+        0.02, unit="1", low=-1, high=1, typical=1e-3, doc="share of the load by which it creeps"
+    )
     tau_s: float = parameter(300.0, unit="s", low=5, high=1e4, scale="log", doc="time constant of the creep")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
@@ -53,7 +58,9 @@ class LoadCellCreepTwoTimes(LoadCellLaw):
     name = "load_cell_creep_two_times"
     look = "in a hold the force reading creeps within seconds, and then on for minutes, while the conductance holds"
 
-    fraction: float = parameter(0.02, unit="1", low=-1, high=1, doc="share of the load by which it creeps")
+    fraction: float = parameter(
+        0.02, unit="1", low=-1, high=1, typical=1e-3, doc="share of the load by which it creeps"
+    )
     fast_s: float = parameter(30.0, unit="s", low=2, high=300, scale="log", doc="time of the quick step")
     slow_s: float = parameter(400.0, unit="s", low=30, high=1e4, scale="log", doc="time of the slow step")
     share: float = parameter(0.5, unit="1", low=0, high=1, doc="share of the quick step")
@@ -80,7 +87,9 @@ class LoadCellCreepLog(LoadCellLaw):
     strength = "per_decade"
     look = "in a hold the force reading creeps ever more slowly while the conductance holds"
 
-    per_decade: float = parameter(0.01, unit="1", low=-0.5, high=0.5, doc="relative creep per decade of time")
+    per_decade: float = parameter(
+        0.01, unit="1", low=-0.5, high=0.5, typical=3e-4, doc="relative creep per decade of time"
+    )
     tau_s: float = parameter(3.0, unit="s", low=0.05, high=300, scale="log", doc="when the creep sets in")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
@@ -102,7 +111,7 @@ class LoadCellZeroDrift(LoadCellLaw):
     strength = "drift_N"
     look = "the whole force curve is shifted, more and more, at every strain alike"
 
-    drift_N: float = parameter(0.05, unit="N", low=-50, high=50, doc="shift in the end")
+    drift_N: float = parameter(0.05, unit="N", low=-50, high=50, typical=5e-3, doc="shift in the end")
     tau_s: float = parameter(600.0, unit="s", low=5, high=1e5, scale="log", doc="time constant")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:

@@ -91,7 +91,10 @@ class Beam:
             allowed = OF_STRAIN
         elif place.stage == Stage.PRESSURE:
             allowed = OF_CONTACTS
-        kinds = [*COORDINATES.values(), *(KINETICS.values() if place.stage in (1, 4) else ())]
+        kinds = [
+            *COORDINATES.values(),
+            *(KINETICS.values() if place.stage in (Stage.MECHANICS, Stage.ELECTRICAL) else ()),
+        ]
         return [c for c in kinds if set(c.reads) <= readable and (allowed is None or c.name in allowed)]
 
     def remembering(self, term: Term, x: FloatArray) -> Iterator[tuple[Term, dict[str, float]]]:

@@ -73,7 +73,7 @@ def test_the_page_of_effects_is_made_from_the_catalogue() -> None:
     settings = runpy.run_path("docs/conf.py")
     source = [Path("docs/effects.md").read_text(encoding="utf-8")]
     settings["catalogue_table"](None, "effects", source)
-    listed = re.findall(r"`(\w+)` \| (?:kinematics|mechanics|pressure|contact|electrical|readout)", source[0])
+    listed = re.findall(r"`(\w+)` \| (?:kinematics|mechanics|tension|pressure|contact|electrical|readout)", source[0])
     assert sorted(listed) == sorted(CATALOGUE.effects)
 
 

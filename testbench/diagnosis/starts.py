@@ -1,0 +1,42 @@
+"""Where a refit with another law starts."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from testbench.diagnosis.laplace import PARTS, Hypothesis
+from testbench.diagnosis.likelihood import Likelihood
+from testbench.diagnosis.proposals import Proposal
+from testbench.fitting.downhill import huber
+from testbench.fitting.parameters import with_values
+from testbench.knit.model import KnitModel
+
+
+def best_start(h: Hypothesis, model: KnitModel, p: Proposal, likelihood: Likelihood) -> KnitModel:
+    """The law beside the model, where the linear model promises the maximum, as far as that holds.
+
+    The shapes are linear in their weights, so their part of the step holds; of the other parameters as much is taken
+    as fits best. Where nothing of it holds, the law starts weak, on the model as it is.
+
+    Parameters
+    ----------
+    h : Hypothesis
+        Beside which the law was proposed.
+    model : KnitModel
+        The same with base laws that may bend.
+    """
+    low, high = h.priors.low, h.priors.high
+    tried = [model.plus(p.first)]
+    for part in PARTS:
+        step = np.where(h.priors.group >= 0, p.step, part * p.step)
+        tried.append(with_values(model, h.priors.parameters, np.clip(h.vector + step, low, high)).plus(p.effect))
+    return min(tried, key=lambda one: _misfit(one, h, likelihood))
+
+
+def _misfit(model: KnitModel, h: Hypothesis, likelihood: Likelihood) -> float:
+    residual = likelihood.measurement.residual(model)
+    total = sum(
+        float(np.sum(huber(np.abs(likelihood.picked(values, c)) / h.evidence.sigma[c])))
+        for c, values in residual.items()
+    )
+    return total if np.isfinite(total) else np.inf
