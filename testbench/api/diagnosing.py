@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,7 +18,7 @@ from testbench.api.progress import Tell, telling
 from testbench.diagnosis.diagnosis import Diagnosis
 from testbench.diagnosis.words import diagnosis_table, first_line
 from testbench.fitting.model_file import ModelFile
-from testbench.fitting.results import read_diagnosis
+from testbench.fitting.results import checked_diagnosis, read_diagnosis
 from testbench.knit.model import KnitModel
 from testbench.report import style
 
@@ -201,5 +202,7 @@ def diagnose(
 
 
 def diagnosis_data(diagnosis: DiagnosisResult | str | Path) -> Mapping[str, Any]:
-    """A diagnosis, or the file of one, as the JSON that ``testbench diagnose --json`` writes."""
-    return diagnosis.to_dict() if isinstance(diagnosis, DiagnosisResult) else read_diagnosis(diagnosis)
+    """A diagnosis, or the file of one, as pages and designs read it."""
+    if isinstance(diagnosis, DiagnosisResult):
+        return checked_diagnosis(json.loads(json.dumps(diagnosis.to_dict())), "diagnosis")
+    return read_diagnosis(diagnosis)

@@ -91,7 +91,7 @@ class Story:
 
     def has_taken(self, diagnosis: Mapping[str, Any]) -> bool:
         """Whether what a diagnosis found is in the model."""
-        found = {row["form"] for row in diagnosis["ranking"][:1]} if diagnosis["verdict"] == "missing" else set()
+        found = {row["law"] for row in diagnosis["ranking"][:1]} if diagnosis["verdict"] == "missing" else set()
         return any(name in self.file.model for name in (*found, *diagnosis.get("other_laws", ())))
 
     def opening(self) -> list[Item]:
