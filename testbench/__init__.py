@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from gcode.support.errors import UserError as UserError
     from testbench import effects as effects
     from testbench.api.adding import add as add
+    from testbench.api.aligning import AlignmentResult as AlignmentResult
+    from testbench.api.aligning import align as align
     from testbench.api.arguments import read as read
     from testbench.api.comparing import ComparisonResult as ComparisonResult
     from testbench.api.comparing import compare as compare
@@ -56,6 +58,7 @@ _HOMES = {
     "gcode.support.errors": ["UserError"],
     "testbench": ["effects"],
     "testbench.api.adding": ["add"],
+    "testbench.api.aligning": ["AlignmentResult", "align"],
     "testbench.api.arguments": ["read"],
     "testbench.api.comparing": ["ComparisonResult", "compare"],
     "testbench.api.datasets": ["DatasetResult", "dataset"],

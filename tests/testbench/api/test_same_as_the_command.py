@@ -108,6 +108,23 @@ def test_a_second_run_of_a_sensor_remembers_the_campaign_before(tmp_path):
         tb.simulate(tb.preset("lycra"), program, after=[first.folder])
 
 
+def test_align_writes_the_campaign_that_the_command_writes(tmp_path, capsys):
+    program = gcode.generate("paper-1", seed=3, duration_s=60)
+    folder = tb.run(tb.preset("pes"), program, tmp_path / "knit").folder
+    assert main(["align", str(folder), "-o", str(tmp_path / "theirs")]) == 0
+    found = tb.align(folder)
+    assert capsys.readouterr().out.startswith("".join(f"{folder}: {words}\n" for words in found.words))
+    found.write(tmp_path / "mine")
+    for name in ("recording.csv", "program.tap", "datapackage.json"):
+        assert (tmp_path / "mine" / name).read_bytes() == (tmp_path / "theirs" / name).read_bytes()
+    assert np.array_equal(tb.align(tb.read(folder), program).recording.time_s, found.recording.time_s)
+    assert len(found.plot().lines) == 2
+    with pytest.raises(UserError, match="only a campaign's folder knows its own"):
+        tb.align(tb.read(folder))
+    with pytest.raises(UserError, match="no such program"):
+        tb.align(folder, tmp_path / "none.tap")
+
+
 def test_dataset_makes_what_the_command_makes(tmp_path, capsys):
     gcode.generate("paper-1", seed=3, duration_s=30).write(tmp_path)
     spec = tmp_path / "knits.toml"
