@@ -66,8 +66,9 @@ class Hypothesis:
 
     @cached_property
     def unlikely(self) -> float:
-        """What the priors say against the parameters that are held, in nats."""
-        return float(np.sum(self.priors.cost(self.vector, self.evidence.scale)[self.held]))
+        """What the priors say against the point, in nats, beyond the Gaussians in the evidence."""
+        held = self.priors.cost(self.vector, self.evidence.scale)
+        return float(np.sum(np.where(self.held, held, -self.priors.of_tails(self.vector))))
 
     @property
     def pinned(self) -> NormalEquations:

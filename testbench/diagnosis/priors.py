@@ -18,11 +18,9 @@ SHARE_OF_RANGE = 0.1  # of the range of a sensor's force: the scale of its force
 
 @dataclass(frozen=True)
 class Priors:
-    """Gaussian priors in the fit's coordinates; that of an effect's strength has long tails.
+    """Gaussian priors in the fit's coordinates; that of an effect's strength is Cauchy's.
 
-    An effect that is asked about may be many times its typical size. Beyond one standard deviation the density of its
-    strength falls with 1 / size: ten times the typical size costs 3 nats, not fifty. There it is that of a Gaussian
-    as wide as the strength is large, in value, slope and evidence.
+    An effect that is asked about may be many times its typical size: ten times costs 5 nats then, not fifty.
 
     Attributes
     ----------
@@ -51,7 +49,7 @@ class Priors:
         return {p.address: (m, w**-0.5) for p, m, w in zip(self.parameters, self.mean, self.precision, strict=True)}
 
     def precision_at(self, x: FloatArray) -> FloatArray:
-        """Precisions of the Gaussians that the priors are like at a point, shape (p,)."""
+        """Precisions of the Gaussians that have the slopes of the priors at a point, shape (p,)."""
         return np.where(self.tails, with_tails(self.precision, x - self.mean), self.precision)
 
     def scaled(self, factor: FloatArray) -> FloatArray:
@@ -61,7 +59,11 @@ class Priors:
     def cost(self, x: FloatArray, factor: FloatArray) -> FloatArray:
         """Minus the log density over that at the mean, in nats, shape (p,)."""
         off = self.scaled(factor) * (x - self.mean) ** 2
-        return 0.5 * np.where(self.tails & (off > 1), 1 + np.log(np.maximum(off, 1.0)), off)
+        return np.where(self.tails, np.log1p(off), 0.5 * off)
+
+    def of_tails(self, x: FloatArray) -> FloatArray:
+        """What the evidence with the priors is above that with the Gaussians of `precision_at`, shape (p,)."""
+        return np.where(self.tails, tail_evidence(self.precision, x - self.mean), 0.0)
 
 
 def priors_of(
@@ -106,8 +108,14 @@ def priors_of(
 
 
 def with_tails(precision: FloatArray, off: FloatArray) -> FloatArray:
-    """Precision of the Gaussian that a density with long tails is like so far off its centre."""
-    return precision / np.maximum(precision * off**2, 1.0)
+    """Precision of the Gaussian that has the slope of Cauchy's density so far off its centre."""
+    return 2 * precision / (1 + precision * off**2)
+
+
+def tail_evidence(precision: FloatArray, off: FloatArray) -> FloatArray:
+    """ln of Cauchy's density over that Gaussian's, so far off the centre of both."""
+    size = precision * off**2
+    return size / (1 + size) - 0.5 * np.log1p(size) - 0.5 * np.log(np.pi)
 
 
 def declared(effect: type[Effect], key: str, scales: Mapping[str, float]) -> tuple[float, float]:

@@ -11,7 +11,7 @@ import numpy as np
 from testbench.diagnosis.evidence import LogEvidence, NormalEquations, maximised, opened
 from testbench.diagnosis.laplace import Hypothesis
 from testbench.diagnosis.likelihood import Likelihood
-from testbench.diagnosis.priors import typical, with_tails
+from testbench.diagnosis.priors import tail_evidence, typical, with_tails
 from testbench.fitting.candidates import Candidate, candidate_mechanisms, expand, is_vector, two_signed
 from testbench.fitting.fit import shape_scales
 from testbench.knit.catalogue import Catalogue
@@ -132,10 +132,12 @@ class Screen:
         left = size - np.einsum("ij,ij->i", inner @ evidence.covariance, inner)
         left = np.maximum(left, 1e-9 * size)
         mean, precision = np.array([amplitude_prior(one, self.scales) for one in tried]).T
-        precision = np.where(mean == 0, with_tails(precision, goal / left), precision)
+        declared, tails = precision, mean == 0
+        precision = np.where(tails, with_tails(declared, goal / left), precision)
         coefficient = (goal + precision * mean) / (left + precision)
         gain = 0.5 * (left + precision) * coefficient**2 - 0.5 * precision * mean**2
         gain -= 0.5 * np.log((left + precision) / precision)
+        gain += np.where(tails, tail_evidence(declared, coefficient), 0.0)
         one_way = np.array([not two_signed(type(one.effect)) for one in tried])
         return np.where(one_way & (coefficient <= 0), np.minimum(gain, 0.0) - 1.0, gain), coefficient
 
@@ -143,10 +145,12 @@ class Screen:
         """One point of a law, all scales found anew."""
         candidate, step = law.candidates[index], np.zeros(len(self.hypothesis.normal.mean))
         if gain > 0.5:
-            mean, precision = amplitude_prior(candidate, self.scales)
-            precision = with_tails(precision, amount) if mean == 0 else precision
+            mean, declared = amplitude_prior(candidate, self.scales)
+            typically, off, has_tails = np.asarray(declared), np.asarray(amount), mean == 0
+            precision = float(with_tails(typically, off)) if has_tails else declared
             found = self.evidence({c: values[index : index + 1] for c, values in rows.items()}, mean, precision, -1)
             amount, gain = float(found.coefficients[-1]), found.value - self.plain.value
+            gain += float(tail_evidence(typically, off)) if has_tails else 0.0
             step = found.coefficients[:-1]
             if amount <= 0 and not two_signed(type(candidate.effect)):
                 gain = -1.0

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy import stats
 
-from testbench.diagnosis.priors import declared, priors_of, typical
+from testbench.diagnosis.priors import declared, priors_of, tail_evidence, typical, with_tails
 from testbench.fitting.measurement import prepare
 from testbench.knit.effect import bounds_of
 from tests.testbench.builders import CATALOGUE, record, truth
@@ -44,3 +45,21 @@ def test_every_strength_has_a_typical_size_within_its_bounds(name):
     if extra["scale"] != "log":
         assert mean == 0
         assert 0 < width <= max(abs(extra["low"]), abs(extra["high"]))
+
+
+def test_a_strength_of_many_times_its_typical_size_costs_a_logarithm():
+    """Where ln Z is that of a Gaussian with the same slope, the difference to Cauchy's density is added."""
+    scale, x = 0.02, np.array([1e-4, 0.02, 0.3, 5.0])
+    width = with_tails(np.full(4, scale**-2.0), x) ** -0.5
+    cauchy, gaussian = stats.cauchy.logpdf(x, scale=scale), stats.norm.logpdf(x, scale=width)
+    np.testing.assert_allclose(tail_evidence(np.full(4, scale**-2.0), x), cauchy - gaussian, rtol=1e-12)
+    step = 1e-6 * x
+    slope = (stats.cauchy.logpdf(x + step, scale=scale) - stats.cauchy.logpdf(x - step, scale=scale)) / (2 * step)
+    np.testing.assert_allclose(slope, -x / width**2, rtol=1e-4)
+
+
+def test_only_the_strengths_of_effects_have_long_tails():
+    model = truth().plus(CATALOGUE["stress_relaxation"]())
+    priors = priors_of(model, prepare(record(model, 60.0, seed=1)), truth(), {})
+    having = [p.address for p, tails in zip(priors.parameters, priors.tails, strict=True) if tails]
+    assert having == ["stress_relaxation.fraction"]
