@@ -3,8 +3,9 @@
     python benchmarks/bench_dataset.py                       40 campaigns of 23 min, two workers
     python benchmarks/bench_dataset.py --campaigns 10000     the size that docs/datasets.md speaks of
 
-Every fourth of the data set is simulated without being written, then made, so that both meet the same machine. The
-workers may use 1 GB each: Dask restarts one that needs more, and the run says so.
+Every fourth of the data set is simulated without being written (as far as arrays of readings, and as far as the bytes
+that a rig would send), then made, so that all three meet the same machine. The workers may use 1 GB each: Dask
+restarts one that needs more, and the run says so.
 """
 
 from __future__ import annotations
@@ -12,12 +13,13 @@ from __future__ import annotations
 import argparse
 import tempfile
 import time
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
 from joblib import Parallel, delayed, parallel_config
 
-from testbench.campaigns.dataset import Task, run, tasks_of, write_index
+from testbench.campaigns.dataset import Task, make, run, tasks_of, write_index
 from testbench.campaigns.dataset_spec import DatasetSpec, TrajectoryWish
 from testbench.rig.motion import played
 from testbench.rig.simulated import Motion
@@ -39,6 +41,19 @@ def simulated(task: Task) -> int:
     return sum(1 for _ in task.plan().rig(_motion(task.program, task.gauge_length_mm)).lines())
 
 
+def in_arrays(task: Task) -> int:
+    """Model and instruments alone, as far as arrays of readings; how many samples."""
+    return len(task.plan().rig(_motion(task.program, task.gauge_length_mm)).readings().micros)
+
+
+def made(task: Task) -> int:
+    """The campaign on the disk, with its manifest."""
+    return int(make(task))
+
+
+WAYS: dict[str, Callable[[Task], int]] = {"in arrays": in_arrays, "as bytes": simulated, "made": made}
+
+
 @cache
 def _motion(program: Path, gauge_length_mm: float) -> Motion:
     return played(program, gauge_length_mm)[0]
@@ -50,34 +65,33 @@ def memory_MB(which: str = "VmRSS") -> float:
     return int(status.split(f"{which}:")[1].split()[0]) / 1024
 
 
-def seconds_of(tasks: list[Task], made: bool, workers: int) -> float:
+def seconds_of(tasks: list[Task], work: Callable[[Task], int], workers: int) -> float:
     """Seconds for these campaigns on the cluster that is active."""
     start_s = time.perf_counter()
-    if made:
-        run(tasks, "dask", workers)
-    else:
-        with parallel_config(backend="dask", n_jobs=workers):
-            Parallel()(delayed(simulated)(task) for task in tasks)
+    with parallel_config(backend="dask", n_jobs=workers):
+        Parallel()(delayed(work)(task) for task in tasks)
     return time.perf_counter() - start_s
 
 
 def measured(tasks: list[Task], client, workers: int) -> None:
     """Make the data set part by part, and print what each took."""
-    warm = tasks[:workers]
-    seconds_of(warm, False, workers)  # compiled and imported by now
-    alone_s = made_s = 0.0
+    for work in (in_arrays, simulated):
+        seconds_of(tasks[:workers], work, workers)  # compiled and imported by now
+    took_s = dict.fromkeys(WAYS, 0.0)
     size = -(-len(tasks) // PARTS)
-    print(f"{'campaigns':>10}{'alone / s':>12}{'made / s':>12}{'ratio':>8}{'memory of the workers / MB':>30}")
+    heads = "".join(f"{f'{name} / s':>15}" for name in WAYS)
+    print(f"{'campaigns':>10}{heads}{'memory of the workers / MB':>30}")
     for start in range(0, len(tasks), size):
         part = tasks[start : start + size]
-        alone_s += seconds_of(part, False, workers)
-        made_s += seconds_of(part, True, workers)
+        for name, work in WAYS.items():
+            took_s[name] += seconds_of(part, work, workers)
         memory = ", ".join(f"{one:.0f}" for one in sorted(client.run(memory_MB).values()))
-        ratio = alone_s / made_s
-        print(f"{start + len(part):>10}{alone_s:>12.1f}{made_s:>12.1f}{ratio:>8.2f}{memory:>30}", flush=True)
+        times = "".join(f"{seconds:>15.1f}" for seconds in took_s.values())
+        print(f"{start + len(part):>10}{times}{memory:>30}", flush=True)
     most = max(client.run(memory_MB, "VmHWM").values())
-    each_s, ratio = made_s / len(tasks), alone_s / made_s
-    print(f"{len(tasks)} campaigns of 23 min: {each_s:.2f} s each, {ratio:.2f} x as many as simulated alone")
+    made_s = took_s.pop("made")
+    ratios = ", ".join(f"{seconds / made_s:.2f} x as many as simulated {name}" for name, seconds in took_s.items())
+    print(f"{len(tasks)} campaigns of 23 min: {made_s / len(tasks):.2f} s each; {ratios}")
     print(f"a worker needed at most {most:.0f} MB")
 
 
@@ -99,11 +113,11 @@ def main() -> None:
         with cluster, Client(cluster) as client:
             measured(tasks, client, args.workers)
             start_s = time.perf_counter()
-            made, there = run(tasks, "dask", args.workers)
+            again, there = run(tasks, "dask", args.workers)
             took_s = time.perf_counter() - start_s
         (out / "spec.toml").write_text("# by bench_dataset\n", encoding="utf-8")
         write_index(out, out / "spec.toml", tasks)
-    print(f"run again: {made} made, {there} there already, in {took_s:.1f} s")
+    print(f"run again: {again} made, {there} there already, in {took_s:.1f} s")
 
 
 if __name__ == "__main__":

@@ -21,9 +21,13 @@ if TYPE_CHECKING:
     from gcode.support.errors import UserError as UserError
     from testbench import effects as effects
     from testbench.api.adding import add as add
+    from testbench.api.aligning import AlignmentResult as AlignmentResult
+    from testbench.api.aligning import align as align
     from testbench.api.arguments import read as read
     from testbench.api.comparing import ComparisonResult as ComparisonResult
     from testbench.api.comparing import compare as compare
+    from testbench.api.datasets import DatasetResult as DatasetResult
+    from testbench.api.datasets import dataset as dataset
     from testbench.api.designing import NextExperiment as NextExperiment
     from testbench.api.designing import next_experiment as next_experiment
     from testbench.api.diagnosing import DiagnosisResult as DiagnosisResult
@@ -34,6 +38,10 @@ if TYPE_CHECKING:
     from testbench.api.investigating import investigate as investigate
     from testbench.api.ladder import Ladder as Ladder
     from testbench.api.ladder import ladder as ladder
+    from testbench.api.reporting import ReportResult as ReportResult
+    from testbench.api.reporting import make_report as make_report
+    from testbench.api.running import RunResult as RunResult
+    from testbench.api.running import run as run
     from testbench.api.simulating import baseline as baseline
     from testbench.api.simulating import example as example
     from testbench.api.simulating import preset as preset
@@ -50,13 +58,17 @@ _HOMES = {
     "gcode.support.errors": ["UserError"],
     "testbench": ["effects"],
     "testbench.api.adding": ["add"],
+    "testbench.api.aligning": ["AlignmentResult", "align"],
     "testbench.api.arguments": ["read"],
     "testbench.api.comparing": ["ComparisonResult", "compare"],
+    "testbench.api.datasets": ["DatasetResult", "dataset"],
     "testbench.api.designing": ["NextExperiment", "next_experiment"],
     "testbench.api.diagnosing": ["DiagnosisResult", "diagnose"],
     "testbench.api.fitting": ["FitResult", "fit"],
     "testbench.api.investigating": ["InvestigationResult", "investigate"],
     "testbench.api.ladder": ["Ladder", "ladder"],
+    "testbench.api.reporting": ["ReportResult", "make_report"],
+    "testbench.api.running": ["RunResult", "run"],
     "testbench.api.simulating": ["baseline", "example", "preset", "simulate"],
     "testbench.design.protocols": ["Bounds"],
     "testbench.knit.effect": ["Effect", "Stage", "parameter"],

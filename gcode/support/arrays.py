@@ -1,4 +1,4 @@
-"""The one name for an array of floating-point numbers."""
+"""The one name for an array of floating-point numbers, and for one of whole numbers."""
 
 from __future__ import annotations
 
@@ -7,3 +7,4 @@ from typing import Any
 from numpy.typing import NDArray
 
 FloatArray = NDArray[Any]
+IntArray = NDArray[Any]

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
-from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, recording_of
+from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, recordings_for
 from testbench.api.fitting import FitResult
 from testbench.api.progress import Tell, telling
 from testbench.diagnosis.adding import add_effect
 from testbench.fitting.measurement import split
-from testbench.fitting.model_file import check_same_set_up
 
 
 def add(
@@ -60,10 +57,7 @@ def add(
     """
     catalogue = catalogue_of(effects)
     file = model_file_of(model, catalogue)
-    gauge_length_mm = gauge_length_mm or file.gauge_length_mm or None
-    first = recording_of(recording, gauge_length_mm)
-    check_same_set_up(file, first, model if isinstance(model, str | Path) else "model")
-    second = None if held_out is None else recording_of(held_out, gauge_length_mm)
-    calibration, held = split(first, second, clamp_play_mm=file.clamp_play_mm if second else 0.0)
+    first, second, play_mm = recordings_for(model, file, recording, held_out, gauge_length_mm)
+    calibration, held = split(first, second, clamp_play_mm=play_mm)
     with telling(progress) as tell:
         return FitResult(add_effect(file, effect, calibration, held, catalogue, tell), calibration, held)

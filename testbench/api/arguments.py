@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from gcode.support.errors import UserError
-from testbench.fitting.model_file import ModelFile, load_model_file
+from testbench.fitting.model_file import ModelFile, check_same_set_up, load_model_file
 from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
@@ -70,6 +70,36 @@ def recording_of(source: Source, gauge_length_mm: float | None = None) -> Record
     recording = source if isinstance(source, Recording) else read_recording(source, gauge_length_mm)
     recording.needs_displacement()
     return recording
+
+
+def recordings_for(
+    model: AnyModel | None,
+    file: ModelFile | None,
+    recording: Source,
+    held_out: Source | None,
+    gauge_length_mm: float | None,
+    clamp_play_mm: float = 0.0,
+) -> tuple[Recording, Recording | None, float]:
+    """Both recordings, of the model's set-up where there is a model, and the play of the clamps between them in mm.
+
+    Parameters
+    ----------
+    model : KnitModel, result, path or None
+        As the user gave it: errors name its path.
+    file : ModelFile or None
+        What it is.
+    recording, held_out : Recording or path
+    gauge_length_mm : float, optional
+        Default: the model's.
+    clamp_play_mm : float
+        0: as the model was fitted.
+    """
+    gauge_length_mm = gauge_length_mm or (file.gauge_length_mm if file else None) or None
+    first = recording_of(recording, gauge_length_mm)
+    if file is not None:
+        check_same_set_up(file, first, model if isinstance(model, str | Path) else "model")
+    second = None if held_out is None else recording_of(held_out, gauge_length_mm)
+    return first, second, clamp_play_mm or (file.clamp_play_mm if file and second else 0.0)
 
 
 def catalogue_of(effects: Effects) -> Catalogue:

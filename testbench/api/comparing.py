@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from gcode.support.figures import panels, picture
 from gcode.support.html import card, table
-from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, recording_of
+from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, recordings_for
 from testbench.comparing import compare as comparing
 from testbench.comparing.cell import Cell
 from testbench.comparing.compare import Comparison
@@ -19,7 +18,6 @@ from testbench.comparing.coordinates import LABELS
 from testbench.comparing.tables import comparison_table
 from testbench.fitting.errors import channel_name
 from testbench.fitting.measurement import UNIT_OF, Measurement, prepare
-from testbench.fitting.model_file import check_same_set_up
 from testbench.knit.model import KnitModel
 from testbench.report import style
 
@@ -160,8 +158,7 @@ def compare(
     True
     """
     file = model_file_of(model, catalogue_of(effects))
-    given = recording_of(recording, gauge_length_mm or file.gauge_length_mm or None)
-    check_same_set_up(file, given, "model" if not isinstance(model, str | Path) else model)
+    given, _, _ = recordings_for(model, file, recording, None, gauge_length_mm)
     measurement = prepare(given)
     elsewhere = not isinstance(model, KnitModel) and given.source != file.fitted_on
     found = comparing.compare(file.model, measurement, free_offset=elsewhere)

@@ -12,7 +12,7 @@ from gcode.support.errors import UserError
 from gcode.support.figures import panels, picture
 from gcode.support.html import card, frame_table
 from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, recording_of
-from testbench.api.diagnosing import DiagnosisResult
+from testbench.api.diagnosing import DiagnosisResult, diagnosis_data
 from testbench.api.progress import Tell, telling
 from testbench.design import experiment
 from testbench.design.experiment import Option, Rival
@@ -20,7 +20,6 @@ from testbench.design.experiment_words import experiment_table, verdict
 from testbench.design.protocols import Bounds, menu
 from testbench.design.rivals import rivals_from_diagnosis, rivals_of
 from testbench.fitting.measurement import split
-from testbench.fitting.results import read_diagnosis
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import FloatArray
 from testbench.recordings.channels import TEMPERATURE
@@ -165,7 +164,7 @@ def next_experiment(
                 raise UserError("next_experiment: a diagnosis needs the recording that its rivals are refitted on")
             first = recording_of(recording, gauge_length_mm)
             held = None if held_out is None else recording_of(held_out, gauge_length_mm)
-            data, source = _diagnosis(rivals)
+            data, source = diagnosis_data(rivals), "diagnosis" if isinstance(rivals, DiagnosisResult) else str(rivals)
             menu(_bounds({**(bounds or {}), "gauge_length_mm": first.gauge_length_mm}))  # refused before the refits
             say = tell or (lambda _text: None)
             found, noise = rivals_from_diagnosis(data, source, *split(first, held), catalogue, say)
@@ -189,12 +188,6 @@ def _fitted(
         unique = names if len(set(names)) == len(names) else [f"{name} ({n})" for n, name in enumerate(names, 1)]
         rivals = dict(zip(unique, rivals, strict=True))
     return rivals_of({name: model_file_of(one, catalogue) for name, one in rivals.items()})
-
-
-def _diagnosis(diagnosis: DiagnosisResult | str | Path) -> tuple[Any, str]:
-    if isinstance(diagnosis, DiagnosisResult):
-        return diagnosis.to_dict(), "diagnosis"
-    return read_diagnosis(diagnosis), str(diagnosis)
 
 
 def _bounds(fields: Mapping[str, float]) -> Bounds:

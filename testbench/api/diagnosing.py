@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,12 +12,13 @@ from gcode.support.errors import UserError
 from gcode.support.figures import panels, picture
 from gcode.support.html import card, frame_table
 from testbench import diagnosis as core
-from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, recording_of
+from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, recordings_for
 from testbench.api.ladder import Ladder
 from testbench.api.progress import Tell, telling
 from testbench.diagnosis.diagnosis import Diagnosis
 from testbench.diagnosis.words import diagnosis_table, first_line
-from testbench.fitting.model_file import ModelFile, check_same_set_up
+from testbench.fitting.model_file import ModelFile
+from testbench.fitting.results import checked_diagnosis, read_diagnosis
 from testbench.knit.model import KnitModel
 from testbench.report import style
 
@@ -193,12 +195,14 @@ def diagnose(
         raise UserError(f"most: effects to find must be 1 or more, got {most}")
     catalogue = catalogue_of(effects)
     given = None if model is None else model_file_of(model, catalogue)
-    gauge_length_mm = gauge_length_mm or (given.gauge_length_mm if given else None) or None
-    first = recording_of(recording, gauge_length_mm)
-    held = None if held_out is None else recording_of(held_out, gauge_length_mm)
-    if given is not None:
-        check_same_set_up(given, first, "model" if not isinstance(model, str | Path) else model)
-    play_mm = clamp_play_mm or (given.clamp_play_mm if given and held else 0.0)
+    first, held, play_mm = recordings_for(model, given, recording, held_out, gauge_length_mm, clamp_play_mm)
     with telling(progress) as tell:
         found = core.diagnose(first, held, given.model if given else None, catalogue, tell, most, play_mm)
     return DiagnosisResult(found)
+
+
+def diagnosis_data(diagnosis: DiagnosisResult | str | Path) -> Mapping[str, Any]:
+    """A diagnosis, or the file of one, as pages and designs read it."""
+    if isinstance(diagnosis, DiagnosisResult):
+        return checked_diagnosis(json.loads(json.dumps(diagnosis.to_dict())), "diagnosis")
+    return read_diagnosis(diagnosis)

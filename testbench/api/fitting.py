@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from gcode.support.figures import picture
 from gcode.support.html import card, frame_table
-from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, recording_of
+from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, recordings_for
 from testbench.api.ladder import Ladder
 from testbench.api.overlay import plot_overlay
 from testbench.api.progress import Tell, telling
@@ -18,7 +18,7 @@ from testbench.comparing.tables import errors_line, fit_table
 from testbench.fitting.baseline import starting_baseline
 from testbench.fitting.clamping import may_be_clamped_anew
 from testbench.fitting.measurement import Measurement, split
-from testbench.fitting.model_file import ModelFile, check_same_set_up
+from testbench.fitting.model_file import ModelFile
 from testbench.knit.model import KnitModel
 
 if TYPE_CHECKING:
@@ -162,12 +162,7 @@ def fit(
     """
     catalogue = catalogue_of(effects)
     given = None if model is None else model_file_of(model, catalogue)
-    gauge_length_mm = gauge_length_mm or (given.gauge_length_mm if given else None) or None
-    first = recording_of(recording, gauge_length_mm)
-    if given is not None:
-        check_same_set_up(given, first, "model" if not isinstance(model, str | Path) else model)
-    second = None if held_out is None else recording_of(held_out, gauge_length_mm)
-    play_mm = clamp_play_mm or (given.clamp_play_mm if given and second else 0.0)
+    first, second, play_mm = recordings_for(model, given, recording, held_out, gauge_length_mm, clamp_play_mm)
     calibration, held = split(first, second, clamp_play_mm=play_mm)
     start = starting_baseline(calibration, catalogue) if given is None else given.model
     with telling(progress) as tell:

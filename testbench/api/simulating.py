@@ -9,18 +9,15 @@ from tempfile import TemporaryDirectory
 
 from gcode.programs.api import generate
 from gcode.programs.make import Made
-from gcode.support.errors import UserError
-from gcode.support.files import write_text
 from testbench.api.arguments import AnyModel, Effects, catalogue_of, model_file_of
+from testbench.api.running import planned, program_file
 from testbench.campaigns.campaign import simulate_campaign
-from testbench.campaigns.plan import Plan
 from testbench.knit.catalogue import baseline
 from testbench.knit.effect import Effect
 from testbench.knit.presets import preset
 from testbench.recordings.files import read_recording
 from testbench.recordings.instruments import Instruments
 from testbench.recordings.recording import Recording
-from testbench.rig.motion import played
 from testbench.rig.past import DEFAULT_REST_S
 
 EXAMPLE_S = 180.0
@@ -39,8 +36,8 @@ def simulate(
 ) -> Recording:
     """Play a program on the simulated rig, whose sensor is `model`, and read what it records.
 
-    The same as ``testbench run`` followed by `read`: jittered sampling times, noise and resolution of the
-    instruments included.
+    The same as `testbench.run` followed by `testbench.read`: jittered sampling times, noise and resolution of the
+    instruments included. No files are kept.
 
     Parameters
     ----------
@@ -55,7 +52,8 @@ def simulate(
     instruments : Instruments, optional
         Default: those of the paper's bench.
     after : iterable of path, optional
-        Programs that the same sensor went through before, each with `rest_s` after it. It remembers them.
+        Programs, or campaigns of this sensor, that it went through before, each with `rest_s` after it. It remembers
+        them.
     rest_s : float
     effects : path, Catalogue or effect classes, optional
         The user's own effects that a model file uses.
@@ -77,18 +75,10 @@ def simulate(
     >>> tb.simulate(tb.preset("pes"), gcode.generate("paper-1", seed=3, duration_s=60)).has("resistance_ohm")
     True
     """
-    if seed < 0:
-        raise UserError(f"seed: must be a whole number, 0 or more, got {seed}")
     sensor = model_file_of(model, catalogue_of(effects)).model
-    with TemporaryDirectory(prefix="knitbench-") as temporary:
-        path = Path(temporary) / "program.tap"
-        if isinstance(program, Made):
-            write_text(path, program.program)
-        else:
-            path = Path(program)
-        motion, gauge = played(path, gauge_length_mm)
-        tools, past = instruments or Instruments(), tuple(Path(one) for one in after)
-        plan = Plan(path, sensor, gauge, seed, "model", tools, past, rest_s)
+    earlier = [Path(one) for one in after]
+    with program_file(program) as path, TemporaryDirectory(prefix="knitbench-") as temporary:
+        plan, motion = planned(sensor, path, seed, gauge_length_mm, instruments, earlier, rest_s)
         simulate_campaign(plan, Path(temporary) / "campaign", motion)
         recording = read_recording(Path(temporary) / "campaign")
     name = program.spec.name if isinstance(program, Made) else Path(program).name

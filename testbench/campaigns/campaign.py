@@ -18,6 +18,7 @@ from testbench.recordings.files import write_recording_csv
 from testbench.recordings.manifest import Campaign, origin_of, read_manifest, write_manifest
 from testbench.recordings.recording import Recording
 from testbench.recordings.versions import software_versions
+from testbench.rig.at_once import at_once
 from testbench.rig.recorder import DISK_STATES, Part, Recorder, Status, counts, in_memory
 from testbench.rig.simulated import Motion
 from testbench.rig.sink import CSV, EVENTS, Sink
@@ -53,7 +54,8 @@ def simulate_campaign(
     """
     with drafted_folder(folder) as draft:
         plan.copy_sources(draft)
-        status = _fill(draft, plan, motion, report, in_memory)
+        # Intake: a rig that delivers at once has no host time to hold its clock against.
+        status = _fill(draft, plan, motion, report, at_once(plan.rig(motion)), Intake(host_clock=False))
         if status.state in DISK_STATES:
             raise UserError(
                 f"{folder}: nothing was kept, {status.message}; make room, or choose another place with -o"
@@ -82,7 +84,8 @@ def simulate_live(
     plan.copy_sources(folder)
     begun = Campaign(plan.gauge_length_mm, "simulated", manifest.IN_PROGRESS, plan.recipe(), {}, software_versions())
     write_manifest(folder, begun, [CSV, EVENTS, *plan.source_names()])
-    return _fill(folder, plan, motion, report, pace, stopped)
+    intake = Intake(host_clock=pace is not in_memory)
+    return _fill(folder, plan, motion, report, pace(plan.rig(motion).lines()), intake, stopped)
 
 
 def _fill(
@@ -90,14 +93,14 @@ def _fill(
     plan: Plan,
     motion: Motion,
     report: Callable[[Status], None],
-    pace: Callable[[Iterable[bytes]], Iterable[Part]],
+    link: Iterable[Part],
+    intake: Intake,
     stopped: Callable[[], bool] = lambda: False,
 ) -> Status:
-    # A rig that delivers at once has no host time to hold its clock against.
-    intake, sink = Intake(host_clock=pace is not in_memory), Sink(folder)
+    sink = Sink(folder)
     try:
         recorder = Recorder(intake, sink, plan.gauge_length_mm, duration_s=motion.duration_s, report=report)
-        status = recorder.run(pace(plan.rig(motion).lines()), stopped)
+        status = recorder.run(link, stopped)
     finally:
         whole = sink.close()
     status.sync_failures = sink.sync_failures

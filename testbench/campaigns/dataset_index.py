@@ -28,10 +28,7 @@ def index_problems(out: Path) -> tuple[list[Path], list[str]]:
     UserError
         If the list is not one.
     """
-    data = read_json(out / INDEX, "list of campaigns")
-    if not isinstance(data, dict) or data.get("format") != FORMAT or data.get("version") != FORMAT_VERSION:
-        raise UserError(f"{out / INDEX}: not a list of {FORMAT} {FORMAT_VERSION}; make the data set again")
-    index = validated(data, StoredIndex, out / INDEX, "list of campaigns")
+    index = _read(out)
     there, found = [], []
     for entry in index.campaigns:
         folder = out / entry.campaign
@@ -42,3 +39,21 @@ def index_problems(out: Path) -> tuple[list[Path], list[str]]:
         if sha256_of(folder / manifest.NAME) != entry.manifest_sha256:
             found.append(f"{folder / manifest.NAME}: not the one that {INDEX} lists; run `testbench dataset` again")
     return there, found
+
+
+def listed(out: Path) -> list[dict[str, Any]]:
+    """The entries of a data set's list, a campaign each.
+
+    Raises
+    ------
+    UserError
+        If the list is not there or is not one.
+    """
+    return [entry.model_dump() for entry in _read(out).campaigns]
+
+
+def _read(out: Path) -> StoredIndex:
+    data = read_json(out / INDEX, "list of campaigns")
+    if not isinstance(data, dict) or data.get("format") != FORMAT or data.get("version") != FORMAT_VERSION:
+        raise UserError(f"{out / INDEX}: not a list of {FORMAT} {FORMAT_VERSION}; make the data set again")
+    return validated(data, StoredIndex, out / INDEX, "list of campaigns")

@@ -1,8 +1,11 @@
-"""Arguments that several sub-commands share."""
+"""Arguments that several sub-commands share, and what their words may be."""
 
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
+
+from gcode.support.errors import UserError
 
 
 def add_recording(parser: argparse.ArgumentParser) -> None:
@@ -37,3 +40,35 @@ def add_clamp_play(parser: argparse.ArgumentParser) -> None:
         metavar="MM",
         help="the sensor was clamped anew for --held-out: the zero of its displacement is free, within so many mm",
     )
+
+
+def positive(text: str) -> float:
+    """argparse type: a positive, finite number."""
+    value = float(text)
+    if not 0 < value < float("inf"):
+        raise argparse.ArgumentTypeError(f"must be a positive number, got {text}")
+    return value
+
+
+def natural(text: str) -> int:
+    """argparse type: a whole number, 0 or more."""
+    value = int(text)
+    if value < 0:
+        raise argparse.ArgumentTypeError(f"must be 0 or more, got {text}")
+    return value
+
+
+def rest(text: str) -> float:
+    """argparse type: seconds, 0 to a day or so."""
+    value = float(text)
+    if not 0 <= value <= 1e5:
+        raise argparse.ArgumentTypeError(f"must be 0 to 100000 s, got {text}")
+    return value
+
+
+def existing_file(path: str | Path, what: str) -> Path:
+    """`path` if it is a file; a `UserError` that says `what` was wanted otherwise."""
+    path = Path(path)
+    if not path.is_file():
+        raise UserError(f"{path}: no such {what}")
+    return path

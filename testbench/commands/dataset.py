@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 
 SUMMARY = "make a data set of simulated campaigns from a TOML file; run again to resume"
 EXAMPLE = "testbench dataset knits.toml -o knits"
@@ -32,26 +31,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     import time
 
-    from gcode.support.console import Progress
     from gcode.support.errors import UserError
-    from gcode.support.files import make_folder
-    from testbench.campaigns.cluster import cluster
-    from testbench.campaigns.dataset import OneAtATime, run, tasks_of, write_index, write_parquet
-    from testbench.campaigns.dataset_spec import read_spec
+    from testbench.api.datasets import dataset
 
     if (args.backend == "dask") != bool(args.scheduler):
         raise UserError("--backend dask and --scheduler ADDRESS belong together")
-    spec_path = Path(args.spec)
-    spec = read_spec(spec_path)
-    out = make_folder(args.out)
     start_s = time.monotonic()
-    with OneAtATime(out):
-        tasks = tasks_of(spec, spec_path.parent, out, Path(args.effects) if args.effects else None)
-        progress = Progress("campaigns", len(tasks))
-        with cluster(args.scheduler):
-            made, there = run(tasks, args.backend, args.workers, progress.step)
-        write_index(out, spec_path, tasks)
-        if args.format == "parquet":
-            print(f"{out / 'parquet'}: {write_parquet(out, tasks, args.workers)} files written")
-    print(f"{out}: {len(tasks)} campaigns: {made} made, {there} there already, {time.monotonic() - start_s:.1f} s")
+    made = dataset(
+        args.spec,
+        args.out,
+        format=args.format,
+        workers=args.workers,
+        scheduler=args.scheduler,
+        effects=args.effects,
+    )
+    if made.parquet_files is not None:
+        print(f"{made.folder / 'parquet'}: {made.parquet_files} files written")
+    print(f"{made}, {time.monotonic() - start_s:.1f} s")
     return 0

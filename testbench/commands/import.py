@@ -6,6 +6,8 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from testbench.commands._arguments import existing_file, positive
+
 if TYPE_CHECKING:
     from testbench.importing.from_file import Imported, Wish
 
@@ -38,7 +40,6 @@ UNITS = (
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    from testbench.campaigns.sensors import positive
 
     parser.add_argument("file", metavar="FILE", help="text (CSV and the like), .xlsx or .tdms")
     parser.add_argument(
@@ -54,7 +55,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _add_columns(parser: argparse.ArgumentParser) -> None:
-    from testbench.campaigns.sensors import positive
 
     group = parser.add_argument_group(
         "columns",
@@ -117,7 +117,6 @@ def run(args: argparse.Namespace) -> int:
 
     from gcode.support.console import printable
     from testbench.campaigns.campaign import vacant
-    from testbench.campaigns.sensors import existing_file
     from testbench.importing.from_file import import_file, place_of, write_import
 
     path, out = existing_file(args.file, "file"), Path(args.out)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from testbench.commands._arguments import add_effects
+from testbench.commands._arguments import add_effects, natural, positive, rest
 
 SUMMARY = "run experiments until it is sure what is missing: plan, run, diagnose, design the next motion"
 EXAMPLE = (
@@ -17,7 +17,6 @@ EXAMPLE = (
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    from testbench.campaigns.sensors import natural, positive, rest
 
     parser.add_argument(
         "sensor",

@@ -5,12 +5,13 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from testbench.commands._arguments import existing_file, positive
+
 SUMMARY = "record a campaign from the rig's serial port; --resume continues an interrupted one"
 EXAMPLE = "testbench record --port /dev/ttyUSB0 --program program.tap -o knit-7"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    from testbench.campaigns.sensors import positive
 
     parser.add_argument(
         "--port", metavar="URL", help="device (/dev/ttyUSB0), socket://HOST:PORT or rfc2217://HOST:PORT"
@@ -79,7 +80,6 @@ def _new(args: argparse.Namespace, folder: Path):
     from gcode.support.errors import UserError
     from testbench.campaigns.campaign import vacant
     from testbench.campaigns.record import Job
-    from testbench.campaigns.sensors import existing_file
     from testbench.rig.motion import played
     from testbench.rig.ports import stated_port
     from testbench.rig.recorder import Limits

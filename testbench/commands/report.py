@@ -37,22 +37,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Build the report and write it."""
-    from testbench.report.build import Inputs, build_report
-    from testbench.report.write import write_report
+    from testbench.api.reporting import make_report
 
-    given = Inputs(
-        recordings=tuple(args.recording),
+    made = make_report(
+        args.recording,
         held_out=args.held_out,
-        gauge_length_mm=args.gauge_length_mm,
         model=args.model,
-        effects=args.effects,
-        diagnoses=tuple(args.diagnosis),
-        commands=args.commands,
+        diagnoses=args.diagnosis,
         compensator=args.compensator,
+        effects=args.effects,
+        gauge_length_mm=args.gauge_length_mm,
+        commands=args.commands,
         title=args.title,
         resistance=args.resistance,
     )
-    output = args.output or f"report.{args.format}"
-    for path in write_report(build_report(given), output, args.format, args.figures):
+    for path in made.write(args.output or f"report.{args.format}", args.format, args.figures):
         print(f"wrote {path}")
     return 0

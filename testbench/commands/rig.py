@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import argparse
 
+from testbench.commands._arguments import existing_file, natural, positive
+from testbench.commands._sensors import add_past_arguments, add_sensor_arguments, sensor_model
+
 SUMMARY = "put the simulated rig behind a serial port (a pseudo-terminal) and print the port"
 EXAMPLE = "testbench rig --sensor pes --program program.tap --link /tmp/rig &\n  testbench record --port /tmp/rig ..."
 HOLD_S = 3.0
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    from testbench.campaigns.sensors import add_past_arguments, add_sensor_arguments, natural, positive
 
     add_sensor_arguments(parser)
     parser.add_argument("--program", required=True, metavar="FILE", help="Mach4 program that moves the stage")
@@ -33,7 +35,6 @@ def run(args: argparse.Namespace) -> int:
 
     from gcode.support.errors import UserError
     from testbench.campaigns.plan import Plan, programs_before
-    from testbench.campaigns.sensors import existing_file, sensor_model
     from testbench.rig.faults import faulty
     from testbench.rig.links import paced
     from testbench.rig.motion import played

@@ -5,12 +5,14 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from testbench.commands._arguments import existing_file, natural, positive
+from testbench.commands._sensors import add_past_arguments, add_sensor_arguments, sensor_model
+
 SUMMARY = "run a program on the simulated rig and write a campaign folder"
 EXAMPLE = "testbench run --sensor pes --program program.tap --seed 1 -o pes-1"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    from testbench.campaigns.sensors import add_past_arguments, add_sensor_arguments, natural, positive
 
     add_sensor_arguments(parser)
     parser.add_argument("--program", required=True, metavar="FILE", help="Mach4 program that moves the stage")
@@ -39,39 +41,30 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     import sys
 
-    from gcode.support.errors import UserError
-    from testbench.campaigns.campaign import matches, simulate_campaign, simulate_live, vacant
-    from testbench.campaigns.plan import Plan, programs_before
-    from testbench.campaigns.sensors import existing_file, sensor_model
-    from testbench.rig.links import real_time
-    from testbench.rig.motion import played
+    from testbench.api.running import run as run_campaign
     from testbench.rig.progress import json_lines, terminal
-    from testbench.rig.signals import stop_signals
 
-    say = sys.stderr if args.progress_json else sys.stdout
-    folder, program = Path(args.campaign), existing_file(args.program, "program; make one with `gcode generate`")
+    program = existing_file(args.program, "program; make one with `gcode generate`")
     model, sensor = sensor_model(args)
-    motion, gauge_length_mm = played(program, args.gauge_length_mm)
-    effects = Path(args.effects) if args.effects else None
-    past = programs_before(args.after, model, gauge_length_mm, effects)
-    plan = Plan(program, model, gauge_length_mm, args.seed, sensor, instruments_of(args), past, args.rest_s, effects)
-    if matches(folder, plan):
-        print(f"{folder}: already there and intact; not run again", file=say)
+    done = run_campaign(
+        model,
+        program,
+        args.campaign,
+        seed=args.seed,
+        gauge_length_mm=args.gauge_length_mm,
+        instruments=instruments_of(args),
+        after=args.after,
+        rest_s=args.rest_s,
+        effects=args.effects,
+        sensor=sensor,
+        overwrite=args.overwrite,
+        real_time=args.real_time,
+        report=json_lines() if args.progress_json else terminal(f"run {Path(args.campaign).name}"),
+    )
+    print(done, file=sys.stderr if args.progress_json else sys.stdout)
+    if done.status is None or done.ended_well:
         return 0
-    if folder.resolve() in {Path(source).resolve() for source in args.after}:
-        raise UserError(f"{folder}: cannot replace a campaign that this one comes after; choose another with -o")
-    vacant(folder, args.overwrite)
-    report = json_lines() if args.progress_json else terminal(f"run {folder.name}")
-    if args.real_time:
-        with stop_signals() as stopped:
-            status = simulate_live(plan, folder, motion, report, real_time, stopped)
-    else:
-        status = simulate_campaign(plan, folder, motion, report)
-    done = f"{status.samples} samples in {status.time_s:.0f} s of motion, {sensor}, seed {args.seed}"
-    print(f"{folder}: {done}", file=say)
-    if status.state in ("complete", "interrupted"):
-        return 0
-    print(f"testbench run: {status.state}: {status.message}", file=sys.stderr)
+    print(f"testbench run: {done.status.state}: {done.status.message}", file=sys.stderr)
     return 1
 
 

@@ -1,4 +1,4 @@
-"""What a fitted model expects of a motion that was not made yet, and how unsure of it its own data leave it.
+"""What a fitted model expects of a motion that was not made yet, and how uncertain that is.
 
 Linearised: the parameters are Gaussian about the fit, with the precision of the readings so far and of their priors,
 and the next reading follows them along its sensitivities. Nothing is fitted again.
@@ -19,8 +19,9 @@ from testbench.fitting.sensitivity import sensitivities
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel, SimulationCache
 
-NEGLIGIBLE = 1e-3  # nats: of directions whose variance is this share of the noise, none is lost
+NEGLIGIBLE = 1e-3  # directions in which a prediction varies by less than this share of the noise are left out
 SWITCHED_OFF = 1e3  # factor on the precision of a group of weights from which it changes nothing
+_Modelled = Mapping[str, FloatArray]  # by channel, shape (n,)
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +93,7 @@ class Forecaster:
         Parameters
         ----------
         measurement : Measurement
-            A motion that was not made yet, begun by all that the specimen went through; only the new samples count.
+            A motion that was not made yet, after all that the specimen went through; only the new samples count.
         """
         mean, rows, modelled = self._linearised(measurement, self.reading.pieces / measurement.counts.sum())
         factor = rows.T @ self._spread
@@ -108,6 +109,3 @@ class Forecaster:
         counts = measurement.counts
         mean = np.concatenate([modelled[c][counts] * over[c] for c in over])
         return mean, np.hstack([jacobian[c][:, counts] * over[c] for c in over]), modelled
-
-
-_Modelled = Mapping[str, FloatArray]

@@ -59,16 +59,16 @@ def rivals_from_diagnosis(
     """
     try:
         base = _base(data, catalogue, source, calibration.recording.gauge_length_mm)
-        forms = {entry["effect"]: entry["form"] for entry in data["ranking"]}
-        names = list(data.get("tied", ())) or list(forms)[:2]
+        laws = {entry["effect"]: entry["law"] for entry in data["ranking"]}
+        names = list(data.get("tied", ())) or list(laws)[:2]
     except (KeyError, IndexError, TypeError) as error:
         raise UserError(f"{source}: not a diagnosis ({error}); write one with `testbench diagnose --json`") from None
     if len(names) < 2:
         raise UserError(f"{source}: it ranks {len(names)} effects; an experiment needs two rivals")
     files = []
     for name in names[:MOST]:
-        progress(f"putting in {forms[name]} and refitting")
-        files.append(add_effect(base, forms[name], calibration, held, catalogue))
+        progress(f"putting in {laws[name]} and refitting")
+        files.append(add_effect(base, laws[name], calibration, held, catalogue))
     rivals = [Rival(name, file.model) for name, file in zip(names, files, strict=False)]
     return rivals, shared_noise(files)
 

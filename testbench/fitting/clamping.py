@@ -18,11 +18,11 @@ from testbench.fitting.fit import independent_share
 from testbench.fitting.measurement import FORCE_CHANNEL, UNIT_OF, Measurement
 from testbench.knit.model import KnitModel
 
-REACH = 4.0  # plays, on either side
+REACH = 4.0  # how far the search goes on either side, in plays
 COARSE = 17  # points at which the search begins: half a play apart
-FINE = 0.01  # plays, to which the best is found
-TRIED_MM = 0.5  # by which a displacement is moved to see whether it may have been clamped anew
-TELLING_FALL = 0.2  # of the error; several effects take less than this
+FINE = 0.01  # how closely the best is found, in plays
+TRIED_MM = 0.5  # by how much a displacement is moved to see whether it may have been clamped anew
+TELLING_FALL = 0.2  # share of the error that must go; several effects take less
 
 
 @dataclass(frozen=True)
@@ -63,9 +63,9 @@ def moved(measurement: Measurement, shift_mm: float) -> Measurement:
 def zero_of(model: KnitModel, measurement: Measurement) -> Zero:
     """The zero of displacement under which a model explains a recording best.
 
-    The shift has a Gaussian prior around none, as wide as the clamps' play; each channel's noise is as large as what
+    The shift has a Gaussian prior around zero, as wide as the clamps' play; each channel's noise is as large as what
     the model leaves of it (profile likelihood), and neighbouring samples count as one (`independent_share`). The
-    search is a coarse one over all that the prior allows, then Brent's around the best.
+    search is a coarse one over all that the prior allows, then Brent's method around the best.
 
     Parameters
     ----------

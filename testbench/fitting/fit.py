@@ -80,7 +80,7 @@ def independent_share(measurement: Measurement) -> float:
 
 
 def prior_ridge(parameters: Sequence[FreeParameter], measurement: Measurement) -> FloatArray:
-    """Precision of the priors, shape (p,), where every sample counts: more where samples repeat each other."""
+    """Precision of the priors beside a sum over all samples, shape (p,): higher where neighbours are much alike."""
     return np.array([p.width for p in parameters]) ** -2.0 / independent_share(measurement)
 
 

@@ -26,9 +26,21 @@ Size = Annotated[float, Field(ge=0, le=LARGEST)]
 MOST_EFFECTS, MOST_POINTS = 1000, 1_000_000
 
 
-class _Ranked(OpenModel):
+class _Named(OpenModel):
+    """A mechanism (``effect``) and the law of it that fits best; ``form`` is what files call the law."""
+
     effect: Label
-    form: Label
+    law: Label
+
+    @model_validator(mode="before")
+    @classmethod
+    def _law(cls, data: Any) -> Any:
+        if not isinstance(data, dict) or "form" not in data or "law" in data:
+            return data
+        return {"law" if key == "form" else key: value for key, value in data.items()}
+
+
+class _Ranked(_Named):
     probability: Share
     log_evidence: Finite
     gain: Finite
@@ -37,9 +49,7 @@ class _Ranked(OpenModel):
     tied_for_first: bool = False
 
 
-class _Found(OpenModel):
-    effect: Label
-    form: Label
+class _Found(_Named):
     probability: Share
     log_evidence: Finite
 
@@ -169,7 +179,24 @@ def read_diagnosis(path: str | Path) -> Mapping[str, Any]:
     UserError
         If it is missing or is something else.
     """
-    data = _read(path, "diagnosis")
+    return checked_diagnosis(_read(path, "diagnosis"), path)
+
+
+def checked_diagnosis(data: Any, path: str | Path) -> Mapping[str, Any]:
+    """A diagnosis as pages and designs read it: every entry checked, its laws under the key ``law``.
+
+    Parameters
+    ----------
+    data : dict
+        What `testbench diagnose --json` writes.
+    path : path
+        What an error calls it.
+
+    Raises
+    ------
+    UserError
+        If it is something else.
+    """
     if not isinstance(data, dict) or any(key not in data for key in IN_A_DIAGNOSIS):
         raise UserError(f"{path}: not a diagnosis of this version; `testbench diagnose --json FILE` writes one")
     for name in ("model_before", "model_after"):

@@ -1,4 +1,4 @@
-"""The knit grows longer for good: permanent set in the forms that textiles and polymers show."""
+"""The knit grows longer for good: laws of the permanent set of textiles and polymers."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ class PermanentSetLaw(Lengthening):
     strength = "fraction"
 
     def points(self, top: float) -> list[dict[str, Any]]:
-        """Where a fit may start on a recording whose largest strain is `top`, but for what `Lengthening` declares."""
+        """Where a fit may start on a recording whose largest strain is `top`; not of what `Lengthening` declares."""
         raise NotImplementedError
 
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
-        """Whether the added length stretches along is for the data to say; halfway, a search finds either."""
+        """Whether the added length stretches with the rest is for the data to say: a search from halfway finds it."""
         points = self.points(float(np.max(signals["strain"])))
         return [point | {"renewed": RENEWED, "pretension": at} for point in points for at in LIMP_OR_TAUT]
 

@@ -1,14 +1,17 @@
-"""From files to a report: reads what the options name, calls the rooms, and puts the sections in order."""
+"""From recordings, model and results to a report: calls the rooms, and puts the sections in order."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError
-from testbench.fitting.results import read_diagnosis, read_score
-from testbench.recordings.files import read_recording
+from testbench.fitting.model_file import ModelFile
+from testbench.knit.catalogue import Catalogue, load_catalogue
+from testbench.recordings.recording import Recording
 from testbench.report import sections
 from testbench.report.document import Item, Report, Section
 from testbench.report.provenance import provenance, today
@@ -21,73 +24,82 @@ class Inputs:
 
     Attributes
     ----------
-    recordings : tuple of str
-        CSVs or campaign folders. The first is what the model was fitted on.
-    held_out : str, optional
+    recordings : tuple of Recording
+        The first is what the model was fitted on.
+    held_out : Recording, optional
         The recording that errors are judged on.
-    gauge_length_mm : float, optional
-        For bare CSVs.
-    model, effects : str, optional
-        A model.json, and the user's own effects in it.
-    diagnoses : tuple of str
+    model : ModelFile, optional
+    model_name : str
+        What an error calls the model: its file.
+    catalogue : Catalogue
+        With the user's own effects.
+    diagnoses : tuple of mapping
         JSON of ``testbench diagnose``, the oldest first: those that led to the steps of the model, and the last one.
         Without a model, the last one's own before and after are shown.
-    compensator : str, optional
+    compensator : mapping, optional
         The JSON of ``compensation score``.
-    title : str, optional
+    files : tuple of str
+        Where all of these came from, for their checksums.
     commands : str, optional
         A text file with the command lines that led here.
+    title : str
+        Empty: made of the names.
     resistance : bool
         Show the resistance in kΩ wherever the conductance would be.
     """
 
-    recordings: tuple[str, ...] = ()
-    held_out: str | None = None
-    gauge_length_mm: float | None = None
-    model: str | None = None
-    effects: str | None = None
-    diagnoses: tuple[str, ...] = ()
-    compensator: str | None = None
-    title: str = ""
+    recordings: tuple[Recording, ...] = ()
+    held_out: Recording | None = None
+    model: ModelFile | None = None
+    model_name: str = "model"
+    catalogue: Catalogue = field(default_factory=load_catalogue)
+    diagnoses: tuple[Mapping[str, Any], ...] = ()
+    compensator: Mapping[str, Any] | None = None
+    files: tuple[str, ...] = ()
     commands: str | None = None
+    title: str = ""
     resistance: bool = False
 
 
 def build_report(given: Inputs) -> Report:
-    """Read the inputs and put the report together.
+    """Put a report together.
 
     Raises
     ------
     UserError
-        If a file is missing or is not what the option says.
+        If there is nothing to report on, a recording is of another set-up than the model, or a file of `given.files`
+        is gone.
     """
     if not (given.recordings or given.model or given.diagnoses or given.compensator):
         raise UserError("nothing to report on; name a --recording, --model, --diagnosis or --compensator")
-    recordings = [read_recording(path, given.gauge_length_mm) for path in given.recordings]
-    held_out = read_recording(given.held_out, given.gauge_length_mm) if given.held_out else None
-    diagnoses = [read_diagnosis(path) for path in given.diagnoses]
     opening: list[Item] = []
     parts: list[Section] = []
     verdict = ""
-    if given.model or diagnoses:
-        last = diagnoses[-1] if diagnoses else None
-        story = Story.of(given.model, last, given.effects, recordings, held_out, given.resistance)
+    if given.model or given.diagnoses:
+        last = given.diagnoses[-1] if given.diagnoses else None
+        story = Story.of(
+            given.model,
+            given.model_name,
+            last,
+            given.catalogue,
+            given.recordings,
+            given.held_out,
+            given.resistance,
+        )
         verdict, opening = story.verdict(last), story.opening()
-        parts += story.parts(diagnoses)
+        parts += story.parts(given.diagnoses)
     if given.compensator:
-        parts.append(sections.compensator_section(read_score(given.compensator)))
+        parts.append(sections.compensator_section(given.compensator))
     parts += [
         sections.recording_section(
             recording, f"Recording {sections.short_name(recording.source)}", f"recording-{n}", given.resistance
         )
-        for n, recording in enumerate(recordings, 1)
+        for n, recording in enumerate(given.recordings, 1)
     ]
-    parts.append(provenance(_files_of(given), given.commands))
-    names = ", ".join(sections.short_name(recording.source) for recording in recordings)
-    title = given.title or names or Path(given.model or (*given.diagnoses, given.compensator or "")[0]).stem
-    return Report(title, verdict, opening, parts, f"Made by knitbench {knitbench_version()}.", today())
+    parts.append(provenance(given.files, given.commands))
+    return Report(_title(given), verdict, opening, parts, f"Made by knitbench {knitbench_version()}.", today())
 
 
-def _files_of(given: Inputs) -> list[str]:
-    named = (*given.recordings, given.held_out, given.model, given.effects, *given.diagnoses, given.compensator)
-    return [path for path in named if path]
+def _title(given: Inputs) -> str:
+    names = ", ".join(sections.short_name(recording.source) for recording in given.recordings)
+    return given.title or names or (Path(given.files[0]).stem if given.files else "Report")

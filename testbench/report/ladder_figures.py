@@ -20,7 +20,7 @@ UNITS = {"force": "N", "conductance": "ln S", "resistance": "kΩ"}
 
 @dataclass(frozen=True)
 class Step:
-    """One rung of the ladder.
+    """One step of the ladder.
 
     Attributes
     ----------
@@ -37,7 +37,7 @@ class Step:
 
 
 def ladder(steps: Sequence[Step], current: int | None = None) -> style.Figure:
-    """Held-out error after each step, one panel a channel, with the noise floor as the lowest rung.
+    """Held-out error after each step, one panel a channel, with the noise floor below all.
 
     Parameters
     ----------

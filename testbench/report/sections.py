@@ -231,13 +231,13 @@ def diagnosis_section(diagnosis: Mapping[str, Any], title: str = "What is missin
 def candidates_table(diagnosis: Mapping[str, Any]) -> Table:
     """Every ranked effect with its one number: what a refit with it leaves of the held-out error."""
     told = any(words.probability_of(diagnosis, entry["effect"]) is not None for entry in diagnosis["ranking"])
-    head = ("", "Effect", *(("Probability",) if told else ()), "Held-out error left", "95 %", "Form")
+    head = ("", "Effect", *(("Probability",) if told else ()), "Held-out error left", "95 %", "Law")
     rows = []
     for number, entry in enumerate(diagnosis["ranking"][: diagnosis_figures.SHOWN], 1):
         probability = words.probability_of(diagnosis, entry["effect"])
         chance = ("" if probability is None else words.percent(probability),) if told else ()
         left = words.error_left(entry) or "not worth a refit"
-        form = words.spoken(entry["form"]) if entry["form"] != entry["effect"] else ""
+        law = words.spoken(entry["law"]) if entry["law"] != entry["effect"] else ""
         name = words.spoken(entry["effect"])
-        rows.append((str(number), name, *chance, left, words.error_left_between(entry), form))
+        rows.append((str(number), name, *chance, left, words.error_left_between(entry), law))
     return Table(head, rows)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from testbench.fitting.measurement import Measurement, split
-from testbench.fitting.model_file import ModelFile, check_same_set_up, load_model_file
-from testbench.knit.catalogue import Catalogue, load_catalogue, model_from_dict
+from testbench.fitting.model_file import ModelFile, check_same_set_up
+from testbench.knit.catalogue import Catalogue, model_from_dict
 from testbench.recordings.recording import Recording
 from testbench.report import ladder_figures, sections, words
 from testbench.report.comparison_figures import Overlay, busiest_window
@@ -54,30 +54,30 @@ class Story:
     @classmethod
     def of(
         cls,
-        model: str | None,
+        model: ModelFile | None,
+        name: str,
         diagnosis: Mapping[str, Any] | None,
-        effects: str | None,
+        catalogue: Catalogue,
         recordings: Sequence[Recording],
         held_out: Recording | None,
         resistance: bool = False,
     ) -> Story:
-        """From a model.json, or from a diagnosis's own before and after.
+        """From a model that errors call `name`, or from a diagnosis's own before and after.
 
         Raises
         ------
         UserError
-            If the model was fitted on another set-up, or a file is damaged.
+            If the model was fitted on another set-up.
         """
-        catalogue = load_catalogue(effects)
-        file = load_model_file(model, catalogue) if model else _file_of(diagnosis or {}, catalogue)
+        file = model or _file_of(diagnosis or {}, catalogue)
         judged = None
         if recordings:
             for recording in (recordings[0], *([held_out] if held_out else [])):
-                check_same_set_up(file, recording, model or "diagnosis")
+                check_same_set_up(file, recording, name if model else "diagnosis")
             judged = as_clamped(file, split(recordings[0], held_out)[1])
         in_kohm = resistance and judged is not None
         steps = steps_in_resistance(file, catalogue, judged) if in_kohm and judged else steps_of(file.history)
-        return cls(file, catalogue, steps, judged, bool(model), resistance)
+        return cls(file, catalogue, steps, judged, model is not None, resistance)
 
     def verdict(self, diagnosis: Mapping[str, Any] | None = None) -> str:
         """The one sentence, or two: what was gained so far, and what a diagnosis that is still open says."""
@@ -91,7 +91,7 @@ class Story:
 
     def has_taken(self, diagnosis: Mapping[str, Any]) -> bool:
         """Whether what a diagnosis found is in the model."""
-        found = {row["form"] for row in diagnosis["ranking"][:1]} if diagnosis["verdict"] == "missing" else set()
+        found = {row["law"] for row in diagnosis["ranking"][:1]} if diagnosis["verdict"] == "missing" else set()
         return any(name in self.file.model for name in (*found, *diagnosis.get("other_laws", ())))
 
     def opening(self) -> list[Item]:

@@ -1,7 +1,7 @@
 """The recorder: what a link delivers goes through the intake to the files, with progress and limits.
 
-It knows no port and no clock: a link is any iterable of `Chunk`, `Lost`, `Tick` and `End`, each with its host time.
-Tests feed lists; `testbench record` feeds a serial port; `testbench run` feeds the simulated rig.
+It knows no port and no clock: a link is any iterable of `Chunk`, `Accepted`, `Lost`, `Tick` and `End`, each with its
+host time. Tests feed lists; `testbench record` feeds a serial port; `testbench run` feeds the simulated rig.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from itertools import islice
 from typing import NamedTuple
 
 from testbench.rig.sink import Sink
-from testbench.rig.stream import Event, Intake, Item, Row
+from testbench.rig.stream import Event, Intake, Item, Lines, Row
 from testbench.rig.watchdog import Watchdog
 
 PROGRESS_S = 0.5
@@ -25,6 +25,16 @@ class Chunk(NamedTuple):
 
     host_s: float
     data: bytes
+
+
+class Accepted(NamedTuple):
+    """Samples without any fault, as lines of the file already. No limit looks at them, and nothing follows them."""
+
+    host_s: float
+    first: Row
+    last: Row
+    samples: int
+    text: str
 
 
 class Lost(NamedTuple):
@@ -48,7 +58,7 @@ class End(NamedTuple):
     message: str = ""
 
 
-Part = Chunk | Lost | Tick | End
+Part = Chunk | Accepted | Lost | Tick | End
 # Takes a row, gives what a compensator makes of the resistance so far, and its unit.
 Follow = Callable[[Row], tuple[float | None, str]]
 
@@ -180,7 +190,7 @@ class Recorder:
         if self._port_lost:
             self._watchdog.away(part.host_s)
             return
-        if found := self._watchdog.look(part.host_s, isinstance(part, Chunk), self.intake):
+        if found := self._watchdog.look(part.host_s, isinstance(part, Chunk | Accepted), self.intake):
             self.sink.write(found)
         if self.status.state == "recording" and self._full_since_s is None:
             self.status.message = self._watchdog.message
@@ -193,6 +203,10 @@ class Recorder:
                     yield from ending
                     return
                 yield item
+        elif isinstance(part, Accepted):
+            self._last = part.last
+            yield from self.intake.accept(part.first, part.last, part.samples)
+            yield Lines(part.text)
         elif isinstance(part, Lost):
             self.status.message = f"port lost ({part.reason}); trying to get it back"
             yield from self.intake.disconnected(part.reason)

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import repeat
-from typing import Any
 
 import numpy as np
 from numpy.random import default_rng
 
+from gcode.support.arrays import IntArray
 from gcode.support.errors import UserError
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel, inputs
@@ -40,6 +40,47 @@ class Motion:
             np.concatenate([self.time_s, self.time_s[-1] + extra]),
             np.concatenate([self.displacement_mm, np.full(len(extra), self.displacement_mm[-1])]),
         )
+
+
+@dataclass(frozen=True)
+class Readings:
+    """The device's samples as columns of whole numbers, in the units of the wire, each shape (n,).
+
+    Attributes
+    ----------
+    boot : int
+    micros : ndarray
+        The device's clock, modulo 2^32.
+    displacement_nm : ndarray
+    force_uN, resistance_mohm, temperature_mC : ndarray or None
+        None where there is no such channel.
+    """
+
+    boot: int
+    micros: IntArray
+    displacement_nm: IntArray
+    force_uN: IntArray | None
+    resistance_mohm: IntArray | None
+    temperature_mC: IntArray | None
+
+    @property
+    def channels(self) -> tuple[IntArray | None, ...]:
+        """The channels in the order of a `Sample`."""
+        return self.force_uN, self.resistance_mohm, self.displacement_nm, self.temperature_mC
+
+    def sample(self, number: int) -> Sample:
+        """One of them, counted from 0."""
+        channels = (None if channel is None else int(channel[number]) for channel in self.channels)
+        return Sample(self.boot, number, int(self.micros[number]), *channels)  # type: ignore[arg-type]
+
+    def samples(self) -> Iterator[Sample]:
+        """One by one."""
+        columns = (repeat(None) if channel is None else channel.tolist() for channel in self.channels)
+        return map(Sample, repeat(self.boot), range(len(self.micros)), self.micros.tolist(), *columns)
+
+    def lines(self) -> Iterator[bytes]:
+        """As lines of the wire protocol."""
+        return map(encode, self.samples())
 
 
 @dataclass(frozen=True)
@@ -91,16 +132,15 @@ class SimulatedRig:
                 raise UserError(f"the model makes {name} that is not finite; check its parameters")
         return Truth(motion.time_s, motion.displacement_mm, force_N, conductance_S, state.get("temperature_C"))
 
-    def samples(self) -> Iterator[Sample]:
-        """The device's samples, in order."""
+    def readings(self) -> Readings:
+        """What the device reads, in order."""
         sampling, force_noise, divider_noise, device = (
             default_rng(child) for child in np.random.SeedSequence(self.seed).spawn(4)
         )
         truth, tools = self.truth(), self.instruments
         times_s = tools.clock.times(self.motion.duration_s, sampling)
         boot, micros = (int(number) for number in device.integers(0, MICROS_WRAP, 2))
-        stamps = (np.rint(times_s * 1e6).astype(np.int64) + micros) % MICROS_WRAP
-        force = resistance = temperature = [None] * len(times_s)
+        force = resistance = temperature = None
         if truth.force_N is not None:
             force = _whole(tools.load_cell.read(truth, times_s, force_noise), 1e6)
         if truth.conductance_S is not None:
@@ -109,14 +149,17 @@ class SimulatedRig:
         if tools.room is not None:
             temperature = _whole(tools.room.read(truth, times_s), 1e3)
         displacement = _whole(tools.encoder.read(truth, times_s), 1e6)
-        numbers = range(len(times_s))
-        columns = (numbers, stamps.tolist(), force, resistance, displacement, temperature)
-        return map(Sample, repeat(boot), *columns)
+        stamps = (_whole(times_s, 1e6) + micros) % MICROS_WRAP
+        return Readings(boot, stamps, displacement, force, resistance, temperature)
+
+    def samples(self) -> Iterator[Sample]:
+        """The device's samples, in order."""
+        return self.readings().samples()
 
     def lines(self) -> Iterator[bytes]:
         """The samples as lines of the wire protocol."""
-        return map(encode, self.samples())
+        return self.readings().lines()
 
 
-def _whole(values: FloatArray, scale: float) -> list[Any]:
-    return np.rint(values * scale).astype(np.int64).tolist()
+def _whole(values: FloatArray, scale: float) -> IntArray:
+    return np.rint(values * scale).astype(np.int64)

@@ -22,7 +22,7 @@ from pathlib import Path
 from gcode.support import disk
 from gcode.support.errors import UserError
 from testbench.recordings.channels import TIME
-from testbench.rig.stream import Bad, Event, Item, Row, channels_of
+from testbench.rig.stream import Bad, Event, Item, Lines, Row, channels_of
 
 CSV, BAD, EVENTS = "recording.csv", "recording.bad", "events.jsonl"
 STAMPS = ("start", "reboot", "clock jump", "renumbered", "resume")
@@ -234,6 +234,9 @@ class Sink:
                     rows.append(header_line(item))
                     self._headed = True
                 rows.append(csv_line(item))
+            elif isinstance(item, Lines):
+                rows.append(item.text)
+                self._headed = True
             elif isinstance(item, Bad):
                 bad.append(bad_line(item))
             else:

@@ -47,7 +47,13 @@ class Event(NamedTuple):
     details: dict[str, object]
 
 
-Item = Row | Bad | Event
+class Lines(NamedTuple):
+    """Accepted samples as they stand in ``recording.csv``; the first of a recording with its header."""
+
+    text: str
+
+
+Item = Row | Lines | Bad | Event
 
 
 def channels_of(sample: Sample) -> tuple[str, ...]:
@@ -114,6 +120,18 @@ class Intake:
         """Rows, rejected lines and events in `data`, which came at `host_s` (monotonic seconds)."""
         for line in self._buffer.feed(data):
             yield from self._line(line, host_s)
+
+    def accept(self, first: Row, last: Row, count: int) -> Iterator[Event]:
+        """Take note of `count` samples without any fault in a row, from `first` to `last`.
+
+        A simulated rig that delivers at once makes them; see `testbench.rig.at_once`.
+        """
+        if self.anchor is None:
+            self.channels = channels_of(first.sample)
+            yield Event("start", 0, {**_device(first.sample), "channels": list(self.channels)})
+        self._sequence = last.sample.sequence
+        self.anchor = Anchor(last.sample.boot, last.sample.micros, last.time_us, 0.0)
+        self.accepted += count
 
     def disconnected(self, reason: str) -> Iterator[Item]:
         """The port was lost: the half line in the buffer will never be finished."""

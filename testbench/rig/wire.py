@@ -17,8 +17,12 @@ MAX_LINE_BYTES = 256
 MICROS_WRAP = 1 << 32
 SEQUENCE_WRAP = 1 << 32
 
+# Digits that a number has at most, in the units of the line.
+FORCE_DIGITS, RESISTANCE_DIGITS, DISPLACEMENT_DIGITS, TEMPERATURE_DIGITS = 10, 15, 10, 7
 _LINE = re.compile(
-    rb"\$(K1,([0-9a-f]{8}),(\d{1,10}),(\d{1,10}),(-?\d{1,10})?,(\d{1,15})?,(-?\d{1,10})(?:,(-?\d{1,7}))?)\*([0-9a-f]{8})"
+    rb"\$(K1,([0-9a-f]{8}),(\d{1,10}),(\d{1,10}),"
+    rb"(-?\d{1,%d})?,(\d{1,%d})?,(-?\d{1,%d})(?:,(-?\d{1,%d}))?)\*([0-9a-f]{8})"
+    % (FORCE_DIGITS, RESISTANCE_DIGITS, DISPLACEMENT_DIGITS, TEMPERATURE_DIGITS)
 )
 
 

@@ -39,12 +39,11 @@ from testbench.campaigns.dataset_index import index_problems
 from testbench.campaigns.dataset_spec import read_spec as read_dataset_spec
 from testbench.campaigns.record import Job, begin, job_of, record
 from testbench.fitting.model_file import ModelFile, load_model_file
-from testbench.fitting.results import read_experiment
+from testbench.fitting.results import read_diagnosis, read_experiment, read_score
 from testbench.importing.from_file import Wish, import_csv
 from testbench.knit.catalogue import baseline, load_catalogue
 from testbench.recordings.files import read_recording
 from testbench.recordings.manifest import NAME, problems, sealed
-from testbench.report.build import read_diagnosis, read_score
 from testbench.rig.recorder import Chunk, End
 from testbench.rig.recorder import Limits as Alarms
 from testbench.rig.resume import continued, mend

@@ -23,9 +23,9 @@ from gcode.trajectories.toml_spec import read_spec as read_trajectory_spec
 from gcode.trajectories.trajectory import read_csv as read_trajectory
 from testbench.campaigns.dataset_spec import read_spec as read_dataset_spec
 from testbench.fitting.model_file import load_model_file
+from testbench.fitting.results import read_diagnosis
 from testbench.importing.from_file import Wish, import_csv
 from testbench.recordings.files import read_recording
-from testbench.report.build import read_diagnosis
 from tests.fuzz.targets import (
     EXPERIMENT,
     TARGETS,

@@ -31,8 +31,7 @@ from testbench.studio.widgets import (
 )
 
 if TYPE_CHECKING:
-    from testbench.campaigns.alignment import Alignment
-    from testbench.recordings.recording import Recording
+    from testbench.api.aligning import AlignmentResult
 
 PROGRAM = "program.tap"
 
@@ -47,7 +46,8 @@ async def page(studio: Studio, c: str = "", start: str = "", end: str = "") -> N
     if not program_of(studio, c).is_file():
         raise UserError(f"{c} has no program in its folder, so there is no plan to compare it with")
     with working("Comparing the recording with its program"):
-        found, on_plan = await aside(_found, studio, c)
+        result = await aside(_found, studio, c)
+    found, on_plan = result.alignment, result.recording
     ui.label(clocks_in_words(found.delay_s, found.drift_ppm, on_plan.duration_s)).classes("verdict")
     facts(
         [
@@ -72,21 +72,13 @@ def program_of(studio: Studio, c: str) -> Path:
     return studio.workspace.campaign(c).folder / PROGRAM
 
 
-def _found(studio: Studio, c: str) -> tuple[Alignment, Recording]:
+def _found(studio: Studio, c: str) -> AlignmentResult:
     """As `testbench align` does it, remembered."""
+    from testbench.api.aligning import align
+
     program = program_of(studio, c)
     files = stamp(program, program.with_name("recording.csv"))
-    return studio.memory.recall(("align", files), partial(_align, studio, c, program))
-
-
-def _align(studio: Studio, c: str, program: Path) -> tuple[Alignment, Recording]:
-    from testbench.campaigns.alignment import align, applied
-    from testbench.rig.motion import played
-
-    recording = studio.workspace.recording(c)
-    motion, _ = played(program, recording.gauge_length_mm)
-    found = align(recording, motion)
-    return found, applied(recording, motion, found)
+    return studio.memory.recall(("align", files), lambda: align(studio.workspace.recording(c), program))
 
 
 def _keep(studio: Studio, c: str) -> None:

@@ -19,7 +19,7 @@ from testbench.studio.widgets import subheading, table
 
 def effect_told(diagnosis: Mapping[str, Any], entry: Mapping[str, Any], catalogue: Catalogue) -> None:
     """Lay out what is known of a candidate; `entry` is its row of the ranking."""
-    effect = catalogue[entry["form"]]
+    effect = catalogue[entry["law"]]
     told = doc_sections(effect)
     with ui.column().classes("card gap-2"):
         ui.label(told.summary)
@@ -57,7 +57,7 @@ def found_parameters(diagnosis: Mapping[str, Any], entry: Mapping[str, Any], cat
     mine = {
         address: value
         for address, value in fit.get("parameters", {}).items()
-        if address.partition(".")[0] == entry["form"]
+        if address.partition(".")[0] == entry["law"]
     }
     if not mine or not diagnosis.get("model_after"):
         return None

@@ -102,7 +102,7 @@ async def _answer(studio: Studio, diagnosis: Mapping[str, Any], where: Address) 
         "What a refit with each effect takes off the error on samples that no fit has seen, with the 95 % interval "
         "over blocks of 60 s. In brackets: how probable it is that this effect is what is missing most.",
     )
-    chosen = next((entry for entry in ranking if entry["form"] == pick), ranking[0])
+    chosen = next((entry for entry in ranking if entry["law"] == pick), ranking[0])
     candidates = _Candidates(studio, diagnosis, where)
     candidates.adopting()
     candidates.build(ranking, chosen)
@@ -146,7 +146,7 @@ class _Candidates:
 
     def adopting(self) -> None:
         """Where several effects were found: all of them at once, refitted together as the diagnosis has them."""
-        found = [spoken(one["form"]) for one in self.diagnosis["found"]]
+        found = [spoken(one["law"]) for one in self.diagnosis["found"]]
         if len(found) > 1 and self._is_fresh():
             button = ui.button(f"Add all that was found: {', '.join(found)}", icon="playlist_add")
             button.on_click(lambda: attempt(self._adopt)).props("unelevated color=accent")
@@ -169,7 +169,7 @@ class _Candidates:
     def _card(self, number: int, entry: Mapping[str, Any]) -> None:
         left, probability = error_left(entry), probability_of(self.diagnosis, entry["effect"])
         card = ui.element("button").classes("candidate").on("click", lambda: self._look(entry))
-        self.cards[entry["form"]] = card
+        self.cards[entry["law"]] = card
         with card:
             with ui.row().classes("items-center justify-between w-full no-wrap"):
                 ui.label(f"{number}. {with_probability(self.diagnosis, entry['effect'])}").style("font-weight:600")
@@ -181,11 +181,9 @@ class _Candidates:
                     ui.element("div").style(f"width:{100 * probability:.1f}%")
 
     async def _look(self, entry: Mapping[str, Any]) -> None:
-        for form, card in self.cards.items():
-            card.classes(
-                add="chosen" if form == entry["form"] else "", remove="" if form == entry["form"] else "chosen"
-            )
-        self.where.note(pick=entry["form"])
+        for law, card in self.cards.items():
+            card.classes(add="chosen" if law == entry["law"] else "", remove="" if law == entry["law"] else "chosen")
+        self.where.note(pick=entry["law"])
         await attempt(lambda: self._show(entry))
 
     async def _show(self, entry: Mapping[str, Any]) -> None:
@@ -196,9 +194,9 @@ class _Candidates:
         self.detail.clear()
         with self.detail:
             with ui.row().classes("items-center justify-between w-full"):
-                subheading(spoken(entry["form"]), shown.look)
+                subheading(spoken(entry["law"]), shown.look)
                 if self.diagnosis["verdict"] != "nothing_missing":
-                    add = ui.button(f"Add {spoken(entry['form'])}", icon="add").props("unelevated color=accent")
+                    add = ui.button(f"Add {spoken(entry['law'])}", icon="add").props("unelevated color=accent")
                     add.on_click(lambda: attempt(lambda: self._add(entry)))
             self.holder = ui.column().classes("w-full")
             if shown.ln_S is not None:
@@ -221,21 +219,21 @@ class _Candidates:
         studio, c = self.studio, self.c
         files = stamp(models.diagnosis_path(studio, c), models.model_path(studio, c), studio.effects_file)
         make = partial(predicted, studio, c, self.diagnosis, entry)
-        return studio.memory.recall(("predicted", c, entry["form"], files), make)
+        return studio.memory.recall(("predicted", c, entry["law"], files), make)
 
     def _add(self, entry: Mapping[str, Any]) -> None:
         models.keep_diagnosis(self.studio, self.c)
         done = partial(ui.navigate.to, address("/ladder", c=self.c))
-        found = [one["form"] for one in self.diagnosis["found"]]
+        found = [one["law"] for one in self.diagnosis["found"]]
         # What the diagnosis has refitted already need not be fitted again: all that it found, or the shapes alone.
-        if self._is_fresh() and (found == [entry["form"]] or (not found and self._base_misfits())):
+        if self._is_fresh() and (found == [entry["law"]] or (not found and self._base_misfits())):
             models.adopt_diagnosed(self.studio, self.c)
             if found:
                 done()
                 return
         have = read_text(models.model_path(self.studio, self.c), "model")
         missing = [name for name in self._base_misfits() if f'"{name}"' not in have]
-        commands = [models.add_command(self.studio, self.c, name) for name in (*missing, entry["form"])]
+        commands = [models.add_command(self.studio, self.c, name) for name in (*missing, entry["law"])]
         models.run_in_turn(self.studio, f"model:{self.c}", commands, self.holder, done)
 
     def _base_misfits(self) -> list[str]:
@@ -304,7 +302,7 @@ def predicted(studio: Studio, c: str, diagnosis: Mapping[str, Any], entry: Mappi
     other = None if held == models.LAST_THIRD else studio.workspace.recording(held)
     mine = load_model_file(models.model_path(studio, c), catalogue)
     judged = as_clamped(mine, split(studio.workspace.recording(c), other)[1])
-    effect = catalogue[entry["form"]].model_validate(entry["start"])
+    effect = catalogue[entry["law"]].model_validate(entry["start"])
     without = model_from_dict(_before(diagnosis), catalogue, "diagnosis")
     found = contribution(without, effect, judged)
     ln_S = judged.measured["conductance"][judged.counts] if "conductance" in judged.measured else None

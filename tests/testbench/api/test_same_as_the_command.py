@@ -9,8 +9,10 @@ import pytest
 
 import gcode
 import testbench as tb
+from gcode.support.errors import UserError
+from gcode.support.files import write_json
 from testbench.cli import main
-from tests.testbench.api.samples import diagnosed, relaxed
+from tests.testbench.api.samples import diagnosed, fitted, relaxed
 from tests.testbench.builders import write_csv
 
 
@@ -64,6 +66,94 @@ def test_simulate_reads_what_the_command_records(tmp_path):
     assert np.array_equal(tb.simulate(tb.preset("pes"), program, seed=7)["force_N"], recorded["force_N"])
     (tmp_path / "pes.json").write_text(json.dumps(tb.preset("pes").to_dict()))
     assert np.array_equal(tb.simulate(tmp_path / "pes.json", program, seed=7)["force_N"], recorded["force_N"])
+
+
+def test_run_keeps_the_bytes_that_the_command_keeps_and_makes_them_once(tmp_path, capsys):
+    gcode.generate("paper-1", seed=3, duration_s=60).write(tmp_path)
+    program, theirs = str(tmp_path / "program.tap"), tmp_path / "theirs"
+    words = [
+        "run",
+        "--sensor",
+        "pes@2",
+        "--program",
+        program,
+        "--seed",
+        "7",
+        "--room-swing-c",
+        "2",
+        "-o",
+        str(theirs),
+    ]
+    assert main([*words, "-o", str(theirs)]) == 0
+    tools = tb.Instruments(room={"swing_C": 2.0})
+    mine = tb.run(tb.preset("pes@2"), program, tmp_path / "mine", seed=7, instruments=tools, sensor="pes@2")
+    assert capsys.readouterr().out == f"{mine}\n".replace("mine", "theirs")
+    names = sorted(path.name for path in theirs.iterdir())
+    assert names == sorted(path.name for path in mine.folder.iterdir())
+    assert all((theirs / name).read_bytes() == (mine.folder / name).read_bytes() for name in names)
+    again = tb.run(tb.preset("pes@2"), program, theirs, seed=7, instruments=tools, sensor="pes@2")
+    assert again.status is None
+    assert again.ended_well
+
+
+def test_a_second_run_of_a_sensor_remembers_the_campaign_before(tmp_path):
+    program = gcode.generate("paper-1", seed=3, duration_s=30)
+    first = tb.run(tb.preset("pes"), program, tmp_path / "first")
+    second = tb.run(tb.preset("pes"), program, tmp_path / "second", after=[first.folder]).recording
+    assert np.array_equal(second["force_N"], tb.simulate(tb.preset("pes"), program, after=[first.folder])["force_N"])
+    assert not np.array_equal(second["force_N"], first.recording["force_N"])
+    with pytest.raises(UserError, match="cannot replace a campaign that this one comes after"):
+        tb.run(tb.preset("pes"), program, first.folder, after=[first.folder], overwrite=True)
+    with pytest.raises(UserError, match="a campaign of another sensor"):
+        tb.simulate(tb.preset("lycra"), program, after=[first.folder])
+
+
+def test_align_writes_the_campaign_that_the_command_writes(tmp_path, capsys):
+    program = gcode.generate("paper-1", seed=3, duration_s=60)
+    folder = tb.run(tb.preset("pes"), program, tmp_path / "knit").folder
+    assert main(["align", str(folder), "-o", str(tmp_path / "theirs")]) == 0
+    found = tb.align(folder)
+    assert capsys.readouterr().out.startswith("".join(f"{folder}: {words}\n" for words in found.words))
+    found.write(tmp_path / "mine")
+    for name in ("recording.csv", "program.tap", "datapackage.json"):
+        assert (tmp_path / "mine" / name).read_bytes() == (tmp_path / "theirs" / name).read_bytes()
+    assert np.array_equal(tb.align(tb.read(folder), program).recording.time_s, found.recording.time_s)
+    assert len(found.plot().lines) == 2
+    with pytest.raises(UserError, match="only a campaign's folder knows its own"):
+        tb.align(tb.read(folder))
+    with pytest.raises(UserError, match="no such program"):
+        tb.align(folder, tmp_path / "none.tap")
+
+
+def test_dataset_makes_what_the_command_makes(tmp_path, capsys):
+    gcode.generate("paper-1", seed=3, duration_s=30).write(tmp_path)
+    spec = tmp_path / "knits.toml"
+    spec.write_text('sensors = ["pes@1", "pes@2"]\nprograms = ["*.tap"]\nseeds = "1-2"\n')
+    assert main(["dataset", str(spec), "-o", str(tmp_path / "theirs"), "--workers", "1"]) == 0
+    told = []
+    mine = tb.dataset(spec, tmp_path / "mine", workers=1, progress=lambda done, total: told.append((done, total)))
+    assert (len(mine), mine.made, mine.there) == (4, 4, 0)
+    assert told == [(1, 4), (2, 4), (3, 4), (4, 4)]
+    assert capsys.readouterr().out.startswith(f"{mine}, ".replace("mine", "theirs"))
+    frame = mine.to_frame()
+    assert frame.equals(tb.dataset(spec, tmp_path / "theirs", workers=1, progress=False).to_frame())
+    assert (frame.samples > 0).all()
+    with pytest.raises(UserError, match="format: must be one of csv, parquet, got 'xlsx'"):
+        tb.dataset(spec, tmp_path / "mine", format="xlsx")
+
+
+def test_make_report_writes_the_page_of_the_command(file, tmp_path, monkeypatch):
+    monkeypatch.setattr("testbench.report.build.today", lambda: "today")
+    fitted().save(tmp_path / "model.json")
+    write_json(tmp_path / "found.json", diagnosed().to_dict())
+    model, found, theirs = str(tmp_path / "model.json"), str(tmp_path / "found.json"), tmp_path / "theirs.html"
+    words = ["report", "--recording", file, "--gauge-length-mm", "25", "--model", model, "--diagnosis", found]
+    assert main([*words, "-o", str(theirs)]) == 0
+    tb.make_report(file, model=model, diagnoses=found, gauge_length_mm=25).write(tmp_path / "mine.html")
+    assert (tmp_path / "mine.html").read_text() == theirs.read_text()
+    objects = tb.make_report(relaxed(), model=fitted(), diagnoses=diagnosed())
+    assert objects.verdict == tb.make_report(file, model=model, diagnoses=found, gauge_length_mm=25).verdict
+    assert objects.report.sections[-1].items == []  # of objects no file is known
 
 
 @pytest.mark.slow

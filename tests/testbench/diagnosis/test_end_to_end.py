@@ -17,6 +17,7 @@ from testbench.diagnosis.diagnosis import Diagnosis
 from testbench.diagnosis.words import first_line
 from testbench.fitting.baseline import starting_baseline
 from testbench.fitting.measurement import split
+from testbench.fitting.results import checked_diagnosis
 from testbench.knit.catalogue import load_catalogue, model_from_dict
 from testbench.recordings.files import read_recording
 from testbench.recordings.recording import Recording
@@ -96,7 +97,7 @@ def test_the_json_comes_back_as_it_was_and_its_model_can_be_built():
 
 
 def test_the_first_two_of_a_diagnosis_become_rivals():
-    told = json.loads(json.dumps(relaxed().to_dict()))
+    told = checked_diagnosis(json.loads(json.dumps(relaxed().to_dict())), "diagnosis")
     rivals, noise = rivals_from_diagnosis(
         told, "diagnosis", *split(*pair("stress_relaxation")), CATALOGUE, lambda text: None
     )

@@ -100,11 +100,11 @@ def diagnosis(verdict: str = "missing") -> dict:
 
     def entry(name: str, probability: float, gain: float) -> dict:
         tied = verdict == "missing" and gain > 0
-        return {"effect": name, "form": name, "probability": probability, "log_evidence": 20 * gain, "gain": gain,
+        return {"effect": name, "law": name, "probability": probability, "log_evidence": 20 * gain, "gain": gain,
                 "held_out_gain": [1.96, 1.8, 2.2] if gain > 0 else None, "error_share_left": 0.6,
                 "tied_for_first": tied, "start": {}}  # fmt: skip
 
-    found = [{"effect": "stress_relaxation", "form": "stress_relaxation", "probability": 0.61, "log_evidence": 24.0}]
+    found = [{"effect": "stress_relaxation", "law": "stress_relaxation", "probability": 0.61, "log_evidence": 24.0}]
     relaxation, creep, unknown, nothing = {
         "missing": (0.61, 0.36, 0.016, 0.004),
         "nothing_missing": (0.02, 0.0, 0.05, 0.92),

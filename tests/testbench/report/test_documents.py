@@ -168,7 +168,7 @@ def test_each_step_has_the_diagnosis_that_led_to_it(tmp_path: Path) -> None:
     fitted = json.loads(model.read_text())
     taken = samples.diagnosis() | {"history": fitted["history"]}
     taken["model_after"] = {name: fitted[name] for name in ("format", "version", "effects")}
-    taken["ranking"][0]["form"] = "hysteresis"  # it is in the model
+    taken["ranking"][0]["law"] = "hysteresis"  # it is in the model
     fitted["history"].append(fitted["history"][0] | {"step": "+ hysteresis"})
     model.write_text(json.dumps(fitted))
     open_still = samples.diagnosis("nothing_missing")

@@ -245,7 +245,7 @@ def test_probabilities_are_shown_and_never_none_nor_all() -> None:
 
 def test_all_that_was_found_is_said_with_how_sure_it_is() -> None:
     one = samples.diagnosis()
-    second = {"effect": "slack", "form": "slack", "probability": 0.995, "log_evidence": 9.0}
+    second = {"effect": "slack", "law": "slack", "probability": 0.995, "log_evidence": 9.0}
     both = one | {"found": [*one["found"], second], "tied": []}
     said = words.verdict_in_words(both)
     assert said.startswith("The model is missing stress relaxation (61 %), then slack (> 99 %). In all, the held-out")

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
+import testbench as tb
 from testbench.cli import main
-from testbench.report.build import Inputs, build_report
 from testbench.report.document import Picture, Report, Table
 from tests.testbench.builders import record, truth, write_csv
 
@@ -25,7 +25,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, str]:
 
 def report(made: tuple[str, str], resistance: bool) -> Report:
     path, model = made
-    return build_report(Inputs((path,), None, 25.0, model, resistance=resistance))
+    return tb.make_report(path, gauge_length_mm=25.0, model=model, resistance=resistance).report
 
 
 def words(told: Report) -> str:

@@ -135,7 +135,7 @@ async def test_several_that_were_found_are_added_together(user: User, fitted: St
     steps = [model["history"][0], *(model["history"][0] | {"step": f"+ {name}"} for name in ("one", "two"))]
     models.diagnosed_path(fitted, "sleeve").write_text(json.dumps(model | {"history": steps}))
     found = samples.diagnosis()
-    found["found"] = [found["found"][0], found["found"][0] | {"effect": "slack", "form": "slack"}]
+    found["found"] = [found["found"][0], found["found"][0] | {"effect": "slack", "law": "slack"}]
     (fitted.workspace.results("sleeve") / "diagnosis.json").write_text(json.dumps(found | {"history": steps}))
     await user.open("/missing?c=sleeve")
     await user.should_see("Add all that was found: stress relaxation, slack")

@@ -1,4 +1,4 @@
-"""Which knit model a command means: a preset by name, or a model file."""
+"""Arguments of the commands that simulate: which sensor, and what it went through before."""
 
 from __future__ import annotations
 
@@ -6,8 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from gcode.support.errors import UserError
-from testbench.trust import EFFECTS_HELP
+from testbench.commands._arguments import add_effects, rest
 
 if TYPE_CHECKING:
     from testbench.knit.model import KnitModel
@@ -20,7 +19,7 @@ def add_sensor_arguments(parser: argparse.ArgumentParser) -> None:
         "--sensor", metavar="NAME", help="preset of a knit: pes or lycra; pes@3: the third specimen of its kind"
     )
     which.add_argument("--model", metavar="FILE", help="model.json to simulate in place of a preset")
-    parser.add_argument("--effects", metavar="FILE", help=EFFECTS_HELP)
+    add_effects(parser)
 
 
 def add_past_arguments(parser: argparse.ArgumentParser) -> None:
@@ -50,35 +49,3 @@ def sensor_model(args: argparse.Namespace) -> tuple[KnitModel, str]:
     if args.sensor:
         return preset(args.sensor), args.sensor
     return model_from_dict(read_model(args.model), load_catalogue(args.effects), args.model), Path(args.model).name
-
-
-def positive(text: str) -> float:
-    """argparse type: a positive, finite number."""
-    value = float(text)
-    if not 0 < value < float("inf"):
-        raise argparse.ArgumentTypeError(f"must be a positive number, got {text}")
-    return value
-
-
-def natural(text: str) -> int:
-    """argparse type: a whole number, 0 or more."""
-    value = int(text)
-    if value < 0:
-        raise argparse.ArgumentTypeError(f"must be 0 or more, got {text}")
-    return value
-
-
-def rest(text: str) -> float:
-    """argparse type: seconds, 0 to a day or so."""
-    value = float(text)
-    if not 0 <= value <= 1e5:
-        raise argparse.ArgumentTypeError(f"must be 0 to 100000 s, got {text}")
-    return value
-
-
-def existing_file(path: str | Path, what: str) -> Path:
-    """`path` if it is a file; a `UserError` that says `what` was wanted otherwise."""
-    path = Path(path)
-    if not path.is_file():
-        raise UserError(f"{path}: no such {what}")
-    return path

@@ -1,0 +1,194 @@
+"""`run`: a program played on the simulated rig and kept as a campaign."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from gcode.programs.make import Made
+from gcode.support.errors import UserError
+from gcode.support.files import write_text
+from testbench.api.arguments import AnyModel, catalogue_of, model_file_of
+from testbench.campaigns.campaign import matches, simulate_campaign, simulate_live, vacant
+from testbench.campaigns.plan import Plan, programs_before
+from testbench.knit.model import KnitModel
+from testbench.recordings.files import read_recording
+from testbench.recordings.instruments import Instruments
+from testbench.recordings.recording import Recording
+from testbench.rig.links import real_time as at_the_machines_pace
+from testbench.rig.motion import played
+from testbench.rig.past import DEFAULT_REST_S
+from testbench.rig.recorder import Status
+from testbench.rig.signals import stop_signals
+from testbench.rig.simulated import Motion
+
+ENDED_WELL = ("complete", "interrupted")
+MODEL = "model"  # what a manifest calls a sensor that has no other name
+
+
+@dataclass(frozen=True)
+class RunResult:
+    """A simulated campaign on the disk.
+
+    Attributes
+    ----------
+    folder : Path
+        With the recording, the program and the manifest from which it can be made again.
+    sensor : str
+        What its manifest calls the sensor.
+    seed : int
+    status : Status or None
+        How the recording ended; None where the same campaign was there already, every byte of it.
+    """
+
+    folder: Path
+    sensor: str
+    seed: int
+    status: Status | None
+
+    @property
+    def ended_well(self) -> bool:
+        """Whether it is complete, or was ended early because somebody asked for it."""
+        return self.status is None or self.status.state in ENDED_WELL
+
+    @property
+    def recording(self) -> Recording:
+        """What was recorded, read from the folder."""
+        return read_recording(self.folder)
+
+    def __repr__(self) -> str:
+        return f"<RunResult {self}>"
+
+    def __str__(self) -> str:
+        if self.status is None:
+            return f"{self.folder}: already there and intact; not run again"
+        done = f"{self.status.samples} samples in {self.status.time_s:.0f} s of motion"
+        return f"{self.folder}: {done}, {self.sensor}, seed {self.seed}"
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready form: folder, sensor, seed, and whether it was made now."""
+        made = self.status is not None
+        return {"folder": str(self.folder), "sensor": self.sensor, "seed": self.seed, "made": made}
+
+
+def run(
+    model: AnyModel,
+    program: Made | str | Path,
+    folder: str | Path,
+    *,
+    seed: int = 1,
+    gauge_length_mm: float | None = None,
+    instruments: Instruments | None = None,
+    after: Iterable[str | Path] = (),
+    rest_s: float = DEFAULT_REST_S,
+    effects: str | Path | None = None,
+    sensor: str | None = None,
+    overwrite: bool = False,
+    real_time: bool = False,
+    report: Callable[[Status], None] = lambda status: None,
+) -> RunResult:
+    """Play a program on the simulated rig, whose sensor is `model`, and keep the campaign in a folder.
+
+    The same call again does nothing where the campaign is there and intact. `testbench.simulate` gives the recording
+    and keeps no files.
+
+    Parameters
+    ----------
+    model : KnitModel, result or path
+        The sensor.
+    program : Made or path
+        From `gcode.generate`, or a Mach4 program.
+    folder : path
+        Of the campaign; must not exist, or be empty, or hold this campaign (or another one, with `overwrite`).
+    seed : int
+        Of noise and sampling times.
+    gauge_length_mm : float, optional
+        In mm; default: the program's.
+    instruments : Instruments, optional
+        Default: those of the paper's bench.
+    after : iterable of path, optional
+        Programs, or campaigns of this sensor, that it went through before, in order. It remembers them.
+    rest_s : float
+        Rest after each of these, in s.
+    effects : path, optional
+        The file with the user's own effects that the model uses; a copy of it is kept in the folder.
+    sensor : str, optional
+        What the manifest calls the sensor; default: the name of the model's file, or ``model``.
+    overwrite : bool
+        Replace another simulated campaign in `folder`; a measured one never is.
+    real_time : bool
+        Take as long as the machine would; the files can be read while they grow, and Ctrl-C ends the recording well.
+    report : callable
+        Called with a `testbench.rig.recorder.Status` while it runs and at the end.
+
+    Returns
+    -------
+    RunResult
+
+    Raises
+    ------
+    UserError
+        If the program cannot be played, the folder holds something else, a campaign in `after` is of another sensor,
+        or the model makes values that are not finite.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import gcode
+    >>> import testbench as tb
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     made = tb.run(tb.preset("pes"), gcode.generate("paper-1", seed=1, duration_s=60), folder)
+    ...     made.recording.gauge_length_mm
+    25.0
+    """
+    folder, earlier, own = Path(folder), [Path(one) for one in after], Path(effects) if effects else None
+    name = sensor or (Path(model).name if isinstance(model, str | Path) else MODEL)
+    knit = model_file_of(model, catalogue_of(own)).model
+    with program_file(program) as path:
+        plan, motion = planned(knit, path, seed, gauge_length_mm, instruments, earlier, rest_s, name, own)
+        if matches(folder, plan):
+            return RunResult(folder, name, seed, None)
+        if folder.resolve() in {source.resolve() for source in earlier}:
+            raise UserError(f"{folder}: cannot replace a campaign that this one comes after; choose another with -o")
+        vacant(folder, overwrite)
+        if real_time:
+            with stop_signals() as stopped:
+                status = simulate_live(plan, folder, motion, report, at_the_machines_pace, stopped)
+        else:
+            status = simulate_campaign(plan, folder, motion, report)
+    return RunResult(folder, name, seed, status)
+
+
+@contextlib.contextmanager
+def program_file(program: Made | str | Path) -> Iterator[Path]:
+    """The file of a program; of one that was only generated, a file for the time of the block."""
+    if not isinstance(program, Made):
+        yield Path(program)
+        return
+    with TemporaryDirectory(prefix="knitbench-") as folder:
+        path = Path(folder) / "program.tap"
+        write_text(path, program.program)
+        yield path
+
+
+def planned(
+    model: KnitModel,
+    program: Path,
+    seed: int,
+    gauge_length_mm: float | None,
+    instruments: Instruments | None,
+    after: Iterable[Path],
+    rest_s: float,
+    sensor: str = MODEL,
+    effects: Path | None = None,
+) -> tuple[Plan, Motion]:
+    """Everything that a simulated campaign depends on, and the motion of its program; parameters as in `run`."""
+    if seed < 0:
+        raise UserError(f"seed: must be a whole number, 0 or more, got {seed}")
+    motion, gauge = played(program, gauge_length_mm)
+    past = programs_before(after, model, gauge, effects)
+    return Plan(program, model, gauge, seed, sensor, instruments or Instruments(), past, rest_s, effects), motion
