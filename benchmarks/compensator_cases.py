@@ -2,8 +2,8 @@
 
 `measured` are the pairs of the carbon-black strip on which rules of `auto` were compared, so figures on them measure
 nothing; `others` are other materials, and a motion of the strip that is in no pair: six of its pairs (`DEVELOPED_ON`)
-showed why a compensator learns the clock of a motion, the rest chose nothing. `unseen` are recordings of the same kinds
-in pairs that were run once, after everything was chosen: other motions against one another, and another person.
+showed how a compensator learns the clock of a motion, the rest chose nothing. `unseen` are recordings of the same
+kinds in pairs that were run once, after everything was chosen: other motions against one another, and another person.
 """
 
 from __future__ import annotations

@@ -14,8 +14,8 @@ recording of its own, its memories beginning with its first sample, and again as
 what only knows the timing of the training's motion fails there. The stack's weights are those that fit all these
 predictions best, none of them negative; its own figures are of weights that were found without the fold, at the pace
 of the recording. It is taken unless its lead over the line is within one standard error; then the line is, and that
-is said. Of methods that one recording cannot tell apart, a pick would be chance; the weights share the risk of another
-motion or another day.
+is said. Of methods that one recording cannot tell apart, a pick would be chance; the weights share the risk of
+another motion or another day.
 """
 
 from __future__ import annotations
