@@ -174,8 +174,9 @@ def _pairs(known, cases: Sequence[Case], methods: Sequence[str], heading: str) -
                 count += 1
     if count:
         lines.append(
-            f"auto, pairs that it was developed on left out: within 0.01 of the best in {near} of {count}; not below raw in {above} of {count}, and in "
-            f"{as_raw} where it is scored as raw is, by each recording's own mean and spread"
+            f"auto, but for pairs that it was developed on: within 0.01 of the best in {near} of {count}; not below "
+            f"raw in {above} of {count}, and in {as_raw} where it is scored as raw is, by each recording's own mean "
+            "and spread"
         )
     return lines
 
