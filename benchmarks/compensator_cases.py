@@ -137,7 +137,8 @@ def unseen() -> Iterator[Case]:
 
 def _pair(kind: str, folder: str, first: str, second: str, columns: Mapping[str, str]) -> Case:
     def load() -> tuple[Sequence[Recording], Sequence[Recording]]:
-        return tuple([_named(ALL_REAL / folder / f"{name}.csv", columns)] for name in (first, second))
+        one, other = (_named(ALL_REAL / folder / f"{name}.csv", columns) for name in (first, second))
+        return [one], [other]
 
     targets = tuple(name for name, channel in TARGET_OF.items() if channel in columns)
     return Case(kind, f"{folder.split('_')[0]} {first} -> {second}", load, targets)
