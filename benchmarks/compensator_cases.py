@@ -1,7 +1,9 @@
 """What compensators are trained and tested on: fresh specimens of both presets, and pairs of measured recordings.
 
 `measured` are the pairs of the carbon-black strip on which rules of `auto` were compared, so figures on them measure
-nothing; `others` are recordings that chose nothing: other materials, and a motion of the strip that is in no pair.
+nothing; `others` are other materials, and a motion of the strip that is in no pair: six of its pairs (`DEVELOPED_ON`)
+showed how a compensator learns the clock of a motion, the rest chose nothing. `unseen` are recordings of the same
+kinds in pairs that were run once, after everything was chosen: other motions against one another, and another person.
 """
 
 from __future__ import annotations
@@ -32,6 +34,7 @@ PAIRS = (
 
 # Folder, recordings in turn, and which column is which; a strain and an angle stand for the displacement.
 THREAD = {"displacement_mm": "strain_raw", "resistance_ohm": "resistance_rel"}
+STRIP = {"displacement_mm": "displacement_mm", "force_N": "force_N", "resistance_ohm": "resistance_ohm"}
 OTHERS = (
     ("velostat_pressure", "pike1_exp1", "pike1_exp2", {"force_N": "force_N", "resistance_ohm": "resistance_reading"}),
     ("silver_nylon_thread", "steps_inc_single_1", "steps_inc_single_2", THREAD | {"force_N": "load_raw"}),
@@ -40,7 +43,29 @@ OTHERS = (
     ("silver_nylon_thread", "cyclic_mixed_10_20", "cyclic_mixed_15_25", THREAD),
     ("silver_nylon_thread", "cyclic_sin_20", "cyclic_tri_20", THREAD),
 )
+DEVELOPED_ON = (
+    "velostat pike1_exp1 -> pike1_exp2",
+    "silver steps_inc_single_1 -> steps_inc_single_2",
+    "silver steps_inc_single_1 -> steps_inc_double_1",
+    "silver cyclic_mixed_10_20 -> cyclic_mixed_15_25",
+    "sleeve s1, first 60 % of one person -> rest",
+    "sleeve s3, first 60 % of one person -> rest",
+)
+UNSEEN = (
+    ("silver_nylon_thread", "steps_inc_double_1", "steps_inc_single_2", THREAD | {"force_N": "load_raw"}),
+    ("silver_nylon_thread", "steps_dec_double_1", "steps_inc_single_2", THREAD | {"force_N": "load_raw"}),
+    ("silver_nylon_thread", "steps_inc_double_1", "steps_dec_double_2", THREAD | {"force_N": "load_raw"}),
+    ("silver_nylon_thread", "cyclic_sin_20", "cyclic_mixed_10_20", THREAD),
+    ("silver_nylon_thread", "cyclic_mixed_15_25", "cyclic_sin_20", THREAD),
+    ("silver_nylon_thread", "cyclic_tri_20", "cyclic_mixed_15_25", THREAD),
+)
+UNSEEN_STRIP = (
+    ("2_multisine_600s", "2_triangles12_v19"),
+    ("2_sine", "2_multisine_300s_a"),
+    ("2_random_sawtooth_a", "2_multisine_600s"),
+)
 SLEEVE, SLEEVE_SENSORS = "knit_graphene_sleeve/HC_90_S1_2_HC90.csv", ("s1", "s2", "s3", "s4", "s5")
+ONE_PERSON = 0.45
 
 
 @dataclass(frozen=True)
@@ -93,28 +118,46 @@ def others() -> Iterator[Case]:
     if not ALL_REAL.is_dir():
         return
     for folder, first, second, columns in OTHERS:
-        targets = tuple(name for name, channel in TARGET_OF.items() if channel in columns)
-        for one, other in ((first, second), (second, first)):
-            yield Case(
-                "others",
-                f"{folder.split('_')[0]} {one} -> {other}",
-                lambda f=folder, a=one, b=other, c=columns: (
-                    [_named(ALL_REAL / f / f"{a}.csv", c)],
-                    [_named(ALL_REAL / f / f"{b}.csv", c)],
-                ),
-                targets,
-            )
-    strip = {"displacement_mm": "displacement_mm", "force_N": "force_N", "resistance_ohm": "resistance_ohm"}
-    yield Case("others", "cb sine, first 60 % -> rest", lambda: _parts(_named(REAL / "cb7.5_s2_sine.csv", strip)))
+        yield _pair("others", folder, first, second, columns)
+        yield _pair("others", folder, second, first, columns)
+    yield Case("others", "cb sine, first 60 % -> rest", lambda: _parts(_named(REAL / "cb7.5_s2_sine.csv", STRIP)))
+    yield from _sleeve("others", "one person", first=True)
+
+
+def unseen() -> Iterator[Case]:
+    """Pairs that were run once, after everything was chosen; nothing where they are absent."""
+    if not ALL_REAL.is_dir():
+        return
+    for folder, first, second, columns in UNSEEN:
+        yield _pair("unseen", folder, first, second, columns)
+    for first, second in UNSEEN_STRIP:
+        yield _pair("unseen", REAL.name, f"cb7.5_s{first}", f"cb7.5_s{second}", STRIP)
+    yield from _sleeve("unseen", "another person", first=False)
+
+
+def _pair(kind: str, folder: str, first: str, second: str, columns: Mapping[str, str]) -> Case:
+    def load() -> tuple[Sequence[Recording], Sequence[Recording]]:
+        one, other = (_named(ALL_REAL / folder / f"{name}.csv", columns) for name in (first, second))
+        return [one], [other]
+
+    targets = tuple(name for name, channel in TARGET_OF.items() if channel in columns)
+    return Case(kind, f"{folder.split('_')[0]} {first} -> {second}", load, targets)
+
+
+def _sleeve(kind: str, whose: str, first: bool) -> Iterator[Case]:
+    """Each sensor of the sleeve, worn by the first or the second person.
+
+    Two people follow each other, the boundary is not marked: the first 45 % are of the first alone, the last of the
+    second.
+    """
     for sensor in SLEEVE_SENSORS:
         columns = {"displacement_mm": "knee_angle_deg", "resistance_ohm": f"{sensor}_dR_R0"}
-        # Two people follow each other, the boundary is not marked: the first 45 % are of the first alone.
-        yield Case(
-            "others",
-            f"sleeve {sensor}, first 60 % of one person -> rest",
-            lambda c=columns: _parts(_named(ALL_REAL / SLEEVE, c, change=True), 0.45),
-            ("displacement",),
-        )
+
+        def load(columns: Mapping[str, str] = columns) -> tuple[Sequence[Recording], Sequence[Recording]]:
+            whole = _named(ALL_REAL / SLEEVE, columns, change=True)
+            return _parts(whole, *((0.0, ONE_PERSON) if first else (1.0 - ONE_PERSON, 1.0)))
+
+        yield Case(kind, f"sleeve {sensor}, first 60 % of {whose} -> rest", load, ("displacement",))
 
 
 TARGET_OF = {"force": "force_N", "displacement": "displacement_mm"}
@@ -128,7 +171,8 @@ def _named(path: Path, columns: Mapping[str, str], change: bool = False) -> Reco
     return Recording(found["time_s"], channels, GAUGE_LENGTH_MM, path.stem)
 
 
-def _parts(whole: Recording, share: float = 1.0) -> tuple[Sequence[Recording], Sequence[Recording]]:
-    begin_s, end_s = float(whole.time_s[0]), float(whole.time_s[0] + share * whole.duration_s)
+def _parts(whole: Recording, begin: float = 0.0, end: float = 1.0) -> tuple[Sequence[Recording], Sequence[Recording]]:
+    """The first 60 % of what lies between two shares of a recording, and the rest of it."""
+    begin_s, end_s = (float(whole.time_s[0] + share * whole.duration_s) for share in (begin, end))
     cut_s = begin_s + FIRST_PART * (end_s - begin_s)
     return [whole.between(begin_s, cut_s)], [whole.between(cut_s, end_s)]

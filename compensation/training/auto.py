@@ -10,10 +10,12 @@ The parts, from the simplest on:
 
 Each predicts every fold from the others and makes all its own choices there, on the training part alone. Folds are
 whole recordings where there are three or more, contiguous fifths of all rows otherwise; each fold is predicted as a
-recording of its own, its memories beginning with its first sample. The stack's weights are those that fit these
-predictions best, none of them negative; its own figures are of weights that were found without the fold. It is taken
-unless its lead over the line is within one standard error; then the line is, and that is said. Of methods that one
-recording cannot tell apart, a pick would be chance; the weights share the risk of another motion or another day.
+recording of its own, its memories beginning with its first sample, and again as if it had been slower or quicker:
+what only knows the timing of the training's motion fails there. The stack's weights are those that fit all these
+predictions best, none of them negative; its own figures are of weights that were found without the fold, at the pace
+of the recording. It is taken unless its lead over the line is within one standard error; then the line is, and that
+is said. Of methods that one recording cannot tell apart, a pick would be chance; the weights share the risk of
+another motion or another day.
 """
 
 from __future__ import annotations
@@ -33,7 +35,7 @@ from compensation.series.preprocessing import Series
 from compensation.training.arrays import describe
 from compensation.training.folds import FOLDS, GROUPS_FROM, folds_of
 from compensation.training.intervals import of_another, widest_part
-from compensation.training.learners import Learner, Line, Networks, Paper, Ridge
+from compensation.training.learners import PACES, Learner, Line, Networks, Paper, Ridge
 from compensation.training.options import Options
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
@@ -74,13 +76,12 @@ def train_automatically(
         )
     folds = folds_of(series)
     learners = [learner(series, target, options) for learner in LEARNERS]
-    predictions: dict[str, FloatArray] = {}
-    for learner in learners:
-        predictions[learner.name] = _cross_validated(learner, folds, progress)
+    at_all_paces = {learner.name: _cross_validated(learner, folds, progress) for learner in learners}
     truth = learners[0].lessons.truth
-    predictions[STACK] = stacked(predictions, truth, folds)
+    predictions = {name: values[0] for name, values in at_all_paces.items()}
+    predictions[STACK] = stacked(at_all_paces, truth, folds)
     chosen = choose(predictions, truth, learners[0].lessons.block_rows)
-    weights = weights_of(predictions, truth) if chosen == STACK else {"line": 1.0}
+    weights = weights_of(at_all_paces, truth) if chosen == STACK else {"line": 1.0}
     compensator = _trained(weights, {learner.name: learner for learner in learners}, series, options)
     progress(f"trained {chosen} on everything")
     scale = compensator.scaling_out.scale
@@ -120,22 +121,29 @@ def choose(predictions: Mapping[str, FloatArray], truth: FloatArray, block_rows:
 
 
 def weights_of(predictions: Mapping[str, FloatArray], truth: FloatArray) -> dict[str, float]:
-    """Weights of the stack's parts, none negative, together 1; a part without weight is left out."""
+    """Weights of the stack's parts, none negative, together 1; a part without weight is left out.
+
+    Parameters
+    ----------
+    predictions : mapping of ndarray, each shape (paces, n)
+    truth : ndarray, shape (n,)
+    """
     from scipy.optimize import nnls
 
-    found, _ = nnls(np.column_stack([predictions[name] for name in STACKED]), truth)
+    columns = np.column_stack([predictions[name].ravel() for name in STACKED])
+    found, _ = nnls(columns, np.tile(truth, len(predictions[STACKED[0]])))
     if not found.any():
         return {STACKED[0]: 1.0}
     return {name: float(w) for name, w in zip(STACKED, found / found.sum(), strict=True) if w > 0}
 
 
 def stacked(predictions: Mapping[str, FloatArray], truth: FloatArray, folds: NDArray[np.int64]) -> FloatArray:
-    """What the stack predicts of each fold, with weights from the other folds."""
+    """What the stack predicts of each fold at the pace of the recording, with weights from the other folds."""
     result = np.empty(len(truth))
     for number in np.unique(folds):
         here = folds == number
-        weights = weights_of({name: predictions[name][~here] for name in STACKED}, truth[~here])
-        result[here] = sum(weight * predictions[name][here] for name, weight in weights.items())
+        weights = weights_of({name: predictions[name][:, ~here] for name in STACKED}, truth[~here])
+        result[here] = sum(weight * predictions[name][0, here] for name, weight in weights.items())
     return result
 
 
@@ -156,10 +164,10 @@ def figures(truth: FloatArray, prediction: FloatArray, scale: float) -> dict[str
 
 
 def _cross_validated(learner: Learner, folds: NDArray[np.int64], progress: Callable[[str], None]) -> FloatArray:
-    prediction = np.empty(len(folds))
+    prediction = np.empty((len(PACES), len(folds)))
     for number in range(int(folds.max()) + 1):
         held_out = folds == number
-        prediction[held_out] = learner.predict(learner.fit(~held_out), held_out)
+        prediction[:, held_out] = learner.predict(learner.fit(~held_out), held_out)
         progress(f"{learner.name}, fold {number + 1}")
     return prediction
 

@@ -2,6 +2,9 @@
 
 The state of a knit is never the same twice: beside the recording as it is, there are versions of it with the
 conductance shifted a little up and down, so that a network learns from changes rather than from absolute values.
+Nor is the motion: where all holds last six seconds, a memory of six seconds tells when the hold will end, and a
+network that learned that clock is lost where they last twelve. So there may be versions at another pace as well, in
+which the recording is slower or quicker than it was.
 """
 
 from __future__ import annotations
@@ -77,7 +80,12 @@ class Lessons:
 
 
 def lessons(
-    series: Sequence[Series], target: str, options: Options, starts: bool = False, shift: float = STATE_SHIFT
+    series: Sequence[Series],
+    target: str,
+    options: Options,
+    starts: bool = False,
+    shift: float = STATE_SHIFT,
+    paces: Sequence[float] = (1.0,),
 ) -> Lessons:
     """Features and target of all training recordings, one after the other.
 
@@ -88,6 +96,8 @@ def lessons(
         `PIECE_S`, so that a network also learns from memories that have just been switched on.
     shift : float
         Of the conductance in the versions, up and down, in standard deviations.
+    paces : sequence of float
+        How many seconds a second of the recording takes in the versions: two versions a pace, up and down.
     """
     blank = untrained(series, target, options)
     copies = [list(series), list(series)]
@@ -99,8 +109,11 @@ def lessons(
     own = features[:, len(blank.alphas) :]
     centre[len(blank.alphas) :] = own.mean(axis=0)
     scale[len(blank.alphas) :] = HISTORY_SPREAD / np.maximum(own.std(axis=0), 1e-9)
-    shifts = zip((shift, -shift), copies, strict=True)
-    moved = [training_arrays(_shifted(blank, by), copy)[0] for by, copy in shifts]
+    moved = [
+        features_at_pace(_shifted(blank, by), copy, pace)
+        for pace in paces
+        for by, copy in zip((shift, -shift), copies, strict=True)
+    ]
     versions = tuple((values - centre) * scale for values in (features, *moved))
     duration_s = sum(part.time_s[-1] - part.time_s[0] for part in series)
     block_rows = max(int(len(truth) * BLOCK_S / duration_s), 1)
@@ -115,6 +128,18 @@ def pieces(series: Sequence[Series], length_s: float, offset_s: float = 0.0) -> 
         for rows in np.split(np.arange(len(part)), np.flatnonzero(np.diff(number)) + 1):
             found.append(part.rows(rows))
     return found
+
+
+def features_at_pace(blank: Compensator, series: Sequence[Series], pace: float) -> FloatArray:
+    """Features (n, k) of the recordings, had a second of them taken `pace` seconds.
+
+    Of a sensor without memory, or one of pure hysteresis, that is what it would have measured; of a knit it is not,
+    and so a network trusts its time constants no more closely than to about that factor.
+    """
+    if pace == 1.0:
+        return training_arrays(blank, series)[0]
+    slower = [replace(part, time_s=part.time_s * pace) for part in series]
+    return training_arrays(replace(blank, irregular=True), slower)[0]
 
 
 def _shifted(blank: Compensator, by: float) -> Compensator:

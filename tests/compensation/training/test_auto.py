@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from compensation.cli import main
+from compensation.memories.ema import smooth
 from compensation.model import files as compensator_files
 from compensation.model.streaming import CompensatorStream
 from compensation.series import score
@@ -24,6 +25,7 @@ from compensation.training.auto import (
 from compensation.training.folds import GROUPS_FROM, folds_of
 from compensation.training.learners import Ridge, linear
 from compensation.training.least_squares import Sums
+from compensation.training.lessons import features_at_pace
 from compensation.training.options import Options
 from gcode.support.errors import UserError
 from testbench.recordings.files import write_recording_csv
@@ -114,13 +116,14 @@ def test_the_weights_are_what_each_is_worth():
     """Errors that have nothing to do with one another are shared out by their variances; more of the same is out."""
     rng, count = np.random.default_rng(0), 100_000
     truth, first, second = rng.standard_normal((3, count))
-    predictions = {"ridge": truth + first, "networks": truth + second / 2, "paper": truth + second}
+    predictions = {"ridge": [truth + first], "networks": [truth + second / 2], "paper": [truth + second]}
+    predictions = {name: np.array(values) for name, values in predictions.items()}
     weights = weights_of(predictions, truth)
     assert sum(weights.values()) == pytest.approx(1.0)
     assert weights["ridge"] == pytest.approx(0.2, abs=0.02)
     assert weights["networks"] == pytest.approx(0.8, abs=0.02)
     assert "paper" not in weights
-    assert weights_of(dict.fromkeys(STACKED, -truth), truth) == {"ridge": 1.0}
+    assert weights_of(dict.fromkeys(STACKED, -truth[None]), truth) == {"ridge": 1.0}
 
 
 def test_a_folds_weights_come_from_the_others():
@@ -128,9 +131,43 @@ def test_a_folds_weights_come_from_the_others():
     truth, folds = rng.standard_normal(4000), np.repeat(np.arange(4), 1000)
     good, bad = truth + 0.1 * rng.standard_normal(4000), 3 * rng.standard_normal(4000)
     ridge, networks = np.where(folds == 0, bad, good), np.where(folds == 0, good, bad)
-    predictions = {"ridge": ridge, "paper": bad, "networks": networks}
+    predictions = {"ridge": ridge[None], "paper": bad[None], "networks": networks[None]}
     found = stacked(predictions, truth, folds)
     np.testing.assert_allclose(found[folds == 0], bad[folds == 0], atol=0.5)
+
+
+def holds(seconds: float, seed: int) -> Series:
+    """Pulled by another amount and held for so long each time; what is read lags by 2 s and is noisy."""
+    time_s = np.arange(0.0, 240.0, 0.05)
+    number = (time_s // (2 * seconds)).astype(int)
+    rng = np.random.default_rng(seed)
+    heights = rng.uniform(0.3, 1.0, number.max() + 1)
+    stretch = np.where(time_s % (2 * seconds) < seconds, heights[number], 0.0)
+    lagging = smooth(stretch, np.array([0.05 / 2.0]), 20.0)[:, 0]
+    noise = 0.05 * rng.standard_normal(len(time_s))
+    return Series(time_s, 1e-6 * (3 + lagging + noise), stretch, f"holds of {seconds} s")
+
+
+def test_what_it_learns_is_the_sensor_and_not_the_clock_of_the_motion():
+    """Holds of one length in the training: a memory tells when they end, where only the conductance may."""
+    compensator = train_automatically([holds(6.0, 1)], "displacement", Options())
+    longer = holds(12.0, 2)
+    line = np.polyval(np.polyfit(longer.conductance_S * 1e6, longer.truth, 1), longer.conductance_S * 1e6)
+    assert score.r2(longer.truth, compensator.predict_series(longer)) > score.r2(longer.truth, line)
+
+
+def test_versions_of_another_pace_are_those_of_a_slower_recording(series):
+    """Features of a recording in slow motion, sampled as often as it, are those of the recording at another pace."""
+    part = series[0].rows(np.arange(2000))
+    learner = Ridge([part], "force", Options())
+    blank = learner.lessons.blank
+    slow = np.arange(0.0, 1.5 * part.time_s[-1], 0.05)
+    stretched = Series(slow, np.interp(slow, 1.5 * part.time_s, part.conductance_S), slow, "slow")
+    expected = blank.features(stretched.time_s, stretched.conductance_S)[::3]
+    got = features_at_pace(blank, [part], 1.5)[::2][: len(expected)]
+    late = slice(600, None)
+    error = np.abs(got - expected[: len(got)])[late].std(axis=0) / expected[late].std(axis=0)
+    assert (error < 0.15).all(), error.round(3)
 
 
 def test_folds_are_recordings_where_there_are_enough(series):
