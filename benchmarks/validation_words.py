@@ -151,7 +151,7 @@ def told(pair: Pair, row: Row, outside: tuple[str, str]) -> str:
         if chance >= 0.01
     )
     steps = ", then ".join(
-        f"{one['form'].replace('_', ' ')} ({100 * one['probability']:.0f} %)" for one in row["found"]
+        f"{one['law'].replace('_', ' ')} ({100 * one['probability']:.0f} %)" for one in row["found"]
     )
     put_in = (
         f"Put in: {steps}; {100 * row['left']:.0f} % of the error above the noise is left."

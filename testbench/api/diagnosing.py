@@ -103,7 +103,7 @@ class DiagnosisResult:
         return pd.DataFrame(
             {
                 "effect": one.effect,
-                "law": one.form,
+                "law": one.law,
                 "probability": one.probability,
                 "log_evidence": one.log_evidence,
                 "tied": one.effect in self.diagnosis.tied,

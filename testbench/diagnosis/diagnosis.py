@@ -34,7 +34,7 @@ class Ranked:
 
     Attributes
     ----------
-    effect, form : str
+    effect, law : str
         The mechanism, and the law of the catalogue that speaks for it.
     probability : float
         That it is what is missing most.
@@ -49,7 +49,7 @@ class Ranked:
     """
 
     effect: str
-    form: str
+    law: str
     probability: float
     log_evidence: float
     gain: float
@@ -60,7 +60,7 @@ class Ranked:
         """JSON-ready form."""
         return {
             "effect": self.effect,
-            "form": self.form,
+            "law": self.law,
             "probability": self.probability,
             "log_evidence": self.log_evidence,
             "gain": self.gain,
@@ -76,7 +76,7 @@ class Found:
 
     Attributes
     ----------
-    effect, form : str
+    effect, law : str
         Mechanism and law.
     probability : float
         Of this mechanism among all that could have been put in at this step.
@@ -85,7 +85,7 @@ class Found:
     """
 
     effect: str
-    form: str
+    law: str
     probability: float
     log_evidence: float
 

@@ -27,7 +27,6 @@ from testbench.knit.model import KnitModel
 
 Progress = Callable[[str], None]
 One = TypeVar("One", Proposal, Entry)
-BASES = 2  # base laws whose shapes are fitted
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +108,7 @@ class Search:
         model = without_shapes(self.baseline.model)
         laws = [*self.other_laws(model), *laws_that_may_act(model, self.measurement, self.catalogue)]
         started, *exchanged = self.pool.map(self.compare, [model, *(model.plus(law) for law in laws)])
-        stiff = sorted([started, *exchanged], key=_evidence)[-BASES:]
+        stiff = sorted([started, *exchanged], key=_evidence)[-constants.BASES :]
         bent = self.pool.map(lambda h: self.compare(self.bent(h.model)), stiff)
         best = max(*bent, self.compare(self.flexible.model, self.flexible), key=_evidence)
         return [best, *map(self.about_to_bend, dict.fromkeys((stiff[-1], started)))]

@@ -15,14 +15,12 @@ SHOWN = 6
 
 def diagnosis_table(diagnosis: Diagnosis) -> str:
     """What was found and how sure that is, the ranking, and the fall of the error."""
-    title = (
-        f"{'rank':<6}{'effect':<26}{'form':<34}{'probability':>11}{'log evidence':>14}  held-out error left (95 %)"
-    )
+    title = f"{'rank':<6}{'effect':<26}{'law':<34}{'probability':>11}{'log evidence':>14}  held-out error left (95 %)"
     lines = [first_line(diagnosis), "", title]
     for place, entry in enumerate(diagnosis.ranking[:SHOWN], 1):
         numbers = f"{percent(entry.probability):>11}{entry.log_evidence:>9.1f} nats  {_error_left(entry)}"
         tied = "  (tied)" if entry.effect in diagnosis.tied else ""
-        lines.append(f"{place:<6}{entry.effect:<26}{entry.form:<34}{numbers}{tied}")
+        lines.append(f"{place:<6}{entry.effect:<26}{entry.law:<34}{numbers}{tied}")
     others = f"nothing is missing: {percent(diagnosis.probabilities[NOTHING])}"
     lines.append(f"{others}; something that no effect explains: {percent(diagnosis.probabilities[UNKNOWN])}")
     if diagnosis.base_misfits:

@@ -27,7 +27,7 @@ MOST_EFFECTS, MOST_POINTS = 1000, 1_000_000
 
 
 class _Named(OpenModel):
-    """A mechanism (``effect``) and the law of it that fits best; ``form`` is what files call the law."""
+    """A mechanism (``effect``) and the law of it that fits best; ``form`` is what older files call the law."""
 
     effect: Label
     law: Label

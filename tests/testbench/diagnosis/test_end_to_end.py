@@ -89,11 +89,11 @@ def test_the_json_comes_back_as_it_was_and_its_model_can_be_built():
         "depends_on",
     } <= set(said)
     assert {"left_unexplained", "error_before", "error_after", "noise_floor", "parameters_after"} <= set(said)
-    keys = {"effect", "form", "probability", "log_evidence", "gain", "held_out_gain", "error_share_left"}
+    keys = {"effect", "law", "probability", "log_evidence", "gain", "held_out_gain", "error_share_left"}
     assert all(keys | {"tied_for_first", "start"} == set(entry) for entry in said["ranking"])
     assert model_from_dict(again["model_after"], CATALOGUE).to_dict() == said["model_after"]
     start = again["ranking"][0]
-    assert CATALOGUE[start["form"]].model_validate(start["start"]).model_dump(mode="json") == start["start"]
+    assert CATALOGUE[start["law"]].model_validate(start["start"]).model_dump(mode="json") == start["start"]
 
 
 def test_the_first_two_of_a_diagnosis_become_rivals():
@@ -115,7 +115,7 @@ def test_the_command_says_it_on_one_line_and_writes_one_object(tmp_path, capsys)
     assert title.split() == [
         "rank",
         "effect",
-        "form",
+        "law",
         "probability",
         "log",
         "evidence",
@@ -144,7 +144,7 @@ def test_two_hidden_effects_are_both_found():
     assert {one.effect for one in result.found} == {"stress_relaxation", "channel_lag"}
     steps = [step["step"] for step in result.after.history]
     assert steps[0] == "baseline"
-    assert steps[-2:] == [f"+ {one.form}" for one in result.found]
+    assert steps[-2:] == [f"+ {one.law}" for one in result.found]
     assert ", then " in first_line(result)
 
 

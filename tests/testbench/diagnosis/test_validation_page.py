@@ -18,7 +18,7 @@ REAL = Path(__file__).resolve().parents[3] / "../shared/data/real"
 FOUND = {
     "verdict": "missing",
     "probabilities": {"stress_relaxation": 0.97, "load_cell_creep": 0.02, "nothing": 0.005},
-    "found": [{"effect": "stress_relaxation", "form": "stress_relaxation_power", "probability": 0.97}],
+    "found": [{"effect": "stress_relaxation", "law": "stress_relaxation_power", "probability": 0.97}],
     "tied": [],
     "left": 0.12,
     "error_before": {"force": 0.08},
