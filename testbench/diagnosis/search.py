@@ -96,14 +96,13 @@ class Search:
                 current = step.candidate.hypothesis
                 if step.is_named() and step.is_enough(step.candidate):
                     break
-                others = [self.about_to_bend(self.compare(without_shapes(current.model)))]
+                others = [self.compare(without_shapes(current.model))]
         return rounds, found
 
     def bases(self) -> list[Hypothesis]:
-        """The best base, and others whose laws are about to bend: the best of those, and the first.
+        """The best base, and others none of whose laws bends: the best of those, and the first.
 
-        Where a base has bent to take an effect in, its other parameters have moved along; in one about to bend they
-        have not. All laws that a base may have are tried.
+        All laws that a base may have are tried.
         """
         model = without_shapes(self.baseline.model)
         laws = [*self.other_laws(model), *laws_that_may_act(model, self.measurement, self.catalogue)]
@@ -111,10 +110,13 @@ class Search:
         stiff = sorted([started, *exchanged], key=_evidence)[-constants.BASES :]
         bent = self.pool.map(lambda h: self.compare(self.bent(h.model)), stiff)
         best = max(*bent, self.compare(self.flexible.model, self.flexible), key=_evidence)
-        return [best, *map(self.about_to_bend, dict.fromkeys((stiff[-1], started)))]
+        return [best, *dict.fromkeys((stiff[-1], started))]
 
     def about_to_bend(self, h: Hypothesis) -> Hypothesis:
-        """A base as it is, its shapes there to be used."""
+        """A base as it is, its shapes there to be used.
+
+        Where a base has bent to take an effect in, its other parameters have moved along; here they have not.
+        """
         return fitted(self.bent(h.model), self.compared, self.reference, iterations=0)
 
     def compare(self, model: KnitModel, like: Hypothesis | None = None) -> Hypothesis:
@@ -137,15 +139,19 @@ class Search:
         current : Hypothesis
             The model so far, at its best.
         others : sequence of Hypothesis
-            The same with other bases, beside which effects are proposed, too.
+            The same with other bases, none of which bends, beside which effects are proposed, too.
         """
         self.tell("screening the catalogue")
         likelihood = self.compared
-        grounds = [self.ground(h) for h in (current, *others)]
+        bending = [self.ground(h) for h in (current, *map(self.about_to_bend, others))]
+        grounds = [*bending, *map(self.ground, others)]
+        likely = _promising(bending)[: constants.BENDING]
+        stiff = [m for m in _promising(grounds[len(bending) :]) if m not in likely]
+        likely += stiff[: constants.STIFF]
         every = sorted((p for g in grounds for p in g.proposals), key=lambda p: -p.gain)
         proposals = _first_of_each(every, lambda p: p.law)
         counted = Counter(p.mechanism for p in proposals)
-        entries = self.contest(grounds, proposals)
+        entries = self.contest(grounds, likely)
         before = [current]
         if entries:
             best = max(entries, key=lambda e: e.log_z)
@@ -175,31 +181,22 @@ class Search:
         ]
         return [drawn_to_data(form(), self.measurement) for form in forms]
 
-    def contest(self, grounds: Sequence[Ground], proposals: Sequence[Proposal]) -> list[Entry]:
-        """The best mechanisms refitted: all quickly, on every ground that speaks for them, then the best in full."""
-        likely = [p for p in proposals if p.gain > 0]
-        mechanisms = list(dict.fromkeys(p.mechanism for p in likely))[: constants.REFITS]
-        chosen = []
-        for place, mechanism in enumerate(mechanisms):
-            own = [(g, p) for g in grounds for p in g.proposals if p.mechanism == mechanism and p.gain > 0]
-            own.sort(key=lambda one: -one[1].gain)
-            # Gains tell the laws on one ground from each other; that of the best ground is lost on all others.
-            own.sort(key=lambda one: one != next((it for it in own if it[0] is grounds[0]), None))
-            chosen += own[: 4 if place < 3 else 2]
+    def contest(self, grounds: Sequence[Ground], mechanisms: Sequence[str]) -> list[Entry]:
+        """Mechanisms refitted: all quickly, on the grounds that speak for them, then the best of each in full."""
+        chosen = [one for place, m in enumerate(mechanisms) for one in _chances(grounds, m)[: 4 if place < 3 else 2]]
         entries = self.entered(chosen)
         if not entries:
             return []
         entries = self.champions(entries)
         best = max(entries, key=lambda e: e.log_z)
         tried = {p.law for _, p in chosen}
-        more = [(g, p) for g in grounds for p in g.proposals if p.mechanism == best.mechanism and p.law not in tried]
-        more = [one for one in more if one[1].gain > 0][:3]
+        more = [one for one in _chances(grounds, best.mechanism) if one[1].law not in tried][:3]
         return self.champions([*entries, *self.entered(more)])
 
     def champions(self, entries: Sequence[Entry]) -> list[Entry]:
-        """The best law of each mechanism refitted in full, and all the others as they are, the best first."""
+        """The best law of the best mechanisms refitted in full, and all the others as they are, the best first."""
         laws = _first_of_each(_best_first(entries), lambda e: e.law)
-        best = _first_of_each(laws, lambda e: e.mechanism)
+        best = _first_of_each(laws, lambda e: e.mechanism)[: constants.SETTLED]
         rest = [e for e in laws if e not in best]
         return _best_first([*self.pool.map(self.settled, best), *rest])
 
@@ -224,8 +221,8 @@ class Search:
 
     def enter(self, ground: Ground, p: Proposal) -> Entry:
         self.tell(f"refitting with {p.law}")
-        model = best_start(ground.hypothesis, p, self.compared)
-        name = next(n for n in model if n not in ground.hypothesis.model)
+        model = self.bent(best_start(ground.hypothesis, p, self.compared))
+        name = next(n for n in model if n not in ground.hypothesis.model and n not in SHAPES)
         believed = {f"{name}.{p.effect.strength}": p.believed} if p.believed and p.believed[0] > 0 else {}
         h = fitted(model, self.compared, self.reference, ground.hypothesis, 6, quick=True, believed=believed)
         return self.entry(p.mechanism, h, self.compared, p.law, name)
@@ -251,6 +248,21 @@ def searched(
 
 def _evidence(h: Hypothesis) -> float:
     return h.log_z
+
+
+def _promising(grounds: Iterable[Ground]) -> list[str]:
+    """Mechanisms that are worth their parameters to first order, the best first."""
+    likely = sorted((p for g in grounds for p in g.proposals if p.gain > 0), key=lambda p: -p.gain)
+    return list(dict.fromkeys(p.mechanism for p in likely))
+
+
+def _chances(grounds: Sequence[Ground], mechanism: str) -> list[tuple[Ground, Proposal]]:
+    """Where a mechanism is worth its parameters to first order: the best on the first ground, then by the gain."""
+    own = [(g, p) for g in grounds for p in g.proposals if p.mechanism == mechanism and p.gain > 0]
+    own.sort(key=lambda one: -one[1].gain)
+    # Gains tell the laws on one ground from each other, not the grounds.
+    first = [one for one in own if one[0] is grounds[0]][:1]
+    return [*first, *(one for one in own if one not in first)]
 
 
 def _first_of_each(ordered: Iterable[One], kind: Callable[[One], str]) -> list[One]:
