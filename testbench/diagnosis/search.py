@@ -31,9 +31,18 @@ One = TypeVar("One", Proposal, Entry)
 
 @dataclass(frozen=True, eq=False)
 class Ground:
-    """A model to add effects to, and what the laws of the catalogue promise there, the best first."""
+    """A model to add effects to, and what the laws of the catalogue promise there, the best first.
+
+    Attributes
+    ----------
+    hypothesis : Hypothesis
+    like : Hypothesis
+        The same with its shapes, whose sensitivities a refit begins with.
+    proposals : tuple of Proposal
+    """
 
     hypothesis: Hypothesis
+    like: Hypothesis
     proposals: tuple[Proposal, ...]
 
 
@@ -143,8 +152,9 @@ class Search:
         """
         self.tell("screening the catalogue")
         likelihood = self.compared
-        bending = [self.ground(h) for h in (current, *map(self.about_to_bend, others))]
-        grounds = [*bending, *map(self.ground, others)]
+        open_ones = [self.about_to_bend(h) for h in others]
+        bending = [self.ground(h, h) for h in (current, *open_ones)]
+        grounds = [*bending, *map(self.ground, others, open_ones)]
         likely = _promising(bending)[: constants.BENDING]
         stiff = [m for m in _promising(grounds[len(bending) :]) if m not in likely]
         likely += stiff[: constants.STIFF]
@@ -165,11 +175,11 @@ class Search:
         unknown = float(np.logaddexp(Map(bare.hypothesis, likelihood).log_z, bare.log_z) - np.log(2))
         return Round(bare, unknown, tuple(entries), tuple(proposals), counted, likelihood)
 
-    def ground(self, h: Hypothesis) -> Ground:
+    def ground(self, h: Hypothesis, like: Hypothesis) -> Ground:
         """A model, and what each law of the catalogue promises beside it."""
         laws = laws_of(h, self.compared, self.catalogue, self.pool)
         proposals = tuple(Screen(h, self.compared).proposals(laws))
-        return Ground(h, proposals)
+        return Ground(h, like, proposals)
 
     def other_laws(self, model: KnitModel) -> list[Effect]:
         """Laws that could take the place of one in the model, drawn to the data."""
@@ -224,7 +234,7 @@ class Search:
         model = self.bent(best_start(ground.hypothesis, p, self.compared))
         name = next(n for n in model if n not in ground.hypothesis.model and n not in SHAPES)
         believed = {f"{name}.{p.effect.strength}": p.believed} if p.believed and p.believed[0] > 0 else {}
-        h = fitted(model, self.compared, self.reference, ground.hypothesis, 6, quick=True, believed=believed)
+        h = fitted(model, self.compared, self.reference, ground.like, 6, quick=True, believed=believed)
         return self.entry(p.mechanism, h, self.compared, p.law, name)
 
     def entry(self, mechanism: str, h: Hypothesis, likelihood: Likelihood, law: str = "", name: str = "") -> Entry:
