@@ -62,6 +62,7 @@ ALLOWED: dict[tuple[str, str], tuple[int, str]] = {
     ("gcode/support/strict.py", "tomllib.loads"): (1, ITSELF),
     ("gcode/trajectories/trajectory.py", ".open"): (2, AFTER_CHECK),
     ("gcode/trajectories/trajectory.py", "np.loadtxt"): (1, AFTER_CHECK),
+    ("testbench/api/diagnosing.py", "json.loads"): (1, ROUND_TRIP),
     ("testbench/campaigns/campaign.py", "json.loads"): (1, ROUND_TRIP),
     ("testbench/campaigns/dataset.py", "os.open"): (1, LOCK),
     ("testbench/importing/excel_file.py", "openpyxl.load_workbook"): (1, AFTER_CHECK),
