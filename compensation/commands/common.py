@@ -40,16 +40,12 @@ def check_places(output: str | None, picture: str | None) -> None:
     from pathlib import Path
 
     from gcode.support.errors import UserError
+    from gcode.support.files import check_place
 
     if picture and Path(picture).suffix.lower() not in PICTURES:
         raise UserError(f"--plot must end in {', '.join(PICTURES)}, got {picture}")
-    for flag, path in (("-o", output), ("--plot", picture)):
-        if not path:
-            continue
-        if Path(path).is_dir():
-            raise UserError(f"{flag} {path} is a folder; give the name of a file")
-        if not Path(path).resolve().parent.is_dir():
-            raise UserError(f"cannot write {path}: its folder does not exist; choose another place with {flag}")
+    check_place(output or None)
+    check_place(picture or None, "--plot")
 
 
 def score_table(scores: dict[str, Any]) -> str:

@@ -8,6 +8,7 @@ import json
 import os
 import secrets
 import shutil
+import stat
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -26,6 +27,7 @@ def atomic_path(path: str | Path) -> Iterator[Path]:
         If the folder does not exist or cannot be written.
     """
     path = Path(path)
+    _check_replaceable(path)
     temporary = _sibling(path)
     try:
         disk.DISK.close(disk.DISK.create(temporary))
@@ -39,6 +41,46 @@ def atomic_path(path: str | Path) -> Iterator[Path]:
         disk.sync_quietly(path.parent)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def check_place(path: str | Path | None, flag: str = "-o") -> None:
+    """Refuse a place that no file can be written to, before the work whose result would be lost there.
+
+    Parameters
+    ----------
+    path : path, optional
+        Where a file will be written; None and "-" (standard output) are let through.
+    flag : str
+        The option that it came with, for the message.
+
+    Raises
+    ------
+    UserError
+        If it is a folder, a device or a pipe, or its folder does not exist or cannot be written.
+    """
+    if path is None or str(path) == "-":
+        return
+    _check_replaceable(Path(path), flag)
+    try:
+        folder = Path(path).resolve().parent
+        there, free = folder.is_dir(), os.access(folder, os.W_OK | os.X_OK)
+    except (OSError, RuntimeError, ValueError) as error:
+        raise UserError(f"cannot write {path}: {error}; choose another place with {flag}") from None
+    if not there or not free:
+        why = "its folder cannot be written" if there else "its folder does not exist"
+        raise UserError(f"cannot write {path}: {why}; choose another place with {flag}")
+
+
+def _check_replaceable(path: Path, flag: str = "-o") -> None:
+    """A file takes the place of a file, or of nothing: root must not lose /dev/null to a model."""
+    try:
+        mode = path.lstat().st_mode
+    except (OSError, ValueError):
+        return
+    if stat.S_ISREG(mode) or (stat.S_ISLNK(mode) and not path.is_dir()):
+        return
+    what = "a folder" if path.is_dir() else "a device or a pipe"
+    raise UserError(f"cannot write {path}: it is {what}; give the name of a file with {flag}")
 
 
 def write_bytes(path: str | Path, data: bytes) -> None:
@@ -57,6 +99,7 @@ def write_bytes(path: str | Path, data: bytes) -> None:
 def atomic_writer(path: str | Path) -> Iterator[Callable[[bytes], None]]:
     """Yield a function that writes the next bytes of a file; `path` becomes that file when the block ends well."""
     path = Path(path)
+    _check_replaceable(path)
     temporary = _sibling(path)
     try:
         handle = disk.DISK.create(temporary)

@@ -9,11 +9,13 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from gcode.support.errors import UserError
+from testbench.fitting.measurement import MAX_GRID_HZ
 from testbench.fitting.model_file import ModelFile, check_same_set_up, load_model_file
 from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
 from testbench.recordings.channels import TIME
+from testbench.recordings.doubts import check_gap, check_grid, say_sign
 from testbench.recordings.files import read_recording
 from testbench.recordings.recording import Recording
 
@@ -66,9 +68,17 @@ def read(source: str | Path | pd.DataFrame | Mapping[str, Any], gauge_length_mm:
 
 
 def recording_of(source: Source, gauge_length_mm: float | None = None) -> Recording:
-    """A recording with its displacement, which every model needs."""
+    """A recording with its displacement, which every model needs; doubts about it are said on stderr, once.
+
+    Raises
+    ------
+    UserError
+        If it has no displacement, or is nearly nothing but one gap.
+    """
     recording = source if isinstance(source, Recording) else read_recording(source, gauge_length_mm)
     recording.needs_displacement()
+    check_gap(recording)
+    say_sign(recording)
     return recording
 
 
@@ -99,6 +109,8 @@ def recordings_for(
     if file is not None:
         check_same_set_up(file, first, model if isinstance(model, str | Path) else "model")
     second = None if held_out is None else recording_of(held_out, gauge_length_mm)
+    if second is not None:
+        check_grid(second, first, MAX_GRID_HZ)
     return first, second, clamp_play_mm or (file.clamp_play_mm if file and second else 0.0)
 
 

@@ -11,7 +11,7 @@ from gcode.programs.make import Made
 from gcode.support.errors import UserError
 from gcode.support.figures import panels, picture
 from gcode.support.html import card, frame_table
-from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, recording_of
+from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, recordings_for
 from testbench.api.diagnosing import DiagnosisResult, diagnosis_data
 from testbench.api.progress import Tell, telling
 from testbench.design import experiment
@@ -162,8 +162,7 @@ def next_experiment(
         if isinstance(rivals, DiagnosisResult | str | Path):
             if recording is None:
                 raise UserError("next_experiment: a diagnosis needs the recording that its rivals are refitted on")
-            first = recording_of(recording, gauge_length_mm)
-            held = None if held_out is None else recording_of(held_out, gauge_length_mm)
+            first, held, _ = recordings_for(None, None, recording, held_out, gauge_length_mm)
             data, source = diagnosis_data(rivals), "diagnosis" if isinstance(rivals, DiagnosisResult) else str(rivals)
             menu(_bounds({**(bounds or {}), "gauge_length_mm": first.gauge_length_mm}))  # refused before the refits
             say = tell or (lambda _text: None)

@@ -29,11 +29,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Add or undo, write, and show the ladder."""
     from gcode.support.errors import UserError
+    from gcode.support.files import check_place
     from testbench.comparing.ladder import undo
     from testbench.comparing.tables import ladder_table
     from testbench.fitting.model_file import load_model_file
     from testbench.knit.catalogue import load_catalogue
 
+    check_place(args.output)
     catalogue = load_catalogue(args.effects)
     file = load_model_file(args.model, catalogue)
     if args.undo:

@@ -32,11 +32,13 @@ def run(args: argparse.Namespace) -> int:
     import sys
 
     from gcode.support.errors import UserError
-    from gcode.support.files import write_json
+    from gcode.support.files import check_place, write_json
     from testbench.api.diagnosing import diagnose
 
     if args.repeat < 1:
         raise UserError(f"--repeat: must be 1 or more, got {args.repeat}")
+    check_place(args.json, "--json")
+    check_place(args.output)
     tell = False if args.quiet else Refits(min(args.repeat, USUAL_ROUNDS))
     found = diagnose(
         args.recording,

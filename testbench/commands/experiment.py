@@ -35,7 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Weigh the protocols, print the ranking, write the winner."""
     from gcode.support.errors import UserError
-    from gcode.support.files import write_json
+    from gcode.support.files import check_place, write_json
     from testbench.api.designing import next_experiment
     from testbench.api.progress import Telling
     from testbench.design.protocols import MENU
@@ -44,6 +44,8 @@ def run(args: argparse.Namespace) -> int:
         raise UserError("experiment: --diagnosis goes with --fit RECORDING and without MODEL files")
     if not args.diagnosis and len(args.models) < 2:
         raise UserError("experiment: give two rival MODEL files, or --diagnosis JSON --fit RECORDING")
+    check_place(args.json, "--json")
+    check_place(args.plot, "--plot")
     bounds = {
         "v_max_mm_per_s": args.v_max,
         "a_max_mm_per_s2": args.a_max,

@@ -23,8 +23,10 @@ def run(args: argparse.Namespace) -> int:
     """Fit, write, and say what was found."""
     import sys
 
+    from gcode.support.files import check_place
     from testbench.api.fitting import fit
 
+    check_place(args.output)
     found = fit(
         args.recording,
         args.held_out,

@@ -66,12 +66,13 @@ def run(args: argparse.Namespace) -> int:
     import json
     import sys
 
-    from gcode.support.files import write_json
+    from gcode.support.files import check_place, write_json
     from testbench.api.investigating import investigate
     from testbench.investigating.words import ending_words
     from testbench.rig.progress import terminal
     from testbench.rig.signals import stop_signals
 
+    check_place(args.json, "--json")
     to_stdout = args.json == "-"
     say = sys.stderr if to_stdout else sys.stdout
 

@@ -45,9 +45,9 @@ def run(args: argparse.Namespace) -> int:
 
     from gcode.support.console import Progress
     from gcode.support.errors import UserError
-    from gcode.support.files import write_json
-    from testbench.api.arguments import recording_of
-    from testbench.fitting.model_file import check_same_set_up, load_model_file
+    from gcode.support.files import check_place, write_json
+    from testbench.api.arguments import recordings_for
+    from testbench.fitting.model_file import load_model_file
     from testbench.knit.catalogue import load_catalogue
     from testbench.proposing import propose_law
     from testbench.proposing.words import as_json, proposal_text
@@ -55,18 +55,18 @@ def run(args: argparse.Namespace) -> int:
 
     if args.laws < 1:
         raise UserError(f"--laws: must be 1 or more, got {args.laws}")
+    check_place(args.json, "--json")
+    check_place(args.save_model, "--save-model")
     output = free_path(args.output)
     if output.suffix != ".py":
         raise UserError(f"{output}: an effect is a Python file; give a name like my_effect.py")
     picture = free_path(args.plot or output.with_suffix(".png"))
+    check_place(output)
+    check_place(picture, "--plot")
     catalogue = load_catalogue(args.effects)
     check_name(output.stem, str(output), catalogue.effects)
     file = load_model_file(args.model, catalogue) if args.model else None
-    gauge_length_mm = args.gauge_length_mm or (file.gauge_length_mm if file else None) or None
-    recording = recording_of(args.recording, gauge_length_mm)
-    held = recording_of(args.held_out, gauge_length_mm) if args.held_out else None
-    if file is not None:
-        check_same_set_up(file, recording, args.model)
+    recording, held, _ = recordings_for(args.model, file, args.recording, args.held_out, args.gauge_length_mm)
     progress = Progress("proposing", 2 + STEPS_OF_A_LAW * args.laws)
     tell = None if args.quiet else _telling(progress)
     found = propose_law(recording, held, file, output.stem, catalogue, tell, args.laws)

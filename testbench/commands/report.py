@@ -37,8 +37,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Build the report and write it."""
+    from gcode.support.files import check_place
     from testbench.api.reporting import make_report
 
+    check_place(args.output)
     made = make_report(
         args.recording,
         held_out=args.held_out,

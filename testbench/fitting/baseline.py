@@ -67,8 +67,9 @@ def _force_laws(effects: dict[str, type[Effect]], strain: FloatArray, force: Flo
         return [effects["elasticity"](), effects["hysteresis"]()]
     elasticity = effects["elasticity"]().started({"strain": strain, "force_N": force}, {})
     span = float(np.ptp(strain))
-    hysteresis = effects["hysteresis"].model_validate(
-        {"friction_N": 0.05 * float(np.ptp(force)), "threshold": float(np.clip(0.05 * span, 1e-3, 0.3))}
+    # A glitch of the load cell may lie far beyond what a friction can be.
+    hysteresis = effects["hysteresis"]().near(
+        friction_N=0.05 * float(np.ptp(force)), threshold=float(np.clip(0.05 * span, 1e-3, 0.3))
     )
     return [elasticity, hysteresis]
 

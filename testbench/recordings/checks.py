@@ -8,13 +8,22 @@ import numpy as np
 
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
-from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE
+from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE, TIME
 
+# Far beyond any tester: what lies outside is another unit, or a broken file, and would only overflow later.
+LIMITS = {
+    TIME: (-1e11, 1e11),  # 3,000 years; the s since 1970 lie inside, the ms do not
+    DISPLACEMENT: (-1e6, 1e6),  # 1 km
+    FORCE: (-1e6, 1e6),
+    RESISTANCE: (1e-12, 1e18),
+    TEMPERATURE: (-273.15, 1e4),
+}
+MOST_STRAIN = 20.0  # 2,000 %; the softest rubber tears at 10
 HEADER_ROWS = 2  # row numbers in messages count from 1 and the header is row 1
 
 
 def check(source: str, time_s: FloatArray, channels: Mapping[str, FloatArray], gauge_length_mm: float) -> None:
-    """Raise `UserError` unless time increases, every value is finite and lengths agree.
+    """Raise `UserError` unless time increases, every value is finite and within `LIMITS`, and lengths agree.
 
     Parameters
     ----------
@@ -36,8 +45,11 @@ def check(source: str, time_s: FloatArray, channels: Mapping[str, FloatArray], g
         if len(values) != len(time_s):
             raise UserError(f"{source}: {name} has {len(values)} samples, time_s has {len(time_s)}")
         _check_finite(source, name, values)
-    if RESISTANCE in channels:
-        _check_positive(source, RESISTANCE, channels[RESISTANCE])
+        if name == RESISTANCE:
+            _check_positive(source, name, values)
+        _check_within(source, name, values)
+    if DISPLACEMENT in channels:
+        _check_strain(source, channels[DISPLACEMENT], gauge_length_mm)
 
 
 def _goes_without_displacement(channels: Mapping[str, FloatArray]) -> bool:
@@ -47,7 +59,8 @@ def _goes_without_displacement(channels: Mapping[str, FloatArray]) -> bool:
 
 
 def _check_time(source: str, time_s: FloatArray) -> None:
-    _check_finite(source, "time_s", time_s)
+    _check_finite(source, TIME, time_s)
+    _check_within(source, TIME, time_s)
     backwards = np.flatnonzero(np.diff(time_s) <= 0)
     if backwards.size:
         row = int(backwards[0]) + 1
@@ -65,6 +78,28 @@ def _check_finite(source: str, name: str, values: FloatArray) -> None:
         raise UserError(
             f"{source}: row {row}: {name} is {values[bad[0]]} ({such(bad.size)}); "
             "`testbench import --drop-bad` leaves them out"
+        )
+
+
+def _check_within(source: str, name: str, values: FloatArray) -> None:
+    low, high = LIMITS.get(name, (-np.inf, np.inf))
+    bad = np.flatnonzero((values < low) | (values > high))
+    if bad.size:
+        row = int(bad[0]) + HEADER_ROWS
+        raise UserError(
+            f"{source}: row {row}: {name} is {values[bad[0]]:g} ({such(bad.size)}), and {low:g} to {high:g} is "
+            "allowed; check its unit (`testbench import` turns units into ours), or leave such rows out"
+        )
+
+
+def _check_strain(source: str, displacement_mm: FloatArray, gauge_length_mm: float) -> None:
+    furthest = int(np.argmax(np.abs(displacement_mm)))
+    strain = abs(float(displacement_mm[furthest])) / gauge_length_mm
+    if strain > MOST_STRAIN:
+        raise UserError(
+            f"{source}: row {furthest + HEADER_ROWS}: a displacement of {displacement_mm[furthest]:g} mm at a gauge "
+            f"length of {gauge_length_mm:g} mm is a strain of {strain:.3g}, and at most {MOST_STRAIN:g} is allowed; "
+            "check the gauge length and the unit of the displacement"
         )
 
 

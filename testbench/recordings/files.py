@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import io
-import logging
 import re
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -17,6 +16,7 @@ from gcode.support.errors import UserError
 from gcode.support.files import atomic_writer
 from gcode.support.strict import check_plain, read_bytes
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TIME, UNITS
+from testbench.recordings.doubts import say_once
 from testbench.recordings.recording import Recording
 
 if TYPE_CHECKING:
@@ -32,7 +32,6 @@ ROWS_AT_ONCE = 100_000
 MOST_BYTES = 4 << 30  # 24 h at 1 kHz
 MOST_COLUMNS = 1000
 MOST_LINE = 64 << 10
-_SAID: set[str] = set()
 
 
 def read_recording(path: str | Path, gauge_length_mm: float | None = None) -> Recording:
@@ -84,7 +83,7 @@ def verified(folder: Path) -> tuple[Path, Campaign]:
     elif not path.is_file():
         raise UserError(f"{folder}: no sample has been recorded yet")
     else:
-        _say_once(f"{folder}: this recording is unfinished, so it has no checksum yet and is read unverified")
+        say_once(f"{folder}: this recording is unfinished, so it has no checksum yet and is read unverified")
     return path, campaign
 
 
@@ -98,13 +97,6 @@ def _verify(folder: Path, path: Path, resources: Sequence[Resource]) -> None:
         found += resource_problems(folder, resource)
     if found:
         raise UserError(f"{found[0]}; restore the file, or import it as a foreign CSV with `testbench import`")
-
-
-def _say_once(text: str) -> None:
-    """Say it where warnings go (stderr, unless a program listens), once in the life of this process."""
-    if text not in _SAID:
-        _SAID.add(text)
-        logging.getLogger("knitbench").warning(text)
 
 
 def _recording(

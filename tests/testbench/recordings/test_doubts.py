@@ -1,0 +1,75 @@
+"""Gaps and signs that make a model's answer doubtful are said, or refused where there would be no answer."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from gcode.support.errors import UserError
+from testbench.recordings import doubts
+from testbench.recordings.recording import Recording
+
+
+def with_gap(gap_s: float, rate_hz: float = 20.0) -> Recording:
+    """90 s with a gap in the middle."""
+    time_s = np.arange(round(90 * rate_hz)) / rate_hz
+    time_s = np.where(time_s >= 45, time_s + gap_s, time_s)
+    moved = np.sin(time_s)
+    return Recording(time_s, {"displacement_mm": 2 + moved, "force_N": 3 + moved}, 25.0, f"gap {gap_s:g}")
+
+
+@pytest.fixture
+def said(monkeypatch, caplog) -> pytest.LogCaptureFixture:
+    """What is said in a test; nothing was said before it."""
+    monkeypatch.setattr(doubts, "_SAID", set())
+    caplog.set_level(logging.WARNING, "knitbench")
+    return caplog
+
+
+@pytest.mark.parametrize("gap_s", [86_400 * 365.25, 1e10])
+def test_a_recording_that_is_nearly_only_a_gap_is_refused_with_where_it_is(gap_s):
+    with pytest.raises(UserError, match=r"nothing was recorded for .* after 44.95 s"):
+        doubts.check_gap(with_gap(gap_s))
+
+
+def test_a_gap_longer_than_what_was_recorded_is_said(said):
+    doubts.check_gap(with_gap(3600))
+    assert "nothing was recorded for 3600 s after 44.95 s" in said.text
+
+
+@pytest.mark.parametrize("gap_s", [0.0, 20.0])
+def test_a_short_gap_is_not_worth_a_word(said, gap_s):
+    doubts.check_gap(with_gap(gap_s))
+    assert not said.records
+
+
+def test_sampling_that_slows_down_in_a_hold_is_no_gap(said):
+    time_s = np.concatenate([np.arange(400) / 20, 20 * 1.05 ** np.arange(1, 200)])
+    values = {"displacement_mm": np.minimum(time_s, 5.0), "force_N": np.exp(-time_s)}
+    doubts.check_gap(Recording(time_s, values, 25.0))
+    assert not said.records
+
+
+def test_a_held_out_recording_is_bounded_by_the_grid_of_the_calibration():
+    fine = with_gap(0.0)
+    doubts.check_grid(with_gap(86_400), fine, 25.0)
+    with pytest.raises(UserError, match="million points"):
+        doubts.check_grid(with_gap(1e7), fine, 25.0)
+    doubts.check_grid(with_gap(1e7), with_gap(0.0, rate_hz=0.2), 25.0)
+
+
+@pytest.mark.parametrize("turned", ["force_N", "displacement_mm"])
+def test_a_force_of_the_other_sign_is_said(said, turned):
+    good = with_gap(0.0)
+    doubts.say_sign(replace(good, channels={**good.channels, turned: -good[turned]}))
+    assert "--negate force" in said.text
+
+
+def test_a_compression_in_which_both_are_negative_is_fine(said):
+    good = with_gap(0.0)
+    doubts.say_sign(replace(good, channels={name: -values for name, values in good.channels.items()}))
+    doubts.say_sign(good)
+    assert not said.records
