@@ -32,8 +32,11 @@ def stop_signals() -> Iterator[Callable[[], bool]]:
 def what_ends_it() -> str:
     """``Ctrl-C``, where this program is in the foreground of a terminal; elsewhere the ``kill`` that ends it.
 
-    A shell keeps Ctrl-C from what was started with ``&``, and a program without a terminal never gets one.
+    A shell keeps Ctrl-C from what was started with ``&`` (what it starts ignores it), and a program without a
+    terminal never gets one.
     """
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        return f"kill {os.getpid()}"
     try:
         terminal = os.open(os.ctermid(), os.O_RDONLY | os.O_NOCTTY)
     except OSError:

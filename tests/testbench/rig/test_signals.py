@@ -25,7 +25,10 @@ def rig(folder: Path, **popen) -> subprocess.Popen:
 
 
 def ended_as_told(child: subprocess.Popen, folder: Path) -> None:
-    _, words = child.communicate(timeout=60)
+    try:
+        _, words = child.communicate(timeout=60)
+    finally:
+        child.kill()  # leaving the block waits for it, for ever if it was not told
     assert child.returncode == 130, words
     assert not (folder / "port").exists(), "the link stays behind"
 
@@ -43,11 +46,28 @@ def test_in_the_foreground_of_a_terminal_it_is_ctrl_c(tmp_path):
 
     def take_the_terminal() -> None:
         fcntl.ioctl(keyboard, termios.TIOCSCTTY, 0)
+        signal.signal(signal.SIGINT, signal.SIG_DFL)  # ignored where these tests run behind a shell's `&`
 
     with rig(tmp_path, stdin=keyboard, preexec_fn=take_the_terminal) as child:
         assert child.stderr
         assert "; Ctrl-C ends the rig" in child.stderr.readline()
         os.write(screen, b"\x03")
+        ended_as_told(child, tmp_path)
+    os.close(keyboard)
+    os.close(screen)
+
+
+def test_where_ctrl_c_is_ignored_it_is_a_kill(tmp_path):
+    screen, keyboard = pty.openpty()
+
+    def take_the_terminal() -> None:
+        fcntl.ioctl(keyboard, termios.TIOCSCTTY, 0)
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+    with rig(tmp_path, stdin=keyboard, preexec_fn=take_the_terminal) as child:
+        assert child.stderr
+        assert f"; kill {child.pid} ends the rig" in child.stderr.readline()
+        os.kill(child.pid, signal.SIGTERM)
         ended_as_told(child, tmp_path)
     os.close(keyboard)
     os.close(screen)
