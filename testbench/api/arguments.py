@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from functools import reduce
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
+from zlib import crc32
 
 import numpy as np
 
+from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
 from testbench.fitting.model_file import ModelFile, check_same_set_up, load_model_file
 from testbench.knit.catalogue import Catalogue, load_catalogue
@@ -62,7 +65,13 @@ def read(source: str | Path | pd.DataFrame | Mapping[str, Any], gauge_length_mm:
     if TIME not in columns:
         raise UserError(f"read: no column {TIME} (found: {', '.join(columns)}); rename yours")
     time_s = columns.pop(TIME)
-    return Recording(time_s, columns, float("nan") if gauge_length_mm is None else gauge_length_mm, "columns")
+    length_mm = float("nan") if gauge_length_mm is None else gauge_length_mm
+    return Recording(time_s, columns, length_mm, f"columns-{_digest(time_s, *columns.values())}")
+
+
+def _digest(*arrays: FloatArray) -> str:
+    """Eight hexadecimal digits that tell recordings in memory apart: a model knows by name what it was fitted on."""
+    return f"{reduce(lambda sum_, values: crc32(values.tobytes(), sum_), arrays, 0):08x}"
 
 
 def recording_of(source: Source, gauge_length_mm: float | None = None) -> Recording:

@@ -10,7 +10,7 @@ from pathlib import Path
 from nicegui import ui
 
 from gcode.support.files import make_folder
-from testbench.fitting.model_file import about_model
+from testbench.fitting.model_file import about_model, same_source
 from testbench.studio.fields import check, number_field, typed
 from testbench.studio.jobs import Commands, Job, State
 from testbench.studio.studio import Studio
@@ -57,10 +57,9 @@ def companions(studio: Studio, c: str) -> tuple[list[str], list[str]]:
 
 def held_out_of(studio: Studio, c: str) -> str:
     """What the model of a campaign was judged on, so that its next step is judged on the same."""
-    source = Path(str(about_model(model_path(studio, c)).get("held_out", "")))
-    folder = source.parent if source.name == "recording.csv" else source
+    kept = str(about_model(model_path(studio, c)).get("held_out", ""))
     for name in held_out_choices(studio, c)[1:]:
-        if studio.workspace.campaign(name).folder == folder:
+        if same_source(kept, str(studio.workspace.campaign(name).folder / "recording.csv")):
             return name
     return LAST_THIRD
 
