@@ -57,7 +57,7 @@ def read(source: str | Path | pd.DataFrame | Mapping[str, Any], gauge_length_mm:
     --------
     >>> import testbench as tb
     >>> tb.read({"time_s": [0, 1, 2], "displacement_mm": [0, 1, 0], "force_N": [0, 2, 1]}, gauge_length_mm=25)
-    <Recording columns: 3 samples in 2.0 s, gauge length 25 mm, displacement_mm, force_N>
+    <Recording columns-c0d3dd2b: 3 samples in 2.0 s, gauge length 25 mm, displacement_mm, force_N>
     """
     if isinstance(source, str | Path):
         return read_recording(source, gauge_length_mm)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 
 from nicegui import ui
@@ -120,13 +119,13 @@ def adopt_diagnosed(studio: Studio, c: str) -> None:
     UserError
         If either model file is missing or damaged.
     """
+    from testbench.comparing.ladder import continued
     from testbench.fitting.model_file import load_model_file
 
     catalogue = studio.catalogue()
     mine = load_model_file(model_path(studio, c), catalogue)
     found = load_model_file(diagnosed_path(studio, c), catalogue)
-    # The diagnosis's first step is the model that it started from, which is the last of this ladder.
-    replace(found, history=(*mine.history, *found.history[1:])).save(model_path(studio, c))
+    continued(mine, found).save(model_path(studio, c))
 
 
 def undo_command(studio: Studio, c: str) -> tuple[str, list[str]]:
