@@ -77,8 +77,20 @@ class Measurement:
         return tuple(self.measured)
 
     def modelled(self, model: KnitModel, cache: SimulationCache | None = None) -> dict[str, FloatArray]:
-        """Simulate; force in N and ln G for every measured channel, each shape (n,)."""
+        """Simulate; force in N and ln G for every measured channel, each shape (n,).
+
+        Raises
+        ------
+        UserError
+            If the model has no law for a channel that was measured.
+        """
         state = model.simulate(self.signals, self.dt_s, cache)
+        for channel in self.channels:
+            if SIGNAL_OF[channel] not in state:
+                raise UserError(
+                    f"{self.recording.source}: has a {channel}, and the model ({', '.join(model)}) simulates none; "
+                    "fit a model on a recording with the same channels"
+                )
         return {channel: channel_of(state, channel) for channel in self.channels}
 
     def residual(self, model: KnitModel, cache: SimulationCache | None = None) -> dict[str, FloatArray]:

@@ -121,3 +121,11 @@ def test_recordings_in_memory_are_told_apart_by_their_content() -> None:
     first, again = tb.read(columns, gauge_length_mm=25), tb.read(dict(columns), gauge_length_mm=25)
     assert first.source == again.source
     assert first.source != tb.read(columns | {"force_N": [0, 2, 2]}, gauge_length_mm=25).source
+
+
+def test_a_model_without_a_law_for_a_channel_is_one_sentence(own, tmp_path, capsys) -> None:
+    path, model = write_csv(own, tmp_path / "a.csv"), tmp_path / "model.json"
+    force_only = truth().without("contact").without("drift")
+    ModelFile(force_only, 25.0).save(model)
+    assert main(["compare", path, "--model", str(model)]) == 2
+    assert "has a conductance, and the model (elasticity, hysteresis) simulates none" in capsys.readouterr().err

@@ -17,7 +17,8 @@ from testbench.importing.headings import read_heading
 
 FORMULAS = [
     "dR/R0", "ΔR/R0", "∆R/R0", "ΔR / R₀", "ΔR/R", "delta R/R0", "deltaR/R0", "(R-R0)/R0", "(R − R_0)/R_0",
-    "[R-R0]/R0", "(R(t)-R0)/R0", "R/R0-1", "dR_R0", "s1_dR_R0", "Sensor 2 ΔR/R0", "dr/r0", "dR/R_rest", "ΔR/Ro", "dR/R0_2",
+    "[R-R0]/R0", "(R(t)-R0)/R0", "R/R0-1", "dR_R0", "s1_dR_R0", "Sensor 2 ΔR/R0", "dr/r0", "dR/R_rest",
+    "ΔR/Ro", "dR/R0_2",
 ]  # fmt: skip
 WORDS = [
     "Relative resistance change", "relative change in resistance", "Rel. resistance change", "Resistance change",
