@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from testbench.api.arguments import read as read
     from testbench.api.comparing import ComparisonResult as ComparisonResult
     from testbench.api.comparing import compare as compare
+    from testbench.api.contributing import ContributionResult as ContributionResult
+    from testbench.api.contributing import contribution as contribution
     from testbench.api.datasets import DatasetResult as DatasetResult
     from testbench.api.datasets import dataset as dataset
     from testbench.api.designing import NextExperiment as NextExperiment
@@ -61,6 +63,7 @@ _HOMES = {
     "testbench.api.aligning": ["AlignmentResult", "align"],
     "testbench.api.arguments": ["read"],
     "testbench.api.comparing": ["ComparisonResult", "compare"],
+    "testbench.api.contributing": ["ContributionResult", "contribution"],
     "testbench.api.datasets": ["DatasetResult", "dataset"],
     "testbench.api.designing": ["NextExperiment", "next_experiment"],
     "testbench.api.diagnosing": ["DiagnosisResult", "diagnose"],

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, recordings_for
 from testbench.api.fitting import FitResult
 from testbench.api.progress import Tell, telling
@@ -61,3 +64,20 @@ def add(
     calibration, held = split(first, second, clamp_play_mm=play_mm)
     with telling(progress) as tell:
         return FitResult(add_effect(file, effect, calibration, held, catalogue, tell), calibration, held)
+
+
+def laws_with(diagnosis: Mapping[str, Any], law: str, model: AnyModel, effects: Effects = None) -> list[str]:
+    """The laws to `add` one after the other so that one of a diagnosis is in: what the base itself needs goes first.
+
+    Parameters
+    ----------
+    diagnosis : mapping
+        As ``testbench diagnose --json`` writes it.
+    law : str
+    model : KnitModel, result or path
+        What it has already is left out.
+    effects : path, Catalogue or effect classes, optional
+    """
+    has = {effect.name for effect in model_file_of(model, catalogue_of(effects)).model.effects.values()}
+    wanted = [*diagnosis.get("other_laws", ()), *diagnosis.get("base_misfits", ()), law]
+    return [name for name in wanted if name not in has]

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from functools import reduce
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
+from zlib import crc32
 
 import numpy as np
 
+from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
 from testbench.fitting.measurement import MAX_GRID_HZ
 from testbench.fitting.model_file import ModelFile, check_same_set_up, load_model_file
@@ -56,7 +59,7 @@ def read(source: str | Path | pd.DataFrame | Mapping[str, Any], gauge_length_mm:
     --------
     >>> import testbench as tb
     >>> tb.read({"time_s": [0, 1, 2], "displacement_mm": [0, 1, 0], "force_N": [0, 2, 1]}, gauge_length_mm=25)
-    <Recording columns: 3 samples in 2.0 s, gauge length 25 mm, displacement_mm, force_N>
+    <Recording columns-c0d3dd2b: 3 samples in 2.0 s, gauge length 25 mm, displacement_mm, force_N>
     """
     if isinstance(source, str | Path):
         return read_recording(source, gauge_length_mm)
@@ -64,7 +67,13 @@ def read(source: str | Path | pd.DataFrame | Mapping[str, Any], gauge_length_mm:
     if TIME not in columns:
         raise UserError(f"read: no column {TIME} (found: {', '.join(columns)}); rename yours")
     time_s = columns.pop(TIME)
-    return Recording(time_s, columns, float("nan") if gauge_length_mm is None else gauge_length_mm, "columns")
+    length_mm = float("nan") if gauge_length_mm is None else gauge_length_mm
+    return Recording(time_s, columns, length_mm, f"columns-{_digest(time_s, *columns.values())}")
+
+
+def _digest(*arrays: FloatArray) -> str:
+    """Eight hexadecimal digits that tell recordings in memory apart: a model knows by name what it was fitted on."""
+    return f"{reduce(lambda sum_, values: crc32(values.tobytes(), sum_), arrays, 0):08x}"
 
 
 def recording_of(source: Source, gauge_length_mm: float | None = None) -> Recording:

@@ -15,6 +15,7 @@ from testbench.comparing import compare as comparing
 from testbench.comparing.cell import Cell
 from testbench.comparing.compare import Comparison
 from testbench.comparing.coordinates import LABELS
+from testbench.comparing.judged import Judged, judged
 from testbench.comparing.tables import comparison_table
 from testbench.fitting.errors import channel_name
 from testbench.fitting.measurement import UNIT_OF, Measurement, prepare
@@ -37,12 +38,22 @@ class ComparisonResult:
     comparison : Comparison
         Errors, noise floors, and the mean residual over every coordinate.
     model : KnitModel
-    measurement : Measurement
+        With what belongs to one recording (the phase of a hum) fitted to this one.
+    judged : Judged
+        The samples that count, what is free in them, and the zero of displacement where the sensor was clamped anew.
+    notes : tuple of str
+        What a reader should know of these samples.
     """
 
     comparison: Comparison
     model: KnitModel
-    measurement: Measurement
+    judged: Judged
+    notes: tuple[str, ...] = ()
+
+    @property
+    def measurement(self) -> Measurement:
+        """The samples that the model is judged on."""
+        return self.judged.measurement
 
     @property
     def words(self) -> tuple[str, ...]:
@@ -57,7 +68,7 @@ class ComparisonResult:
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready form; the shape is documented in docs/diagnosis.md."""
-        return self.comparison.to_dict()
+        return self.comparison.to_dict() | self.judged.to_dict()
 
     def to_frame(self) -> pd.DataFrame:
         """A row a bin: channel, coordinate, low, high, direction, mean, standard_error, share, t.
@@ -105,7 +116,8 @@ class ComparisonResult:
             for c, rms in self.comparison.rms.items()
         ]
         parts = table(("channel", "RMS error", "noise floor"), rows), picture(self.plot, len(rows))
-        return card("Where the model fails", self.words or ["no place stands out from the noise"], *parts)
+        lines = [*(self.words or ["no place stands out from the noise"]), *self.notes]
+        return card("Where the model fails", lines, *parts)
 
 
 def _profile(axis: Axes, cells: Sequence[Cell]) -> None:
@@ -125,11 +137,13 @@ def compare(
     *,
     effects: Effects = None,
     gauge_length_mm: float | None = None,
+    clamp_play_mm: float = 0.0,
 ) -> ComparisonResult:
     """Find the places where a model fails on a recording.
 
-    On another recording than the model was fitted on, the zero of force and the gain of the conductance are free:
-    they belong to the mounting. Of a bare `KnitModel` nobody knows what it was fitted on; they are held then.
+    A model that was fitted on the first two thirds of this very recording is judged on the rest. On samples that
+    the model was not fitted on, the zero of force and the gain of the conductance are free: they belong to the
+    mounting. Of a bare `KnitModel` nobody knows what it was fitted on: all samples count, and nothing is free.
 
     Parameters
     ----------
@@ -139,6 +153,9 @@ def compare(
         The user's own effects that the model uses.
     gauge_length_mm : float, optional
         In mm, for the path of a bare CSV; default: the model's.
+    clamp_play_mm : float
+        Where the sensor was clamped anew for this recording: by how much, in mm, the zero of its displacement may
+        have moved (standard deviation). Default: the zero that `fit` found, on the held-out recording of the model.
 
     Returns
     -------
@@ -147,7 +164,8 @@ def compare(
     Raises
     ------
     UserError
-        If the recording is too short or still, or its gauge length is not the model's.
+        If the recording is too short or still, or its gauge length is not the model's; if there is clamp play in
+        what the model was fitted on.
 
     Examples
     --------
@@ -159,7 +177,8 @@ def compare(
     """
     file = model_file_of(model, catalogue_of(effects))
     given, _, _ = recordings_for(model, file, recording, None, gauge_length_mm)
-    measurement = prepare(given)
-    elsewhere = not isinstance(model, KnitModel) and given.source != file.fitted_on
-    found = comparing.compare(file.model, measurement, free_offset=elsewhere)
-    return ComparisonResult(found, file.model, measurement)
+    unknown = isinstance(model, KnitModel) and not clamp_play_mm
+    on = Judged(prepare(given), elsewhere=False) if unknown else judged(file, given, clamp_play_mm)
+    mounted = on.mounted(file.model)
+    found = comparing.compare(mounted, on.measurement, free_offset=on.elsewhere)
+    return ComparisonResult(found, mounted, on, tuple(on.notes(mounted)))

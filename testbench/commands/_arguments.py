@@ -31,14 +31,14 @@ def add_effects(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--effects", metavar="FILE.py", help=EFFECTS_HELP)
 
 
-def add_clamp_play(parser: argparse.ArgumentParser) -> None:
-    """Declare the play of the clamps between the two recordings."""
+def add_clamp_play(parser: argparse.ArgumentParser, of: str = "--held-out") -> None:
+    """Declare the play of the clamps between the recording that is fitted on and another one, called `of`."""
     parser.add_argument(
         "--clamp-play-mm",
         type=float,
         default=0.0,
         metavar="MM",
-        help="the sensor was clamped anew for --held-out: the zero of its displacement is free, within so many mm",
+        help=f"the sensor was clamped anew for {of}: the zero of its displacement is free, within so many mm",
     )
 
 

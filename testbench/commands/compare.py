@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from testbench.commands._arguments import add_effects
+from testbench.commands._arguments import add_clamp_play, add_effects
 
 SUMMARY = "show a model over a measurement and say where it fails"
 EXAMPLE = "testbench compare campaign-2 --model model.json --json"
@@ -15,6 +15,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("recording", help="a CSV, or a campaign folder")
     parser.add_argument("--model", metavar="M", required=True, help="a model.json")
     parser.add_argument("--gauge-length-mm", type=float, metavar="L", help="for a bare CSV (default: the model's)")
+    add_clamp_play(parser, of="this recording")
     add_effects(parser)
     parser.add_argument("--json", action="store_true", help="print the whole comparison as JSON")
 
@@ -22,9 +23,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Compare and print."""
     import json
+    import sys
 
     from testbench.api.comparing import compare
 
-    found = compare(args.recording, args.model, effects=args.effects, gauge_length_mm=args.gauge_length_mm)
+    found = compare(
+        args.recording,
+        args.model,
+        effects=args.effects,
+        gauge_length_mm=args.gauge_length_mm,
+        clamp_play_mm=args.clamp_play_mm,
+    )
+    for note in found.notes:
+        print(f"note: {note}", file=sys.stderr)
     print(json.dumps(found.to_dict(), indent=2) if args.json else found)
     return 0

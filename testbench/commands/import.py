@@ -75,7 +75,9 @@ def _add_columns(parser: argparse.ArgumentParser) -> None:
         metavar="ROLE=COL",
         help="a channel's own time, where the file has several clocks: force=t_F; may be repeated",
     )
-    group.add_argument("--r0-ohm", type=positive, metavar="R0", help="for the relative ones")
+    group.add_argument(
+        "--rest-ohm", "--r0-ohm", dest="r0_ohm", type=positive, metavar="R0", help="R0 of the relative ones"
+    )
     group.add_argument("--repeat", type=int, metavar="N", help="of several repeats in the file, this one")
 
 

@@ -87,6 +87,11 @@ def drawn_to_data(law: Effect, calibration: Measurement) -> Effect:
     return law.started(signals, {})
 
 
+def continued(mine: ModelFile, found: ModelFile) -> ModelFile:
+    """The model of a diagnosis on top of the ladder that it was made of, whose last step is the diagnosis's first."""
+    return replace(found, history=(*mine.history, *found.history[1:]))
+
+
 def undo(file: ModelFile, catalogue: Catalogue) -> ModelFile:
     """Take the last step back.
 

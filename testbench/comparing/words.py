@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 
 from testbench.comparing.cell import Cell
+from testbench.comparing.numbers import span
 
-PERCENT = {"strain", "largest_strain"}
+DOING = {1: " while stretching", -1: " while releasing", 0: ""}
 
 
 def place_in_words(channel: str, coordinate: str, cell: Cell, size: float) -> str:
@@ -15,34 +16,32 @@ def place_in_words(channel: str, coordinate: str, cell: Cell, size: float) -> st
     way = "too high" if cell.mean < 0 else "too low"
     amount = abs(math.expm1(cell.mean)) if channel == "conductance" else abs(cell.mean) / size
     of = " of its range" if channel == "force" else ""
-    return f"modelled {channel} is {100 * amount:.1f} %{of} {way} {_where(coordinate, cell)}"
+    return f"modelled {channel} is {100 * amount:.1f} %{of} {way} {where_in_words(coordinate, cell)}"
 
 
-def _where(coordinate: str, cell: Cell) -> str:
-    low, high = (_number(coordinate, cell.low), _number(coordinate, cell.high))
-    moving = {1: " while stretching", -1: " while releasing", 0: ""}[cell.direction]
+def where_in_words(coordinate: str, cell: Cell) -> str:
+    """A stretch of a coordinate; strains in % and rates in %/s."""
+    low, high, doing = cell.low, cell.high, DOING[cell.direction]
     if coordinate == "strain":
-        return f"between {low} and {high} strain{moving}"
+        return f"between {span(100 * low, 100 * high)} % strain{doing}".replace(" to ", " and ", 1)
     if coordinate == "largest_strain":
-        return f"when the knit has seen at most {low} to {high} strain{moving}"
+        return f"when the knit has seen at most {span(100 * low, 100 * high)} % strain{doing}"
     if coordinate == "strain_rate":
-        doing = "stretching" if cell.low + cell.high > 0 else "releasing"
-        return f"at strain rates from {low} to {high} per second ({doing})"
+        moving = "stretching" if low + high > 0 else "releasing"
+        return f"at strain rates of {span(100 * low, 100 * high)} %/s ({moving})"
+    return _when(coordinate, low, high, doing)
+
+
+def _when(coordinate: str, low: float, high: float, doing: str) -> str:
     if coordinate == "elapsed_s":
-        return f"from {low} to {high} s after the start"
+        return f"from {span(low, high, 's')} after the start"
     if coordinate == "since_reversal_s":
-        return f"{low} to {high} s after a reversal{moving}"
+        return f"{span(low, high, 's')} after a reversal{doing}"
     if coordinate == "since_hold_s":
-        return f"{low} to {high} s into a hold"
+        return f"{span(low, high, 's')} into a hold"
     if coordinate == "cycle":
-        return f"in cycles {low} to {high}"
-    return f"between {low} and {high} °C"
-
-
-def _number(coordinate: str, value: float) -> str:
-    if coordinate in PERCENT:
-        return f"{100 * value:.1f} %"
-    return f"{value:.3g}"
+        return f"in cycles {low:.0f} to {high:.0f}"
+    return f"between {span(low, high, '°C')}".replace(" to ", " and ", 1)
 
 
 def percent(share: float) -> str:

@@ -77,8 +77,20 @@ class Measurement:
         return tuple(self.measured)
 
     def modelled(self, model: KnitModel, cache: SimulationCache | None = None) -> dict[str, FloatArray]:
-        """Simulate; force in N and ln G for every measured channel, each shape (n,)."""
+        """Simulate; force in N and ln G for every measured channel, each shape (n,).
+
+        Raises
+        ------
+        UserError
+            If the model has no law for a channel that was measured.
+        """
         state = model.simulate(self.signals, self.dt_s, cache)
+        for channel in self.channels:
+            if SIGNAL_OF[channel] not in state:
+                raise UserError(
+                    f"{self.recording.source}: has a {channel}, and the model ({', '.join(model)}) simulates none; "
+                    "fit a model on a recording with the same channels"
+                )
         return {channel: channel_of(state, channel) for channel in self.channels}
 
     def residual(self, model: KnitModel, cache: SimulationCache | None = None) -> dict[str, FloatArray]:
@@ -261,7 +273,12 @@ def split(
         If the two were taken at different gauge lengths or share no channel, or one recording is too short or too
         still in a part of it; if there is play without a held-out recording, or more than a set-up has.
     """
-    _check_play(recording, held_out, clamp_play_mm)
+    check_play(recording, clamp_play_mm)
+    if clamp_play_mm and held_out is None:
+        raise UserError(
+            f"{recording.source}: clamp play is that of a held-out recording, and none was given; "
+            "the last third of one recording was not clamped anew"
+        )
     if held_out is None:
         cut_s = recording.duration_s * (1 - held_share)
         parts = prepare(recording, (0.0, cut_s)), prepare(recording, (cut_s, np.inf))
@@ -282,15 +299,16 @@ def split(
     return calibration, replace(held, clamp_play_mm=clamp_play_mm)
 
 
-def _check_play(recording: Recording, held_out: Recording | None, clamp_play_mm: float) -> None:
+def check_play(recording: Recording, clamp_play_mm: float) -> None:
+    """Refuse a play that no clamp has.
+
+    Raises
+    ------
+    UserError
+    """
     most_mm = MOST_PLAY * recording.gauge_length_mm
     if not 0 <= clamp_play_mm <= most_mm:
         raise UserError(
             f"clamp play: must be from 0 to {most_mm:g} mm ({MOST_PLAY:.0%} of the gauge length), "
             f"got {clamp_play_mm:g}"
-        )
-    if clamp_play_mm and held_out is None:
-        raise UserError(
-            f"{recording.source}: clamp play is that of a held-out recording, and none was given; "
-            "the last third of one recording was not clamped anew"
         )

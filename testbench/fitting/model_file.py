@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -161,6 +162,16 @@ def about_model(path: str | Path) -> Mapping[str, Any]:
     return validated(checked_model(read_json(path, "model"), path), _Rest, path, "model").model_dump(
         mode="json", exclude_unset=True
     )
+
+
+def same_source(kept: str, source: str) -> bool:
+    """Whether a recording is the one that a model file names.
+
+    Where nothing is at the path that was kept (the folder has moved), campaign and file must have the same names.
+    """
+    if not kept or os.path.abspath(kept) == os.path.abspath(source):
+        return bool(kept)
+    return not os.path.exists(kept) and Path(kept).parts[-2:] == Path(source).parts[-2:]
 
 
 def check_same_set_up(file: ModelFile, recording: Recording, path: str | Path) -> None:

@@ -14,6 +14,7 @@ from testbench.importing.words import ROLES, STRETCH, SYMBOL, is_generic
 
 ELECTRICAL = ("resistance", "conductance", "relative", "relative_change")
 NOT_THERE = "none"
+NAMED = "its name"
 MISFIT = 10
 DATE = "date"
 FLAGS = {role: f"--{role.replace('_', '-')}" for role in ROLES} | {"relative": "--relative-resistance"}
@@ -256,19 +257,24 @@ def _take(choice: Choice, role: str, column: Column, clock: Column | None, said:
         choice.troubles.append(Trouble("unit", role, (column,)))
         from_file, where = None, ""
     else:
-        where = column.unit_from or "its name"
+        where = column.unit_from or NAMED
     choice.taken[role] = Taken(role, column, from_file, where, clock)
-    if role.startswith("relative") and not said.has_r0 and role not in said.columns:
+    if role.startswith("relative") and not said.has_r0:
         choice.troubles.append(Trouble("r0", role, (column,)))
 
 
 def _unit_in_file(role: str, column: Column) -> Unit | None:
     """The unit that the file says, if it is one of the role's (for a displacement, % as well)."""
-    if role.startswith("relative") and not column.unit_text:
+    if role.startswith("relative") and not column.unit_text and _is_plainly_one(role, column):
         return next(unit for unit in units_spelt("1") if unit.quantity == "ratio")
     quantities = ("length", "ratio") if role == "displacement" else ROLES[role]
     fitting = [unit for unit in units_spelt(column.unit_text) if unit.quantity in quantities]
     return fitting[0] if len(fitting) == 1 else None
+
+
+def _is_plainly_one(role: str, column: Column) -> bool:
+    """Whether a ratio without a unit can be nothing but one: a "change of the resistance" may as well be in %."""
+    return column.heading.says_ratio or role not in column.heading.roles or role == "relative"
 
 
 def _check_enough(choice: Choice, said: Said) -> None:
@@ -301,12 +307,18 @@ def in_words(troubles: Sequence[Trouble], layout: Layout, first: Sequence[str]) 
     return text
 
 
+def several(columns: Sequence[Column]) -> str:
+    """``column 3 and column 4 both``, ``column 3, column 4 and column 5 all``."""
+    *others, last = [column.label for column in columns]
+    return f"{', '.join(others)} and {last} {'both' if len(columns) == 2 else 'all'}"
+
+
 def _in_words(trouble: Trouble) -> str:
     role, flag = WORDS.get(trouble.role, trouble.role), FLAGS[trouble.role]
     columns = " and ".join(column.label for column in trouble.columns)
     if trouble.kind == "several":
         last = trouble.columns[-1].number
-        return f"{columns} both fit {role}: say which, e.g. {flag} {last}" + (
+        return f"{several(trouble.columns)} fit {role}: say which, e.g. {flag} {last}" + (
             "" if trouble.role == "time" else f" (or {flag} none)"
         )
     if trouble.kind == "unit":
@@ -315,7 +327,10 @@ def _in_words(trouble: Trouble) -> str:
         allowed = ", ".join(symbols(ROLES[trouble.role])) + (", date" if trouble.role == "time" else "")
         return f"{role} ({columns}): {seen}; say {UNIT_FLAGS[trouble.role]} ({allowed})"
     if trouble.kind == "r0":
-        return f"{role} ({columns}) needs the resistance that it is relative to: say --r0-ohm"
+        return (
+            f"{role} ({columns}) needs the resistance at rest R0, which it is relative to: say --rest-ohm R0 in Ω "
+            "(1 where nobody knows it: the resistance is then in units of R0)"
+        )
     if trouble.role == "time":
         return "no time found: say --time COL, or --rate-hz F where there is none"
     return (

@@ -5,13 +5,14 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
+from testbench.importing.relative import ratio_by_formula
 from testbench.importing.units import Unit, plain_text, unit_of, units_spelt
 from testbench.importing.words import ROLES, STRETCH, is_generic, roles_of
 
 _BRACKET = re.compile(r"^(.*?)\s*(?:\[([^\[\]]*)\]|\(([^()]*)\)|\{([^{}]*)\}|<([^<>]*)>)\s*$", re.S)
-_FORMULA = re.compile(r"R_?[0o]$", re.I)
 _TAIL = re.compile(r"^(.*?)(?:\s*/\s*|\s+in\s+|\s*[,:;=]\s*|_|\s+)([^\s/,:;=_]+)$", re.S)
 _STROKE = re.compile(r"^([^/,]+?)\s*[/,]\s*([^\s/,\d][^\s,]*)$")
+_RATIOS = {role for role, quantities in ROLES.items() if quantities == ("ratio",)}
 LONGEST = 300  # characters of a cell that are looked at; no name of a column is longer
 _PER_CENT = re.compile(r"^(.*?)\s*([%‰])$", re.S)
 
@@ -41,12 +42,19 @@ class Heading:
     roles: dict[str, int]
 
     @property
+    def says_ratio(self) -> bool:
+        """Whether the name is a formula (``dR/R0``), which has the unit 1 where no other is said."""
+        return bool(ratio_by_formula(self.whole) or ratio_by_formula(self.base))
+
+    @property
     def quantities(self) -> tuple[str, ...]:
         """The quantities that a unit of this column may be of; every one where the name says nothing."""
         roles = set(self.roles) | (STRETCH if STRETCH & set(self.roles) else set())
         if not roles:
             roles = set(ROLES) if is_generic(self.base) else set()
-        return tuple(dict.fromkeys(quantity for role in roles for quantity in ROLES[role]))
+        # A change of the resistance may be in Ω; then it is neither a resistance nor relative to one.
+        more = ("resistance",) if "relative_change" in roles else ()
+        return tuple(dict.fromkeys([*(quantity for role in roles for quantity in ROLES[role]), *more]))
 
     def unit(self, unit_text: str) -> Unit | None:
         """The unit that `unit_text` means in a column of this name; None where it cannot be told."""
@@ -77,7 +85,7 @@ def _parted(plain: str) -> tuple[str, str]:
 def _may_be_a_unit(inside: str, name: str) -> bool:
     """Known units, and short words without sense to us: those are units too, which we cannot read."""
     if inside.isdigit():  # "Load (1)" numbers the cell, "Strain (1)" says that it is no percentage
-        return inside == "1" and "strain" in roles_of(name.strip(), name)
+        return inside == "1" and bool(_RATIOS & set(roles_of(name.strip(), name)))
     return bool(units_spelt(inside)) or (0 < len(inside) <= 6 and not re.search(r"\d|\s", inside))
 
 
@@ -85,13 +93,13 @@ def _tail(plain: str) -> tuple[str, str]:
     """A unit behind a stroke, a comma, an underscore or a blank: one that suits the name before it."""
     for pattern in (_PER_CENT, _TAIL):
         found = pattern.match(plain)
-        if found and found[1].strip() and not _FORMULA.search(plain):
+        if found and found[1].strip() and not ratio_by_formula(plain):
             name = found[1].strip()
             quantities = read_heading(name).quantities if not is_generic(name) else ()
             if unit_of(found[2], quantities) is not None:
                 return name, found[2]
     stroke = _STROKE.match(plain)
-    if stroke and roles_of(stroke[1], stroke[1]) and not _FORMULA.search(plain):
+    if stroke and roles_of(stroke[1], stroke[1]) and not ratio_by_formula(plain):
         return stroke[1], stroke[2]  # a unit that we cannot read
     return plain, ""
 

@@ -98,12 +98,12 @@ _TABLE: dict[str, tuple[tuple[str, float, float, str, str], ...]] = {
 
 
 def _plain(text: str) -> str:
-    """One spelling for signs that have several: full-width brackets, the two omegas, the two mus, ℃.
+    """One spelling for signs that have several: full-width brackets, the two omegas, deltas and mus, ℃, R₀.
 
     Signs that mean something by their height (the ² of mm²) stay as they are.
     """
     kept = "".join(sign if sign in "²³" else unicodedata.normalize("NFKC", sign) for sign in text)
-    return kept.replace("μ", "µ").strip()
+    return kept.replace("μ", "µ").replace("∆", "Δ").replace("−", "-").strip()
 
 
 def _spelt() -> tuple[dict[str, list[Unit]], dict[str, list[Unit]]]:

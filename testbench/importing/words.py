@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import re
 
+from testbench.importing.relative import ratio_by_formula, ratio_by_words
+
 # Roles a column can have, and the quantities its unit may be of. A displacement in % is a strain, a strain in mm a
 # displacement: there the unit decides.
 ROLES: dict[str, tuple[str, ...]] = {
@@ -62,12 +64,6 @@ _SYMBOLS = {
     "conductance": ("G",),
     "temperature": ("T", "ϑ", "θ"),
 }
-_RELATIVE = re.compile(
-    r"^R\s*/\s*R_?[0o]$|^(r|resistance)[_ ]?rel(ative)?$|^rel(ative|\.)?[_ ]?(resistance|r)$", re.I
-)
-_RELATIVE_CHANGE = re.compile(
-    r"^[\[(]?\s*(d|Δ|delta[_ ]?)R\s*[\])]?\s*[/_]\s*R_?[0o]?$|^\(?\s*R\s*-\s*R_?[0o]\s*\)?\s*/\s*R_?[0o]$", re.I
-)
 # A column with such a word is about the quantity, not the quantity itself. Rates, set points, extremes, counters.
 _ABOUT = frozenset(
     [
@@ -142,10 +138,12 @@ def roles_of(base: str, whole: str) -> dict[str, int]:
     whole : str
         The name without its unit.
     """
-    if _RELATIVE_CHANGE.match(whole) or _RELATIVE_CHANGE.match(base):
-        return {"relative_change": CERTAIN}
-    if _RELATIVE.match(whole) or _RELATIVE.match(base):
-        return {"relative": CERTAIN}
+    formula = ratio_by_formula(whole) or ratio_by_formula(base)
+    if formula:
+        return {formula: CERTAIN}
+    ratio = ratio_by_words(whole, words_of(whole))
+    if ratio and not speaks_about(whole, ratio):
+        return {ratio: LIKELY}
     if speaks_about(whole):
         return {}
     found: dict[str, int] = {}
@@ -177,10 +175,14 @@ def _by_symbol(role: str, base: str) -> int:
     return SYMBOL if found and found[1] in _SYMBOLS[role] else 0
 
 
-def speaks_about(whole: str) -> bool:
-    """Whether a name is of something derived: a rate, a set point, a maximum, a counter."""
+def speaks_about(whole: str, role: str = "") -> bool:
+    """Whether a name is of something derived: a rate, a set point, a maximum, a counter.
+
+    The change rate of a resistance (电阻变化率) is its relative change, no change in time.
+    """
     text = whole.casefold()
-    return bool(_ABOUT & set(words_of(whole))) or any(part in text for part in _ABOUT_PARTS)
+    rate = {"rate"} if role == "relative_change" else set()
+    return bool((_ABOUT - rate) & set(words_of(whole))) or any(part in text for part in _ABOUT_PARTS)
 
 
 def is_generic(base: str) -> bool:

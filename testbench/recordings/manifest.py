@@ -8,6 +8,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
+import os
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -121,10 +122,7 @@ def origin_of(folder: Path) -> str:
 
 
 def _read(folder: Path) -> tuple[Campaign, list[Resource], bool]:
-    path = folder / NAME
-    if not path.is_file():
-        raise UserError(f"{folder}: no {NAME} in this folder, so it is not a campaign")
-    text = strict.read_text(path, "campaign manifest", MOST_BYTES)
+    text, path = _text_of(folder)
     data = strict.json_of(text, "campaign manifest", path)
     _check_kind(data, path)
     stored = strict.validated(data, StoredManifest, path, "campaign manifest")
@@ -135,7 +133,30 @@ def _read(folder: Path) -> tuple[Campaign, list[Resource], bool]:
     return campaign, stored.resources, _self_hash_holds(text, about.manifest_sha256)
 
 
-def _check_kind(data: Any, path: Path) -> None:
+def _text_of(folder: Path) -> tuple[str, str]:
+    """The text of a manifest, and what to call it: a link is named with where it leads."""
+    path = folder / NAME
+    try:
+        path.lstat()
+    except (FileNotFoundError, NotADirectoryError):
+        raise UserError(f"{folder}: no {NAME} in this folder, so it is not a campaign") from None
+    except (OSError, ValueError) as error:
+        raise UserError(f"{folder}: cannot look into this folder: {getattr(error, 'strerror', error)}") from None
+    link = _link_in_words(folder)
+    try:
+        return strict.read_text(path, "campaign manifest", MOST_BYTES), f"{path}{link}"
+    except UserError as error:
+        remedy = "; put the manifest itself there, or what the link leads to" if link else ""
+        raise UserError(f"{path}{link}{str(error).removeprefix(str(path))}{remedy}") from None
+
+
+def _link_in_words(folder: Path) -> str:
+    """Where the manifest of a folder really is; empty where it is no link."""
+    path = folder / NAME
+    return f" (a link to {os.readlink(path)})" if path.is_symlink() else ""
+
+
+def _check_kind(data: Any, path: str) -> None:
     about = data.get("knitbench") if isinstance(data, dict) else None
     if not isinstance(about, dict) or about.get("format") != FORMAT:
         raise UserError(f"{path}: not a knitbench campaign (its key knitbench must have the format {FORMAT!r})")
@@ -171,9 +192,9 @@ def resource_problems(folder: Path, resource: Resource) -> list[str]:
         return [f"{folder / NAME}: no hash for {path.name}"]
     size = path.stat().st_size
     if size != resource.bytes:
-        return [f"{path}: {size} bytes, the manifest says {resource.bytes}"]
+        return [f"{path}: {size} bytes, the manifest{_link_in_words(folder)} says {resource.bytes}"]
     if f"sha256:{sha256_of(path)}" != resource.hash:
-        return [f"{path}: checksum differs from the manifest"]
+        return [f"{path}: checksum differs from the manifest{_link_in_words(folder)}"]
     return []
 
 

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from testbench.comparing.numbers import plain
 from testbench.report import style
 from testbench.report.comparison_figures import CHANNEL_TITLES, Overlay, model_colour
 from testbench.report.downsample import window
-from testbench.report.numbers import plain
 from testbench.report.recording_figures import line
 
 NAMED_STEPS = 3

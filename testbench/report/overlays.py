@@ -8,12 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from testbench.comparing.compare import compare, residual_maps
+from testbench.comparing.compare import Comparison, residual_maps
 from testbench.comparing.coordinates import coordinates
-from testbench.fitting.clamping import Zero, moved
+from testbench.comparing.judged import kept_zero
 from testbench.fitting.errors import noise_floors
 from testbench.fitting.measurement import Measurement
 from testbench.fitting.model_file import ModelFile
+from testbench.fitting.remounting import remounted
 from testbench.knit.catalogue import Catalogue, model_from_dict
 from testbench.knit.model import KnitModel
 from testbench.report.comparison_figures import Overlay
@@ -22,16 +23,10 @@ from testbench.report.places import Spot, spots
 from testbench.report.words import spoken
 
 
-def as_clamped(file: ModelFile, held: Measurement) -> Measurement:
-    """Held-out samples as the last step of a ladder judged them: counted from the zero that was found there."""
-    zero = file.history[-1].get("zero") if file.history else None
-    return moved(held, zero["shift_mm"]) if zero else held
-
-
 def zero_in_words(file: ModelFile) -> str:
     """What to say of the zero of a held-out recording that was clamped anew; empty where it was not."""
-    zero = file.history[-1].get("zero") if file.history else None
-    return f"The held-out recording was {Zero(**zero)}. This is no finding about the sensor." if zero else ""
+    zero = kept_zero(file)
+    return f"The held-out recording was {zero}. This is no finding about the sensor." if zero else ""
 
 
 def overlay_of(
@@ -48,12 +43,13 @@ def overlay_of(
     models : mapping of label to KnitModel
         In the order of drawing.
     free_offset : bool
-        Shift each modelled signal to the measured mean, as errors on another recording are counted: force zero and
-        conductance gain belong to the mounting.
+        Shift each modelled signal to the measured mean and fit what belongs to this recording alone, as errors on
+        another recording are counted: force zero and conductance gain belong to the mounting.
     held_out_from_s : float, optional
         Where the held-out part begins.
     """
-    modelled = {label: measurement.modelled(model) for label, model in models.items()}
+    mounted = {label: remounted(model, measurement) if free_offset else model for label, model in models.items()}
+    modelled = {label: measurement.modelled(model) for label, model in mounted.items()}
     if free_offset:
         modelled = {label: _shifted(signals, measurement) for label, signals in modelled.items()}
     return Overlay(
@@ -93,9 +89,9 @@ class Failings:
     maps: Mapping[str, Any]
 
 
-def failings_of(model: KnitModel, measurement: Measurement, both: Overlay, free_offset: bool) -> Failings:
-    """Compare, and find the times at which the worst places are seen; `both` is the overlay of this one model."""
-    found = compare(model, measurement, free_offset=free_offset).to_dict()
+def failings_of(compared: Comparison, measurement: Measurement, both: Overlay, free_offset: bool) -> Failings:
+    """Find the times at which the worst places are seen; `both` is the overlay of the model that was compared."""
+    found = compared.to_dict()
     where, counts = coordinates(measurement), measurement.counts
     residual = {channel: both.residual(channel) for channel in both.measured}
     maps = {channel: entry["maps"] for channel, entry in found["channels"].items()}

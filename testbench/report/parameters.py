@@ -6,10 +6,10 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from testbench.comparing.numbers import allowed, in_words, with_error
 from testbench.knit.effect import bounds_of
 from testbench.knit.model import KnitModel
 from testbench.report.document import Table
-from testbench.report.numbers import allowed, in_words, with_error
 from testbench.report.words import spoken
 
 HELD = 1e-6  # standard deviation, in the fit's coordinate, by which a diagnosis holds what it does not fit

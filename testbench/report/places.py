@@ -10,11 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcode.support.arrays import FloatArray
-from testbench.report.numbers import span
 
 NOISE_REACHED = 1.1  # an error of at most this many noise floors is noise: nothing is left to be pointed at
 LOOK_S, LOOK_SAMPLES = 30.0, 200  # how much is shown around a place: so long, and at least so many samples
-DOING = {1: " while stretching", -1: " while releasing", 0: ""}
 
 
 @dataclass(frozen=True)
@@ -66,7 +64,7 @@ def spots(
     for place in beyond_noise(comparison):
         inside = counts & in_cell(place, where)
         energy = np.where(inside, residual[place["channel"]] ** 2, 0.0)
-        found.append(Spot(place_in_words(place), place["share_of_error"], busiest(time_s, energy)))
+        found.append(Spot(place["words"], place["share_of_error"], busiest(time_s, energy)))
     return found
 
 
@@ -84,37 +82,6 @@ def busiest(time_s: FloatArray, energy: FloatArray, length_s: float = LOOK_S) ->
     sums = np.concatenate([[0.0], np.cumsum(energy)])
     start = int(np.argmax(sums[width:] - sums[:-width]))
     return float(time_s[start]), float(time_s[start + width - 1])
-
-
-def place_in_words(place: Mapping[str, Any]) -> str:
-    """One sentence: what the model does wrong, by how much, and where; strains in % and rates in %/s."""
-    amount, too, rest = place["words"].partition(" too ")
-    way = rest.split(" ")[0]
-    return f"{amount}{too}{way} {_where(str(place['coordinate']), place['cell'])}"
-
-
-def _where(coordinate: str, cell: Mapping[str, Any]) -> str:
-    low, high, doing = cell["low"], cell["high"], DOING[int(cell["direction"])]
-    if coordinate == "strain":
-        return f"between {span(100 * low, 100 * high)} % strain{doing}".replace(" to ", " and ", 1)
-    if coordinate == "largest_strain":
-        return f"when the knit has seen at most {span(100 * low, 100 * high)} % strain{doing}"
-    if coordinate == "strain_rate":
-        moving = "stretching" if low + high > 0 else "releasing"
-        return f"at strain rates of {span(100 * low, 100 * high)} %/s ({moving})"
-    return _when(coordinate, low, high, doing)
-
-
-def _when(coordinate: str, low: float, high: float, doing: str) -> str:
-    if coordinate == "elapsed_s":
-        return f"from {span(low, high, 's')} after the start"
-    if coordinate == "since_reversal_s":
-        return f"{span(low, high, 's')} after a reversal{doing}"
-    if coordinate == "since_hold_s":
-        return f"{span(low, high, 's')} into a hold"
-    if coordinate == "cycle":
-        return f"in cycles {low:.0f} to {high:.0f}"
-    return f"between {span(low, high, '°C')}".replace(" to ", " and ", 1)
 
 
 def noise_reached(channels: Mapping[str, Mapping[str, Any]]) -> Sequence[str]:

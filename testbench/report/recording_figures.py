@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 
 from gcode.support.arrays import FloatArray
+from testbench.comparing.numbers import span
 from testbench.recordings.channels import DISPLACEMENT, RESISTANCE, TEMPERATURE
 from testbench.recordings.channels import FORCE as FORCE_CHANNEL
 from testbench.recordings.recording import Recording
 from testbench.report import style
 from testbench.report.downsample import POINTS, rows_to_draw, thinned, window
-from testbench.report.numbers import span
 
 Channel = tuple[str, FloatArray, str]  # axis title, values, colour
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from testbench.comparing.numbers import plain
 from testbench.knit.model import KnitModel
 from testbench.recordings.recording import Recording
 from testbench.report import (
@@ -22,9 +23,8 @@ from testbench.report import (
 from testbench.report.comparison_figures import Overlay
 from testbench.report.document import Facts, Item, Picture, Section, Table
 from testbench.report.ladder_figures import UNITS, Step
-from testbench.report.numbers import plain
 from testbench.report.parameters import parameter_table
-from testbench.report.places import beyond_noise, place_in_words
+from testbench.report.places import beyond_noise
 
 # How far above the noise is told of ln G, which was fitted: the same share of the resistance.
 LOGARITHM = {"resistance": "conductance"}
@@ -62,8 +62,7 @@ def comparison_section(both: Overlay, comparison: Mapping[str, Any], maps: Mappi
     worst = beyond_noise(comparison)
     if worst:
         rows = [
-            (str(n), place_in_words(place), f"{100 * place['share_of_error']:.0f} %")
-            for n, place in enumerate(worst, 1)
+            (str(n), place["words"], f"{100 * place['share_of_error']:.0f} %") for n, place in enumerate(worst, 1)
         ]
         items.append(Table(("", "Where it fails, the worst first", "Share of the squared error"), rows))
     else:

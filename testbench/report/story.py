@@ -6,17 +6,19 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from testbench.fitting.measurement import Measurement, split
+from testbench.comparing.compare import compare
+from testbench.comparing.judged import held_samples
+from testbench.comparing.numbers import plain
+from testbench.fitting.measurement import Measurement
 from testbench.fitting.model_file import ModelFile, check_same_set_up
+from testbench.fitting.remounting import remounted
 from testbench.knit.catalogue import Catalogue, model_from_dict
 from testbench.recordings.recording import Recording
 from testbench.report import ladder_figures, sections, words
 from testbench.report.comparison_figures import Overlay, busiest_window
 from testbench.report.document import Facts, Item, Picture, Section
 from testbench.report.ladder_figures import UNITS, Step
-from testbench.report.numbers import plain
 from testbench.report.overlays import (
-    as_clamped,
     failings_of,
     models_of,
     overlay_of,
@@ -74,7 +76,7 @@ class Story:
         if recordings:
             for recording in (recordings[0], *([held_out] if held_out else [])):
                 check_same_set_up(file, recording, name if model else "diagnosis")
-            judged = as_clamped(file, split(recordings[0], held_out)[1])
+            judged = held_samples(file, recordings[0], held_out)
         in_kohm = resistance and judged is not None
         steps = steps_in_resistance(file, catalogue, judged) if in_kohm and judged else steps_of(file.history)
         return cls(file, catalogue, steps, judged, model is not None, resistance)
@@ -131,7 +133,8 @@ class Story:
     def _comparison(self, judged: Measurement) -> Section:
         label = self.steps[-1].label if self.steps else "model"
         both = overlay_of(judged, {label: self.file.model}, free_offset=True)
-        found = failings_of(self.file.model, judged, both, free_offset=True)
+        compared = compare(remounted(self.file.model, judged), judged, free_offset=True)
+        found = failings_of(compared, judged, both, free_offset=True)
         return sections.comparison_section(self._seen(both), found.comparison, found.maps)
 
     def _seen(self, both: Overlay) -> Overlay:

@@ -6,9 +6,9 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from testbench.comparing.numbers import plain
 from testbench.comparing.words import percent
 from testbench.report.ladder_figures import UNITS
-from testbench.report.numbers import plain
 
 MANY = math.log(1e6)  # log odds beyond this are "more than a million to one"
 

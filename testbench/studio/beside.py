@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import Any
 
 from gcode.support.errors import UserError
+from testbench.comparing.numbers import in_unit, plain, with_error
 from testbench.fitting.model_file import about_model
 from testbench.knit.catalogue import model_from_dict
 from testbench.knit.model import KnitModel
 from testbench.report.document import Table
-from testbench.report.numbers import in_unit, plain, with_error
 from testbench.report.parameters import doubts, parameter_name
 from testbench.report.words import spoken
 from testbench.studio import models

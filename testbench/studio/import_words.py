@@ -15,6 +15,7 @@ TITLES = {
     "relative_change": "(R-R0)/R0",
     "temperature": "Temperature",
 }
+R0 = "Resistance at rest R0 / Ω"
 FIELDS = {
     "--gauge-length-mm": "Gauge length / mm",
     "--header-row": "Header row",
@@ -25,7 +26,8 @@ FIELDS = {
     "--encoding": "Encoding",
     "--sheet": "Sheet",
     "--rate-hz": "Sampling rate / Hz",
-    "--r0-ohm": "R0 / Ω",
+    "--rest-ohm": R0,
+    "--r0-ohm": R0,
     "--drop-bad": "Leave out rows that cannot be used",
     "--sort": "Put rows in the order of time",
     "--repeat": "Only repeat",

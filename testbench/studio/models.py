@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 
 from nicegui import ui
 
 from gcode.support.files import make_folder
-from testbench.fitting.model_file import about_model
+from testbench.fitting.model_file import about_model, same_source
 from testbench.studio.fields import check, number_field, typed
 from testbench.studio.jobs import Commands, Job, State
 from testbench.studio.studio import Studio
@@ -57,10 +56,9 @@ def companions(studio: Studio, c: str) -> tuple[list[str], list[str]]:
 
 def held_out_of(studio: Studio, c: str) -> str:
     """What the model of a campaign was judged on, so that its next step is judged on the same."""
-    source = Path(str(about_model(model_path(studio, c)).get("held_out", "")))
-    folder = source.parent if source.name == "recording.csv" else source
+    kept = str(about_model(model_path(studio, c)).get("held_out", ""))
     for name in held_out_choices(studio, c)[1:]:
-        if studio.workspace.campaign(name).folder == folder:
+        if same_source(kept, str(studio.workspace.campaign(name).folder / "recording.csv")):
             return name
     return LAST_THIRD
 
@@ -121,13 +119,13 @@ def adopt_diagnosed(studio: Studio, c: str) -> None:
     UserError
         If either model file is missing or damaged.
     """
+    from testbench.comparing.ladder import continued
     from testbench.fitting.model_file import load_model_file
 
     catalogue = studio.catalogue()
     mine = load_model_file(model_path(studio, c), catalogue)
     found = load_model_file(diagnosed_path(studio, c), catalogue)
-    # The diagnosis's first step is the model that it started from, which is the last of this ladder.
-    replace(found, history=(*mine.history, *found.history[1:])).save(model_path(studio, c))
+    continued(mine, found).save(model_path(studio, c))
 
 
 def undo_command(studio: Studio, c: str) -> tuple[str, list[str]]:

@@ -14,7 +14,7 @@ from urllib.parse import urlencode
 from nicegui import ui
 
 from gcode.support.errors import UserError
-from testbench.report.numbers import plain
+from testbench.comparing.numbers import plain
 from testbench.studio.jobs import Job, State
 from testbench.studio.pace import duration_in_words
 from testbench.studio.studio import Studio

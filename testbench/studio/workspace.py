@@ -119,9 +119,10 @@ class Workspace:
             If there is none, or the name points out of the workspace.
         """
         folder = (self.root / name).resolve()
-        if not folder.is_relative_to(self.root) or not (folder / MANIFEST).is_file():
+        made = _stat_of(folder / MANIFEST) if folder.is_relative_to(self.root) and folder != self.root else None
+        if made is None:
             raise UserError(f"no campaign {name!r} in {self.root}; the list of campaigns shows what is there")
-        return self._described(str(folder), (folder / MANIFEST).stat())
+        return self._described(str(folder), made)
 
     def recording(self, name: str) -> Recording:
         """The recording of a campaign, read once and kept until the file changes."""
@@ -218,6 +219,14 @@ class Workspace:
         return folder
 
 
+def _stat_of(manifest: Path | os.DirEntry[str]) -> os.stat_result | None:
+    """What is known of a manifest, of the link itself where that leads nowhere; None where there is none."""
+    for follow in (True, False):
+        with contextlib.suppress(OSError, ValueError):
+            return manifest.stat(follow_symlinks=follow)
+    return None
+
+
 def _manifests(root: Path, depth: int) -> Iterator[tuple[str, os.stat_result]]:
     """Folders with a manifest, and what is known of it; hidden folders and results are not looked into."""
     pending = [(str(root), 0)]
@@ -226,7 +235,8 @@ def _manifests(root: Path, depth: int) -> Iterator[tuple[str, os.stat_result]]:
         with contextlib.suppress(OSError), os.scandir(folder) as entries:
             for entry in entries:
                 if entry.name == MANIFEST and level:
-                    yield folder, entry.stat()
+                    if made := _stat_of(entry):
+                        yield folder, made
                 elif level < depth and entry.is_dir(follow_symlinks=False) and not _is_hidden(entry.name, level):
                     pending.append((entry.path, level + 1))
 

@@ -133,7 +133,7 @@ class Card:
 
     async def fill(self) -> None:
         """Check and draw."""
-        found = await aside(_looked_at, self.studio, self.found.campaign)
+        found = await aside(looked_at, self.studio, self.found.campaign)
         self.known = replace(found, state=self.known.state)
         if not self.inside.is_deleted:  # the page may have been left meanwhile
             self.inside.set_content(card_html(self.found, self.known))
@@ -152,7 +152,7 @@ def _state(studio: Studio, campaign: Campaign) -> str:
     return "" if campaign.status == "complete" else campaign.status
 
 
-def _looked_at(studio: Studio, campaign: Campaign) -> Known:
+def looked_at(studio: Studio, campaign: Campaign) -> Known:
     """A campaign that cannot be read, or is not what was written, says why."""
     growing = campaign.status == IN_PROGRESS
     try:

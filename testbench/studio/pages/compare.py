@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from nicegui import ui
 
+from testbench.comparing.numbers import plain
 from testbench.report import comparison_figures as figures
 from testbench.report import residual_figures
 from testbench.report.comparison_figures import Overlay
 from testbench.report.document import Table
 from testbench.report.ladder_figures import UNITS
-from testbench.report.numbers import plain
 from testbench.report.places import Spot, noise_reached
 from testbench.report.words import spoken
 from testbench.studio.beside import Beside, beside_choices, beside_of, side_by_side
@@ -40,7 +40,7 @@ from testbench.studio.widgets import (
 )
 
 if TYPE_CHECKING:
-    from testbench.fitting.measurement import Measurement
+    from testbench.api.comparing import ComparisonResult
     from testbench.fitting.model_file import ModelFile
 
 
@@ -147,44 +147,38 @@ def view_of(studio: Studio, c: str, on: str, beside: str = "") -> View:
 
 
 def _compare(studio: Studio, c: str, on: str, second: Beside | None) -> View:
-    """As `testbench compare` does it; a recording whose last third is held out is judged on that third."""
+    """As `testbench compare` does it, with pictures."""
+    from testbench.api.comparing import compare
     from testbench.fitting.errors import rms_errors
-    from testbench.fitting.measurement import prepare, split
-    from testbench.fitting.model_file import check_same_set_up, load_model_file
-    from testbench.report.overlays import as_clamped, failings_of, overlay_of
+    from testbench.fitting.model_file import load_model_file
+    from testbench.report.overlays import failings_of, overlay_of
 
-    path = model_path(studio, c)
-    file = load_model_file(path, studio.catalogue())
-    recording = studio.workspace.recording(on)
-    check_same_set_up(file, recording, path)
-    on_its_third = on == c and held_out_of(studio, c) == LAST_THIRD
-    measurement = split(recording, None)[1] if on_its_third else prepare(recording)
-    if on == held_out_of(studio, c):
-        measurement = as_clamped(file, measurement)
-    elsewhere = on != c or on_its_third
+    catalogue, path = studio.catalogue(), model_path(studio, c)
+    file = load_model_file(path, catalogue)
+    found = compare(studio.workspace.recording(on), path, effects=catalogue)
+    judged, measurement = found.judged, found.measurement
     label = spoken(str(file.history[-1]["step"])) if file.history else "model"
     drawn = ({second.label: second.model} if second else {}) | {label: file.model}
-    from_s = float(measurement.grid_s[np.argmax(measurement.counts)]) if on_its_third else None
-    both = overlay_of(measurement, drawn, elsewhere, from_s)
-    found = failings_of(file.model, measurement, both, elsewhere)
+    both = overlay_of(measurement, drawn, judged.elsewhere, judged.from_s)
+    failing = failings_of(found.comparison, measurement, both, judged.elsewhere)
     rms = {
-        one: rms_errors(model, measurement, elsewhere) | _kohm_error(both, one, measurement.counts, elsewhere)
+        one: rms_errors(judged.mounted(model), measurement, judged.elsewhere)
+        | _kohm_error(both, one, measurement.counts, judged.elsewhere)
         for one, model in drawn.items()
     }
-    notes = _notes(studio, c, file, measurement) if on == held_out_of(studio, c) else []
-    return View(both, found.comparison, found.spots, found.maps, rms, _parameters(file, label, second), notes)
+    notes = _notes(studio, c, found) if judged.elsewhere and judged.from_s is None else []
+    return View(both, failing.comparison, failing.spots, failing.maps, rms, _parameters(file, label, second), notes)
 
 
-def _notes(studio: Studio, c: str, file: ModelFile, held: Measurement) -> list[str]:
-    """What `testbench fit` says of the held-out recording, in the page's words."""
+def _notes(studio: Studio, c: str, found: ComparisonResult) -> list[str]:
+    """What `testbench fit` and `compare` say of another recording, in the page's words."""
     from testbench.api.fitting import beyond_calibration
-    from testbench.fitting.clamping import may_be_clamped_anew
     from testbench.fitting.measurement import prepare
 
-    beyond = beyond_calibration(prepare(studio.workspace.recording(c)), held)
-    anew = "" if file.clamp_play_mm else may_be_clamped_anew(file.model, held)
-    anew = anew.replace("say --clamp-play-mm", f"fit the baseline anew with “{PLAY}”")
-    told = [note.removeprefix(f"{held.recording.source}: ") for note in (beyond, anew) if note]
+    beyond = beyond_calibration(prepare(studio.workspace.recording(c)), found.measurement)
+    source = f"{found.measurement.recording.source}: "
+    told = [note.removeprefix(source) for note in (beyond, *found.notes) if note]
+    told = [note.replace("say --clamp-play-mm", f"fit the baseline anew with “{PLAY}”") for note in told]
     return [note[0].upper() + note[1:] + "." for note in told]
 
 

@@ -7,11 +7,11 @@ from typing import Any
 
 from nicegui import ui
 
+from testbench.comparing.numbers import allowed, in_unit, plain
 from testbench.knit.card import doc_sections
 from testbench.knit.catalogue import Catalogue, model_from_dict
 from testbench.knit.effect import Effect, bounds_of
 from testbench.report.document import Table
-from testbench.report.numbers import allowed, in_unit, plain
 from testbench.report.parameters import parameter_table
 from testbench.report.words import spoken
 from testbench.studio.widgets import subheading, table

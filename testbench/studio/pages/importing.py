@@ -15,7 +15,7 @@ from nicegui.elements.mixins.value_element import ValueElement
 from gcode.support.errors import UserError
 from testbench.importing.signs import SIGNED, TURNED
 from testbench.studio.import_form import NOT_THERE, Choices
-from testbench.studio.import_words import TITLES, page_words
+from testbench.studio.import_words import R0, TITLES, page_words
 from testbench.studio.jobs import Job, State
 from testbench.studio.raw_lines import raw_table
 from testbench.studio.studio import Studio
@@ -93,6 +93,7 @@ class _Form:
         self.holder = ui.column().classes("w-full gap-4")
         self.job: Job | None = None
         self.seen: tuple[Sheet, Choice, dict[str, str]] | None = None
+        self.unfolded = False  # what was unfolded stays so when the file is looked at again
         self.looking = asyncio.Lock()  # one look after the other; who imports waits for the last
 
     def forget_upload(self) -> None:
@@ -217,9 +218,10 @@ class _Form:
             rate = ui.number("Sampling rate / Hz", value=self.choices.rate_hz, min=0, format="%.6g")
             rate.props("outlined dense debounce=500").on_value_change(partial(self._set, "rate_hz"))
         if {"relative", "relative_change"} & set(choice.taken):
-            ohm = ui.number("R0 / Ω", value=self.choices.r0_ohm, min=0, format="%.6g")
+            ohm = ui.number(R0, value=self.choices.r0_ohm, min=0, format="%.6g")
             ohm.props("outlined dense debounce=500").on_value_change(partial(self._set, "r0_ohm"))
-        with ui.expansion("Other quantities, and several clocks").classes("w-full").props("dense"):
+        others = ui.expansion("Other quantities, and several clocks").bind_value(self, "unfolded")
+        with others.classes("w-full").props("dense"):
             for role in TITLES:
                 if role not in shown:
                     self._role(role, sheet, choice, words)
@@ -406,6 +408,8 @@ def _unit_key(choice: Choice, role: str) -> str | None:
 
 def _trouble_words(choice: Choice, role: str) -> str:
     """What a person must say about a role, in the page's words; empty when nothing."""
+    from testbench.importing.choice import several
+
     for one in choice.troubles:
         if one.role != role:
             continue
@@ -417,9 +421,9 @@ def _trouble_words(choice: Choice, role: str) -> str:
                 else "the file does not say the unit: choose it"
             )
         if one.kind == "several":
-            return f"{' and '.join(column.label for column in one.columns)} both fit: choose one"
+            return f"{several(one.columns)} fit: choose one"
         if one.kind == "r0":
-            return "choose “R0 / Ω”, the resistance it is relative to"
+            return f"fill in “{R0}”, the resistance it is relative to (1 where nobody knows it)"
         return (
             "choose its column, or fill in “Sampling rate / Hz”"
             if role == "time"

@@ -11,12 +11,12 @@ from urllib.parse import quote
 
 from nicegui import ui
 
+from testbench.comparing.numbers import plain
 from testbench.fitting.model_file import ModelFile
 from testbench.fitting.results import read_diagnosis
 from testbench.report import diagnosis_figures
 from testbench.report import ladder_figures as figures
 from testbench.report.comparison_figures import busiest_window
-from testbench.report.numbers import plain
 from testbench.report.parameters import parameter_table
 from testbench.report.sections import fall_in_words
 from testbench.report.story import GLANCE_S
@@ -56,9 +56,9 @@ class _Ladder:
     """One model file on the page."""
 
     def __init__(self, studio: Studio, c: str, where: Address) -> None:
-        from testbench.fitting.measurement import split
+        from testbench.comparing.judged import held_samples
         from testbench.fitting.model_file import load_model_file
-        from testbench.report.overlays import as_clamped, steps_in_resistance, steps_of, zero_in_words
+        from testbench.report.overlays import steps_in_resistance, steps_of, zero_in_words
 
         self.studio, self.c, self.where = studio, c, where
         self.kohm = where.query["show"] == RESISTANCE
@@ -66,7 +66,7 @@ class _Ladder:
         self.file: ModelFile = load_model_file(models.model_path(studio, c), catalogue)
         held = models.held_out_of(studio, c)
         other = None if held == models.LAST_THIRD else studio.workspace.recording(held)
-        self.judged = as_clamped(self.file, split(studio.workspace.recording(c), other)[1])
+        self.judged = held_samples(self.file, studio.workspace.recording(c), other)
         self.steps, self.zero = steps_of(self.file.history), zero_in_words(self.file)
         # How far above the noise is told of the channel that was fitted: that of ln G is the same share of R.
         self.over_noise = [_over_noise(step) for step in self.steps]

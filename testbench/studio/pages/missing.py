@@ -10,7 +10,6 @@ from typing import Any
 from nicegui import ui
 
 from gcode.support.arrays import FloatArray
-from gcode.support.strict import read_text
 from testbench.fitting.results import read_diagnosis
 from testbench.report import diagnosis_figures as figures
 from testbench.report.kohm import residuals_kohm
@@ -222,6 +221,8 @@ class _Candidates:
         return studio.memory.recall(("predicted", c, entry["law"], files), make)
 
     def _add(self, entry: Mapping[str, Any]) -> None:
+        from testbench.api.adding import laws_with
+
         models.keep_diagnosis(self.studio, self.c)
         done = partial(ui.navigate.to, address("/ladder", c=self.c))
         found = [one["law"] for one in self.diagnosis["found"]]
@@ -231,19 +232,18 @@ class _Candidates:
             if found:
                 done()
                 return
-        have = read_text(models.model_path(self.studio, self.c), "model")
-        missing = [name for name in self._base_misfits() if f'"{name}"' not in have]
-        commands = [models.add_command(self.studio, self.c, name) for name in (*missing, entry["law"])]
+        path = models.model_path(self.studio, self.c)
+        laws = laws_with(self.diagnosis, entry["law"], path, self.studio.catalogue())
+        commands = [models.add_command(self.studio, self.c, law) for law in laws]
         models.run_in_turn(self.studio, f"model:{self.c}", commands, self.holder, done)
 
-    def _base_misfits(self) -> list[str]:
-        """Laws and shapes that the base needs, whatever else is missing."""
-        return [*self.diagnosis.get("other_laws", []), *self.diagnosis.get("base_misfits", [])]
+    def _base_misfits(self) -> bool:
+        """Whether the base needs other laws or shapes, whatever else is missing."""
+        return bool(self.diagnosis.get("other_laws") or self.diagnosis.get("base_misfits"))
 
     def _is_fresh(self) -> bool:
-        """Whether the diagnosis was made of the model as it is now."""
-        found, mine = (path(self.studio, self.c) for path in (models.diagnosed_path, models.model_path))
-        return found.is_file() and found.stat().st_mtime >= mine.stat().st_mtime
+        """Whether the diagnosis was made of the model as it is now, and its own model is there."""
+        return models.diagnosed_path(self.studio, self.c).is_file() and models.is_fresh(self.studio, self.c)
 
 
 @dataclass(frozen=True, eq=False)
@@ -291,25 +291,11 @@ def predicted(studio: Studio, c: str, diagnosis: Mapping[str, Any], entry: Mappi
     UserError
         If the diagnosis names an effect that is not in the catalogue any more.
     """
-    from testbench.fitting.contribution import contribution
-    from testbench.fitting.measurement import split
-    from testbench.fitting.model_file import load_model_file
-    from testbench.knit.catalogue import model_from_dict
-    from testbench.report.overlays import as_clamped
+    from testbench.api.contributing import contribution
 
-    catalogue = studio.catalogue()
     held = models.held_out_of(studio, c)
     other = None if held == models.LAST_THIRD else studio.workspace.recording(held)
-    mine = load_model_file(models.model_path(studio, c), catalogue)
-    judged = as_clamped(mine, split(studio.workspace.recording(c), other)[1])
-    effect = catalogue[entry["law"]].model_validate(entry["start"])
-    without = model_from_dict(_before(diagnosis), catalogue, "diagnosis")
-    found = contribution(without, effect, judged)
-    ln_S = judged.measured["conductance"][judged.counts] if "conductance" in judged.measured else None
-    return Shown(effect.look, found.time_s, found.residual, found.added, ln_S)
-
-
-def _before(diagnosis: Mapping[str, Any]) -> Mapping[str, Any]:
-    """The model that the candidates were weighed against: the last one before anything that was found was put in."""
-    history = diagnosis["history"]
-    return history[max(len(history) - len(diagnosis["found"]), 1) - 1]["model"]
+    recording = studio.workspace.recording(c)
+    shown = contribution(diagnosis, entry["law"], recording, other, effects=studio.catalogue())
+    found = shown.contribution
+    return Shown(shown.effect.look, found.time_s, found.residual, found.added, shown.ln_S)

@@ -8,10 +8,10 @@ from html import escape
 from nicegui import ui
 
 from gcode.support.files import read_json
+from testbench.comparing.numbers import in_words, plain, with_error
 from testbench.comparing.words import percent
 from testbench.report.formula import formula_svg, lines_of
 from testbench.report.ladder_figures import UNITS
-from testbench.report.numbers import in_words, plain, with_error
 from testbench.report.words import spoken
 from testbench.studio import laws, models
 from testbench.studio.fields import check, number_field

@@ -9,12 +9,12 @@ from typing import Any
 from nicegui import ui
 
 from gcode.support.errors import UserError
+from testbench.comparing.numbers import plain
 from testbench.fitting.model_file import about_model
 from testbench.fitting.results import read_diagnosis, read_score
 from testbench.recordings.recording import Recording
 from testbench.report import recording_figures as figures
 from testbench.report.ladder_figures import UNITS
-from testbench.report.numbers import plain
 from testbench.report.parameters import parameter_name
 from testbench.report.words import spoken, with_probability
 from testbench.studio import models

@@ -11,6 +11,10 @@ import pytest
 
 import gcode
 import testbench as tb
+from testbench.api.adding import laws_with
+from testbench.fitting.contribution import contribution
+from testbench.fitting.measurement import split
+from testbench.knit.catalogue import load_catalogue, model_from_dict
 from tests.testbench.api.samples import diagnosed, fitted, relaxed
 
 mpl.use("Agg")
@@ -169,3 +173,33 @@ def test_a_diagnosis_has_probabilities_a_picture_and_a_ladder():
     assert d.ladder.steps[0] == "baseline"
     assert any(effect.name.startswith("stress_relaxation") for effect in d.model.effects.values())
     assert d.words in d._repr_html_().replace("&gt;", ">").replace("&lt;", "<")
+
+
+def test_a_candidate_shows_what_it_would_add_where_the_model_was_judged():
+    found = tb.contribution(diagnosed(), "stress_relaxation", relaxed())
+    frame = found.to_frame()
+    assert list(frame.columns) == [
+        "time_s",
+        "force_residual",
+        "force_added",
+        "conductance_residual",
+        "conductance_added",
+    ]
+    assert frame.time_s.min() >= 60, "the last third of 90 s"
+    before = model_from_dict(diagnosed().to_dict()["history"][-2]["model"], load_catalogue(), "history")
+    held = split(relaxed())[1]
+    base = contribution(before, diagnosed().diagnosis.ranking[0].start, held)
+    assert np.array_equal(frame.force_residual, base.residual["force"])
+    assert np.array_equal(frame.conductance_added, base.added["conductance"])
+    assert np.array_equal(found.ln_S, held.measured["conductance"][held.counts])
+    assert len(found.plot(axes(2))) == 2
+    with pytest.raises(tb.UserError, match="has no law 'nothing'; it ranks stress_relaxation"):
+        tb.contribution(diagnosed(), "nothing", relaxed())
+
+
+def test_what_the_base_needs_goes_in_before_the_candidate():
+    diagnosis = {"other_laws": ["elasticity_ogden"], "base_misfits": ["drift_shape"]}
+    wanted = ["elasticity_ogden", "drift_shape", "stress_relaxation"]
+    assert laws_with(diagnosis, "stress_relaxation", fitted()) == wanted
+    better = fitted().model + tb.effects.StressRelaxation()
+    assert laws_with(diagnosis, "stress_relaxation", better) == wanted[:2]

@@ -211,7 +211,7 @@ REFUSED = [
     ("Time [s],Extension [mm]\n", "row 1 has 2 names, the rows of numbers below it 3 columns"),
     ("Time [s],Speed [mm/s],Load [N]\n", "no displacement found, nor force and resistance both"),
     ("Date,Extension [mm],Load [N]\n", "no time found: say --time COL, or --rate-hz"),
-    ("Time [s],Extension [mm],dR/R0\n", "say --r0-ohm"),
+    ("Time [s],Extension [mm],dR/R0\n", "say --rest-ohm"),
 ]
 
 

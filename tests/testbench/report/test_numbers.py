@@ -10,10 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import tests.testbench.report.samples as samples
+from testbench.comparing.numbers import allowed, plain, span, with_error
 from testbench.knit.catalogue import baseline
-from testbench.report.numbers import allowed, plain, span, with_error
 from testbench.report.parameters import parameter_table
-from testbench.report.places import beyond_noise, busiest, place_in_words, spots
+from testbench.report.places import beyond_noise, busiest, spots
 
 
 @pytest.mark.parametrize(
@@ -91,15 +91,6 @@ def place(**cell: float) -> dict:
         "channel": "force", "coordinate": "strain", "share_of_error": 0.4, "cell": whole | cell,
         "words": "modelled force is 8.0 % of its range too high between 4.0 % and 5.0 % strain while stretching",
     }  # fmt: skip
-
-
-def test_places_are_told_in_one_unit_a_quantity() -> None:
-    words = "modelled force is 8.0 % of its range too high between 4.00 and 5.00 % strain while stretching"
-    assert place_in_words(place()) == words
-    rate = place(low=0.01, high=0.02, direction=0) | {"coordinate": "strain_rate"}
-    assert place_in_words(rate).endswith("at strain rates of 1.00 to 2.00 %/s (stretching)")
-    late = place(low=966, high=1103, direction=0) | {"coordinate": "elapsed_s"}
-    assert place_in_words(late).endswith("from 970 to 1100 s after the start")
 
 
 def test_nothing_is_listed_where_the_noise_is_reached() -> None:

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 
 import pytest
 
 from gcode.support.errors import UserError
 from testbench.campaigns.campaign import simulate_campaign
+from testbench.cli import main
+from testbench.studio.pages.campaign_card import looked_at
+from testbench.studio.studio import Studio
 from testbench.studio.workspace import Workspace
 from tests.fuzz.targets import no_hang
 from tests.testbench.rig.rigs import plan, triangle
@@ -34,8 +38,9 @@ def hostile(tmp_path) -> Path:
     for name, text in BROKEN.items():
         (root / name).mkdir()
         (root / name / MANIFEST).write_text(text)
-    for name in ("pipe", "loop", "folder", "elsewhere"):
+    for name in ("pipe", "loop", "folder", "elsewhere", "gone"):
         (root / name).mkdir()
+    (root / "gone" / MANIFEST).symlink_to(tmp_path / "nowhere.json")
     os.mkfifo(root / "pipe" / MANIFEST)
     (root / "folder" / MANIFEST).mkdir()
     (root / "loop" / MANIFEST).symlink_to(root / "loop" / MANIFEST)
@@ -49,7 +54,7 @@ def hostile(tmp_path) -> Path:
 def test_everything_is_listed_and_the_good_one_is_good(hostile):
     with no_hang():
         found = {campaign.name: campaign for campaign in Workspace(hostile).campaigns()}
-        assert set(BROKEN) | {"good", "pipe", "elsewhere"} <= set(found)
+        assert set(BROKEN) | {"good", "pipe", "elsewhere", "gone", "loop", "folder"} <= set(found)
         assert found["good"].gauge_length_mm == 25.0
         assert Workspace(hostile).problems("good") == []
 
@@ -61,6 +66,56 @@ def test_what_is_broken_has_a_sentence(hostile):
             assert workspace.problems(name), name
             with pytest.raises(UserError):
                 workspace.recording(name)
+
+
+LINKS = {
+    "gone": r"gone/datapackage.json \(a link to .*nowhere.json\): cannot read this campaign manifest: No such file",
+    "loop": r"loop/datapackage.json \(a link to .*loop.*\): cannot read .* put the manifest itself there, or what",
+    "elsewhere": r"elsewhere/datapackage.json \(a link to /dev/zero\): not a campaign manifest: it is .* a device",
+    "folder": r"folder/datapackage.json: not a campaign manifest: it is a folder",
+    "pipe": r"pipe/datapackage.json: not a campaign manifest: it is a folder, a pipe",
+}
+
+
+@pytest.mark.parametrize("name", LINKS)
+def test_a_manifest_that_is_none_is_one_sentence_in_the_list_and_in_the_terminal(hostile, name, capsys):
+    studio = Studio(hostile)
+    (card,) = (campaign for campaign in studio.workspace.campaigns() if campaign.name == name)
+    with no_hang():
+        known = looked_at(studio, card)
+        assert not known.good
+        assert re.search(LINKS[name], known.why), known.why
+        for command in (["verify"], ["fit", "-o", "x.json"], ["report", "-o", "x.html", "--recording"]):
+            assert main([*command, str(hostile / name)]) == 2
+            assert re.search(LINKS[name], capsys.readouterr().err)
+        studio.workspace.delete(name)
+    assert name not in {campaign.name for campaign in studio.workspace.campaigns()}
+
+
+def test_a_link_to_the_manifest_of_another_campaign_is_named_where_the_bytes_differ(hostile, capsys):
+    (hostile / "borrowed").mkdir()
+    (hostile / "borrowed" / "recording.csv").write_text("time_s,displacement_mm\n0,1\n1,2\n")
+    (hostile / "borrowed" / MANIFEST).symlink_to(hostile / "good" / MANIFEST)
+    told = Workspace(hostile).problems("borrowed")
+    assert re.search(r"recording.csv: 31 bytes, the manifest \(a link to .*good/datapackage.json\) says", told[0])
+    assert main(["verify", str(hostile / "borrowed")]) == 2
+    assert "(a link to" in "".join(capsys.readouterr())
+
+
+def test_what_may_not_be_read_is_one_sentence(hostile, monkeypatch, capsys):
+    """As whoever may not: the tests may run as one who may everything."""
+    real = os.open
+
+    def refusing(path, *args, **kwargs):
+        if str(path).endswith(MANIFEST):
+            raise PermissionError(13, "Permission denied")
+        return real(path, *args, **kwargs)
+
+    monkeypatch.setattr("os.open", refusing)
+    (told,) = Workspace(hostile).problems("good")
+    assert told == f"{hostile / 'good' / MANIFEST}: cannot read this campaign manifest: Permission denied"
+    assert main(["verify", str(hostile / "good")]) == 2
+    assert told in capsys.readouterr().err
 
 
 NO_CAMPAIGN = ("pipe", "elsewhere", "loop", "folder", "round", "../workspace", "/etc", "good/../..")

@@ -1,0 +1,122 @@
+"""What a model is judged on in a recording: samples that it was not fitted on, with the mounting free.
+
+The command, the notebook, the report and the studio ask here, so that one model has one error on one recording.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from gcode.support.errors import UserError
+from testbench.fitting.clamping import Zero, may_be_clamped_anew, moved, zero_of
+from testbench.fitting.measurement import Measurement, check_play, prepare, split
+from testbench.fitting.model_file import ModelFile, same_source
+from testbench.fitting.remounting import remounted
+from testbench.knit.model import KnitModel
+from testbench.recordings.recording import Recording
+
+
+@dataclass(frozen=True, eq=False)
+class Judged:
+    """The samples of one recording that a model is judged on.
+
+    Attributes
+    ----------
+    measurement : Measurement
+        Its displacement counts from `zero`.
+    elsewhere : bool
+        The model was not fitted on these samples. Force zero, conductance gain and what an effect declares as
+        ``per_recording`` are free then: they belong to the mounting, and to that recording.
+    zero : Zero, optional
+        Where the sensor was clamped anew.
+    from_s : float, optional
+        Where the last third begins, of a recording that was fitted on before it.
+    """
+
+    measurement: Measurement
+    elsewhere: bool
+    zero: Zero | None = None
+    from_s: float | None = None
+
+    def mounted(self, model: KnitModel) -> KnitModel:
+        """The model with what belongs to one recording fitted to this one."""
+        return remounted(model, self.measurement) if self.elsewhere else model
+
+    def notes(self, model: KnitModel) -> list[str]:
+        """What a reader should know of these samples, one sentence each; it may cost three simulations."""
+        source = self.measurement.recording.source
+        if self.from_s is not None:
+            return [
+                f"{source}: judged on its last third, from {self.from_s:.0f} s on; the model was fitted on the rest"
+            ]
+        if self.zero is not None:
+            return [f"{source}: {self.zero}"]
+        told = may_be_clamped_anew(model, self.measurement) if self.elsewhere else ""
+        return [told] if told else []
+
+    def to_dict(self) -> dict[str, Any]:
+        """``clamped_anew`` and ``judged_from_s``, where they are known; JSON-ready."""
+        found: dict[str, Any] = {} if self.zero is None else {"clamped_anew": asdict(self.zero)}
+        return found if self.from_s is None else {**found, "judged_from_s": self.from_s}
+
+
+def judged(file: ModelFile, recording: Recording, clamp_play_mm: float = 0.0) -> Judged:
+    """The samples of any recording to judge a model on.
+
+    That is the last third where the model was fitted on the rest, all of it otherwise. The held-out recording of
+    the model keeps the zero of displacement that its last step found.
+
+    Parameters
+    ----------
+    file : ModelFile
+    recording : Recording
+    clamp_play_mm : float
+        The sensor was clamped anew for `recording`: the zero of its displacement is found anew, within so many mm
+        (standard deviation).
+
+    Raises
+    ------
+    UserError
+        If the recording is too short or still; if there is play in what the model was fitted on, or too much.
+    """
+    check_play(recording, clamp_play_mm)
+    if same_source(file.fitted_on, recording.source):
+        return _of_its_own(file, recording, clamp_play_mm)
+    measurement = prepare(recording)
+    if clamp_play_mm:
+        return _clamped(measurement, zero_of(file.model, replace(measurement, clamp_play_mm=clamp_play_mm)))
+    kept = kept_zero(file)
+    if kept is not None and same_source(file.held_out, recording.source):
+        return _clamped(measurement, kept)
+    return Judged(measurement, elsewhere=True)
+
+
+def _of_its_own(file: ModelFile, recording: Recording, clamp_play_mm: float) -> Judged:
+    if clamp_play_mm:
+        raise UserError(
+            f"{recording.source}: the model was fitted on this recording, so its zero is the model's own; "
+            "clamp play is that of another one"
+        )
+    if not same_source(file.held_out, file.fitted_on):
+        return Judged(prepare(recording), elsewhere=False)
+    third = split(recording)[1]
+    return Judged(third, elsewhere=True, from_s=float(third.grid_s[np.argmax(third.counts)]))
+
+
+def _clamped(measurement: Measurement, zero: Zero) -> Judged:
+    return Judged(moved(measurement, zero.shift_mm), elsewhere=True, zero=zero)
+
+
+def kept_zero(file: ModelFile) -> Zero | None:
+    """The zero of the held-out displacement as the last step of a ladder found it; None: it was not clamped anew."""
+    zero = file.history[-1].get("zero") if file.history else None
+    return Zero(**zero) if zero else None
+
+
+def held_samples(file: ModelFile, recording: Recording, held_out: Recording | None) -> Measurement:
+    """Held-out samples as the last step of a ladder judged them: of `held_out`, or the last third of `recording`."""
+    held, zero = split(recording, held_out)[1], kept_zero(file)
+    return moved(held, zero.shift_mm) if zero else held

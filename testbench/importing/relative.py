@@ -1,0 +1,51 @@
+"""Names of a resistance that is told relative to the one at rest: R/R0, and its change (R - R0)/R0."""
+
+from __future__ import annotations
+
+import re
+
+_REST = r"R_?(?:0|o|i|init|initial|rest|ref)"
+_NUMBER = r"(?:[_ #]?\d+)?$"  # of the sensor, behind the formula
+_BEFORE = r"(?:^|[\s_.:;#-])"  # what stands before it: the sensor's name
+_CHANGES = (
+    re.compile(rf"{_BEFORE}(?:d|Δ|δ|delta)[ _]?R(?:es(?:istance)?)?[/_](?:{_REST}|R){_NUMBER}", re.I),
+    re.compile(rf"{_BEFORE}R_?t?-{_REST}/{_REST}{_NUMBER}", re.I),
+    re.compile(rf"{_BEFORE}R_?t?/{_REST}-1$", re.I),
+)
+_RATIO = re.compile(rf"{_BEFORE}R_?t?/{_REST}{_NUMBER}", re.I)
+
+_RESISTANCE = frozenset(["r", "res", "resistance", "resistor"])
+_RESISTANCE_PARTS = ("widerstand", "电阻")
+_CHANGE = frozenset(["change", "changes", "variation", "delta", "dr"])
+_CHANGE_PARTS = ("änderung", "aenderung", "变化", "δr", "δ r", "δ_r")
+_TO_REST = frozenset(["rel", "relative", "normalized", "normalised", "norm", "fractional"])
+_TO_REST_PARTS = ("relativ", "normiert", "相对", "归一")
+_ABSOLUTE = frozenset(["ohm", "ohms", "kohm", "mohm", "kiloohm", "megaohm", "ω", "kω", "mω"])
+
+
+def ratio_by_formula(name: str) -> str:
+    """``relative`` or ``relative_change`` where a name holds the formula of it; else empty."""
+    plain = re.sub(r"[\[\](){}<>]", "", name).strip()
+    plain = re.sub(r"\s*([/_-])\s*", r"\1", plain)
+    if any(formula.search(plain) for formula in _CHANGES):
+        return "relative_change"
+    return "relative" if _RATIO.search(plain) else ""
+
+
+def ratio_by_words(name: str, words: list[str]) -> str:
+    """``relative`` or ``relative_change`` where the words of a name say so; else empty.
+
+    Parameters
+    ----------
+    name : str
+    words : list of str
+        Its words, lower case.
+    """
+    text, have = name.casefold(), set(words)
+    change = bool(have & _CHANGE) or any(part in text for part in _CHANGE_PARTS)
+    about_it = have & (_RESISTANCE | {"dr"}) or any(part in text for part in (*_RESISTANCE_PARTS, "δr", "δ r", "δ_r"))
+    if not about_it:
+        return ""
+    if change:
+        return "relative_change"
+    return "relative" if have & _TO_REST or any(part in text for part in _TO_REST_PARTS) else ""

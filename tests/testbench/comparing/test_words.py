@@ -1,0 +1,40 @@
+"""Where a model fails, told in one unit a quantity."""
+
+from __future__ import annotations
+
+import pytest
+
+from testbench.comparing.cell import Cell
+from testbench.comparing.words import place_in_words
+
+
+def cell(low: float, high: float, direction: int = 0, mean: float = -0.1) -> Cell:
+    return Cell(low, high, direction, mean, 0.01, 0.1)
+
+
+@pytest.mark.parametrize(
+    ("coordinate", "there", "words"),
+    [
+        ("strain", cell(0.04, 0.05, 1), "between 4.00 and 5.00 % strain while stretching"),
+        (
+            "largest_strain",
+            cell(0.04, 0.05, -1),
+            "when the knit has seen at most 4.00 to 5.00 % strain while releasing",
+        ),
+        ("strain_rate", cell(0.01, 0.02), "at strain rates of 1.00 to 2.00 %/s (stretching)"),
+        ("strain_rate", cell(-0.02, -0.01), "at strain rates of -2.00 to -1.00 %/s (releasing)"),
+        ("elapsed_s", cell(966, 1103), "from 970 to 1100 s after the start"),
+        ("since_reversal_s", cell(0.5, 1.5, 1), "0.50 to 1.50 s after a reversal while stretching"),
+        ("since_hold_s", cell(2, 4), "2.00 to 4.00 s into a hold"),
+        ("cycle", cell(2, 4), "in cycles 2 to 4"),
+        ("temperature_C", cell(20, 22.5), "between 20.0 and 22.5 °C"),
+    ],
+)
+def test_places_are_told_in_one_unit_a_quantity(coordinate: str, there: Cell, words: str) -> None:
+    told = place_in_words("force", coordinate, there, size=1.25)
+    assert told == f"modelled force is 8.0 % of its range too high {words}"
+
+
+def test_a_conductance_is_off_by_a_share_of_itself() -> None:
+    told = place_in_words("conductance", "cycle", cell(0, 1, mean=0.1), size=1.0)
+    assert told.startswith("modelled conductance is 10.5 % too low")
