@@ -79,8 +79,7 @@ def run(args: argparse.Namespace) -> int:
     save(args.output, compensator)
     recipe = compensator.recipe
     note = (
-        f"{_bank(recipe)}, L2 {recipe['l2']:g}, "
-        f"hidden layers {tuple(recipe['sizes'])}, {len(compensator.networks)} network(s), "
+        f"{_bank(recipe)}, L2 {recipe['l2']:g}, {_networks(compensator)}, "
         f"{compensator.parameter_count} parameters, {recipe['dead_networks']} of {recipe['restarts']} starts dead"
         f"\nwrote {args.output}"
     )
@@ -111,6 +110,15 @@ def _check_long_enough(args: argparse.Namespace, options: Options, recordings: l
             f"the slowest filter remembers {slowest_s:.0f} s and the longest recording has {longest_s:.0f} s; record "
             "longer, or take --method paper with a smaller --factor or --count"
         )
+
+
+def _networks(compensator: Compensator) -> str:
+    """How many of which hidden layers: a stack has several kinds."""
+    from collections import Counter
+
+    kinds = Counter(network.sizes for network in compensator.networks)
+    named = [f"{count} x {sizes}" if sizes else "a linear one" for sizes, count in kinds.items()]
+    return f"{len(compensator.networks)} network(s) with hidden layers {', '.join(named)}"
 
 
 def _bank(recipe) -> str:

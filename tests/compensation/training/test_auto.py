@@ -213,7 +213,11 @@ def test_it_is_the_default_and_prints_what_it_tried(recordings, tmp_path, capsys
     printed = capsys.readouterr().out
     for words in ("cross-validated on 5 contiguous parts", "<- chosen", "expect r2", "ordinary"):
         assert words in printed
-    assert compensator_files.load(out).margins is not None
+    trained = compensator_files.load(out)
+    assert trained.margins is not None
+    assert f"{len(trained.networks)} network(s) with hidden layers" in printed
+    for sizes in {network.sizes for network in trained.networks}:
+        assert (f"x {sizes}" if sizes else "a linear one") in printed
     assert (
         main(["train", str(tmp_path / "r.csv"), "--target", "force", "--method", "auto", "--l2", "1", "-o", str(out)])
         == 2
