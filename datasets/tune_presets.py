@@ -237,14 +237,18 @@ def report(name: str, model: KnitModel) -> bool:
     return bool(fine)
 
 
-def what_if(name: str, model: KnitModel, additions: list[str]) -> None:
-    """Print the figures of the fast set for the preset as it is and with one effect more, by the stand-in."""
+def what_if(name: str, model: KnitModel, additions: list[str], without: str | None = None) -> None:
+    """Print the figures of the fast set for the preset as it is and with one effect more, by the stand-in.
+
+    Each addition may stand in for an effect that is left out (`without`).
+    """
     catalogue = load_catalogue().effects
     print(f"{name}: r2(F, G) of T, A, B; fast raw; median gains there, there with a = 1.75, trained on T")
     for text in ["", *additions]:
         effect, _, values = text.partition(":")
         numbers = {key: float(value) for key, _, value in (pair.partition("=") for pair in values.split(",") if pair)}
-        now = figures(model.plus(catalogue[effect]().replaced(**numbers)) if text else model, CHECK_SEEDS[:4])
+        rest = model.without(without) if without else model
+        now = figures(rest.plus(catalogue[effect]().replaced(**numbers)) if text else model, CHECK_SEEDS[:4])
         raw = now["before"][:, -1]
         gains = np.median(now["after"][:, 6:] / raw[:, None] - 1, axis=0)
         slow = ", ".join(f"{value:.3f}" for value in now["before"][:, :3].mean(axis=0))
@@ -273,13 +277,14 @@ def main() -> int:
         "--plus", action="append", metavar="EFFECT[:KEY=VALUE,...]", help="only print what it would do"
     )
     parser.add_argument("-o", dest="folder", type=Path, default=PRESETS, help="where to write (default: the presets)")
+    parser.add_argument("--without", metavar="EFFECT", help="with --plus: what the addition stands in for")
     parser.add_argument("names", nargs="*", default=list(START), metavar="NAME")
     args = parser.parse_args()
     fine = True
     for name in args.names:
         model = model_in_file(name, args.folder)
         if args.plus:
-            what_if(name, model, args.plus)
+            what_if(name, model, args.plus, args.without)
             continue
         if not args.check:
             model = tune(name, start_model(name) if args.fresh else model)

@@ -93,5 +93,5 @@ WORDS = {
     "BAD_READING": "with a resistance that is no positive number: the last value is repeated",
     "BAD_STEP": "with a time that does not increase: the last value is repeated",
     "UNSEEN_READING": "with a conductance that the training did not have: do not rely on them",
-    "UNSEEN_HISTORY": "after a history that the training did not have: rely on them less",
+    "UNSEEN_HISTORY": "after a history that the training did not have, if only by a little",
 }
