@@ -15,8 +15,8 @@ from testbench.diagnosis.likelihood import Likelihood
 from testbench.diagnosis.priors import Priors, priors_of
 from testbench.fitting.baseline import SHAPES, without_shapes
 from testbench.fitting.downhill import downhill, huber, huber_weight, within
-from testbench.fitting.measurement import CONDUCTANCE_CHANNEL
 from testbench.fitting.parameters import values_of, with_values
+from testbench.fitting.responses import CONDUCTANCE_CHANNEL
 from testbench.fitting.sensitivity import RELATIVE_STEP
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel, SimulationCache
