@@ -19,7 +19,7 @@ from testbench.cli import main as run_testbench
 from tests.testbench.studio.served import CHROMIUM, Served, served
 
 SHOTS = Path(__file__).parents[3] / "artifacts" / "studio"
-PATIENCE_MS = 120_000  # of every wait: a machine may be busy
+PATIENCE_MS = 600_000  # of every wait, of a fit too: a machine may be busy
 IN_CHROMIUM = [
     pytest.mark.browser,
     pytest.mark.slow,
