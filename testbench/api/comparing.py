@@ -18,7 +18,8 @@ from testbench.comparing.coordinates import LABELS
 from testbench.comparing.judged import Judged, judged
 from testbench.comparing.tables import comparison_table
 from testbench.fitting.errors import channel_name
-from testbench.fitting.measurement import UNIT_OF, Measurement, prepare
+from testbench.fitting.measurement import Measurement, prepare
+from testbench.fitting.responses import UNIT_OF
 from testbench.knit.model import KnitModel
 from testbench.report import style
 

@@ -19,8 +19,8 @@ from testbench.comparing.judged import held_samples
 from testbench.fitting import contribution as core
 from testbench.fitting.contribution import Contribution
 from testbench.fitting.errors import channel_name
-from testbench.fitting.measurement import CONDUCTANCE_CHANNEL, UNIT_OF
 from testbench.fitting.model_file import ModelFile
+from testbench.fitting.responses import CONDUCTANCE_CHANNEL, UNIT_OF
 from testbench.knit.catalogue import Catalogue, model_from_dict
 from testbench.knit.effect import Effect
 from testbench.report import style

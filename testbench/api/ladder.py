@@ -14,8 +14,8 @@ from gcode.support.html import card, frame_table
 from testbench.api.arguments import AnyModel, Effects, catalogue_of, model_file_of
 from testbench.comparing.tables import ladder_table
 from testbench.fitting.errors import channel_name
-from testbench.fitting.measurement import UNIT_OF
 from testbench.fitting.model_file import ModelFile
+from testbench.fitting.responses import UNIT_OF
 from testbench.report import style
 
 if TYPE_CHECKING:

@@ -13,7 +13,8 @@ from testbench.comparing.cell import Cell
 from testbench.comparing.coordinates import LABELS, coordinates
 from testbench.comparing.words import place_in_words
 from testbench.fitting.errors import channel_name, noise_floors, rms_errors
-from testbench.fitting.measurement import CONDUCTANCE_CHANNEL, UNIT_OF, Measurement
+from testbench.fitting.measurement import Measurement
+from testbench.fitting.responses import CONDUCTANCE_CHANNEL, UNIT_OF
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
 

@@ -8,8 +8,8 @@ from typing import Any
 from testbench.comparing.compare import Comparison
 from testbench.fitting.clamping import Zero
 from testbench.fitting.errors import channel_name
-from testbench.fitting.measurement import UNIT_OF
 from testbench.fitting.model_file import ModelFile
+from testbench.fitting.responses import UNIT_OF
 
 STEP_WIDTH = 34  # of the ladder's first column, if no step needs more
 

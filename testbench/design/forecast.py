@@ -14,7 +14,8 @@ import numpy as np
 from testbench.design.information import Prediction
 from testbench.diagnosis.constants import ETA, GRID_HZ
 from testbench.diagnosis.priors import priors_of
-from testbench.fitting.measurement import FORCE_CHANNEL, Measurement
+from testbench.fitting.measurement import Measurement
+from testbench.fitting.responses import FORCE_CHANNEL
 from testbench.fitting.sensitivity import sensitivities
 from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import FloatArray

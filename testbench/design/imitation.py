@@ -8,8 +8,9 @@ import numpy as np
 
 from testbench.fitting.downhill import Linearised, minimised
 from testbench.fitting.fit import independent_share
-from testbench.fitting.measurement import CONDUCTANCE_CHANNEL, FORCE_CHANNEL, Measurement
+from testbench.fitting.measurement import Measurement
 from testbench.fitting.parameters import FreeParameter, free_parameters, values_of, with_values
+from testbench.fitting.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL
 from testbench.fitting.sensitivity import sensitivities
 from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import FloatArray

@@ -15,7 +15,8 @@ from scipy.optimize import minimize_scalar
 
 from testbench.fitting.errors import channel_name, rms_errors
 from testbench.fitting.fit import independent_share
-from testbench.fitting.measurement import FORCE_CHANNEL, UNIT_OF, Measurement
+from testbench.fitting.measurement import Measurement
+from testbench.fitting.responses import FORCE_CHANNEL, UNIT_OF
 from testbench.knit.model import KnitModel
 
 REACH = 4.0  # how far the search goes on either side, in plays

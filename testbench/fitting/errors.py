@@ -6,8 +6,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from testbench.fitting.measurement import CONDUCTANCE_CHANNEL, FORCE_CHANNEL, Measurement
+from testbench.fitting.measurement import Measurement
 from testbench.fitting.noise import noise_floor
+from testbench.fitting.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
 from testbench.recordings.channels import FORCE, RESISTANCE

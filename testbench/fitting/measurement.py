@@ -10,16 +10,13 @@ import numpy as np
 from gcode.support.errors import UserError
 from testbench.fitting.motion import reading_noise, without_reading_noise
 from testbench.fitting.noise import noise_floor
+from testbench.fitting.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL, SIGNAL_OF
 from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import FloatArray
 from testbench.knit.filters import log_conductance
 from testbench.knit.model import KnitModel, inputs
 from testbench.recordings.channels import FORCE, RESISTANCE, TEMPERATURE
 from testbench.recordings.recording import Recording
-
-FORCE_CHANNEL, CONDUCTANCE_CHANNEL = "force", "conductance"
-SIGNAL_OF = {FORCE_CHANNEL: "force_N", CONDUCTANCE_CHANNEL: "conductance_S"}
-UNIT_OF = {FORCE_CHANNEL: "N", CONDUCTANCE_CHANNEL: "ln S"}
 
 MAX_GRID_HZ = 25.0
 BURN_IN_S = 3.0

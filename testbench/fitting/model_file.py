@@ -6,7 +6,7 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import ConfigDict, Field, model_validator
 
@@ -14,12 +14,14 @@ from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError
 from gcode.support.files import write_json
 from gcode.support.strict import StrictModel, read_json, validated
-from testbench.fitting.fit import Fit
-from testbench.fitting.measurement import UNIT_OF
+from testbench.fitting.responses import UNIT_OF
 from testbench.knit.catalogue import Catalogue, load_catalogue, model_from_dict
 from testbench.knit.model import KnitModel
 from testbench.recordings.recording import Recording
 from testbench.recordings.stored import Label, StoredModel, checked_model
+
+if TYPE_CHECKING:
+    from testbench.fitting.fit import Fit
 
 
 class OpenModel(StrictModel):

@@ -7,7 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from testbench.comparing.coordinates import coordinates
-from testbench.fitting.measurement import CONDUCTANCE_CHANNEL, FORCE_CHANNEL, Measurement
+from testbench.fitting.measurement import Measurement
+from testbench.fitting.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL
 from testbench.knit.kernels import turns
 
 LONG_S, FEW_TURNS, HOLD_S = 120.0, 6, 10.0

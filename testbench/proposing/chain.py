@@ -6,7 +6,8 @@ from functools import cached_property
 
 import numpy as np
 
-from testbench.fitting.measurement import CONDUCTANCE_CHANNEL, FORCE_CHANNEL, SIGNAL_OF, Measurement, channel_of
+from testbench.fitting.measurement import Measurement, channel_of
+from testbench.fitting.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL, SIGNAL_OF
 from testbench.knit.effect import FloatArray, Signals, Stage
 from testbench.knit.model import KnitModel
 from testbench.proposing.places import PLACES, READABLE, Place

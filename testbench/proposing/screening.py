@@ -11,7 +11,7 @@ from scipy.linalg import cho_solve, cholesky, solve_triangular
 from testbench.diagnosis.laplace import Hypothesis
 from testbench.diagnosis.likelihood import Likelihood
 from testbench.fitting.fit import shape_scales
-from testbench.fitting.measurement import FORCE_CHANNEL
+from testbench.fitting.responses import FORCE_CHANNEL
 from testbench.knit.effect import FloatArray, Stage
 from testbench.proposing.chain import OpenChain
 from testbench.proposing.law import Law, Term

@@ -10,7 +10,7 @@ from typing import Any
 from testbench.comparing.tables import ladder_table
 from testbench.comparing.words import percent
 from testbench.fitting.errors import channel_name
-from testbench.fitting.measurement import UNIT_OF
+from testbench.fitting.responses import UNIT_OF
 from testbench.knit.effect import bounds_of
 from testbench.proposing.law import Law
 from testbench.proposing.proposal import Option, Proposed, Step, numbered

@@ -8,8 +8,9 @@ import numpy as np
 
 from gcode.support.arrays import FloatArray
 from testbench.fitting.errors import channel_name
-from testbench.fitting.measurement import UNIT_OF, Measurement
+from testbench.fitting.measurement import Measurement
 from testbench.fitting.remounting import brought_together
+from testbench.fitting.responses import UNIT_OF
 from testbench.knit.model import KnitModel
 from testbench.proposing.proposal import Proposed, Step, numbered
 from testbench.proposing.writing import in_words, plain

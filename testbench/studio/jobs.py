@@ -261,10 +261,13 @@ class JobBoard:
 
 
 def interpreter_argv(argv: Sequence[str]) -> list[str]:
-    """The command with this very interpreter, wherever the console scripts are."""
+    """The command with this very interpreter, wherever the console scripts are.
+
+    It can be interrupted even where the studio was started with ``&``, which makes all that it starts ignore that.
+    """
     program, *arguments = argv
-    code = f"import sys; from {program}.cli import main; sys.exit(main())"
-    return [sys.executable, "-c", code, *arguments]
+    heeds = "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler)"
+    return [sys.executable, "-c", f"{heeds}; from {program}.cli import main; sys.exit(main())", *arguments]
 
 
 async def _run(job: Job) -> None:

@@ -10,6 +10,7 @@ from nicegui import ui
 
 from gcode.support.files import make_folder
 from testbench.fitting.model_file import about_model, same_source
+from testbench.report.words import spoken
 from testbench.studio.fields import check, number_field, typed
 from testbench.studio.jobs import Commands, Job, State
 from testbench.studio.studio import Studio
@@ -73,7 +74,7 @@ def add_command(studio: Studio, c: str, effect: str) -> tuple[str, list[str]]:
     model = str(model_path(studio, c))
     argv = ["testbench", "add", effect, "--model", model, "--fit", str(studio.workspace.campaign(c).folder)]
     argv += held_out_arguments(studio, held_out_of(studio, c)) + studio.effects_arguments()
-    return f"Adding {effect} and refitting", [*argv, "-o", model]
+    return f"Adding {spoken(effect)} and refitting", [*argv, "-o", model]
 
 
 def diagnosed_path(studio: Studio, c: str) -> Path:

@@ -18,7 +18,8 @@ WARM = (
     "tsdownsample",
     "testbench.recordings.manifest",
     "testbench.knit.catalogue",
-    "testbench.comparing.compare",
+    "testbench.api.comparing",
+    "testbench.api.investigating",
 )
 FAVICON = (
     '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 30 30" fill="none" stroke="#0072B2" stroke-width="6" '

@@ -313,8 +313,7 @@ def progress_in_words(job: Job) -> str:
     time = f"{job.elapsed_s:.0f} s so far"
     if left_s is not None:
         time += f", {duration_in_words(left_s)} left"
-    said = job.note or (job.errors[-1] if job.errors else "")
-    return " · ".join(part for part in (job.step, time, said) if part)
+    return " · ".join(part for part in (job.step, time, job.note) if part)
 
 
 def spark_line(name: str, values: Sequence[float], width: int = 260, height: int = 46) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import os
 import re
 import tempfile
 from functools import partial
@@ -62,7 +63,7 @@ def page(studio: Studio, file: str = "", name: str = "", chosen: str = "") -> No
         with ui.row().classes("w-full items-center"):
             path = ui.input("File on this machine", value=file, placeholder="/data/lab/run-7.csv")
             path.props("outlined dense").classes("grow")
-            ui.button("Read the file", on_click=lambda: attempt(lambda: form.read(Path(path.value or ""))))
+            ui.button("Read the file", on_click=lambda: attempt(lambda: form.read(_typed_path(path.value))))
         upload = ui.upload(label="or drop it here", auto_upload=True, max_files=1, max_file_size=LARGEST_BYTES)
         upload.props(f"flat bordered accept={KINDS}").classes("w-full")
     name_in_page(".q-uploader .q-btn, .q-uploader__input", "Choose a file")
@@ -110,7 +111,7 @@ class _Form:
     async def read(self, path: Path, chosen: str = "") -> None:
         """Show a file, with what was chosen for it before."""
         if not path.is_file():
-            raise UserError(f"{path or 'file'}: no such file; name one on this machine, or drop one")
+            raise UserError(f"{path}: no such file; name one on this machine, or drop one")
         if self.upload is not None and path.parent != Path(self.upload.name):
             self.forget_upload()
         self.choices = Choices.from_told(path, chosen)
@@ -353,6 +354,19 @@ class _Form:
 
     def _address(self, made: dict[str, Any]) -> str:
         return address("/recording", c=Path(made["out"]).relative_to(self.studio.workspace.root).as_posix())
+
+
+def _typed_path(text: str | None) -> Path:
+    """What stands in “File on this machine”, as a shell would take it.
+
+    Raises
+    ------
+    UserError
+        If nothing does.
+    """
+    if not text or not text.strip():
+        raise UserError("“File on this machine” is empty: name a file, or drop one")
+    return Path(os.path.expanduser(text.strip()))
 
 
 def _known(options: dict[str, str], chosen: object) -> str:

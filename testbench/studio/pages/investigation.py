@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from nicegui import ui
 
 from gcode.support.errors import UserError
-from testbench.api.investigating import motions_of
-from testbench.investigating.state import NAME, Investigation, load_investigation, run_folder
-from testbench.investigating.words import belief_words, ending_words
-from testbench.report.investigation_figures import investigation as figure_of
 from testbench.studio.picture import plot
 from testbench.studio.studio import Studio
 from testbench.studio.widgets import address, aside, guarded, heading, invitation, table
 from testbench.studio.workspace import MAX_DEPTH, RESULTS
+
+if TYPE_CHECKING:
+    from testbench.investigating.state import Investigation
 
 
 @guarded
@@ -36,6 +36,8 @@ async def page(studio: Studio, i: str = "") -> None:
 
 def investigations(root: Path) -> list[str]:
     """Folders below `root` that hold one, by name; hidden ones and results are not looked into."""
+    from testbench.investigating.state import NAME
+
     found = []
     for folder, below, files in os.walk(root):
         depth = len(Path(folder).relative_to(root).parts)
@@ -48,6 +50,11 @@ def investigations(root: Path) -> list[str]:
 async def _shown(root: Path, name: str, names: list[str]) -> None:
     if name not in names:
         raise UserError(f"no investigation {name!r} in {root}; there are {', '.join(names)}")
+    from testbench.api.investigating import motions_of
+    from testbench.investigating.state import load_investigation, run_folder
+    from testbench.investigating.words import ending_words
+    from testbench.report.investigation_figures import investigation as figure_of
+
     folder = root / name
     state = await aside(load_investigation, folder)
     ui.label(f"{name}: {ending_words(state)}").classes("verdict")
@@ -65,6 +72,8 @@ async def _shown(root: Path, name: str, names: list[str]) -> None:
 
 
 def _rows(state: Investigation) -> list[tuple[str, ...]]:
+    from testbench.investigating.words import belief_words
+
     rows: list[tuple[str, ...]] = []
     for number, run in enumerate(state.runs, 1):
         expected = "" if run.expected_nats is None else f"{run.expected_nats:.2f} (random {run.perlin_nats or 0:.2f})"

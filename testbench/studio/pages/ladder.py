@@ -19,7 +19,6 @@ from testbench.report import ladder_figures as figures
 from testbench.report.comparison_figures import busiest_window
 from testbench.report.parameters import parameter_table
 from testbench.report.sections import fall_in_words
-from testbench.report.story import GLANCE_S
 from testbench.report.words import ladder_notes, spoken, verdict_in_words
 from testbench.studio import models
 from testbench.studio.picture import plot
@@ -148,6 +147,7 @@ class _Ladder:
         """The first model and that of `step` over the held-out samples."""
         from testbench.knit.catalogue import model_from_dict
         from testbench.report.overlays import overlay_of
+        from testbench.report.story import GLANCE_S
 
         catalogue = self.studio.catalogue()
         shown = {

@@ -8,7 +8,7 @@ from pathlib import Path
 from nicegui import ui
 
 from gcode.support.errors import UserError
-from testbench.studio.fields import check, number_field
+from testbench.studio.fields import check, number_field, typed
 from testbench.studio.pages.compensate import compensators
 from testbench.studio.pages.live import Live
 from testbench.studio.pages.plan import PROGRAMS, SENSORS
@@ -69,8 +69,8 @@ def _form(studio: Studio, holder: ui.column) -> None:
             url = await _simulated_port(studio, sensor.value, tap) if port.value == SIMULATED else port.value
             argv = ["testbench", "record", "--port", url, "--program", str(tap), "--progress-json"]
             argv += ["--specimen", specimen.value] if specimen.value else []
-            argv += ["--max-force-n", f"{force.value:g}"] if force.value else []
-            argv += ["--max-strain", f"{strain.value / 100:g}"] if strain.value else []
+            argv += ["--max-force-n", typed(force)] if force.value else []
+            argv += ["--max-strain", f"{strain.value / 100:.12g}"] if strain.value else []
             argv += ["--compensator", compensator.value] if compensator.value else []
             job = studio.jobs.start(KEY_RECORDING, f"Recording {name.value}", [*argv, "-o", str(target)])
             holder.clear()

@@ -34,6 +34,12 @@ def test_the_help_of_the_command_imports_no_heavy_library():
     assert not modules_after(code) & set(HEAVY)
 
 
+def test_the_studio_listens_before_it_imports_what_computes():
+    """A thread imports that while the browser opens (`WARM` in `testbench.studio.serve`)."""
+    seen = modules_after("import testbench.studio.serve, testbench.studio.shell")
+    assert not seen & {"scipy", "numba", "pandas", "matplotlib", "sklearn"}
+
+
 @pytest.mark.parametrize("package", ["testbench", "gcode"])
 def test_every_public_name_is_there(package):
     module = importlib.import_module(package)

@@ -5,20 +5,21 @@ from __future__ import annotations
 import json
 import re
 import shutil
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
-import tests.testbench.report.samples as samples
+import tests.testbench.report.samples as example
 from compensation.cli import main as compensation
 from gcode.cli import main as gcode
 from testbench.cli import main as run_testbench
 from tests.testbench.studio.served import CHROMIUM, Served, served
 
 SHOTS = Path(__file__).parents[3] / "artifacts" / "studio"
-PATIENCE_MS = 120_000  # of every wait: a machine may be busy
+PATIENCE_MS = 600_000  # of every wait, of a fit too: a machine may be busy
 IN_CHROMIUM = [
     pytest.mark.browser,
     pytest.mark.slow,
@@ -92,7 +93,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
     model, compensator = results / "model.json", results / "force.compensator.json"
     assert run_testbench(["fit", str(knit), "-o", str(model)]) == 0
     history = json.loads(model.read_text())["history"]
-    (results / "diagnosis.json").write_text(json.dumps(samples.diagnosis() | {"history": history}))
+    (results / "diagnosis.json").write_text(json.dumps(example.diagnosis() | {"history": history}))
     training = ["train", str(knit), "--target", "force", "--hidden", "4,2,2", "-o", str(compensator)]
     assert compensation(training) == 0
     assert compensation(["score", str(compensator), str(knit), "-o", str(results / "force.score.json")]) == 0
@@ -132,6 +133,20 @@ def choose(page, label: str, option: str) -> None:
 def _note_foreign(url: str, wrong: list[str]) -> None:
     if not re.match(r"(https?|wss?)://127\.0\.0\.1[:/]|data:|blob:|about:|file:", url):
         wrong.append(f"fetched from outside: {url}")
+
+
+def until(page, holds: Callable[[], bool], patience_s: float = 600.0) -> None:
+    """Wait until something holds that no page shows; the page goes on meanwhile."""
+    start_s = time.monotonic()
+    while not holds():
+        assert time.monotonic() - start_s < patience_s, f"still not so after {patience_s:g} s"
+        page.wait_for_timeout(100)
+
+
+def samples(page, least: int) -> None:
+    """Wait until the live page counts so many samples."""
+    counted = "Number(/([0-9]+) Samples/.exec(document.body.innerText)?.[1] ?? 0)"
+    page.wait_for_function(f"least => {counted} >= least", arg=least)
 
 
 def shot(page, name: str) -> None:

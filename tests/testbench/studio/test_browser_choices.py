@@ -11,7 +11,7 @@ import pytest
 from playwright.sync_api import expect
 
 from testbench.studio.workspace import MANIFEST
-from tests.testbench.studio.browsing import IN_CHROMIUM, browser, finished, full, page, running, shot, standing
+from tests.testbench.studio.browsing import IN_CHROMIUM, browser, finished, full, page, running, shot, standing, until
 from tests.testbench.studio.served import Served
 
 pytestmark = IN_CHROMIUM
@@ -98,10 +98,7 @@ def test_a_training_that_nobody_watches_is_scored_too(full: Served, page) -> Non
     page.get_by_role("button", name="Train").click()
     page.get_by_role("button", name="Stop", exact=True).wait_for()
     page.goto("about:blank")
-    for _ in range(1200):
-        if score.exists():
-            break
-        page.wait_for_timeout(100)
+    until(page, score.exists)
     page.goto(f"{full.address}/compensate?c=knit")
     page.get_by_text("gained by compensation").wait_for()
 

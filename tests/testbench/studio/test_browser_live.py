@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from tests.testbench.studio.browsing import IN_CHROMIUM, browser, choose, finished, full, page, running, shot
+from tests.testbench.studio.browsing import IN_CHROMIUM, browser, choose, finished, full, page, running, samples, shot
 
 pytestmark = IN_CHROMIUM
 __all__ = ["browser", "finished", "full", "page", "running"]  # pytest finds its fixtures by name
@@ -19,7 +19,7 @@ def test_the_compensated_force_stands_beside_the_measured_one(full, page) -> Non
     page.goto(f"{full.address}/record")
     choose(page, "Compensator", "knit, force")
     page.get_by_role("button", name="Record", exact=False).last.click()
-    page.wait_for_function("() => /[1-9][0-9][0-9]+ Samples/.test(document.body.innerText)")
+    samples(page, 100)
     page.get_by_text("Orange-red: what the compensator makes").wait_for()
     page.wait_for_function(f"() => ({DRAWN})().includes('Compensated force / N')")
     shot(page, "live-compensated")

@@ -7,14 +7,13 @@ import os
 import re
 import signal
 import subprocess
-import time
 from pathlib import Path
 
 import pytest
 
 from gcode.cli import main as gcode
 from testbench.cli import main as run_testbench
-from tests.testbench.studio.browsing import IN_CHROMIUM, browser, page, running, shot
+from tests.testbench.studio.browsing import IN_CHROMIUM, browser, page, running, samples, shot, until
 from tests.testbench.studio.served import Served, start_studio
 
 pytestmark = IN_CHROMIUM
@@ -35,7 +34,7 @@ def planned(running: Served, request: pytest.FixtureRequest) -> Served:
 def record(page, address: str) -> None:
     page.goto(f"{address}/record")
     page.get_by_role("button", name="Record", exact=False).last.click()
-    page.wait_for_function("() => /[1-9][0-9][0-9]+ Samples/.test(document.body.innerText)")
+    samples(page, 100)
 
 
 def rows(root: Path) -> int:
@@ -52,8 +51,7 @@ def test_the_recorder_outlives_a_killed_server_and_is_found_again(planned: Serve
     planned.process.send_signal(signal.SIGKILL)
     planned.process.wait()
     before = rows(planned.root)
-    time.sleep(3)  # on the clock, as the rig is
-    assert rows(planned.root) > before + 60, "about 37 samples a second go on being recorded"
+    until(page, lambda: rows(planned.root) > before + 60)
     port = int(planned.address.rpartition(":")[2])
     again = start_studio(planned.root, port)
     try:
@@ -61,7 +59,7 @@ def test_the_recorder_outlives_a_killed_server_and_is_found_again(planned: Serve
         page.get_by_text("recording now").wait_for()
         page.goto(f"{planned.address}/recording?c=recorded-1")
         page.get_by_role("button", name="Watch it live").click()
-        page.wait_for_function("() => /[1-9][0-9][0-9]+ Samples/.test(document.body.innerText)")
+        samples(page, 100)
         shot(page, "found-again")
         page.get_by_role("button", name="Stop").click()
         page.get_by_role("button", name="Resume").wait_for()
@@ -106,14 +104,6 @@ def test_ending_the_studio_says_that_the_recording_goes_on(planned: Served, page
     assert planned.process.wait(180) in (0, 130)
     assert subprocess.run(["kill", "-0", str(about["pid"])]).returncode == 0
     before = rows(planned.root)
-    for _ in range(100):
-        if rows(planned.root) > before:
-            break
-        time.sleep(0.1)
-    assert rows(planned.root) > before
+    until(page, lambda: rows(planned.root) > before)
     os.kill(about["pid"], signal.SIGINT)
-    for _ in range(100):
-        if status(planned.root) == "interrupted":
-            break
-        time.sleep(0.1)
-    assert status(planned.root) == "interrupted"
+    until(page, lambda: status(planned.root) == "interrupted")

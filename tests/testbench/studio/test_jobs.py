@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+import signal
 import sys
 from pathlib import Path
 
 import pytest
 
 from testbench.studio.jobs import Job, JobBoard, State, interpreter_argv
+from testbench.studio.widgets import progress_in_words
 
 
 async def ended(job: Job) -> Job:
@@ -79,9 +81,49 @@ def test_progress_is_read_from_either_form() -> None:
 
 
 def test_jobs_use_this_very_interpreter() -> None:
-    assert interpreter_argv(["compensation", "train", "x"]) == [
-        sys.executable, "-c", "import sys; from compensation.cli import main; sys.exit(main())", "train", "x",
-    ]  # fmt: skip
+    interpreter, option, code, *arguments = interpreter_argv(["compensation", "train", "x"])
+    assert (interpreter, option, arguments) == (sys.executable, "-c", ["train", "x"])
+    assert code.endswith("from compensation.cli import main; sys.exit(main())")
+
+
+WAITING = """
+import time
+
+def main():
+    print('{"done": 1, "total": 4}', flush=True)
+    try:
+        time.sleep(600)
+    except KeyboardInterrupt:
+        return 77
+"""
+
+
+@pytest.mark.asyncio
+async def test_a_job_of_a_studio_in_the_background_ends_well_when_it_is_stopped(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "waiting").mkdir()
+    (tmp_path / "waiting" / "cli.py").write_text(WAITING)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)  # what a shell does to all that it starts with "&"
+    try:
+        board = JobBoard()
+        job = board.start("wait", "Wait", ["waiting"])
+        while job.share is None:
+            await asyncio.sleep(0.01)
+        await board.cancel(job)
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert job.process is not None
+    assert job.process.returncode == 77, "not killed"
+
+
+def test_what_a_command_says_to_a_terminal_is_no_progress() -> None:
+    job = Job("rig", "Simulated rig", ("testbench", "rig"))
+    job.hear_error("rig: the motion starts when the port is opened; kill 4711 ends the rig")
+    assert "kill" not in progress_in_words(job)
+    job.hear_error('{"note": "creep"}')
+    assert progress_in_words(job).endswith("creep")
 
 
 @pytest.mark.asyncio

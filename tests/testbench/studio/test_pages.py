@@ -19,6 +19,7 @@ from testbench.studio import models
 from testbench.studio.picture import Picture, zoomed_span
 from testbench.studio.studio import Studio
 from testbench.studio.widgets import address
+from tests.testbench.importing import exports
 
 pytestmark = pytest.mark.asyncio
 
@@ -162,7 +163,7 @@ async def test_an_old_diagnosis_is_called_old(user: User, fitted: Studio) -> Non
 async def test_the_next_step_is_judged_on_what_the_first_was(fitted: Studio) -> None:
     assert models.held_out_of(fitted, "sleeve") == models.LAST_THIRD
     title, argv = models.add_command(fitted, "sleeve", "stress_relaxation")
-    assert title == "Adding stress_relaxation and refitting"
+    assert title == "Adding stress relaxation and refitting"
     assert argv[:3] == ["testbench", "add", "stress_relaxation"]
     assert "--held-out" not in argv
     data = json.loads(models.model_path(fitted, "sleeve").read_text())
@@ -390,3 +391,17 @@ async def test_a_file_that_an_address_names_is_read_as_it_was_chosen(user: User,
 
 def _selects(user: User) -> set[ui.select]:
     return user.find(kind=ui.select).elements
+
+
+async def test_a_file_is_named_as_in_a_shell(user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path))
+    exports.testxpert(tmp_path)
+    await user.open("/import")
+    user.find("Read the file").click()
+    await user.should_see("“File on this machine” is empty")
+    user.find("File on this machine").type("~nobody-here/testxpert.txt")
+    user.find("Read the file").click()
+    await user.should_see("~nobody-here/testxpert.txt: no such file")
+    user.find("File on this machine").clear().type(" ~/testxpert.txt ")
+    user.find("Read the file").click()
+    await user.should_see("Found: names in row 1", retries=50)
