@@ -44,6 +44,7 @@ COMMANDS = {
     "testbench experiment ": "--diagnosis {diagnosis} --fit {recording} --gauge-length-mm 25 --duration-s 120",
     "testbench report": "--recording {recording} --gauge-length-mm 25 --diagnosis {diagnosis} -o {out}",
     "testbench report ": "--compensator {score} --model {model} --commands {text} -o {out}",
+    "testbench investigate ": "--resume --quiet -o {campaign} --json {out}",
     "testbench verify": "{campaign}",
     "testbench align": "{campaign} --program {driven} -o {out}",
     "testbench dataset": "{dataset} -o {out} --workers 1",
@@ -195,7 +196,9 @@ def _campaigns(folder: Path, good: Path) -> dict[str, Path]:
     return found
 
 
-def cases(only: Sequence[str], good: dict[str, Path], bad: dict[str, Path], out: Path) -> Iterator[tuple[str, list[str], str]]:
+def cases(
+    only: Sequence[str], good: dict[str, Path], bad: dict[str, Path], out: Path
+) -> Iterator[tuple[str, list[str], str]]:
     """Command, words, and what is wrong with them."""
     for command, template in COMMANDS.items():
         if not command.startswith(tuple(only)):
