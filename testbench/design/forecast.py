@@ -16,8 +16,9 @@ from testbench.diagnosis.constants import ETA, GRID_HZ
 from testbench.diagnosis.priors import priors_of
 from testbench.fitting.measurement import FORCE_CHANNEL, Measurement
 from testbench.fitting.sensitivity import sensitivities
+from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import FloatArray
-from testbench.knit.model import KnitModel, SimulationCache
+from testbench.knit.model import KnitModel
 
 NEGLIGIBLE = 1e-3  # directions in which a prediction varies by less than this share of the noise are left out
 SWITCHED_OFF = 1e3  # factor on the precision of a group of weights from which it changes nothing

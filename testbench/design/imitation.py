@@ -11,8 +11,9 @@ from testbench.fitting.fit import independent_share
 from testbench.fitting.measurement import CONDUCTANCE_CHANNEL, FORCE_CHANNEL, Measurement
 from testbench.fitting.parameters import FreeParameter, free_parameters, values_of, with_values
 from testbench.fitting.sensitivity import sensitivities
+from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import FloatArray
-from testbench.knit.model import KnitModel, SimulationCache
+from testbench.knit.model import KnitModel
 
 SMALL_GAIN = 1e-3
 STRIDE = 2  # of the samples for the normal equations; neighbours say nearly the same

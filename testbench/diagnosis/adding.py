@@ -10,12 +10,11 @@ from threadpoolctl import threadpool_limits
 from testbench.comparing.ladder import drawn_to_data, fitted_file
 from testbench.diagnosis import constants
 from testbench.diagnosis.laplace import fitted
-from testbench.diagnosis.likelihood import likelihood_of
+from testbench.diagnosis.likelihood import likelihood_of, noise_of
 from testbench.diagnosis.proposals import Screen, laws_of
 from testbench.fitting.baseline import framed
 from testbench.fitting.measurement import Measurement, coarser
 from testbench.fitting.model_file import ModelFile
-from testbench.fitting.motion import reading_noise
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
@@ -45,9 +44,7 @@ def best_start(model: KnitModel, effect: Effect, calibration: Measurement) -> Ef
     candidate of the diagnosis (a shape of the base, a second law of a mechanism that the model has) stays as it is.
     """
     measurement = coarser(calibration, constants.GRID_HZ)
-    time_s = calibration.signals["time_s"]
-    noise = {c: max(reading_noise(time_s, values), 1e-12) for c, values in calibration.measured.items()}
-    likelihood = likelihood_of(model, measurement, noise)
+    likelihood = likelihood_of(model, measurement, noise_of(calibration))
     with threadpool_limits(1, "blas"), ThreadPoolExecutor(1) as pool:
         hypothesis = fitted(model, likelihood, model, iterations=1)
         laws = laws_of(hypothesis, likelihood, Catalogue({effect.name: type(effect)}), pool)

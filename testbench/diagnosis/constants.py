@@ -11,7 +11,7 @@ PRIOR_NOTHING = 0.5  # before seeing data, that nothing is missing
 PRIOR_UNKNOWN = 0.1  # before seeing data, that what is missing is in no catalogue
 MISLED = 0.2  # of sensors that nobody here simulated: evidence that seemed sure spoke for the wrong mechanism
 GRID_HZ = 12.5  # grid of the comparison: quicker than the motion, slower than most samplings
-SAMPLES = 9_000  # samples of one channel that enter the normal equations; longer recordings are thinned
+SAMPLES = 4_500  # samples of one channel that enter the normal equations; longer recordings are thinned
 BASES = 2  # sets of base laws whose shapes are fitted
 BENDING, STIFF = (
     4,

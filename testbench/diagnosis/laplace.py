@@ -15,11 +15,11 @@ from testbench.diagnosis.likelihood import Likelihood
 from testbench.diagnosis.priors import Priors, priors_of
 from testbench.fitting.baseline import SHAPES, without_shapes
 from testbench.fitting.downhill import downhill, huber, huber_weight, within
-from testbench.fitting.measurement import CONDUCTANCE_CHANNEL
 from testbench.fitting.parameters import values_of, with_values
 from testbench.fitting.sensitivity import RELATIVE_STEP
+from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import FloatArray
-from testbench.knit.model import KnitModel, SimulationCache
+from testbench.knit.model import KnitModel
 
 FINAL_WEIGHTS = 3
 AGREED = 0.02  # relative change of the noise from one to the next
@@ -269,23 +269,14 @@ class _Search:
         for c, values in here.items():
             self.columns[c][0] = self.likelihood.picked(measurement.measured[c] - values, c)
         # From the end of the signal chain backwards, so that the cache holds the unchanged beginning.
-        plain: set[str] = set()  # effects whose change of ln G nothing after them alters
         for index in reversed(which):
             p = parameters[index]
             step = RELATIVE_STEP * (1.0 if p.log else max(abs(self.x[index]), 0.1 * p.width))
             step = -step if self.x[index] + step > self.priors.high[index] else step
             moved = with_values(self.model, [p], self.x[index : index + 1] + step)
-            name = p.address.partition(".")[0]
-            if name in plain:
-                self.columns[CONDUCTANCE_CHANNEL][index + 1] = self._local(name, moved) / step
-                continue
             changed = measurement.modelled(moved, self.cache)
             for c, values in changed.items():
                 self.columns[c][index + 1] = self.likelihood.picked((values - here[c]) / step, c)
-            if self.priors.group[index] >= 0 and self.model[name].writes == ("conductance_S",):
-                local, whole = self._local(name, moved), self.columns[CONDUCTANCE_CHANNEL][index + 1] * step
-                if np.allclose(local, whole, rtol=1e-6, atol=1e-9 * np.max(np.abs(whole))):
-                    plain.add(name)
         self.refresh(which)
 
     def refresh(self, which: Sequence[int]) -> None:
@@ -298,14 +289,6 @@ class _Search:
         for c, rows in self.rows.items():
             rows[0] = self.columns[c][0]
             rows[1 : 1 + len(own)] = self.columns[c][own + 1]
-
-    def _local(self, name: str, moved: KnitModel) -> FloatArray:
-        """Change of ln G by the effect `name` alone, moved, at the samples that count."""
-        before = self.cache.before(name, self.model)
-        here, there = (
-            m[name].apply(before, self.likelihood.measurement.dt_s)["conductance_S"] for m in (self.model, moved)
-        )
-        return self.likelihood.picked(np.log(there / here), CONDUCTANCE_CHANNEL)
 
     def normal(self) -> tuple[NormalEquations, dict[str, FloatArray]]:
         """Along the directions that the data see, and the square roots of the Huber weights."""

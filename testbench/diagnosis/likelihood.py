@@ -16,7 +16,7 @@ from testbench.diagnosis import constants
 from testbench.fitting.errors import sampled
 from testbench.fitting.measurement import Measurement, channel_of
 from testbench.fitting.motion import reading_noise
-from testbench.fitting.noise import noise_floor, robust_sd, rounding
+from testbench.fitting.noise import noise_floor, robust_sd, rounding, within_range
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
 
@@ -122,7 +122,9 @@ def noise_of(measurement: Measurement) -> dict[str, float]:
     found = {}
     for channel in measurement.channels:
         time_s, values = sampled(measurement, channel)
-        noise = max(min(noise_floor(values), reading_noise(time_s, values)), rounding(values))
+        inside = within_range(values)
+        read = reading_noise(time_s[inside], values[inside])
+        noise = max(min(noise_floor(values), read), rounding(values))
         found[channel] = max(noise / measurement.averaged**0.5, 1e-12)
     return found
 
@@ -153,7 +155,8 @@ def _slopes(model: KnitModel, measurement: Measurement) -> dict[str, FloatArray]
 
 def _noise_by_level(values: FloatArray) -> FloatArray:
     """Standard deviation of the noise at each sample, from second differences among samples of its level."""
-    second, middle = np.diff(values, 2) / np.sqrt(6), values[1:-1]
+    seen = values[within_range(values)]
+    second, middle = np.diff(seen, 2) / np.sqrt(6), seen[1:-1]
     edges = np.quantile(middle, np.linspace(0, 1, LEVELS + 1))
     at, sd = [], []
     for low, high in pairwise(edges):

@@ -14,9 +14,9 @@ from testbench.diagnosis.likelihood import Likelihood
 from testbench.diagnosis.priors import tail_evidence, typical, with_tails
 from testbench.fitting.candidates import Candidate, candidate_mechanisms, expand, is_vector, two_signed
 from testbench.fitting.fit import shape_scales
+from testbench.knit.cache import SimulationCache
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import Effect, FloatArray
-from testbench.knit.model import SimulationCache
 
 Rows = Mapping[str, FloatArray]  # channel -> columns at the samples that count, shape (m, k)
 WEAK = 0.1  # of the strength that the data ask for to first order

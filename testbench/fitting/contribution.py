@@ -13,8 +13,9 @@ from testbench.fitting.measurement import Measurement
 from testbench.fitting.noise import robust_sd
 from testbench.fitting.parameters import free_parameters
 from testbench.fitting.sensitivity import sensitivities
+from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import Effect, FloatArray
-from testbench.knit.model import KnitModel, SimulationCache
+from testbench.knit.model import KnitModel
 
 
 @dataclass(frozen=True)

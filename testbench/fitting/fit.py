@@ -13,8 +13,9 @@ from testbench.fitting.measurement import CONDUCTANCE_CHANNEL, FORCE_CHANNEL, Me
 from testbench.fitting.noise import noise_floor, spread
 from testbench.fitting.parameters import FreeParameter, free_parameters, values_of, with_values
 from testbench.fitting.sensitivity import sensitivities
+from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import FloatArray
-from testbench.knit.model import KnitModel, SimulationCache
+from testbench.knit.model import KnitModel
 
 MAX_ITERATIONS = 25
 # Residuals are autocorrelated: what this time spans is worth one independent sample. Weakens the data against the

@@ -10,9 +10,10 @@ import numpy as np
 from gcode.support.errors import UserError
 from testbench.fitting.motion import reading_noise, without_reading_noise
 from testbench.fitting.noise import noise_floor
+from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import FloatArray
 from testbench.knit.filters import log_conductance
-from testbench.knit.model import KnitModel, SimulationCache, inputs
+from testbench.knit.model import KnitModel, inputs
 from testbench.recordings.channels import FORCE, RESISTANCE, TEMPERATURE
 from testbench.recordings.recording import Recording
 

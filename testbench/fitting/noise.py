@@ -12,6 +12,7 @@ from testbench.knit.effect import FloatArray
 AR_ORDER = 3
 MAD_TO_SD = 1.4826
 OUTLIER = 10.0
+FEWEST = 50  # values that say how large the noise is
 PIECE, NEIGHBOURS, LEAK = 1024, 64, 8  # samples; frequencies that a line is compared with, and that it leaks into
 LINE = 30.0
 
@@ -31,6 +32,17 @@ def spread(values: FloatArray) -> float:
     return float(np.sqrt(np.mean(np.clip(off, -limit, limit) ** 2)))
 
 
+def within_range(values: FloatArray) -> np.ndarray:
+    """Which values are neither the least nor the greatest, shape (n,): at its rail a converter shows no noise.
+
+    All of them where hardly any other is left.
+    """
+    low, high = np.min(values), np.max(values)
+    edge = 1e-9 * (high - low)
+    inside = (values > low + edge) & (values < high - edge)
+    return inside if inside.sum() >= FEWEST else np.ones(len(values), bool)
+
+
 def noise_floor(values: FloatArray) -> float:
     """Standard deviation of the sample-to-sample noise of a smooth signal.
 
@@ -42,6 +54,7 @@ def noise_floor(values: FloatArray) -> float:
     ----------
     values : ndarray, shape (n,), n >= 3
     """
+    values = values[within_range(values)]
     # Robust, because steps and reversals are rare but large in second differences.
     second = np.diff(values, 2)
     # Steps of a motion that repeats itself are lines too, and without them spread out: the smaller is meant.

@@ -8,8 +8,9 @@ import numpy as np
 
 from testbench.fitting.measurement import Measurement
 from testbench.fitting.parameters import FreeParameter, values_of, with_values
+from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import FloatArray
-from testbench.knit.model import KnitModel, SimulationCache
+from testbench.knit.model import KnitModel
 
 RELATIVE_STEP = 1e-4
 

@@ -110,6 +110,7 @@ BUILT_IN = {
     "temperature_drift_trend": "testbench.knit.heat:TemperatureDriftTrend",
     "temperature_drift_wander": "testbench.knit.heat:TemperatureDriftWander",
     "thermal_softening": "testbench.knit.heat:ThermalSoftening",
+    "thermal_softening_wander": "testbench.knit.heat:ThermalSofteningWander",
     # read-out
     "channel_lag": "testbench.knit.channel_lag:ChannelLag",
     "channel_lag_resistance": "testbench.knit.channel_lag:ChannelLagResistance",

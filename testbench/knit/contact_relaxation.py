@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from testbench.knit.conductance import ConductanceLaw
+from testbench.knit.additive import ConductanceLaw
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 from testbench.knit.filters import highpass, log_conductance, lowpass, memory_of_box, memory_of_decades
 

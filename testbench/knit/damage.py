@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from testbench.knit.additive import ForceLaw
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 from testbench.knit.filters import DEAD_BAND_STRAIN
 
@@ -159,12 +160,10 @@ class CyclicFatigueLog(FatigueLaw):
         return {"force_N": signals["force_N"] * np.maximum(1 - self.per_decade * decades, 0.0)}
 
 
-class JammingLaw(Effect):
+class JammingLaw(ForceLaw):
     """Base of the laws of jamming: force added where the loops are drawn straight."""
 
     mechanism = "jamming_stiffening"
-    stage = Stage.MECHANICS
-    reads, writes = ("strain", "force_N"), ("force_N",)
     strength = "stiffness_N"
 
 
@@ -185,10 +184,10 @@ class JammingStiffening(JammingLaw):
     onset: float = parameter(0.25, unit="1", low=0.02, high=2, scale="log", doc="strain where the loops jam")
     width: float = parameter(0.02, unit="1", low=1e-3, high=0.3, scale="log", doc="strain over which they do")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def change(self, signals: Signals, dt_s: float) -> FloatArray:
         beyond = np.maximum(signals["strain"] - self.onset, 0.0)
         within = np.minimum(beyond, self.width)
-        return {"force_N": signals["force_N"] + self.stiffness_N * (beyond - within + within**2 / (2 * self.width))}
+        return self.stiffness_N * (beyond - within + within**2 / (2 * self.width))
 
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         top = float(np.max(signals["strain"]))
@@ -212,9 +211,9 @@ class JammingStiffeningPower(JammingLaw):
     force_at_30_percent_N: float = parameter(0.5, unit="N", low=0, high=1e3, doc="extra force at 30 % strain")
     exponent: float = parameter(6.0, unit="1", low=3, high=20, scale="log", doc="how suddenly it comes")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def change(self, signals: Signals, dt_s: float) -> FloatArray:
         relative = np.maximum(signals["strain"], 0.0) / 0.3
-        return {"force_N": signals["force_N"] + self.force_at_30_percent_N * relative**self.exponent}
+        return self.force_at_30_percent_N * relative**self.exponent
 
 
 class JammingStiffeningLocking(JammingLaw):
@@ -235,9 +234,9 @@ class JammingStiffeningLocking(JammingLaw):
     )
     limit: float = parameter(0.5, unit="1", low=0.05, high=5, scale="log", doc="locking strain")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def change(self, signals: Signals, dt_s: float) -> FloatArray:
         e = np.clip(signals["strain"] / self.limit, 0.0, 0.99)
-        return {"force_N": signals["force_N"] + self.force_N * e * e / (1 - e)}
+        return self.force_N * e * e / (1 - e)
 
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         top = float(np.max(signals["strain"]))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from testbench.knit.conductance import ConductanceLaw
+from testbench.knit.additive import ConductanceLaw
 from testbench.knit.damage import cycled_strain
 from testbench.knit.effect import FloatArray, Signals, parameter
 from testbench.knit.hysteresis import mean_slip

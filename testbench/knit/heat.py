@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from testbench.knit.conductance import ConductanceLaw
+from testbench.knit.additive import ConductanceLaw
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 from testbench.knit.filters import lowpass
 
@@ -237,3 +237,31 @@ class ThermalSoftening(Effect):
             return {"force_N": signals["force_N"].copy()}
         factor = np.maximum(1 - self.softening_per_K * (measured - measured[0]), 0.0)
         return {"force_N": signals["force_N"] * factor}
+
+
+class ThermalSofteningWander(Effect):
+    """Warm yarn is softer, and the room's temperature wanders unmeasured, in its own way in each recording.
+
+    F *= exp( sum_j w_j B_j(t / duration) )
+
+    Source: as `thermal_softening`; splines as in `temperature_drift_wander`.
+    Valid: as `temperature_drift_wander`. It can imitate any slow change of stiffness: measure the temperature.
+    """
+
+    name = "thermal_softening_wander"
+    mechanism = "temperature_drift"
+    stage = Stage.MECHANICS
+    reads, writes = ("time_s", "force_N"), ("force_N",)
+    strength = "weights"
+    per_recording = ("weights",)
+    look = "the knit is now softer, now stiffer, differently in every recording, whatever the motion"
+
+    weights: tuple[float, ...] = parameter(
+        (0.0,) * WANDER_BUMPS, unit="1", low=-2, high=2, doc="height of each bump of ln F over time"
+    )
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        from testbench.knit.kernels import bspline
+
+        t = signals["time_s"]
+        return {"force_N": signals["force_N"] * np.exp(bspline(t / max(t[-1], dt_s), np.asarray(self.weights)))}

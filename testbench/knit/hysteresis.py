@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
+from testbench.knit.additive import ForceLaw
+from testbench.knit.effect import FloatArray, Signals, parameter
 
 # Relative break-away strains of the slip elements: a wide, fixed distribution whose scale is a parameter.
 SPREAD = np.geomspace(0.15, 2.5, 6)
@@ -17,12 +18,10 @@ def mean_slip(x: FloatArray, threshold: float) -> FloatArray:
     return mean_stop(x, threshold * SPREAD)
 
 
-class FrictionLaw(Effect):
+class FrictionLaw(ForceLaw):
     """Base of the laws of friction between the yarns."""
 
     mechanism = "hysteresis"
-    stage = Stage.MECHANICS
-    reads, writes = ("strain", "force_N"), ("force_N",)
     strength = "friction_N"
 
 
@@ -49,10 +48,10 @@ class Hysteresis(FrictionLaw):
         0.0, unit="1", low=-1, high=30, typical=2.0, doc="relative growth of friction per unit strain"
     )
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def change(self, signals: Signals, dt_s: float) -> FloatArray:
         e = signals["strain"]
         width = np.maximum(1 + self.growth * e, 0.0)
-        return {"force_N": signals["force_N"] + self.friction_N * width * mean_slip(e, self.threshold)}
+        return self.friction_N * width * mean_slip(e, self.threshold)
 
 
 class HysteresisBoucWen(FrictionLaw):
@@ -79,10 +78,9 @@ class HysteresisBoucWen(FrictionLaw):
         0.0, unit="1", low=-1, high=30, typical=2.0, doc="relative growth of friction per unit strain"
     )
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+    def change(self, signals: Signals, dt_s: float) -> FloatArray:
         from testbench.knit.kernels import bouc_wen
 
         e = signals["strain"]
         width = np.maximum(1 + self.growth * e, 0.0)
-        z = bouc_wen(e, self.threshold, self.skew)
-        return {"force_N": signals["force_N"] + self.friction_N * width * z}
+        return self.friction_N * width * bouc_wen(e, self.threshold, self.skew)

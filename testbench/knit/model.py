@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 
 from gcode.support.errors import UserError
+from testbench.knit.additive import AdditiveLaw
+from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage
 
 OURS = "testbench.knit."  # effects from elsewhere are checked at every run
@@ -114,20 +116,24 @@ class KnitModel:
         dt_s : float
             Grid step in seconds.
         cache : SimulationCache, optional
-            Keeps the signals after each effect, so that a run with a changed parameter starts at that effect.
+            Keeps the signals after each effect, and what each law added, so that a run with a changed parameter makes
+            only what that parameter changes.
 
         Returns
         -------
         dict of str to ndarray
             All signals, among them ``strain``, ``force_N``, ``conductance_S`` as far as the model makes them.
         """
-        state, todo = (cache or SimulationCache()).resume(self, signals)
-        for name, effect in todo:
+        state, todo = cache.resume(self.effects, signals) if cache else (dict(signals), self.effects)
+        for name, effect in todo.items():
             if effect.stage >= Stage.PRESSURE and "contact_force_N" not in state and "force_N" in state:
                 state["contact_force_N"] = state["force_N"]
             check_wiring(name, effect, state)
-            state.update(apply_checked(name, effect, state, dt_s))
-            if cache is not None:
+            if cache and isinstance(effect, AdditiveLaw) and _ours(effect):
+                state.update(cache.applied(name, effect, state, dt_s))
+            else:
+                state.update(apply_checked(name, effect, state, dt_s))
+            if cache:
                 cache.keep(effect, state)
         return state
 
@@ -138,40 +144,6 @@ class KnitModel:
             for name, effect in self.effects.items()
         ]
         return {"format": FORMAT, "version": FORMAT_VERSION, "effects": effects}
-
-
-class SimulationCache:
-    """Signals after each effect of the last run over the same inputs."""
-
-    def __init__(self) -> None:
-        self._effects: list[Effect] = []
-        self._states: list[dict[str, FloatArray]] = []
-        self._inputs: Signals | None = None
-
-    def resume(self, model: KnitModel, inputs: Signals) -> tuple[dict[str, FloatArray], list[tuple[str, Effect]]]:
-        """State to start from, and the effects that are still to be applied."""
-        items = list(model.effects.items())
-        if inputs is not self._inputs:
-            self._inputs, self._effects, self._states = inputs, [], []
-        same = 0
-        while same < min(len(items), len(self._effects)) and (
-            items[same][1] is self._effects[same] or items[same][1] == self._effects[same]
-        ):
-            same += 1
-        del self._effects[same:], self._states[same:]
-        state = dict(self._states[-1]) if same else dict(inputs)
-        return state, items[same:]
-
-    def before(self, name: str, model: KnitModel) -> Signals:
-        """Signals before the effect `name` of the model that was simulated last."""
-        index = list(model.effects).index(name)
-        assert self._inputs is not None
-        return self._states[index - 1] if index else self._inputs
-
-    def keep(self, effect: Effect, state: dict[str, FloatArray]) -> None:
-        """Remember the signals after `effect`."""
-        self._effects.append(effect)
-        self._states.append(dict(state))
 
 
 def check_wiring(name: str, effect: Effect, state: Mapping[str, FloatArray]) -> None:
@@ -191,7 +163,7 @@ def apply_checked(name: str, effect: Effect, state: Mapping[str, FloatArray], dt
     UserError
         If a user's effect raises, or returns other signals, lengths or values than it should.
     """
-    if type(effect).__module__.startswith(OURS):
+    if _ours(effect):
         return effect.apply(state, dt_s)
     remedy = f"; mend it and try `testbench effects {effect.name} --effects FILE.py --check`"
     try:
@@ -206,6 +178,10 @@ def apply_checked(name: str, effect: Effect, state: Mapping[str, FloatArray], dt
         if problem:
             raise UserError(f"effect {name} returned {signal} {problem} (its parameters: {effect}){remedy}")
     return written
+
+
+def _ours(effect: Effect) -> bool:
+    return type(effect).__module__.startswith(OURS)
 
 
 def _unusable(values: object, count: int) -> str:

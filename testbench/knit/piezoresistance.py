@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from testbench.knit.conductance import ConductanceLaw
+from testbench.knit.additive import ConductanceLaw
 from testbench.knit.contact import positive_part
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 

@@ -11,9 +11,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from testbench.knit.conductance import ConductanceLaw
+from testbench.knit.additive import ConductanceLaw, ForceLaw
 from testbench.knit.curves import CURVE_TERMS, curve
-from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
+from testbench.knit.effect import FloatArray, Signals, Stage, parameter
 from testbench.knit.loops import LOOPS, loops
 
 DRIFT_TAUS_S = (3.0, 30.0, 300.0)
@@ -26,7 +26,7 @@ def _settled(start_s: float, end_s: float, count: int) -> FloatArray:
     return -np.expm1(-np.linspace(start_s, end_s, count) / np.array(DRIFT_TAUS_S)[:, None])
 
 
-class ElasticityShape(Effect):
+class ElasticityShape(ForceLaw):
     """Any smooth correction to the elastic law over strain, knees included.
 
     F += w_1 x + w_2 x^2 + sum_k w_k cos(k pi x) / k^2,   x = e / span
@@ -36,8 +36,6 @@ class ElasticityShape(Effect):
     """
 
     name = "elasticity_shape"
-    stage = Stage.MECHANICS
-    reads, writes = ("strain", "force_N"), ("force_N",)
     strength = "weights_N"
     look = "the misfit of force depends on strain alone"
 
@@ -46,11 +44,11 @@ class ElasticityShape(Effect):
     )
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain covered by the curve")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        return {"force_N": signals["force_N"] + curve(signals["strain"], 0.0, self.span, self.weights_N)}
+    def change(self, signals: Signals, dt_s: float) -> FloatArray:
+        return curve(signals["strain"], 0.0, self.span, self.weights_N)
 
 
-class HysteresisShape(Effect):
+class HysteresisShape(ForceLaw):
     """Rate-independent loops of the force of any width, sharp or smooth, that may widen or narrow with strain.
 
     F += sum_k (w_k + v_k e / span) z_k(e)
@@ -63,8 +61,6 @@ class HysteresisShape(Effect):
     """
 
     name = "hysteresis_shape"
-    stage = Stage.MECHANICS
-    reads, writes = ("strain", "force_N"), ("force_N",)
     strength = "weights_N"
     look = "the misfit of force depends on the direction of motion and on the last reversals, at any speed"
 
@@ -76,8 +72,8 @@ class HysteresisShape(Effect):
     )
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain over which growth is counted")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        return {"force_N": signals["force_N"] + loops(signals["strain"], self.span, self.weights_N, self.growth_N)}
+    def change(self, signals: Signals, dt_s: float) -> FloatArray:
+        return loops(signals["strain"], self.span, self.weights_N, self.growth_N)
 
 
 class ContactShape(ConductanceLaw):

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from testbench.knit.conductance import ConductanceLaw
+from testbench.knit.additive import ConductanceLaw
 from testbench.knit.effect import FloatArray, Signals, parameter
 from testbench.knit.filters import highpass, lagging_rate, log_conductance, lowpass, rate
 

@@ -11,7 +11,7 @@ from testbench.fitting.measurement import prepare
 from testbench.fitting.noise import autoregression, noise_floor, robust_sd, whitened
 from testbench.fitting.parameters import free_parameters, values_of, with_values
 from testbench.fitting.sensitivity import sensitivities
-from testbench.knit.model import SimulationCache
+from testbench.knit.cache import SimulationCache
 from tests.testbench.builders import NOISE_LN, NOISE_N, record, truth
 
 KNOWN = ("elasticity.stiffness_N", "elasticity.curvature", "hysteresis.friction_N", "hysteresis.threshold")

@@ -13,6 +13,7 @@ from testbench.knit.heat import (
     SelfHeatingTwoMasses,
     TemperatureDrift,
     ThermalSoftening,
+    ThermalSofteningWander,
 )
 from testbench.knit.interference import PeriodicInterference
 from testbench.knit.load_cell import LoadCellCreep, LoadCellCreepTwoTimes, LoadCellZeroDrift
@@ -103,6 +104,14 @@ def test_force_follows_the_temperature_only_where_it_was_measured() -> None:
     np.testing.assert_array_equal(effect.apply({"force_N": ONE}, DT_S)["force_N"], ONE)
     warm = effect.apply({"force_N": ONE, "temperature_C": 20 + T}, DT_S)["force_N"]
     np.testing.assert_allclose(warm, 1 - 0.01 * T)
+
+
+def test_a_room_that_nobody_measured_softens_the_force_over_time_alone() -> None:
+    effect = ThermalSofteningWander(weights=(0.0,) * 5 + (-0.1,) * 12 + (0.0,) * 5)
+    once, twice = (effect.apply({"time_s": T, "force_N": k * ONE}, DT_S)["force_N"] for k in (1, 2))
+    np.testing.assert_allclose(twice, 2 * once)
+    assert once[0] == 1
+    assert once[len(T) // 2] == pytest.approx(np.exp(-0.1))
 
 
 def test_lag_and_delay_shift_a_ramp_by_their_times() -> None:

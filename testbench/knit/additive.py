@@ -1,0 +1,54 @@
+"""Laws that add to one signal what they make of others: as long as those stay, it need not be made again."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+
+from testbench.knit.effect import Effect, FloatArray, Signals, Stage
+
+
+class AdditiveLaw(Effect):
+    """Base of the laws whose `apply` puts a change into the signal that they write."""
+
+    def change(self, signals: Signals, dt_s: float) -> FloatArray:
+        """The change, shape (n,); arguments as `apply`."""
+        raise NotImplementedError
+
+    def put(self, signals: Signals, change: FloatArray) -> dict[str, FloatArray]:
+        """The signal that is written, with the change in it."""
+        raise NotImplementedError
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        return self.put(signals, self.change(signals, dt_s))
+
+
+class ForceLaw(AdditiveLaw):
+    """Base of the laws of the form ``F += change`` in N."""
+
+    stage = Stage.MECHANICS
+    reads, writes = ("strain", "force_N"), ("force_N",)
+
+    def put(self, signals: Signals, change: FloatArray) -> dict[str, FloatArray]:
+        return {"force_N": signals["force_N"] + change}
+
+
+class ConductanceLaw(AdditiveLaw):
+    """Base of the laws of the form ``ln G += change``; a subclass gives the change."""
+
+    stage = Stage.ELECTRICAL
+    reads: ClassVar[tuple[str, ...]] = ("strain", "conductance_S")
+    writes = ("conductance_S",)
+    strength = "gain"
+
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
+        """Change of ln G, shape (n,); arguments as `apply`."""
+        raise NotImplementedError
+
+    def change(self, signals: Signals, dt_s: float) -> FloatArray:
+        """Factor on the conductance; its cap (e^30) keeps a wild fit finite."""
+        return np.exp(np.clip(self.log_change(signals, dt_s), -30.0, 30.0))
+
+    def put(self, signals: Signals, change: FloatArray) -> dict[str, FloatArray]:
+        return {"conductance_S": signals["conductance_S"] * change}

@@ -1,0 +1,37 @@
+"""The noise floor of readings that a converter clips, rounds, or leaves alone."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from testbench.fitting.noise import noise_floor, rounding, within_range
+
+TIME_S = np.arange(4000) / 40
+MOTION = 1 + np.sin(2 * np.pi * TIME_S / 7)
+
+
+@pytest.fixture(scope="module")
+def reading() -> np.ndarray:
+    return MOTION + 0.01 * np.random.default_rng(3).standard_normal(len(MOTION))
+
+
+def test_white_noise_on_a_smooth_motion_is_found(reading) -> None:
+    assert noise_floor(reading) == pytest.approx(0.01, rel=0.1)
+
+
+@pytest.mark.parametrize("limit", [0.5, 1.0, 1.5])
+def test_a_converter_at_its_rail_hides_no_noise_of_the_rest(reading, limit) -> None:
+    clipped = np.minimum(reading, limit)
+    assert noise_floor(clipped) == pytest.approx(0.01, rel=0.15)
+    assert within_range(clipped).sum() < len(clipped)
+
+
+def test_a_coarse_converter_is_known_to_a_step() -> None:
+    stepped = np.round(MOTION / 0.1) * 0.1
+    assert noise_floor(stepped) == pytest.approx(rounding(stepped)) == pytest.approx(0.1 / 12**0.5, rel=1e-6)
+
+
+def test_readings_that_are_all_at_a_rail_all_count() -> None:
+    assert within_range(np.repeat([0.0, 1.0], 100)).all()
+    assert noise_floor(np.ones(200)) == 0
