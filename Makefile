@@ -46,7 +46,7 @@ demo: $(VENV)/.run ## the main job, end to end: plan, run, compensate, diagnose,
 	@$(BIN)/python datasets/demo.py -o $(DEMO)
 
 test: $(VENV)/.dev ## the default tests
-	@$(PYTEST) -n 2 $(ARGS)
+	@$(PYTEST) -n 2 --dist loadfile --no-loadscope-reorder $(ARGS)
 
 test-slow: $(VENV)/.dev ## the long tests
 	@$(PYTEST) -n 2 -m slow $(ARGS)

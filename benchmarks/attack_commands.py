@@ -4,7 +4,7 @@ Each case must end within `HANGS_AFTER_CPU_S` with exit code 0, 1 or 2 and witho
 command, and each case that did not; exits with 1 if there is one.
 
     python benchmarks/attack_commands.py                  # all of it, some minutes
-    python benchmarks/attack_commands.py --only gcode     # one package, or "gcode check"
+    python benchmarks/attack_commands.py --only gcode     # one package, or "gcode check" "testbench fit"
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ import tempfile
 import traceback
 import warnings
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 HANGS_AFTER_S, HANGS_AFTER_CPU_S = 600, 60  # the first is for waiting, and far above what a busy machine takes
@@ -44,6 +44,7 @@ COMMANDS = {
     "testbench experiment ": "--diagnosis {diagnosis} --fit {recording} --gauge-length-mm 25 --duration-s 120",
     "testbench report": "--recording {recording} --gauge-length-mm 25 --diagnosis {diagnosis} -o {out}",
     "testbench report ": "--compensator {score} --model {model} --commands {text} -o {out}",
+    "testbench investigate ": "--resume --quiet -o {campaign} --json {out}",
     "testbench verify": "{campaign}",
     "testbench align": "{campaign} --program {driven} -o {out}",
     "testbench dataset": "{dataset} -o {out} --workers 1",
@@ -195,10 +196,12 @@ def _campaigns(folder: Path, good: Path) -> dict[str, Path]:
     return found
 
 
-def cases(only: str, good: dict[str, Path], bad: dict[str, Path], out: Path) -> Iterator[tuple[str, list[str], str]]:
+def cases(
+    only: Sequence[str], good: dict[str, Path], bad: dict[str, Path], out: Path
+) -> Iterator[tuple[str, list[str], str]]:
     """Command, words, and what is wrong with them."""
     for command, template in COMMANDS.items():
-        if not command.startswith(only):
+        if not command.startswith(tuple(only)):
             continue
         program, sub = command.split()[:2]
         slots = template.split()
@@ -262,7 +265,7 @@ def attacked(command: str, words: list[str]) -> str:
 def main() -> int:
     """Run; print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--only", default="", help="a package, or a package and a command")
+    parser.add_argument("--only", default=("",), nargs="+", help="packages, or packages and commands")
     args = parser.parse_args()
     sys.path.insert(0, str(Path(__file__).parents[1]))
     os.environ["OMP_NUM_THREADS"] = "1"

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+from gcode.support.errors import UserError
 from testbench.cli import main
 from testbench.comparing.ladder import ladder_step
 from testbench.fitting.measurement import prepare
 from testbench.fitting.model_file import ModelFile
-from tests.testbench.builders import record, truth, write_csv
+from testbench.knit.catalogue import load_catalogue
+from testbench.knit.model import inputs
+from tests.testbench.builders import motion, record, truth, write_csv
 
 EFFECT = """
 import numpy as np
@@ -54,14 +60,25 @@ def csv(tmp_path):
     return write_csv(record(truth(), 120, 12.0), tmp_path / "run.csv")
 
 
+def misbehaving(folder: Path, body: str) -> Path:
+    """A user's file with an effect that ends so."""
+    path = folder / "mine.py"
+    path.write_text(EFFECT.replace("{body}", body))
+    return path
+
+
 @pytest.mark.parametrize(("body", "match"), BAD.items())
-def test_a_users_effect_that_misbehaves_is_named(tmp_path, csv, capsys, body, match):
-    mine = tmp_path / "mine.py"
-    mine.write_text(EFFECT.replace("{body}", body))
-    error = refused(capsys, "diagnose", csv, "--gauge-length-mm", "25", "--effects", str(mine), "--quiet")
-    with pytest.raises(AssertionError, match="effect mine " + match):
-        raise AssertionError(error)
-    assert "--check" in error
+def test_a_users_effect_that_misbehaves_is_named(tmp_path, body, match):
+    mine = load_catalogue(misbehaving(tmp_path, body))["mine"]()
+    with pytest.raises(UserError, match=f"effect mine {match}.* --check"):
+        truth().plus(mine).simulate(inputs(*motion(5.0, 20.0)), 0.05)
+
+
+@pytest.mark.parametrize(("body", "match"), list(BAD.items())[::6])
+def test_a_users_effect_that_misbehaves_ends_a_diagnosis(tmp_path, csv, capsys, body, match):
+    mine = str(misbehaving(tmp_path, body))
+    error = refused(capsys, "diagnose", csv, "--gauge-length-mm", "25", "--effects", mine, "--quiet")
+    assert re.search(f"effect mine {match}.* --check", error)
 
 
 CASES = {

@@ -22,9 +22,11 @@ from testbench.knit.catalogue import load_catalogue, model_from_dict
 from testbench.recordings.files import read_recording
 from testbench.recordings.recording import Recording
 from testbench.worlds import make_case
+from tests.testbench.asked_once import answered_once
 from tests.testbench.builders import CATALOGUE, record, truth, write_csv
 
 STRIP = Path(__file__).resolve().parents[3] / "../shared/data/real/cb_silicone_strip"
+once = answered_once(diagnose)
 HIDDEN = {
     "stress_relaxation": {"fraction": 0.2, "tau_s": 15.0},
     "channel_lag": {"tau_s": 0.4},
@@ -48,7 +50,7 @@ def relaxed() -> Diagnosis:
 
 
 def test_nothing_hidden_nothing_found():
-    result = diagnose(*pair())
+    result = once(*pair(), catalogue=CATALOGUE)
     assert (result.verdict, result.found, result.tied) == ("nothing_missing", (), ())
     assert first_line(result).startswith("nothing is missing (")
     assert sum(result.probabilities.values()) == pytest.approx(1.0)
@@ -105,11 +107,12 @@ def test_the_first_two_of_a_diagnosis_become_rivals():
     assert set(noise) == {"force", "conductance"}
 
 
-def test_the_command_says_it_on_one_line_and_writes_one_object(tmp_path, capsys):
+def test_the_command_says_it_on_one_line_and_writes_one_object(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("testbench.diagnosis.diagnose", once)  # asks what the first test asked
     files = [write_csv(part, tmp_path / f"{name}.csv") for name, part in zip("ab", pair(), strict=True)]
     out, model = tmp_path / "diagnosis.json", tmp_path / "model.json"
     argv = ["diagnose", files[0], "--held-out", files[1], "--gauge-length-mm", "25", "--quiet"]
-    assert main([*argv, "--repeat", "2", "--json", str(out), "-o", str(model)]) == 0
+    assert main([*argv, "--json", str(out), "-o", str(model)]) == 0
     first, _, title, *_ = capsys.readouterr().out.splitlines()
     assert first.startswith("nothing is missing (")
     assert title.split() == [

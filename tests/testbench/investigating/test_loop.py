@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 
 import numpy as np
 import pytest
@@ -20,17 +21,39 @@ from tests.testbench.builders import CATALOGUE
 from tests.testbench.investigating.samples import SET, SLIP, Believing, asked, hidden, investigated
 
 
-def test_it_ends_where_one_hypothesis_is_sure(tmp_path, monkeypatch):
-    ended, believing = investigated(tmp_path / "i", monkeypatch, [0.6, 0.96])
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """The folder of an investigation that was never cut, how it ended, and what was believed; nobody changes them."""
+    folder = tmp_path_factory.mktemp("whole") / "i"
+    with pytest.MonkeyPatch.context() as patch:
+        return folder, *investigated(folder, patch, [0.6, 0.96])
+
+
+@pytest.fixture(scope="module")
+def _of_one_run(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("one") / "i"
+    with pytest.MonkeyPatch.context() as patch:
+        return folder, investigated(folder, patch, [0.99])[0]
+
+
+@pytest.fixture
+def one_run(tmp_path, _of_one_run):
+    """A copy of the folder of an investigation that was sure after one run, and how it ended."""
+    folder, ended = _of_one_run
+    return shutil.copytree(folder, tmp_path / "i"), ended
+
+
+def test_it_ends_where_one_hypothesis_is_sure(whole):
+    folder, ended, believing = whole
     assert ended.ended == loop.SURE
     assert [run.belief.top for run in ended.runs] == [(SET, 0.6), (SET, 0.96)]
     assert ended.spent_s == pytest.approx(sum(run.seconds for run in ended.runs))
     assert [runs for runs, _ in believing.asked] == [1, 2]
     assert ended.runs[0].expected_nats is None
     assert ended.runs[1].expected_nats >= ended.runs[1].perlin_nats >= 0
-    assert load_investigation(tmp_path / "i") == ended
+    assert load_investigation(folder) == ended
     for number in (1, 2):
-        assert problems(run_folder(tmp_path / "i", number)) == []
+        assert problems(run_folder(folder, number)) == []
 
 
 def test_it_ends_where_the_time_is_spent(tmp_path, monkeypatch):
@@ -41,10 +64,10 @@ def test_it_ends_where_the_time_is_spent(tmp_path, monkeypatch):
     assert all(run.expected_nats is None for run in ended.runs)
 
 
-def test_an_aged_specimen_remembers_and_a_fresh_one_does_not(tmp_path, monkeypatch):
-    aged, seen = investigated(tmp_path / "aged", monkeypatch, [0.5, 0.99])
+def test_an_aged_specimen_remembers_and_a_fresh_one_does_not(tmp_path, monkeypatch, whole):
+    folder, aged, seen = whole
     fresh, alone = investigated(tmp_path / "fresh", monkeypatch, [0.5, 0.99], specimen="fresh")
-    assert len(plan_of(run_folder(tmp_path / "aged", 2)).past) == 1
+    assert len(plan_of(run_folder(folder, 2)).past) == 1
     assert len(plan_of(run_folder(tmp_path / "fresh", 2)).past) == 0
     assert aged.runs[1].rest_s == 5
     assert fresh.runs[1].rest_s is None
@@ -57,12 +80,12 @@ def test_an_aged_specimen_remembers_and_a_fresh_one_does_not(tmp_path, monkeypat
     assert odds == pytest.approx(first.own[SET] / first.own[SLIP] * second.own[SET] / second.own[SLIP])
 
 
-def test_the_true_model_leaves_noise_over_all_runs_of_an_aged_specimen(tmp_path, monkeypatch):
-    _, believing = investigated(tmp_path / "i", monkeypatch, [0.5, 0.99])
-    whole = believing.asked[-1][1]
-    parts = [read_recording(run_folder(tmp_path / "i", k)) for k in (1, 2)]
-    assert whole.counts.sum() == sum(prepare(one).counts.sum() for one in parts)
-    together = whole.residual(hidden())
+def test_the_true_model_leaves_noise_over_all_runs_of_an_aged_specimen(whole):
+    folder, _, believing = whole
+    joint = believing.asked[-1][1]
+    parts = [read_recording(run_folder(folder, k)) for k in (1, 2)]
+    assert joint.counts.sum() == sum(prepare(one).counts.sum() for one in parts)
+    together = joint.residual(hidden())
     second = prepare(parts[1])
     as_if_new = second.residual(hidden())
     n = len(second.counts)
@@ -70,12 +93,11 @@ def test_the_true_model_leaves_noise_over_all_runs_of_an_aged_specimen(tmp_path,
     wrong = {c: np.std(values[second.counts]) for c, values in as_if_new.items()}
     assert late["force"] < 0.01
     assert late["force"] < 0.3 * wrong["force"]
-    assert len(whole.recording) == len(parts[0]) + len(parts[1])
+    assert len(joint.recording) == len(parts[0]) + len(parts[1])
 
 
-def test_recordings_are_joined_over_their_rests(tmp_path, monkeypatch):
-    investigated(tmp_path / "i", monkeypatch, [0.99])
-    one = read_recording(run_folder(tmp_path / "i", 1))
+def test_recordings_are_joined_over_their_rests(one_run):
+    one = read_recording(run_folder(one_run[0], 1))
     alone, twice = joined([one], []), joined([one, one], [40.0])
     n, gap = len(alone.counts), round(40 / alone.dt_s)
     assert len(twice.counts) == 2 * n + gap
@@ -106,8 +128,7 @@ class Dying(SimulatedBench):
 
 
 @pytest.mark.parametrize("when", ["before", "after"])
-def test_killed_around_a_recording_it_goes_on_and_makes_the_same(tmp_path, monkeypatch, when):
-    whole, _ = investigated(tmp_path / "whole", monkeypatch, [0.6, 0.96])
+def test_killed_around_a_recording_it_goes_on_and_makes_the_same(tmp_path, monkeypatch, whole, when):
     bench = Dying(hidden())
     monkeypatch.setattr(Dying, "when", when)
     with pytest.raises(Killed):
@@ -116,16 +137,15 @@ def test_killed_around_a_recording_it_goes_on_and_makes_the_same(tmp_path, monke
     assert [run.recorded for run in left.runs] == [True, False]
     made = (tmp_path / "cut" / "run-2" / "recording.csv").stat().st_mtime_ns if when == "after" else None
     again, _ = investigated(tmp_path / "cut", monkeypatch, [0.96], resume=True)
-    assert same(again) == same(whole)
+    assert same(again) == same(whole[1])
     for name in ("run-1", "run-2"):
-        one, other = (tmp_path / which / name / "recording.csv" for which in ("whole", "cut"))
+        one, other = (folder / name / "recording.csv" for folder in (whole[0], tmp_path / "cut"))
         assert one.read_bytes() == other.read_bytes()
     if made is not None:
         assert (tmp_path / "cut" / "run-2" / "recording.csv").stat().st_mtime_ns == made
 
 
-def test_killed_in_the_diagnosis_it_goes_on(tmp_path, monkeypatch):
-    whole, _ = investigated(tmp_path / "whole", monkeypatch, [0.6, 0.96])
+def test_killed_in_the_diagnosis_it_goes_on(tmp_path, monkeypatch, whole):
 
     def dies(*_args, **_kwargs):
         raise Killed
@@ -136,11 +156,10 @@ def test_killed_in_the_diagnosis_it_goes_on(tmp_path, monkeypatch):
         loop.proceed(tmp_path / "cut", SimulatedBench(hidden()), CATALOGUE)
     again, believing = investigated(tmp_path / "cut", monkeypatch, [0.6, 0.96], resume=True)
     assert len(believing.asked) == 2
-    assert same(again) == same(whole)
+    assert same(again) == same(whole[1])
 
 
-def test_killed_in_a_design_it_designs_again(tmp_path, monkeypatch):
-    whole, _ = investigated(tmp_path / "whole", monkeypatch, [0.6, 0.96])
+def test_killed_in_a_design_it_designs_again(tmp_path, monkeypatch, whole):
     design = loop.best_motion
 
     def dies(*_args, **_kwargs):
@@ -151,7 +170,7 @@ def test_killed_in_a_design_it_designs_again(tmp_path, monkeypatch):
         investigated(tmp_path / "cut", monkeypatch, [0.6])
     monkeypatch.setattr(loop, "best_motion", design)
     again, _ = investigated(tmp_path / "cut", monkeypatch, [0.96], resume=True)
-    assert same(again) == same(whole)
+    assert same(again) == same(whole[1])
 
 
 def same(state) -> dict:
@@ -160,9 +179,9 @@ def same(state) -> dict:
     return {**data, "runs": [{**run, "ended_s": None} for run in data["runs"]]}
 
 
-def test_one_that_has_ended_is_not_run_again(tmp_path, monkeypatch):
-    ended, _ = investigated(tmp_path / "i", monkeypatch, [0.99])
-    again, believing = investigated(tmp_path / "i", monkeypatch, [], resume=True)
+def test_one_that_has_ended_is_not_run_again(one_run, monkeypatch):
+    folder, ended = one_run
+    again, believing = investigated(folder, monkeypatch, [], resume=True)
     assert again == ended
     assert believing.asked == []
 
@@ -188,21 +207,19 @@ def test_it_can_be_stopped_between_steps(tmp_path, monkeypatch):
         (lambda data: data["runs"][0].update(seconds="long"), "seconds"),
     ],
 )
-def test_a_damaged_state_is_refused_by_name(tmp_path, monkeypatch, change, match):
-    investigated(tmp_path / "i", monkeypatch, [0.99])
-    path = tmp_path / "i" / NAME
+def test_a_damaged_state_is_refused_by_name(one_run, change, match):
+    path = one_run[0] / NAME
     data = json.loads(path.read_text())
     change(data)
     path.write_text(json.dumps(data))
     with pytest.raises(UserError, match=match) as error:
-        load_investigation(tmp_path / "i")
+        load_investigation(one_run[0])
     assert NAME in str(error.value)
 
 
-def test_a_folder_that_is_taken_is_left_alone(tmp_path, monkeypatch):
-    investigated(tmp_path / "i", monkeypatch, [0.99])
+def test_a_folder_that_is_taken_is_left_alone(tmp_path, one_run):
     with pytest.raises(UserError, match="--resume"):
-        loop.begin(tmp_path / "i", asked(), "sample")
+        loop.begin(one_run[0], asked(), "sample")
     (tmp_path / "other").mkdir()
     (tmp_path / "other" / "thesis.txt").write_text("mine")
     with pytest.raises(UserError, match="not empty"):

@@ -20,10 +20,12 @@ from testbench.proposing.words import _safe, first_line, proposal_text, story
 from testbench.proposing.writing import file_text
 from testbench.recordings.files import read_recording
 from testbench.recordings.recording import Recording
-from tests.testbench.builders import record, truth, write_csv
+from tests.testbench.asked_once import answered_once
+from tests.testbench.builders import CATALOGUE, record, truth, write_csv
 
 STRIP = Path(__file__).resolve().parents[3] / "../shared/data/real/cb_silicone_strip"
 HEAL_S, REACH = 12.0, 0.5
+once = answered_once(propose_law)
 
 
 class Network(Effect):
@@ -54,10 +56,9 @@ def pair(hidden: bool = True) -> tuple[Recording, Recording]:
     return first, second
 
 
-@cache
 def found() -> Proposed:
     """What is proposed for the network."""
-    return propose_law(*pair(), name="my_effect", most=1)
+    return once(*pair(), name="my_effect", catalogue=CATALOGUE, most=1)
 
 
 def test_the_hidden_law_is_found_with_its_numbers():
@@ -97,13 +98,16 @@ def test_the_words_say_what_it_is_and_what_could_not_be_judged():
         assert part in text
 
 
-def test_the_command_writes_effect_picture_and_model_that_work(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+def test_the_command_writes_effect_picture_and_model_that_work(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr("testbench.proposing.propose_law", once)  # asks what `found` asked
     first, second = (write_csv(one, tmp_path / f"{k}.csv") for k, one in enumerate(pair()))
-    effect, model, said = (str(tmp_path / name) for name in ("healing.py", "model.json", "said.json"))
+    effect, model, said = (str(tmp_path / name) for name in ("my_effect.py", "model.json", "said.json"))
     words = ["propose", first, "--held-out", second, "--gauge-length-mm", "25", "-o", effect, "--laws", "1"]
     assert main([*words, "--save-model", model, "--json", said, "--quiet"]) == 0
     assert "wrote" in capsys.readouterr().out
-    assert (tmp_path / "healing.png").stat().st_size > 10_000
+    assert (tmp_path / "my_effect.png").stat().st_size > 10_000
     assert json.loads(Path(said).read_text())["laws"][0]["coordinate"].startswith("state that forms with time")
     # The effect joins everything that takes --effects.
     assert main(["compare", second, "--model", model, "--effects", effect]) == 0

@@ -55,5 +55,5 @@ def test_nobody_who_does_not_ask_for_it_gets_it(made) -> None:
 def test_the_page_is_written_in_it(made, tmp_path: Path) -> None:
     path, model = made
     argv = ["report", "--recording", path, "--gauge-length-mm", "25", "--model", model, "--resistance"]
-    assert main([*argv, "--format", "md", "-o", str(tmp_path / "r.md")]) == 0
-    assert "Held-out resistance / kΩ" in (tmp_path / "r.md").read_text()
+    assert main([*argv, "-o", str(tmp_path / "r.html")]) == 0
+    assert "Held-out resistance / kΩ" in (tmp_path / "r.html").read_text()
