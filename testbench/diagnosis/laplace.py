@@ -92,8 +92,8 @@ class Hypothesis:
         if not weights:
             return False
         shrunk = self.priors.scaled(self.evidence.scale)[weights] * np.diag(self.evidence.covariance)[weights]
-        held = self.vector[weights]
-        changed = {c: held @ rows[np.array(weights) + 1] for c, rows in self.columns.items()}
+        held = self.vector[mine]
+        changed = {c: held @ rows[np.array(mine) + 1] for c, rows in self.columns.items()}
         below = all(np.sqrt(np.mean(v**2)) < 0.1 * self.evidence.sigma[c] for c, v in changed.items())
         return below and float(np.sum(1 - shrunk)) < 0.5
 

@@ -1,0 +1,37 @@
+"""A shape that is taken out of a model because it is not used changes nothing by going."""
+
+from __future__ import annotations
+
+import pytest
+
+from testbench.diagnosis import constants
+from testbench.diagnosis.laplace import Hypothesis, fitted
+from testbench.diagnosis.likelihood import likelihood_of, noise_of
+from testbench.fitting.baseline import SHAPES, with_shapes
+from testbench.fitting.errors import rms_errors
+from testbench.fitting.measurement import Measurement, coarser, prepare
+from tests.testbench.builders import CATALOGUE, record, truth
+
+SLOPE_PER_KS = 0.3  # of the drift: 0.09 in ln G over five minutes, thirty times the noise
+
+
+@pytest.fixture(scope="module")
+def bent() -> tuple[Hypothesis, Measurement]:
+    """A model with all shapes, of which the sensor needs the slope of the drift alone, fitted to five minutes."""
+    model = truth().without("drift").plus(CATALOGUE["drift_shape"](slope_per_ks=SLOPE_PER_KS))
+    measurement = coarser(prepare(record(model, 300, 12.5, seed=1)), constants.GRID_HZ)
+    start = with_shapes(model, measurement, CATALOGUE)
+    likelihood = likelihood_of(start, measurement, noise_of(measurement)).in_pieces
+    return fitted(start, likelihood, truth().without("drift"), iterations=2), measurement
+
+
+def test_what_is_switched_off_changes_nothing(bent):
+    h, measurement = bent
+    assert set(h.model_in_use) < set(h.model)
+    assert rms_errors(h.model_in_use, measurement) == pytest.approx(rms_errors(h.model, measurement), rel=0.01)
+
+
+def test_a_drift_without_weights_is_in_use_while_it_has_a_slope(bent):
+    h, _ = bent
+    assert h.model["drift_shape"].slope_per_ks == pytest.approx(SLOPE_PER_KS, rel=0.2)
+    assert [name for name in SHAPES if name in h.model_in_use] == ["drift_shape"]
