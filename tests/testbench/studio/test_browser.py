@@ -13,11 +13,10 @@ from pathlib import Path
 
 import pytest
 
-import tests.testbench.report.samples as example
 from testbench.cli import main as run_testbench
 from testbench.knit.catalogue import baseline, load_catalogue
-from testbench.recordings.files import write_recording_csv
 from testbench.studio.jobs import interpreter_argv
+from tests.testbench import builders
 from tests.testbench.studio.browsing import IN_CHROMIUM, browser, page, running, samples, screen, shot, until
 
 ROOT = Path(__file__).parents[3]
@@ -28,12 +27,11 @@ __all__ = ["browser", "page", "running"]  # pytest finds its fixtures by name
 
 
 def foreign_csv(folder: Path) -> Path:
-    """A measured CSV where the data are there, else one of the same shape."""
+    """A measured CSV where the data are there, else one of a sensor whose stress relaxes."""
     if MEASURED.exists():
         return MEASURED
-    path = folder / "lab.csv"
-    write_recording_csv(path, example.recording(3000))
-    return path
+    model = builders.truth().plus(load_catalogue()["stress_relaxation"]().replaced(fraction=0.35, tau_s=12.0))
+    return Path(builders.write_csv(builders.record(model, 150), folder / "lab.csv"))
 
 
 def test_the_whole_loop_on_a_measured_csv(running, page, tmp_path: Path) -> None:
