@@ -13,7 +13,7 @@ from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
 from gcode.support.figures import outline, panels, picture
 from gcode.support.html import card
-from testbench.api.arguments import Effects, Source, catalogue_of, recording_of
+from testbench.api.arguments import Effects, Source, catalogue_of, recordings_for
 from testbench.api.diagnosing import DiagnosisResult, diagnosis_data
 from testbench.comparing.judged import held_samples
 from testbench.fitting import contribution as core
@@ -134,8 +134,7 @@ def contribution(
     effect = _candidate(data, law, catalogue)
     before = _before(data)
     without = model_from_dict(before["model"], catalogue, "diagnosis")
-    first = recording_of(recording, gauge_length_mm)
-    second = None if held_out is None else recording_of(held_out, gauge_length_mm)
+    first, second, _ = recordings_for(None, None, recording, held_out, gauge_length_mm)
     held = held_samples(ModelFile(without, 0.0, history=(before,)), first, second)
     ln_S = held.measured[CONDUCTANCE_CHANNEL][held.counts] if CONDUCTANCE_CHANNEL in held.measured else None
     return ContributionResult(effect, core.contribution(without, effect, held), ln_S)

@@ -13,10 +13,8 @@ MISLED = 0.2  # of sensors that nobody here simulated: evidence that seemed sure
 GRID_HZ = 12.5  # grid of the comparison: quicker than the motion, slower than most samplings
 SAMPLES = 4_500  # samples of one channel that enter the normal equations; longer recordings are thinned
 BASES = 2  # sets of base laws whose shapes are fitted
-BENDING, STIFF = (
-    4,
-    4,
-)  # mechanisms refitted in a round: what shows beside bases that bend, and beside those that do not
+BENDING = 4  # mechanisms refitted in a round of those that show beside bases that bend
+STIFF = 4  # and of those that show beside bases that do not
 SETTLED = 4  # of them, carried to their end
 ITERATIONS = 14  # steps of a refit at most
 ROUNDS = 4  # effects at most

@@ -16,7 +16,7 @@ from testbench.diagnosis.priors import Priors, priors_of
 from testbench.fitting.baseline import SHAPES, without_shapes
 from testbench.fitting.downhill import downhill, huber, huber_weight, within
 from testbench.fitting.parameters import values_of, with_values
-from testbench.fitting.sensitivity import RELATIVE_STEP
+from testbench.fitting.sensitivity import derivatives
 from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
@@ -263,20 +263,12 @@ class _Search:
 
     def linearise(self, which) -> None:
         """Residual and these sensitivities at the present point."""
-        measurement, parameters = self.likelihood.measurement, self.priors.parameters
-        which = list(which)
-        here = measurement.modelled(self.model, self.cache)
-        for c, values in here.items():
-            self.columns[c][0] = self.likelihood.picked(measurement.measured[c] - values, c)
-        # From the end of the signal chain backwards, so that the cache holds the unchanged beginning.
-        for index in reversed(which):
-            p = parameters[index]
-            step = RELATIVE_STEP * (1.0 if p.log else max(abs(self.x[index]), 0.1 * p.width))
-            step = -step if self.x[index] + step > self.priors.high[index] else step
-            moved = with_values(self.model, [p], self.x[index : index + 1] + step)
-            changed = measurement.modelled(moved, self.cache)
-            for c, values in changed.items():
-                self.columns[c][index + 1] = self.likelihood.picked((values - here[c]) / step, c)
+        measurement, which = self.likelihood.measurement, list(which)
+        for c, values in self.residual(self.model).items():
+            self.columns[c][0] = values
+        for index, rows in derivatives(self.model, self.priors.parameters, which, measurement, self.cache):
+            for c, values in rows.items():
+                self.columns[c][index + 1] = self.likelihood.picked(values, c)
         self.refresh(which)
 
     def refresh(self, which: Sequence[int]) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -27,16 +27,31 @@ def sensitivities(
         Derivative by the fit's coordinate of each parameter.
     """
     modelled = measurement.modelled(model, cache)
-    start = values_of(model, parameters)
     jacobian = {channel: np.zeros((len(parameters), len(values))) for channel, values in modelled.items()}
-    # From the end of the signal chain backwards, so that the cache always holds the unchanged beginning.
-    for index in reversed(range(len(parameters))):
-        step = _step(parameters[index], start[index])
-        moved = start.copy()
-        moved[index] += step
-        shifted = measurement.modelled(with_values(model, [parameters[index]], moved[index : index + 1]), cache)
-        _store(jacobian, index, modelled, shifted, step)
+    for index, rows in derivatives(model, parameters, range(len(parameters)), measurement, cache):
+        for channel, values in rows.items():
+            jacobian[channel][index] = values
     return modelled, jacobian
+
+
+def derivatives(
+    model: KnitModel,
+    parameters: Sequence[FreeParameter],
+    which: Sequence[int],
+    measurement: Measurement,
+    cache: SimulationCache,
+) -> Iterator[tuple[int, dict[str, FloatArray]]]:
+    """Index and derivatives, by channel, each shape (n,), of those of `parameters` that `which` names.
+
+    They come from the end of the signal chain backwards, so that the cache always holds the unchanged beginning.
+    """
+    modelled, start = measurement.modelled(model, cache), values_of(model, parameters)
+    for index in reversed(which):
+        step = _step(parameters[index], start[index])
+        shifted = measurement.modelled(
+            with_values(model, [parameters[index]], start[index : index + 1] + step), cache
+        )
+        yield index, {channel: (values - modelled[channel]) / step for channel, values in shifted.items()}
 
 
 def _step(parameter: FreeParameter, at: float) -> float:
@@ -44,14 +59,3 @@ def _step(parameter: FreeParameter, at: float) -> float:
     step = RELATIVE_STEP * size
     high = parameter.to_fit(parameter.high)
     return -step if at + step > high else step
-
-
-def _store(
-    jacobian: Mapping[str, FloatArray],
-    index: int,
-    modelled: Mapping[str, FloatArray],
-    shifted: Mapping[str, FloatArray],
-    step: float,
-) -> None:
-    for channel, rows in jacobian.items():
-        rows[index] = (shifted[channel] - modelled[channel]) / step

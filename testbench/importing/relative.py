@@ -17,10 +17,10 @@ _RATIO = re.compile(rf"{_BEFORE}R_?t?/{_REST}{_NUMBER}", re.I)
 _RESISTANCE = frozenset(["r", "res", "resistance", "resistor"])
 _RESISTANCE_PARTS = ("widerstand", "电阻")
 _CHANGE = frozenset(["change", "changes", "variation", "delta", "dr"])
-_CHANGE_PARTS = ("änderung", "aenderung", "变化", "δr", "δ r", "δ_r")
+_DELTA_R = ("δr", "δ r", "δ_r")
+_CHANGE_PARTS = ("änderung", "aenderung", "变化", *_DELTA_R)
 _TO_REST = frozenset(["rel", "relative", "normalized", "normalised", "norm", "fractional"])
 _TO_REST_PARTS = ("relativ", "normiert", "相对", "归一")
-_ABSOLUTE = frozenset(["ohm", "ohms", "kohm", "mohm", "kiloohm", "megaohm", "ω", "kω", "mω"])
 
 
 def ratio_by_formula(name: str) -> str:
@@ -43,7 +43,7 @@ def ratio_by_words(name: str, words: list[str]) -> str:
     """
     text, have = name.casefold(), set(words)
     change = bool(have & _CHANGE) or any(part in text for part in _CHANGE_PARTS)
-    about_it = have & (_RESISTANCE | {"dr"}) or any(part in text for part in (*_RESISTANCE_PARTS, "δr", "δ r", "δ_r"))
+    about_it = have & (_RESISTANCE | {"dr"}) or any(part in text for part in (*_RESISTANCE_PARTS, *_DELTA_R))
     if not about_it:
         return ""
     if change:

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-import numpy as np
-
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage
+from testbench.knit.filters import factor_of
 
 
 class AdditiveLaw(Effect):
@@ -47,8 +46,8 @@ class ConductanceLaw(AdditiveLaw):
         raise NotImplementedError
 
     def change(self, signals: Signals, dt_s: float) -> FloatArray:
-        """Factor on the conductance; its cap (e^30) keeps a wild fit finite."""
-        return np.exp(np.clip(self.log_change(signals, dt_s), -30.0, 30.0))
+        """Factor on the conductance."""
+        return factor_of(self.log_change(signals, dt_s))
 
     def put(self, signals: Signals, change: FloatArray) -> dict[str, FloatArray]:
         return {"conductance_S": signals["conductance_S"] * change}

@@ -109,5 +109,10 @@ def log_conductance(conductance_S: FloatArray) -> FloatArray:
 
 
 def shifted(conductance_S: FloatArray, log_change: FloatArray) -> FloatArray:
-    """Conductance with `log_change` added to its natural logarithm; the cap (e^30) keeps a wild fit finite."""
-    return conductance_S * np.exp(np.clip(log_change, -30.0, 30.0))
+    """Conductance with `log_change` added to its natural logarithm."""
+    return conductance_S * factor_of(log_change)
+
+
+def factor_of(log_change: FloatArray) -> FloatArray:
+    """Factor on the conductance that a change of its natural logarithm is; the cap (e^30) keeps a wild fit finite."""
+    return np.exp(np.clip(log_change, -30.0, 30.0))

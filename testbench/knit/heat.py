@@ -206,10 +206,7 @@ class TemperatureDriftWander(RoomLaw):
     )
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        from testbench.knit.kernels import bspline
-
-        t = signals["time_s"]
-        return bspline(t / max(t[-1], dt_s), np.asarray(self.weights))
+        return _wander(signals["time_s"], self.weights, dt_s)
 
 
 class ThermalSoftening(Effect):
@@ -261,7 +258,11 @@ class ThermalSofteningWander(Effect):
     )
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        from testbench.knit.kernels import bspline
+        return {"force_N": signals["force_N"] * np.exp(_wander(signals["time_s"], self.weights, dt_s))}
 
-        t = signals["time_s"]
-        return {"force_N": signals["force_N"] * np.exp(bspline(t / max(t[-1], dt_s), np.asarray(self.weights)))}
+
+def _wander(time_s: FloatArray, weights: tuple[float, ...], dt_s: float) -> FloatArray:
+    """A smooth curve over the whole time, of any form, shape (n,)."""
+    from testbench.knit.kernels import bspline
+
+    return bspline(time_s / max(time_s[-1], dt_s), np.asarray(weights))

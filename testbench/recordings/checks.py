@@ -19,6 +19,7 @@ LIMITS = {
     TEMPERATURE: (-273.15, 1e4),
 }
 MOST_STRAIN = 20.0  # 2,000 %; the softest rubber tears at 10
+DROP = "`testbench import --drop-bad` leaves them out"
 HEADER_ROWS = 2  # row numbers in messages count from 1 and the header is row 1
 
 
@@ -72,24 +73,26 @@ def _check_time(source: str, time_s: FloatArray) -> None:
 
 
 def _check_finite(source: str, name: str, values: FloatArray) -> None:
-    bad = np.flatnonzero(~np.isfinite(values))
-    if bad.size:
-        row = int(bad[0]) + HEADER_ROWS
-        raise UserError(
-            f"{source}: row {row}: {name} is {values[bad[0]]} ({such(bad.size)}); "
-            "`testbench import --drop-bad` leaves them out"
-        )
+    _refuse(source, values, ~np.isfinite(values), f"{name} is", f"; {DROP}")
 
 
 def _check_within(source: str, name: str, values: FloatArray) -> None:
     low, high = LIMITS.get(name, (-np.inf, np.inf))
-    bad = np.flatnonzero((values < low) | (values > high))
-    if bad.size:
-        row = int(bad[0]) + HEADER_ROWS
-        raise UserError(
-            f"{source}: row {row}: {name} is {values[bad[0]]:g} ({such(bad.size)}), and {low:g} to {high:g} is "
-            "allowed; check its unit (`testbench import` turns units into ours), or leave such rows out"
-        )
+    remedy = "check its unit (`testbench import` turns units into ours), or leave such rows out"
+    outside = (values < low) | (values > high)
+    _refuse(source, values, outside, f"{name} is", f", and {low:g} to {high:g} is allowed; {remedy}")
+
+
+def _check_positive(source: str, name: str, values: FloatArray) -> None:
+    _refuse(source, values, values <= 0, f"{name} must be positive, got", f"; {DROP}")
+
+
+def _refuse(source: str, values: FloatArray, bad: np.ndarray, what: str, remedy: str) -> None:
+    """Name the first of the bad values, its row, and how many there are; nothing where none is."""
+    rows = np.flatnonzero(bad)
+    if rows.size:
+        row = int(rows[0])
+        raise UserError(f"{source}: row {row + HEADER_ROWS}: {what} {values[row]:g} ({such(rows.size)}){remedy}")
 
 
 def _check_strain(source: str, displacement_mm: FloatArray, gauge_length_mm: float) -> None:
@@ -100,16 +103,6 @@ def _check_strain(source: str, displacement_mm: FloatArray, gauge_length_mm: flo
             f"{source}: row {furthest + HEADER_ROWS}: a displacement of {displacement_mm[furthest]:g} mm at a gauge "
             f"length of {gauge_length_mm:g} mm is a strain of {strain:.3g}, and at most {MOST_STRAIN:g} is allowed; "
             "check the gauge length and the unit of the displacement"
-        )
-
-
-def _check_positive(source: str, name: str, values: FloatArray) -> None:
-    bad = np.flatnonzero(values <= 0)
-    if bad.size:
-        row = int(bad[0]) + HEADER_ROWS
-        raise UserError(
-            f"{source}: row {row}: {name} must be positive, got {values[bad[0]]:g} ({such(bad.size)}); "
-            "`testbench import --drop-bad` leaves them out"
         )
 
 

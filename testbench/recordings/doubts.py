@@ -12,7 +12,7 @@ from testbench.recordings.recording import Recording
 
 ABRUPT = 10.0  # times the steps beside it: where sampling is slowed down in a hold, steps grow little by little
 LEAST_RECORDED = 2e-3  # of the time: a grid of 200,000 points then has 400 with samples, in two parts
-MOST_GRID_POINTS = 5_000_000  # 55 h at 25 Hz
+MOST_HELD_OUT_POINTS = 5_000_000  # 55 h at 25 Hz
 AGAINST = -0.5  # correlation
 _SAID: set[str] = set()
 
@@ -60,10 +60,10 @@ def check_grid(held_out: Recording, recording: Recording, most_hz: float) -> Non
         The finest grid that is used.
     """
     rate_hz = min(most_hz, recording.mean_rate_hz)
-    if held_out.duration_s * rate_hz > MOST_GRID_POINTS:
+    if held_out.duration_s * rate_hz > MOST_HELD_OUT_POINTS:
         raise UserError(
             f"{held_out.source}: {held_out.duration_s:.4g} s at the {rate_hz:.3g} Hz of {recording.source} are more "
-            f"than {MOST_GRID_POINTS / 1e6:g} million points; cut it, and hold out a part"
+            f"than {MOST_HELD_OUT_POINTS / 1e6:g} million points; cut it, and hold out a part"
         )
 
 
