@@ -43,7 +43,7 @@ def best_start(model: KnitModel, effect: Effect, calibration: Measurement) -> Ef
     A fit that adds an effect starts here: from the wrong time constant it would not find the right one. What is no
     candidate of the diagnosis (a shape of the base, a second law of a mechanism that the model has) stays as it is.
     """
-    measurement = coarser(calibration, constants.GRID_HZ)
+    measurement = coarser(calibration, constants.GRID_HZ, constants.GRID_POINTS)
     likelihood = likelihood_of(model, measurement, noise_of(calibration))
     with threadpool_limits(1, "blas"), ThreadPoolExecutor(1) as pool:
         hypothesis = fitted(model, likelihood, model, iterations=1)

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TypeVar
 
 import numpy as np
@@ -72,12 +73,12 @@ class Search:
         pieces: float = constants.INDEPENDENT,
     ):
         self.catalogue, self.tell = catalogue, tell
-        noise = noise_of(measurement)
-        self.measurement = telling(coarser(measurement, constants.GRID_HZ))
+        self.whole, self.noise = measurement, noise_of(measurement)
+        self.measurement = _on_the_grid(measurement)
         tell("fitting the baseline")
         start = start or starting_baseline(self.measurement, catalogue)
         self.reference = without_shapes(start)
-        self.likelihood = replace(likelihood_of(self.reference, self.measurement, noise), pieces=pieces)
+        self.likelihood = replace(likelihood_of(self.reference, self.measurement, self.noise), pieces=pieces)
         self.compared = self.likelihood.in_pieces
         tell("fitting the shape of the base laws")
         flexible = with_shapes(self.reference, self.measurement, catalogue, like=start)
@@ -138,7 +139,16 @@ class Search:
 
     def sharp(self, h: Hypothesis) -> Hypothesis:
         """The last fit of a model that was chosen."""
-        return fitted(h.model, self.likelihood, self.reference, h)
+        finest = self.finest
+        return fitted(h.model, finest, self.reference, h if finest is self.likelihood else None)
+
+    @cached_property
+    def finest(self) -> Likelihood:
+        """For last fits: a recording of hours was searched on a coarse grid."""
+        finer = _on_the_grid(self.whole, constants.FINER)
+        if finer.dt_s == self.measurement.dt_s:
+            return self.likelihood
+        return replace(likelihood_of(self.reference, finer, self.noise), pieces=self.likelihood.pieces)
 
     def round(self, current: Hypothesis, others: Sequence[Hypothesis]) -> Round:
         """One step.
@@ -254,6 +264,11 @@ def searched(
     with threadpool_limits(1, "blas"):
         search = Search(measurement, catalogue, tell or (lambda _text: None), start, pieces)
         return search, *search.run(most)
+
+
+def _on_the_grid(measurement: Measurement, finer: int = 1) -> Measurement:
+    """Thinned to the grid of the comparison, with only those samples counting that say something new."""
+    return telling(coarser(measurement, constants.GRID_HZ, finer * constants.GRID_POINTS))
 
 
 def _evidence(h: Hypothesis) -> float:

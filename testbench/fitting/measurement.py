@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gcode.support.errors import UserError
-from testbench.fitting.motion import reading_noise, without_reading_noise
+from testbench.fitting.motion import STILL, reading_noise, without_reading_noise
 from testbench.fitting.noise import noise_floor
 from testbench.fitting.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL, SIGNAL_OF
 from testbench.knit.cache import SimulationCache
@@ -21,7 +21,7 @@ from testbench.recordings.recording import Recording
 MAX_GRID_HZ = 25.0
 BURN_IN_S = 3.0
 BURN_IN_WAY = 0.01  # of all the way that the strain goes: a ramp before a long hold is no burn-in
-MOST_GRID_POINTS = 200_000
+MOST_SAMPLES = 600_000  # 4 h at 40 Hz, 8 h at 20 Hz: what is longer need not be seen so finely
 MIN_SAMPLES, MIN_DURATION_S, MIN_STRAIN_RANGE = 200, 20.0, 2e-3
 MOST_PLAY = 0.1  # of the gauge length: more is another set-up
 MIN_PART = 170  # samples that count in each part; the evidence is weighed in 40 blocks of every fourth sample
@@ -122,12 +122,17 @@ def prepare(
     rate_hz : float, optional
         Grid rate; default the recording's own, at most `MAX_GRID_HZ`.
 
+    Notes
+    -----
+    Of a recording of more than `MOST_SAMPLES`, every second, third, ... sample enters.
+
     Raises
     ------
     UserError
         If the recording is too short or too still, or a channel is constant: nothing can be learnt from it.
     """
     _check_usable(recording)
+    recording = recording.thinned(-(-len(recording) // MOST_SAMPLES))
     time_s = recording.time_s - recording.time_s[0]
     rate_hz = rate_hz or min(MAX_GRID_HZ, _usual_rate_hz(time_s))
     binned = _Bins(time_s, rate_hz)
@@ -156,7 +161,7 @@ def _burn_in_s(time_s: FloatArray, strain: FloatArray) -> float:
 def _usual_rate_hz(time_s: FloatArray) -> float:
     """The mean rate, or that of the quicker part where the sampling was slowed down on purpose (in long holds)."""
     mean_s, quick_s = float(time_s[-1]) / (len(time_s) - 1), float(np.quantile(np.diff(time_s), 0.25))
-    finest_s = max(quick_s, float(time_s[-1]) / MOST_GRID_POINTS)
+    finest_s = max(quick_s, float(time_s[-1]) / MOST_SAMPLES)
     return 1 / finest_s if mean_s > 2 * quick_s else 1 / mean_s
 
 
@@ -191,21 +196,37 @@ class _Bins:
         return np.where(self._filled > 0, sums / np.maximum(self._filled, 1), gaps)
 
 
-def coarser(measurement: Measurement, rate_hz: float) -> Measurement:
-    """The same measurement at every so many grid points, at least `rate_hz`: fits on it cost less and say the same.
+def coarser(measurement: Measurement, rate_hz: float, most_points: float = np.inf) -> Measurement:
+    """The same measurement at every so many grid points: fits on it cost less and say the same.
 
-    Points are left out, not averaged: where ln G bends sharply, the mean of ln G is not ln G at the mean strain.
+    The rate is at least `rate_hz`, unless that would be more than `most_points`.
+    Points are left out, not averaged: where ln G bends sharply, the mean of ln G is not ln G at the mean strain. A
+    turn of the strain stands for the points around it, which friction would not remember as it does the turn.
     """
-    every = int(1.0 / (measurement.dt_s * rate_hz) + 1e-9)
+    strain = measurement.signals["strain"]
+    every = max(int(1.0 / (measurement.dt_s * rate_hz) + 1e-9), int(np.ceil(len(strain) / most_points)))
     if every < 2:
         return measurement
+    kept = _turns_kept(strain, every, measurement.strain_noise)
     return replace(
         measurement,
-        signals={name: values[::every] for name, values in measurement.signals.items()},
+        signals={name: values[kept] for name, values in measurement.signals.items()},
         dt_s=measurement.dt_s * every,
-        measured={name: values[::every] for name, values in measurement.measured.items()},
-        counts=measurement.counts[::every],
+        measured={name: values[kept] for name, values in measurement.measured.items()},
+        counts=measurement.counts[kept],
     )
+
+
+def _turns_kept(strain: FloatArray, every: int, noise: float) -> np.ndarray:
+    """One sample of each `every`: the middle one, or that at which the strain turns by more than its noise."""
+    cells = strain[: len(strain) // every * every].reshape(-1, every)
+    before, after = np.r_[cells[0, 0], cells[:-1, -1]], np.r_[cells[1:, 0], cells[-1, -1]]
+    above = cells.max(1) - np.maximum(before, after)
+    below = np.minimum(before, after) - cells.min(1)
+    inside = np.where(above >= below, cells.argmax(1), cells.argmin(1))
+    inside[np.maximum(above, below) <= STILL * noise] = every // 2
+    inside[:1] = 0  # memories begin at rest there
+    return np.arange(len(cells)) * every + inside
 
 
 def _check_usable(recording: Recording) -> None:

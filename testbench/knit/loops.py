@@ -16,7 +16,7 @@ ONE_SIDED = ((0.05, 0.1), (0.1, 0.3), (0.1, 0.05), (0.3, 0.1))  # travel upwards
 LOOPS = len(STOPS) + len(SMOOTH) * len(SKEWS) + len(ONE_SIDED)
 
 
-KEPT = 8  # newest tables of operators
+KEPT, KEPT_BYTES = 8, 250_000_000  # newest tables of operators, and how large they may be together
 
 
 def loops(e: FloatArray, span: float, weights: tuple[float, ...], growth: tuple[float, ...]) -> FloatArray:
@@ -52,8 +52,12 @@ class Recent:
                 return result
         result = self.function(x, *numbers)
         self.seen.append((x, numbers, result))
-        del self.seen[:-KEPT]
+        while len(self.seen) > 1 and (len(self.seen) > KEPT or self._bytes() > KEPT_BYTES):
+            del self.seen[0]
         return result
+
+    def _bytes(self) -> int:
+        return sum(result.nbytes for _, _, result in tuple(self.seen))
 
 
 @Recent

@@ -153,7 +153,13 @@ class Recording:
 
     def between(self, start_s: float, end_s: float) -> Recording:
         """The samples with ``start_s <= time_s < end_s``; time is kept as it was."""
-        rows = (self.time_s >= start_s) & (self.time_s < end_s)
+        return self._rows((self.time_s >= start_s) & (self.time_s < end_s))
+
+    def thinned(self, every: int) -> Recording:
+        """One of `every` so many samples, the first among them."""
+        return self if every == 1 else self._rows(slice(None, None, every))
+
+    def _rows(self, rows: np.ndarray | slice) -> Recording:
         return replace(
             self,
             time_s=self.time_s[rows],

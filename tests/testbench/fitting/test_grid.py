@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from testbench.fitting import measurement as measurements
 from testbench.fitting.errors import noise_floors
-from testbench.fitting.measurement import prepare
+from testbench.fitting.measurement import coarser, prepare
 from testbench.recordings.channels import DISPLACEMENT, FORCE
 from testbench.recordings.recording import Recording
 
@@ -51,3 +52,34 @@ def test_the_ramp_before_a_hold_is_no_burn_in():
     assert measurement.grid_s[measurement.counts][0] < 0.2
     cycled = prepare(triangles(12.0))
     assert cycled.grid_s[cycled.counts][0] == pytest.approx(3.0, abs=0.1)
+
+
+@pytest.mark.parametrize("every", [2, 3, 5, 7])
+def test_a_coarser_grid_keeps_the_turns_and_the_start(every):
+    recording = triangles(12.0)
+    fine = prepare(recording)
+    coarse = coarser(fine, 12.0 / every)
+    strain = coarse.signals["strain"]
+    turns = (strain[1:-1] - strain[:-2]) * (strain[2:] - strain[1:-1]) < 0
+    assert coarse.grid_s[0] == 0.0
+    assert len(strain) == len(fine.grid_s) // every
+    np.testing.assert_allclose(np.unique(strain[1:-1][turns].round(9)), [0.0, 0.2], atol=1e-6)
+    np.testing.assert_allclose(coarse.measured["force"], 10 * strain + 30 * strain**3, atol=1e-9)
+
+
+def test_a_coarser_grid_of_a_noisy_hold_takes_no_extremes():
+    fine = prepare(triangles(12.0))
+    noise = 1e-4 * np.random.default_rng(1).standard_normal(len(fine.grid_s))
+    kept = measurements._turns_kept(0.1 + noise, 6, 1e-4)
+    assert np.ptp(np.diff(kept)[1:]) == 0
+
+
+def test_most_points_hold_whatever_the_rate():
+    assert len(coarser(prepare(triangles(25.0)), 12.5, most_points=1000).grid_s) <= 1000
+
+
+def test_a_long_recording_enters_thinned_its_times_kept(monkeypatch):
+    monkeypatch.setattr(measurements, "MOST_SAMPLES", 4000)
+    measurement = prepare(triangles(12.0))
+    np.testing.assert_allclose(np.diff(measurement.grid_s), 3 / 12, atol=1e-9)
+    assert measurement.recording.duration_s == pytest.approx(800, abs=0.5)
