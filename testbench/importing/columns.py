@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from gcode.support.errors import UserError
-from testbench.importing.choice import Choice, Taken
+from testbench.importing.choice import UNIT_FLAGS, Choice, Taken, unit_unknown
 from testbench.importing.clocks import on_one_clock
 from testbench.importing.layout import Column
-from testbench.importing.notation import numbers, seconds
+from testbench.importing.notation import may_be_thousands, numbers, seconds
 from testbench.importing.sheet import Sheet
-from testbench.importing.units import OURS, conversion
+from testbench.importing.units import OURS, Unit, conversion
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Read:
     clocks : dict of str to ndarray, each shape (n,)
         Own times of the roles that have one, in s.
     wrong : list of str
-        The first cell of each column that is no number, in words.
+        The first cell of each column that is no number, in words, with the remedy.
     words : dict of str to str
         What each role was taken from, with the conversion shown.
     """
@@ -67,7 +67,7 @@ def read_columns(sheet: Sheet, choice: Choice, thousands: str | None = None) -> 
             plain, wrong = numbers(cells, sheet.decimal, thousands)
             found = one.unit.converted(plain)
             read.words[role] = _in_words(one, plain)
-            _note(read, one.column, cells, wrong, "a number")
+            _note(read, one.column, cells, wrong, "a number", sheet.decimal)
         read.values[role] = found
         if one.clock is not None:
             read.clocks[role] = _own_clock(sheet, choice, one, frame[one.clock.number], thousands, read)
@@ -95,24 +95,42 @@ def previewed(sheet: Sheet, choice: Choice, thousands: str | None = None) -> dic
 def _own_clock(sheet: Sheet, choice: Choice, one: Taken, cells, thousands: str | None, read: Read) -> np.ndarray:
     main = choice.taken.get("time")
     assert one.clock is not None
-    unit = one.clock.heading.unit(one.clock.unit_text) or (main.unit if main else None)
-    if main is None or main.unit is None or unit is None:
+    if main is None or main.unit is None:
         raise UserError(
             f"{sheet.path}: {one.column.label} has a clock of its own, and clocks beside each other must be in s, ms "
             "or the like, not dates; write them so, or leave --time-of out"
         )
+    unit = _clock_unit(one.clock, main)
+    if unit is None:
+        raise UserError(
+            f"{sheet.path}: {one.clock.label}, the times of {one.role}: "
+            f"{unit_unknown(one.clock)}; say --time-unit, which all clocks that do not say theirs are in"
+        )
     values, wrong = numbers(cells, sheet.decimal, thousands)
-    _note(read, one.clock, cells, wrong, "a number")
+    _note(read, one.clock, cells, wrong, "a number", sheet.decimal)
     read.words[one.role] += (
         f"; its own times: {one.clock.label} in {unit.symbol}, brought to those of {main.column.label}"
     )
     return unit.converted(values)
 
 
-def _note(read: Read, column: Column, cells, wrong: int | None, kind: str) -> None:
-    if wrong is not None:
-        name = column.heading.text or column.label
-        read.wrong.append(f"row {read.rows[wrong]}: {name} must be {kind}, got {str(cells.iloc[wrong])!r}")
+def _clock_unit(clock: Column, main: Taken) -> Unit | None:
+    """What the file says, or a person of all clocks; another clock's own unit says nothing of this one."""
+    unit = clock.heading.unit(clock.unit_text)
+    if unit is None and main.unit_from == UNIT_FLAGS["time"]:
+        return main.unit
+    return unit if unit is not None and unit.quantity == "time" else None
+
+
+def _note(read: Read, column: Column, cells, wrong: int | None, kind: str, decimal: str = "") -> None:
+    if wrong is None:
+        return
+    name, cell = column.heading.text or column.label, str(cells.iloc[wrong])
+    remedy = "--drop-bad leaves such rows out"
+    if decimal and may_be_thousands(cell, decimal):
+        mark = "," if decimal == "." else "."
+        remedy = f"if {mark!r} parts thousands, say --thousands {mark}; if it is the decimal sign, --decimal {mark}"
+    read.wrong.append(f"row {read.rows[wrong]}: {name} must be {kind}, got {cell!r}; {remedy}")
 
 
 def _in_words(one: Taken, values: np.ndarray) -> str:
