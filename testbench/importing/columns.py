@@ -88,7 +88,8 @@ def previewed(sheet: Sheet, choice: Choice, thousands: str | None = None) -> dic
             continue
         values, _ = numbers(pd.Series(cells, dtype="string"), sheet.decimal, thousands)
         good = values[np.isfinite(values) & (values != 0)]
-        words[role] = conversion(_example(good), one.unit)
+        there = np.isfinite(values).any()
+        words[role] = conversion(_example(good), one.unit) if there else "no number at the top of the file"
     return words
 
 

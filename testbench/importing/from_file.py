@@ -142,7 +142,7 @@ def look(path: Path, wish: Wish) -> tuple[Sheet, Choice]:
     if shifted := misfit(sheet.head, sheet.layout):
         raise UserError(
             f"{path}: {shifted}: which name belongs to which column cannot be told; mend the file, or say "
-            "--header-row 0 --units-row 0 and give columns by number"
+            "--header-row 0 and --units-row 0 and give columns by number"
         )
     try:
         return sheet, choose(sheet.layout, sheet.head, wish.said())
