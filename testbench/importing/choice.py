@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from gcode.support.errors import UserError
 from testbench.importing.clocks import own_clocks
-from testbench.importing.layout import Column, Layout
+from testbench.importing.layout import Column, Layout, shortened
 from testbench.importing.notation import is_when
 from testbench.importing.units import Unit, given_unit, symbols, units_spelt
 from testbench.importing.words import ROLES, STRETCH, SYMBOL, is_generic
@@ -151,7 +151,7 @@ def column_of(layout: Layout, text: str) -> Column:
 
 def described(layout: Layout) -> str:
     """The columns of a file in words."""
-    names = [column.heading.text or f"(column {column.number})" for column in layout.columns]
+    names = [shortened(column.heading.text) or f"(column {column.number})" for column in layout.columns]
     shown = ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")
     if layout.header_row is None:
         return f"no header was found above the {len(names)} columns, which are numbered from 1"

@@ -66,7 +66,7 @@ def open_excel(path: Path, wanted: Sequence[str], hints: Hints) -> ExcelSheet:
         raise UserError(f"{path}: {_sheets(found)} have tables; say which one with --sheet NAME")
     name, (head, layout, rows) = next(iter(found.items()))
     lines = ["\t".join(cells) for cells in head]
-    decimal = hints.decimal or _decimal(path, rows[layout.first_row - 1 :][:HEAD_ROWS])
+    decimal = hints.decimal_said or _decimal(path, rows[layout.first_row - 1 :][:HEAD_ROWS])
     return ExcelSheet(path, head, lines, layout, decimal, {"sheet": name, "decimal": decimal}, rows)
 
 

@@ -10,8 +10,14 @@ from testbench.importing.notation import MISSING, is_number, is_when
 from testbench.importing.units import units_spelt
 
 Rows = Sequence[Sequence[str]]
+SHOWN = 60  # characters of a name in a message
 LOOK_UP = 8  # filled rows above the numbers in which names and units are looked for
 RUN = 3  # rows of numbers in a row that make a table
+
+
+def shortened(text: str) -> str:
+    """A name as messages show it."""
+    return text if len(text) <= SHOWN else f"{text[: SHOWN - 1]}…"
 
 
 @dataclass(frozen=True)
@@ -37,7 +43,8 @@ class Column:
     @property
     def label(self) -> str:
         """``column 3 'Kraft'``."""
-        return f"column {self.number} {self.heading.text!r}" if self.heading.text else f"column {self.number}"
+        text = shortened(self.heading.text)
+        return f"column {self.number} {text!r}" if text else f"column {self.number}"
 
 
 @dataclass(frozen=True)
