@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gcode.support.errors import UserError
 from testbench.importing.choice import UNIT_FLAGS, Choice, Taken, unit_unknown
 from testbench.importing.clocks import on_one_clock
-from testbench.importing.layout import Column
-from testbench.importing.notation import may_be_thousands, numbers, seconds
+from testbench.importing.headings import read_heading
+from testbench.importing.layout import Column, shortened
+from testbench.importing.notation import is_number, is_when, may_be_thousands, numbers, seconds
 from testbench.importing.sheet import Sheet
 from testbench.importing.units import OURS, Unit, conversion
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_LETTER = r"[^\W\d_eE]"  # of a word; e is one of numbers, too
 
 
 @dataclass(frozen=True)
@@ -47,7 +54,7 @@ def read_columns(sheet: Sheet, choice: Choice, thousands: str | None = None) -> 
     Raises
     ------
     UserError
-        If there are no rows below the header, or a clock of its own is given as dates.
+        If there are no rows below the header, another table begins below, or a clock of its own is given as dates.
     """
     needed = [column for one in choice.taken.values() for column in (one.column, one.clock) if column]
     frame = sheet.body([column.number for column in needed])
@@ -56,6 +63,7 @@ def read_columns(sheet: Sheet, choice: Choice, thousands: str | None = None) -> 
     frame, rows = frame[~blank], rows[~blank]
     if not len(rows):
         raise UserError(f"{sheet.path}: there is nothing below the header in row {sheet.layout.first_row - 1}")
+    _check_one_table(sheet, [one.column for one in choice.taken.values()], frame, rows)
     read = Read(rows, {}, {}, [], {})
     for role, one in choice.taken.items():
         cells = frame[one.column.number]
@@ -72,6 +80,32 @@ def read_columns(sheet: Sheet, choice: Choice, thousands: str | None = None) -> 
         if one.clock is not None:
             read.clocks[role] = _own_clock(sheet, choice, one, frame[one.clock.number], thousands, read)
     return read
+
+
+def _check_one_table(sheet: Sheet, columns: Sequence[Column], frame: pd.DataFrame, rows: np.ndarray) -> None:
+    """Rows below other names or other units are not of this table, whatever else is left out."""
+    speaking = np.zeros(len(rows), dtype=int)
+    for column in columns:
+        cells = frame[column.number]
+        if cells.dtype.kind not in "fiumM":
+            text = cells.astype("string").str.strip()
+            worded = text[text.str.contains(_LETTER, na=False)]
+            others = [word for word in worded.unique() if _is_another_name(word, column)]
+            speaking += text.isin(others).to_numpy(dtype=bool)
+    again = np.flatnonzero(speaking > 1)
+    if again.size:
+        names = ", ".join(str(frame[column.number].iloc[again[0]]) for column in columns)
+        raise UserError(
+            f"{sheet.path}: row {rows[again[0]]} has other names or units ({shortened(names)}), so another table "
+            "begins there: end the file before it, or part it into one file each"
+        )
+
+
+def _is_another_name(text: str, column: Column) -> bool:
+    if is_number(text) or is_when(text) or text == column.heading.text:
+        return False
+    heading = read_heading(text)
+    return bool(heading.roles or heading.unit_text)
 
 
 def previewed(sheet: Sheet, choice: Choice, thousands: str | None = None) -> dict[str, str]:

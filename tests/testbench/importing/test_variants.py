@@ -133,6 +133,21 @@ def test_what_cannot_be_told_is_refused_in_a_sentence(layout: str, tmp_path: Pat
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.parametrize(
+    "below", ["Time (ms),Extension (m),Load (kN)", "Maximum load (N),Extension (mm),Work (J)", "ms,m,kN"]
+)
+def test_rows_below_another_header_are_not_taken_along(tmp_path: Path, capsys, below: str) -> None:
+    head = "Time (s),Extension (mm),Load (N)\n"
+    later = rows((T + 100, X, F))
+    (tmp_path / "lab.csv").write_text(head + rows(FX) + below + "\n" + later)
+    argv = ["import", str(tmp_path / "lab.csv"), "--gauge-length-mm", "40", "-o", str(tmp_path / "out"), "--drop-bad"]
+    assert main(argv) == 2
+    assert "row 402 has other names or units" in capsys.readouterr().err
+    (tmp_path / "lab.csv").write_text(head + rows(FX) + head + later)
+    assert main(argv) == 0, "the same header again says nothing new"
+    assert len(read_recording(tmp_path / "out")) == 2 * len(T)
+
+
 def test_a_column_in_ohm_of_another_name_is_not_left_out_in_silence(tmp_path: Path, capsys) -> None:
     assert imported("Time (s),Extension (mm),Load (N),DMM [kΩ]\n" + rows(KOHM), tmp_path) == 0
     assert "column 4 'DMM [kΩ]' is in kΩ: if it is the resistance, say --resistance 4" in capsys.readouterr().out
