@@ -134,16 +134,15 @@ def _at_blanks(line: str) -> list[str]:
 
 def _cells(lines: Sequence[str], separator: str) -> tuple[list[str], int]:
     """The cells of the first line, and how many lines they take: a quoted cell may have line breaks."""
-    first = lines[0]
-    if first.count('"') % 2:
-        reader = csv.reader([f"{line}\n" for line in lines], delimiter=separator, skipinitialspace=True, strict=True)
-        with suppress(csv.Error):  # no more than a quotation mark, as of inches
-            cells = [" ".join(cell.split()) for cell in next(reader)]
-            return cells[:MOST_COLUMNS], reader.line_num
-    try:
-        return next(csv.reader([first], delimiter=separator, skipinitialspace=True), [])[:MOST_COLUMNS], 1
-    except csv.Error:
-        return [], 1  # a cell of more than 128 kB is no name of a column
+    ways = [(lines[:1], False)]
+    if lines[0].count('"') % 2:  # over several lines, or no more than a quotation mark, as of inches
+        ways.insert(0, (lines, True))
+    for some, strict in ways:
+        reader = csv.reader([f"{line}\n" for line in some], delimiter=separator, skipinitialspace=True, strict=strict)
+        with suppress(csv.Error):  # a cell of more than 128 kB is no name of a column
+            cells = [cell.replace("\n", " ").rstrip() for cell in next(reader, [])]
+            return cells[:MOST_COLUMNS], max(1, reader.line_num)
+    return [], 1
 
 
 def _worth(rows: Sequence[Sequence[str]], layout: Layout, wanted: Sequence[str]) -> tuple[float, ...]:
