@@ -197,7 +197,7 @@ def diagnose(
     given = None if model is None else model_file_of(model, catalogue)
     first, held, play_mm = recordings_for(model, given, recording, held_out, gauge_length_mm, clamp_play_mm)
     with telling(progress) as tell:
-        found = core.diagnose(first, held, given.model if given else None, catalogue, tell, most, play_mm)
+        found = core.diagnose(first, held, given, catalogue, tell, most, play_mm)
     return DiagnosisResult(found)
 
 

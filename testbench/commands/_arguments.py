@@ -69,6 +69,8 @@ def rest(text: str) -> float:
 def existing_file(path: str | Path, what: str) -> Path:
     """`path` if it is a file; a `UserError` that says `what` was wanted otherwise."""
     path = Path(path)
+    if path.is_dir():
+        raise UserError(f"{path}: a folder, no {what}")
     if not path.is_file():
         raise UserError(f"{path}: no such {what}")
     return path

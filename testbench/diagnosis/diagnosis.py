@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from testbench.comparing.ladder import on_the_ladder
+from testbench.comparing.ladder import ladder_step, on_the_ladder
 from testbench.diagnosis import constants
 from testbench.diagnosis.discrepancy_map import Map
 from testbench.diagnosis.held_out import Interval, block_energies, gain_interval
@@ -113,7 +113,7 @@ class Diagnosis:
         Share of the calibration error above the noise that the final model leaves, of what the base leaves when its
         laws may bend; 1 where nothing was put in.
     before, after : ModelFile
-        The baseline, and with what was found put in and refitted.
+        The user's model as it is, or the baseline; and with what was found put in and refitted.
     error_before, error_after, noise_floor : mapping of channel to float
         Held-out RMS in N and in ln S. Nothing was selected on these samples; free in them are the zero of force, the
         gain of the conductance, and what an effect declares as `per_recording`.
@@ -162,7 +162,7 @@ class Diagnosis:
 def diagnose(
     recording: Recording,
     held_out: Recording | None = None,
-    model: KnitModel | None = None,
+    model: KnitModel | ModelFile | None = None,
     catalogue: Catalogue | None = None,
     progress: Progress | None = None,
     most: int = constants.ROUNDS,
@@ -176,8 +176,9 @@ def diagnose(
         To calibrate on; everything is selected on it.
     held_out : Recording, optional
         For the final error; default the last third of `recording`.
-    model : KnitModel, optional
-        Start from this model instead of the baseline.
+    model : KnitModel or ModelFile, optional
+        Start from this model instead of the baseline. One that was fitted is the first step of the ladder as it is,
+        with the errors that `compare` shows; a bare one is fitted first.
     catalogue : Catalogue, optional
         Effects to consider.
     progress : callable, optional
@@ -194,14 +195,31 @@ def diagnose(
     """
     catalogue = catalogue or load_catalogue()
     calibration, held = split(recording, held_out, clamp_play_mm=clamp_play_mm)
-    return _concluded(*searched(calibration, catalogue, most, model, progress), calibration, held)
+    given = model if isinstance(model, ModelFile) and model.fit else None
+    start = model.model if isinstance(model, ModelFile) else model
+    search, rounds, put_in = searched(calibration, catalogue, most, start, progress)
+    before = _before(given, search, calibration, held)
+    return _concluded(search, rounds, put_in, before, calibration, held)
+
+
+def _before(given: ModelFile | None, search: Search, calibration: Measurement, held: Measurement) -> ModelFile:
+    """The first step of the ladder: a model that was fitted is not fitted anew, so that it keeps its errors."""
+    if given is None:
+        return on_the_ladder(_as_fit(search.baseline), None, "baseline", calibration, held)
+    step = ladder_step("baseline", given.model, calibration, held)
+    source = calibration.recording
+    return ModelFile(given.model, source.gauge_length_mm, source.source, held.recording.source, given.fit, (step,))
 
 
 def _concluded(
-    search: Search, rounds: list[Round], put_in: list[Entry], calibration: Measurement, held: Measurement
+    search: Search,
+    rounds: list[Round],
+    put_in: list[Entry],
+    before: ModelFile,
+    calibration: Measurement,
+    held: Measurement,
 ) -> Diagnosis:
     first, bare = rounds[0], rounds[0].before.hypothesis
-    before = on_the_ladder(_as_fit(search.baseline), None, "baseline", calibration, held)
     verdict = first.verdict(log_posterior_of(rounds, put_in))
     if verdict != "missing":
         put_in = []

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from gcode.support.errors import UserError
 from testbench.importing.clocks import own_clocks
-from testbench.importing.layout import Column, Layout
+from testbench.importing.layout import Column, Layout, shortened
 from testbench.importing.notation import is_when
 from testbench.importing.units import Unit, given_unit, symbols, units_spelt
 from testbench.importing.words import ROLES, STRETCH, SYMBOL, is_generic
@@ -151,10 +151,10 @@ def column_of(layout: Layout, text: str) -> Column:
 
 def described(layout: Layout) -> str:
     """The columns of a file in words."""
-    names = [column.heading.text or f"(column {column.number})" for column in layout.columns]
+    names = [shortened(column.heading.text) or f"(column {column.number})" for column in layout.columns]
     shown = ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")
     if layout.header_row is None:
-        return f"the file has no header, and {len(names)} columns, which are numbered from 1"
+        return f"no header was found above the {len(names)} columns, which are numbered from 1"
     return f"row {layout.header_row} has: {shown}"
 
 
@@ -313,19 +313,28 @@ def several(columns: Sequence[Column]) -> str:
     return f"{', '.join(others)} and {last} {'both' if len(columns) == 2 else 'all'}"
 
 
+def unit_unknown(column: Column) -> str:
+    """Why the unit of a column is not known, in words."""
+    return (
+        f"its unit {column.unit_text!r} cannot be read as one"
+        if column.unit_text
+        else "the file does not say its unit"
+    )
+
+
 def _in_words(trouble: Trouble) -> str:
     role, flag = WORDS.get(trouble.role, trouble.role), FLAGS[trouble.role]
     columns = " and ".join(column.label for column in trouble.columns)
     if trouble.kind == "several":
         last = trouble.columns[-1].number
         return f"{several(trouble.columns)} fit {role}: say which, e.g. {flag} {last}" + (
-            "" if trouble.role == "time" else f" (or {flag} none)"
+            f" (and where a channel has a clock of its own, --time-of force={last})"
+            if trouble.role == "time"
+            else f" (or {flag} none)"
         )
     if trouble.kind == "unit":
-        text = trouble.columns[0].unit_text
-        seen = f"its unit {text!r} cannot be read as one" if text else "the file does not say its unit"
         allowed = ", ".join(symbols(ROLES[trouble.role])) + (", date" if trouble.role == "time" else "")
-        return f"{role} ({columns}): {seen}; say {UNIT_FLAGS[trouble.role]} ({allowed})"
+        return f"{role} ({columns}): {unit_unknown(trouble.columns[0])}; say {UNIT_FLAGS[trouble.role]} ({allowed})"
     if trouble.kind == "r0":
         return (
             f"{role} ({columns}) needs the resistance at rest R0, which it is relative to: say --rest-ohm R0 in Ω "

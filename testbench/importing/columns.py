@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from gcode.support.errors import UserError
-from testbench.importing.choice import Choice, Taken
+from testbench.importing.choice import UNIT_FLAGS, Choice, Taken, unit_unknown
 from testbench.importing.clocks import on_one_clock
-from testbench.importing.layout import Column
-from testbench.importing.notation import numbers, seconds
+from testbench.importing.headings import read_heading
+from testbench.importing.layout import Column, shortened
+from testbench.importing.notation import is_number, is_when, may_be_thousands, numbers, seconds
 from testbench.importing.sheet import Sheet
-from testbench.importing.units import OURS, conversion
+from testbench.importing.units import OURS, Unit, conversion
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_LETTER = r"[^\W\d_eE]"  # of a word; e is one of numbers, too
 
 
 @dataclass(frozen=True)
@@ -29,7 +36,7 @@ class Read:
     clocks : dict of str to ndarray, each shape (n,)
         Own times of the roles that have one, in s.
     wrong : list of str
-        The first cell of each column that is no number, in words.
+        The first cell of each column that is no number, in words, with the remedy.
     words : dict of str to str
         What each role was taken from, with the conversion shown.
     """
@@ -47,7 +54,7 @@ def read_columns(sheet: Sheet, choice: Choice, thousands: str | None = None) -> 
     Raises
     ------
     UserError
-        If there are no rows below the header, or a clock of its own is given as dates.
+        If there are no rows below the header, another table begins below, or a clock of its own is given as dates.
     """
     needed = [column for one in choice.taken.values() for column in (one.column, one.clock) if column]
     frame = sheet.body([column.number for column in needed])
@@ -56,6 +63,7 @@ def read_columns(sheet: Sheet, choice: Choice, thousands: str | None = None) -> 
     frame, rows = frame[~blank], rows[~blank]
     if not len(rows):
         raise UserError(f"{sheet.path}: there is nothing below the header in row {sheet.layout.first_row - 1}")
+    _check_one_table(sheet, [one.column for one in choice.taken.values()], frame, rows)
     read = Read(rows, {}, {}, [], {})
     for role, one in choice.taken.items():
         cells = frame[one.column.number]
@@ -67,11 +75,37 @@ def read_columns(sheet: Sheet, choice: Choice, thousands: str | None = None) -> 
             plain, wrong = numbers(cells, sheet.decimal, thousands)
             found = one.unit.converted(plain)
             read.words[role] = _in_words(one, plain)
-            _note(read, one.column, cells, wrong, "a number")
+            _note(read, one.column, cells, wrong, "a number", sheet.decimal)
         read.values[role] = found
         if one.clock is not None:
             read.clocks[role] = _own_clock(sheet, choice, one, frame[one.clock.number], thousands, read)
     return read
+
+
+def _check_one_table(sheet: Sheet, columns: Sequence[Column], frame: pd.DataFrame, rows: np.ndarray) -> None:
+    """Rows below other names or other units are not of this table, whatever else is left out."""
+    speaking = np.zeros(len(rows), dtype=int)
+    for column in columns:
+        cells = frame[column.number]
+        if cells.dtype.kind not in "fiumM":
+            text = cells.astype("string").str.strip()
+            worded = text[text.str.contains(_LETTER, na=False)]
+            others = [word for word in worded.unique() if _is_another_name(word, column)]
+            speaking += text.isin(others).to_numpy(dtype=bool)
+    again = np.flatnonzero(speaking > 1)
+    if again.size:
+        names = ", ".join(str(frame[column.number].iloc[again[0]]) for column in columns)
+        raise UserError(
+            f"{sheet.path}: row {rows[again[0]]} has other names or units ({shortened(names)}), so another table "
+            "begins there: end the file before it, or part it into one file each"
+        )
+
+
+def _is_another_name(text: str, column: Column) -> bool:
+    if is_number(text) or is_when(text) or text == column.heading.text:
+        return False
+    heading = read_heading(text)
+    return bool(heading.roles or heading.unit_text)
 
 
 def previewed(sheet: Sheet, choice: Choice, thousands: str | None = None) -> dict[str, str]:
@@ -88,31 +122,50 @@ def previewed(sheet: Sheet, choice: Choice, thousands: str | None = None) -> dic
             continue
         values, _ = numbers(pd.Series(cells, dtype="string"), sheet.decimal, thousands)
         good = values[np.isfinite(values) & (values != 0)]
-        words[role] = conversion(_example(good), one.unit)
+        there = np.isfinite(values).any()
+        words[role] = conversion(_example(good), one.unit) if there else "no number at the top of the file"
     return words
 
 
 def _own_clock(sheet: Sheet, choice: Choice, one: Taken, cells, thousands: str | None, read: Read) -> np.ndarray:
     main = choice.taken.get("time")
     assert one.clock is not None
-    unit = one.clock.heading.unit(one.clock.unit_text) or (main.unit if main else None)
-    if main is None or main.unit is None or unit is None:
+    if main is None or main.unit is None:
         raise UserError(
             f"{sheet.path}: {one.column.label} has a clock of its own, and clocks beside each other must be in s, ms "
             "or the like, not dates; write them so, or leave --time-of out"
         )
+    unit = _clock_unit(one.clock, main)
+    if unit is None:
+        raise UserError(
+            f"{sheet.path}: {one.clock.label}, the times of {one.role}: "
+            f"{unit_unknown(one.clock)}; say --time-unit, which all clocks that do not say theirs are in"
+        )
     values, wrong = numbers(cells, sheet.decimal, thousands)
-    _note(read, one.clock, cells, wrong, "a number")
+    _note(read, one.clock, cells, wrong, "a number", sheet.decimal)
     read.words[one.role] += (
         f"; its own times: {one.clock.label} in {unit.symbol}, brought to those of {main.column.label}"
     )
     return unit.converted(values)
 
 
-def _note(read: Read, column: Column, cells, wrong: int | None, kind: str) -> None:
-    if wrong is not None:
-        name = column.heading.text or column.label
-        read.wrong.append(f"row {read.rows[wrong]}: {name} must be {kind}, got {str(cells.iloc[wrong])!r}")
+def _clock_unit(clock: Column, main: Taken) -> Unit | None:
+    """What the file says, or a person of all clocks; another clock's own unit says nothing of this one."""
+    unit = clock.heading.unit(clock.unit_text)
+    if unit is None and main.unit_from == UNIT_FLAGS["time"]:
+        return main.unit
+    return unit if unit is not None and unit.quantity == "time" else None
+
+
+def _note(read: Read, column: Column, cells, wrong: int | None, kind: str, decimal: str = "") -> None:
+    if wrong is None:
+        return
+    name, cell = column.heading.text or column.label, str(cells.iloc[wrong])
+    remedy = "--drop-bad leaves such rows out"
+    if decimal and may_be_thousands(cell, decimal):
+        mark = "," if decimal == "." else "."
+        remedy = f"if {mark!r} parts thousands, say --thousands {mark}; if it is the decimal sign, --decimal {mark}"
+    read.wrong.append(f"row {read.rows[wrong]}: {name} must be {kind}, got {cell!r}; {remedy}")
 
 
 def _in_words(one: Taken, values: np.ndarray) -> str:

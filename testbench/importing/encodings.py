@@ -61,6 +61,8 @@ def known_encoding(name: str) -> str:
         If it does not.
     """
     try:
-        return codecs.lookup(name).name
-    except LookupError:
+        found = codecs.lookup(name)
+        b"0".decode(found.name, errors="replace")  # hex and the like are no encodings of text
+        return found.name
+    except (LookupError, UnicodeError):
         raise UserError(f"--encoding must be one such as utf-8, latin-1, gbk or shift-jis, got {name!r}") from None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime
+import re
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,6 +14,7 @@ from xml.etree.ElementTree import ParseError
 from gcode.support.errors import UserError
 from testbench.importing import unpacking
 from testbench.importing.layout import find_layout
+from testbench.importing.notation import decimal_sign, is_number
 from testbench.importing.sheet import HEAD_ROWS, Hints, Sheet
 from testbench.importing.unpacking import BROKEN, check_unpacked
 
@@ -20,6 +22,10 @@ if TYPE_CHECKING:
     import pandas as pd
 
 Cells = Sequence[Any]
+_LITERAL = re.compile(
+    r'"[^"]*"|\\.|\[[^\]]*\]'
+)  # of a number format: what is shown as it stands, colours, conditions
+_BY_THOUSAND = re.compile(r"[0#?](,+)(?![0#?,])")  # a comma with no digit behind it
 
 
 @dataclass(frozen=True)
@@ -60,7 +66,21 @@ def open_excel(path: Path, wanted: Sequence[str], hints: Hints) -> ExcelSheet:
         raise UserError(f"{path}: {_sheets(found)} have tables; say which one with --sheet NAME")
     name, (head, layout, rows) = next(iter(found.items()))
     lines = ["\t".join(cells) for cells in head]
-    return ExcelSheet(path, head, lines, layout, ".", {"sheet": name}, rows)
+    decimal = hints.decimal_said or _decimal(path, rows[layout.first_row - 1 :][:HEAD_ROWS])
+    return ExcelSheet(path, head, lines, layout, decimal, {"sheet": name, "decimal": decimal}, rows)
+
+
+def _decimal(path: Path, rows: Sequence[Cells]) -> str:
+    """The decimal sign of numbers that were stored as text; those that are numbers have none."""
+    texts = [cell for row in rows for cell in row if isinstance(cell, str)]
+    sign = decimal_sign(texts)
+    if sign is None:
+        seen = next(text for text in texts if is_number(text) and ("," in text or "." in text))
+        raise UserError(
+            f"{path}: cannot tell what the sign means in numbers stored as text such as {seen!r}; "
+            "say --decimal , or --decimal ."
+        )
+    return sign
 
 
 def _sheets(sheets: dict[str, Any]) -> str:
@@ -92,7 +112,7 @@ def _read(path: Path, wanted: str | None) -> dict[str, list[Cells]]:
 
 
 def _rows(path: Path, sheet: Any) -> list[Cells]:
-    """The values as the sheet shows them: a cell in the format ``0 %`` holds 0.5 and shows 50 %."""
+    """The values as the sheet shows them: ``0 %`` shows 0.5 as 50 %, and ``#,##0,`` shows 47000 as 47."""
     from openpyxl.cell.read_only import EMPTY_CELL
 
     rows: list[Cells] = []
@@ -112,9 +132,12 @@ def _rows(path: Path, sheet: Any) -> list[Cells]:
 
 
 def _value(cell: Any) -> Any:
-    if isinstance(cell.value, int | float) and "%" in str(cell.number_format or ""):
-        return 100 * cell.value
-    return cell.value
+    if not isinstance(cell.value, int | float) or isinstance(cell.value, bool):
+        return cell.value
+    form = _LITERAL.sub("", str(cell.number_format or "").partition(";")[0])
+    thousands = _BY_THOUSAND.search(form)
+    value = cell.value / 1000 ** len(thousands[1]) if thousands else cell.value
+    return 100 * value if "%" in form else value
 
 
 def _shown(cell: Any) -> str:

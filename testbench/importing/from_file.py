@@ -15,7 +15,7 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from gcode.support.files import make_folder, sha256_of
-from testbench.importing.choice import NAMED, NOT_THERE, Choice, Said, choose, in_words
+from testbench.importing.choice import ELECTRICAL, FLAGS, NAMED, NOT_THERE, Choice, Said, choose, in_words
 from testbench.importing.columns import Read, on_main_clock, read_columns
 from testbench.importing.gauge import gauge_doubt
 from testbench.importing.layout import Column, misfit
@@ -24,7 +24,8 @@ from testbench.importing.opening import open_sheet
 from testbench.importing.repeats import repeats_of
 from testbench.importing.sheet import Hints, Sheet
 from testbench.importing.signs import SIGNED, TURNED, doubts, zero_of
-from testbench.importing.words import STRETCH, counts_repeats
+from testbench.importing.units import units_spelt
+from testbench.importing.words import STRETCH, counts_repeats, speaks_about
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE, TIME
 from testbench.recordings.checks import such
 from testbench.recordings.files import write_recording_csv
@@ -141,7 +142,7 @@ def look(path: Path, wish: Wish) -> tuple[Sheet, Choice]:
     if shifted := misfit(sheet.head, sheet.layout):
         raise UserError(
             f"{path}: {shifted}: which name belongs to which column cannot be told; mend the file, or say "
-            "--header-row 0 --units-row 0 and give columns by number"
+            "--header-row 0 and --units-row 0 and give columns by number"
         )
     try:
         return sheet, choose(sheet.layout, sheet.head, wish.said())
@@ -168,7 +169,7 @@ def import_file(path: Path, wish: Wish) -> list[Imported]:
         )
     read = read_columns(sheet, choice, wish.hints.thousands)
     if read.wrong and not wish.drop_bad:
-        raise UserError(f"{path}: {read.wrong[0]}; --drop-bad leaves such rows out")
+        raise UserError(f"{path}: {read.wrong[0]}")
     time_s = read.values.get("time", (read.rows - read.rows[0]) / float(wish.rate_hz or 1.0))
     parts = _parts(sheet, choice, wish, read, time_s)
     labels = {role: choice.taken[role].column.label for role in choice.taken}
@@ -292,6 +293,24 @@ def _doubts(choice: Choice, recording: Recording, wish: Wish) -> list[str]:
     if one is not None and one.unit_from == NAMED and recording[RESISTANCE].max() > MANY_TIMES * (wish.r0_ohm or 1.0):
         times = recording[RESISTANCE].max() / (wish.r0_ohm or 1.0)
         said.append(f"{one.column.label} reaches {times:.0f} times R0; if it is in %, say --relative-unit %")
+    return [*said, *_overlooked(choice)]
+
+
+def _overlooked(choice: Choice) -> list[str]:
+    """Columns of no known name (``DMM [kΩ]``) whose unit is that of something which was not found."""
+    missing = {"force": ("force",), "resistance": ("resistance", "conductance")}
+    said = []
+    for role, quantities in missing.items():
+        if set(choice.taken) & ({role} if role == "force" else set(ELECTRICAL)):
+            continue
+        for column in choice.unused:
+            units = {unit.quantity: unit for unit in units_spelt(column.unit_text)}
+            fits = [quantity for quantity in quantities if quantity in units]
+            if len(units) == 1 and fits and not speaks_about(column.heading.whole):
+                said.append(
+                    f"no {role} was found by its name, and {column.label} is in {units[fits[0]].symbol}: "
+                    f"if it is the {fits[0]}, say {FLAGS[fits[0]]} {column.number}"
+                )
     return said
 
 

@@ -6,15 +6,25 @@ import re
 from dataclasses import dataclass
 
 from testbench.importing.relative import ratio_by_formula
-from testbench.importing.units import Unit, plain_text, unit_of, units_spelt
+from testbench.importing.units import PREFIX, Unit, plain_text, unit_of, units_spelt
 from testbench.importing.words import ROLES, STRETCH, is_generic, roles_of
 
 _BRACKET = re.compile(r"^(.*?)\s*(?:\[([^\[\]]*)\]|\(([^()]*)\)|\{([^{}]*)\}|<([^<>]*)>)\s*$", re.S)
-_TAIL = re.compile(r"^(.*?)(?:\s*/\s*|\s+in\s+|\s*[,:;=]\s*|_|\s+)([^\s/,:;=_]+)$", re.S)
+_TAIL = re.compile(rf"^(.*?)(?:\s*/\s*|\s+in\s+|\s*[,:;=]\s*|_|\s+)((?:{PREFIX}[\s_]+)?[^\s/,:;=_]+)$", re.S)
 _STROKE = re.compile(r"^([^/,]+?)\s*[/,]\s*([^\s/,\d][^\s,]*)$")
 _RATIOS = {role for role, quantities in ROLES.items() if quantities == ("ratio",)}
 LONGEST = 300  # characters of a cell that are looked at; no name of a column is longer
 _PER_CENT = re.compile(r"^(.*?)\s*([%‰])$", re.S)
+_COMMENT = re.compile(r"^(?:#+|//+)\s*(?=\S)")
+_HIGH = "[⁰¹²³⁴-⁹⁻]"
+_POWERS = (  # whether the numbers are to be multiplied or were, nobody can tell
+    rf"(?<=\S)\s*(?:(?<![A-Za-z])x|[×*·÷])\s*(?:10+(?![\d.])(?:\^?[-+]?\d+|{_HIGH}+)?|0[.,]0*1\b)",  # x1000, *0.001
+    r"(?<=\S)\s*/\s*10{2,}\b",  # /1000
+    rf"\b10(?:(?:\^|\*\*)\s*[-+−]?\d+|{_HIGH}+)",  # 10^3, 10**-3, 10³
+    r"\b\d+[eE][-+]?\d+\b",  # 1e3
+    r"(?:(?<=[\s/(\[{<])|^)10+(?=\s*[^\W\d]+[\])}>]*$)",  # 1000 before a unit at the end
+)
+_POWER = re.compile("|".join(_POWERS))
 
 
 @dataclass(frozen=True)
@@ -33,6 +43,8 @@ class Heading:
         The unit as it was written; empty where none is.
     roles : dict of str to int
         The roles that the name speaks of, with how plainly (`testbench.importing.words`).
+    power : str
+        A power of ten beside name or unit (``x1000``), with which no unit can be told; empty where none is.
     """
 
     text: str
@@ -40,6 +52,7 @@ class Heading:
     whole: str
     unit_text: str
     roles: dict[str, int]
+    power: str = ""
 
     @property
     def says_ratio(self) -> bool:
@@ -62,11 +75,20 @@ class Heading:
 
 
 def read_heading(text: str) -> Heading:
-    """Part a header cell: ``Kraft [N]``, ``Weg / mm``, ``time_ms``, ``Load(Cell 1:Load) (N)``, ``Zeit in s``."""
-    plain = plain_text(text[:LONGEST]).strip("\"'").strip()
+    """Part a header cell: ``Kraft [N]``, ``Weg / mm``, ``time_ms``, ``Load(Cell 1:Load) (N)``, ``# Zeit in s``."""
+    plain = _COMMENT.sub("", plain_text(text[:LONGEST]).strip("\"'").strip())
     whole, unit_text = _parted(plain)
     base = _without_brackets(whole)
-    return Heading(text.strip(), base, whole, unit_text, roles_of(base, whole))
+    power = power_of_ten(text[:LONGEST])
+    if power and power not in unit_text:
+        unit_text = f"{unit_text} {power}".strip()
+    return Heading(text.strip(), base, whole, unit_text, roles_of(base, whole), power)
+
+
+def power_of_ten(text: str) -> str:
+    """The power of ten that a cell of names or units speaks of (``x1000``, ``10^3``); empty where it does not."""
+    found = _POWER.search(text)
+    return found[0].strip() if found else ""
 
 
 def _parted(plain: str) -> tuple[str, str]:

@@ -5,13 +5,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from testbench.importing.headings import Heading, read_heading
+from testbench.importing.headings import Heading, power_of_ten, read_heading
 from testbench.importing.notation import MISSING, is_number, is_when
 from testbench.importing.units import units_spelt
 
 Rows = Sequence[Sequence[str]]
-LOOK_UP = 8  # rows above the numbers in which names and units are looked for
+SHOWN = 60  # characters of a name in a message
+LOOK_UP = 8  # filled rows above the numbers in which names and units are looked for
 RUN = 3  # rows of numbers in a row that make a table
+
+
+def shortened(text: str) -> str:
+    """A name as messages show it."""
+    return text if len(text) <= SHOWN else f"{text[: SHOWN - 1]}…"
 
 
 @dataclass(frozen=True)
@@ -37,7 +43,8 @@ class Column:
     @property
     def label(self) -> str:
         """``column 3 'Kraft'``."""
-        return f"column {self.number} {self.heading.text!r}" if self.heading.text else f"column {self.number}"
+        text = shortened(self.heading.text)
+        return f"column {self.number} {text!r}" if text else f"column {self.number}"
 
 
 @dataclass(frozen=True)
@@ -149,10 +156,9 @@ def _longest_run(rows: Rows) -> int | None:
 def _above(rows: Rows, start: int, width: int) -> list[int]:
     """Rows right above the numbers that fit over them, the nearest first; blank rows are passed over."""
     found: list[int] = []
-    for place in range(start - 1, max(-1, start - 1 - LOOK_UP), -1):
+    places = [place for place in range(start - 1, -1, -1) if _width(rows[place])]
+    for place in places[:LOOK_UP]:
         filled = sum(bool(cell.strip()) for cell in rows[place])
-        if not filled:
-            continue
         if not (2 * filled > width or width <= 2 or _speaks(rows[place])) or _width(rows[place]) > width + 1:
             break
         found.append(place)
@@ -205,6 +211,8 @@ def _column(number: int, name: str, below: str, units_row: int | None) -> Column
     bare = below.strip("[](){}<> ").strip()
     if not bare or (heading.unit(heading.unit_text) and bare == "-"):
         return Column(number, heading, heading.unit_text, "header" if heading.unit_text else "")
+    if heading.power or power_of_ten(bare):
+        return Column(number, heading, f"{heading.unit_text} {bare}".strip(), f"header and row {units_row}")
     beside, under = heading.unit(heading.unit_text), heading.unit(bare)
     if beside is None or beside == under:
         return Column(number, heading, bare, f"row {units_row}")

@@ -16,19 +16,25 @@ _POINT = re.compile(rf"^[+-]?(\d+\.?\d*|\.\d+){_EXPONENT}$")
 _COMMA = re.compile(rf"^[+-]?(\d+,?\d*|,\d+){_EXPONENT}$")
 # 1,234 may be a bit more than one, or a thousand and more.
 _EITHER = re.compile(r"^[+-]?[1-9]\d{0,2}[.,]\d{3}$")
+_APART = r"'’ \u00a0\u2007\u2009\u202f"  # apostrophes and blanks: no-break, of a digit's width, thin, narrow
 _THOUSANDS = {
-    ".": re.compile(rf"^[+-]?\d{{1,3}}((,\d{{3}})+|(['’   ]\d{{3}})+)(\.\d*)?{_EXPONENT}$"),
-    ",": re.compile(rf"^[+-]?\d{{1,3}}((\.\d{{3}})+|(['’   ]\d{{3}})+)(,\d*)?{_EXPONENT}$"),
+    ".": re.compile(rf"^[+-]?\d{{1,3}}((,\d{{3}})+|([{_APART}]\d{{3}})+)(\.\d*)?{_EXPONENT}$"),
+    ",": re.compile(rf"^[+-]?\d{{1,3}}((\.\d{{3}})+|([{_APART}]\d{{3}})+)(,\d*)?{_EXPONENT}$"),
 }
-_SEPARATORS = {".": r"[,'’   ]", ",": r"[.'’   ]"}
-_DATE = re.compile(r"^\d{1,4}[-./年]\d{1,2}[-./月]\d{1,4}日?([T ,]+\d{1,2}:\d{2}(:\d{2}([.,]\d+)?)?)?( ?[AP]M|Z)?$")
-_CLOCK = re.compile(r"^(\d{1,3}):(\d{2}):(\d{2}(?:[.,]\d+)?)$")
+_SEPARATORS = {".": rf"[,{_APART}]", ",": rf"[.{_APART}]"}
+_DATE = re.compile(
+    r"^\d{1,4}[-./年]\d{1,2}[-./月]\d{1,4}日?([T ,]+\d{1,2}:\d{2}(:\d{2}([.,]\d+)?)?)?"
+    r"( ?[AP]M| ?Z| ?[+-]\d{2}:?\d{2})?$"
+)
+# 10:15:30.5, with AM or PM behind it; or minutes and seconds, 15:30.5
+_CLOCK = re.compile(r"^(?:(\d{1,3}):(\d{2}):(\d{2}(?:[.,]\d+)?)(?: ?([AaPp])\.?[Mm]\.?)?|(\d{1,3}):(\d{2}[.,]\d+))$")
+HALF_DAY_S = 43_200.0
 MISSING = {"", "nan", "na", "n/a", "-", "--", "---", "null", "none", "inf", "-inf", "#n/a"}
 
 
 def is_number(text: str) -> bool:
     """Whether a cell may be a number, in any of the notations."""
-    text = text.strip()
+    text = text.strip().replace("−", "-")
     return bool(_POINT.match(text) or _COMMA.match(text)) or any(form.match(text) for form in _THOUSANDS.values())
 
 
@@ -41,14 +47,14 @@ def is_when(text: str) -> bool:
 def decimal_sign(cells: Iterable[str]) -> str | None:
     """The decimal sign that the cells prove: ``,`` or ``.``; None where some say neither or both.
 
-    ``0,5`` and ``1.234,5`` prove the comma; ``1,234`` proves nothing, for it may be a thousand and more.
+    ``0,5`` and ``1.234,5`` prove the comma; ``1,234`` and ``1.234`` prove nothing: they may be a thousand and more.
     """
     proofs, open_to_doubt = set(), False
-    for cell in (cell.strip() for cell in cells):
+    for cell in (cell.strip().replace("−", "-") for cell in cells):
         if ("," in cell) == ("." in cell) and not ("," in cell and "." in cell):
             continue
         if _EITHER.match(cell):
-            open_to_doubt = open_to_doubt or "," in cell
+            open_to_doubt = True
         elif _COMMA.match(cell) or (_THOUSANDS[","].match(cell) and cell.rfind(",") > cell.rfind(".")):
             proofs.add(",")
         elif _POINT.match(cell) or (_THOUSANDS["."].match(cell) and cell.rfind(".") > cell.rfind(",")):
@@ -56,6 +62,11 @@ def decimal_sign(cells: Iterable[str]) -> str | None:
     if len(proofs) == 1:
         return proofs.pop()
     return None if proofs or open_to_doubt else "."
+
+
+def may_be_thousands(cell: str, decimal: str) -> bool:
+    """Whether a cell is a number if the sign in it that is not the decimal one parts thousands."""
+    return bool(_THOUSANDS[decimal].match(cell.strip()))
 
 
 def numbers(cells: pd.Series, decimal: str, thousands: str | None = None) -> tuple[np.ndarray, int | None]:
@@ -80,13 +91,12 @@ def numbers(cells: pd.Series, decimal: str, thousands: str | None = None) -> tup
 
     if cells.dtype.kind in "fiu":
         return cells.to_numpy(dtype=np.float64), None
-    text = cells.astype("string").str.strip()
+    text = cells.astype("string").str.strip().str.replace("−", "-", regex=False)
     text = text.mask(text == "")
     grouped = text.str.match(_THOUSANDS[decimal].pattern, na=False)
     sign = re.escape(thousands) if thousands else _SEPARATORS[decimal]
     proven = thousands or (grouped & text.str.contains(re.escape(decimal), na=False)).any()
-    blank = re.compile(r"[\s'’]")
-    apart = grouped & text.str.contains(blank.pattern, na=False)  # 12 345 can be nothing else
+    apart = grouped & text.str.contains(f"[{_APART}]", na=False)  # 12 345 can be nothing else
     plain = text.mask(grouped, text.str.replace(sign, "", regex=True)) if proven else text
     plain = plain.mask(apart, text.str.replace(_SEPARATORS[decimal], "", regex=True))
     if decimal == ",":
@@ -113,7 +123,7 @@ def seconds(cells: pd.Series) -> tuple[np.ndarray, int | None]:
         text = cells.astype("string").str.strip()
         text = text.mask(text == "")
         clock = text.str.extract(_CLOCK.pattern)
-        if clock.notna().any(axis=None) and clock[0].notna().sum() >= 0.5 * text.notna().sum():
+        if 2 * clock.notna().any(axis=1).sum() >= text.notna().sum() > 0:
             return _times_of_day(text, clock)
         when = _dates(text)
     wrong = np.flatnonzero((when.isna() & cells.notna()).to_numpy())
@@ -122,13 +132,24 @@ def seconds(cells: pd.Series) -> tuple[np.ndarray, int | None]:
 
 
 def _times_of_day(text: pd.Series, clock: pd.DataFrame) -> tuple[np.ndarray, int | None]:
-    hours, minutes, rest = (
+    hours, minutes, rest, few, short = (
         clock[part].str.replace(",", ".", regex=False).astype("Float64").to_numpy(dtype=np.float64, na_value=np.nan)
-        for part in range(3)
+        for part in (0, 1, 2, 4, 5)
     )
-    since = 3600 * hours + 60 * minutes + rest
+    half = clock[3].str.casefold()
+    afternoon = (half == "p").fillna(False).to_numpy(dtype=bool)
+    hours = np.where(half.notna(), hours % 12 + 12 * afternoon, hours)
+    since = np.where(np.isnan(few), 3600 * hours + 60 * minutes + rest, 60 * few + short)
     wrong = np.flatnonzero(np.isnan(since) & text.notna().to_numpy())
-    return since, int(wrong[0]) if wrong.size else None
+    return _past_midnight(since), int(wrong[0]) if wrong.size else None
+
+
+def _past_midnight(since: np.ndarray) -> np.ndarray:
+    """A time of day that falls back by more than half a day has passed midnight."""
+    there = np.isfinite(since)
+    days = np.zeros(len(since))
+    days[there] = np.cumsum(np.diff(since[there], prepend=since[there][:1]) < -HALF_DAY_S)
+    return since + 2 * HALF_DAY_S * days
 
 
 def _dates(text: pd.Series) -> pd.Series:

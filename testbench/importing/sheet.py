@@ -36,6 +36,11 @@ class Hints:
     header_row: int | None = None
     units_row: int | None = None
 
+    @property
+    def decimal_said(self) -> str | None:
+        """The decimal sign that was said: a point that parts thousands leaves the comma, and the other way round."""
+        return self.decimal or {",": ".", ".": ","}.get(self.thousands or "")
+
 
 @dataclass(frozen=True)
 class Sheet:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import csv
+import re
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -21,7 +23,9 @@ if TYPE_CHECKING:
 
 SEPARATORS = (",", ";", "\t", "|")
 BLANKS = " "  # any number of blanks is one separator
+MOST_BROKEN = 60  # lines of a row whose quoted cells have line breaks
 HEAD_BYTES = 1 << 20
+_GAP = re.compile(r"\t+| {2,}")
 
 
 @dataclass(frozen=True)
@@ -36,21 +40,21 @@ class TextSheet(Sheet):
         import pandas as pd
 
         try:
-            frame = pd.read_csv(
-                self.path,
-                sep=r"\s+" if self.separator == BLANKS else self.separator,
-                decimal=self.decimal,
-                encoding=self.encoding,
-                header=None,
-                names=list(range(len(self.layout.columns))),
-                usecols=[number - 1 for number in sorted(set(numbers))],
-                skiprows=self.layout.first_row - 1,
-                skip_blank_lines=False,
-                skipinitialspace=True,
-                index_col=False,
-                low_memory=False,
-                compression=None,
-            )
+            with self.path.open(encoding=self.encoding) as stream:
+                for _ in range(self.layout.first_row - 1):  # pandas would count a cell with line breaks as one line
+                    stream.readline()
+                frame = pd.read_csv(
+                    stream,
+                    sep=r"\s+" if self.separator == BLANKS else self.separator,
+                    decimal=self.decimal,
+                    header=None,
+                    names=list(range(len(self.layout.columns))),
+                    usecols=[number - 1 for number in sorted(set(numbers))],
+                    skip_blank_lines=False,
+                    skipinitialspace=True,
+                    index_col=False,
+                    low_memory=False,
+                )
             return frame.set_axis(sorted(set(numbers)), axis=1)
         except pd.errors.EmptyDataError:
             return pd.DataFrame()
@@ -73,7 +77,7 @@ def open_text(path: Path, wanted: Sequence[str], hints: Hints) -> TextSheet:
     if not found:
         raise UserError(f"{path}: {_no_numbers(lines, wanted, hints)}")
     separator, rows, layout = max(found, key=lambda one: _worth(one[1], one[2], wanted))
-    decimal = hints.decimal or _decimal(path, rows, layout, separator)
+    decimal = hints.decimal_said or _decimal(path, rows, layout, separator)
     details = {"separator": separator, "decimal": decimal, "encoding": encoding.removesuffix("-sig")}
     return TextSheet(path, rows, lines, layout, decimal, details, separator, encoding)
 
@@ -111,16 +115,34 @@ def _head(path: Path, encoding: str | None) -> tuple[str, list[str]]:
 
 
 def _split(lines: Sequence[str], separator: str) -> list[list[str]]:
+    """Rows of cells, one a line; below a cell with line breaks, as many empty ones."""
     if separator == BLANKS:
-        return [line.split() for line in lines]
-    return [_cells(line, separator) for line in lines]
+        return [_at_blanks(line) for line in lines]
+    rows: list[list[str]] = []
+    while len(rows) < len(lines):
+        cells, count = _cells(lines[len(rows) : len(rows) + MOST_BROKEN], separator)
+        rows += [cells, *([[]] * (count - 1))]
+    return rows
 
 
-def _cells(line: str, separator: str) -> list[str]:
-    try:
-        return next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])[:MOST_COLUMNS]
-    except csv.Error:
-        return []  # a cell of more than 128 kB is no name of a column
+def _at_blanks(line: str) -> list[str]:
+    """Numbers stand apart by any blanks; names that have blanks themselves (``Force (N)``), by wider gaps."""
+    cells = line.split()
+    wide = [cell.strip() for cell in _GAP.split(line.strip())]
+    return wide if len(wide) > 1 and not is_data(cells) else cells
+
+
+def _cells(lines: Sequence[str], separator: str) -> tuple[list[str], int]:
+    """The cells of the first line, and how many lines they take: a quoted cell may have line breaks."""
+    ways = [(lines[:1], False)]
+    if lines[0].count('"') % 2:  # over several lines, or no more than a quotation mark, as of inches
+        ways.insert(0, (lines, True))
+    for some, strict in ways:
+        reader = csv.reader([f"{line}\n" for line in some], delimiter=separator, skipinitialspace=True, strict=strict)
+        with suppress(csv.Error):  # a cell of more than 128 kB is no name of a column
+            cells = [cell.replace("\n", " ").rstrip() for cell in next(reader, [])]
+            return cells[:MOST_COLUMNS], max(1, reader.line_num)
+    return [], 1
 
 
 def _worth(rows: Sequence[Sequence[str]], layout: Layout, wanted: Sequence[str]) -> tuple[float, ...]:
@@ -138,10 +160,13 @@ def _decimal(path: Path, rows: Sequence[Sequence[str]], layout: Layout, separato
     cells = [cell for row in rows[layout.first_row - 1 :] for cell in row]
     sign = decimal_sign(cells)
     if sign is None:
-        seen = next(cell for cell in cells if "," in cell)
+        commas = [cell for cell in cells if "," in cell]
+        if not commas and separator == ",":
+            return "."  # a comma that parts the columns is no decimal sign
+        seen = next(cell for cell in commas or cells if "," in cell or "." in cell)
         raise UserError(
-            f"{path}: cannot tell what the comma means in numbers such as {seen.strip()!r}; "
-            "say --decimal , or --decimal ."
+            f"{path}: cannot tell what the {'comma' if commas else 'point'} means in numbers such as "
+            f"{seen.strip()!r}; say --decimal , or --decimal ."
         )
     return sign
 

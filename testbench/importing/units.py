@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import unicodedata
 from dataclasses import dataclass
 
@@ -50,8 +51,8 @@ STANDARD_GRAVITY = 9.80665
 _TABLE: dict[str, tuple[tuple[str, float, float, str, str], ...]] = {
     "time": (
         ("s", 1.0, 0.0, "", "s sec secs second seconds sek sekunde sekunden 秒"),
-        ("ms", 1e-3, 0.0, "ms MS msec", "millisecond milliseconds millisekunde millisekunden 毫秒"),
-        ("µs", 1e-6, 0.0, "µs us usec", "microsecond microseconds mikrosekunde mikrosekunden 微秒"),
+        ("ms", 1e-3, 0.0, "ms MS msec", "millis millisecond milliseconds millisekunde millisekunden 毫秒"),
+        ("µs", 1e-6, 0.0, "µs us usec", "micros microsecond microseconds mikrosekunde mikrosekunden 微秒"),
         ("min", 60.0, 0.0, "", "min mins minute minutes minuten 分 分钟"),
         ("h", 3600.0, 0.0, "h hr hrs", "hour hours stunde stunden 小时"),
     ),
@@ -68,7 +69,7 @@ _TABLE: dict[str, tuple[tuple[str, float, float, str, str], ...]] = {
         ("cN", 1e-2, 0.0, "cN CN", "centinewton"),
         ("kN", 1e3, 0.0, "kN KN", "kilonewton kilonewtons 千牛"),
         ("gf", STANDARD_GRAVITY * 1e-3, 0.0, "g gf", "gram grams gramm gram-force pond 克"),
-        ("kgf", STANDARD_GRAVITY, 0.0, "kg kgf kp KG KGF", "kilogram kilograms kilogramm kilopond 千克 公斤"),
+        ("kgf", STANDARD_GRAVITY, 0.0, "kg Kg kgf kp KG KGF", "kilogram kilograms kilogramm kilopond 千克 公斤"),
         ("lbf", 4.4482216152605, 0.0, "lbf lb lbs LBF", "pound-force pounds"),
     ),
     "resistance": (
@@ -122,9 +123,15 @@ def _spelt() -> tuple[dict[str, list[Unit]], dict[str, list[Unit]]]:
 _EXACT, _LOOSE = _spelt()
 
 
+PREFIX = r"(?:[kKMmµunc]|[Kk]ilo|[Mm]ega|[Mm]illi|[Mm]i[ck]ro|[Cc]enti)"
+_PREFIX = re.compile(rf"^({PREFIX})\s+(?=\S+$)")  # a blank behind the prefix: k Ohm, kilo Newton
+_IN = re.compile(r"^in\s+(?=\S)")
+
+
 def units_spelt(text: str) -> list[Unit]:
     """Every unit that `text` may be, at most one a quantity; empty when it is none."""
-    word = _plain(text).strip("[](){}<>").strip()
+    word = _IN.sub("", _plain(text).strip("[](){}<>").strip().removesuffix("."))
+    word = _PREFIX.sub(r"\1", word)
     found = {unit.quantity: unit for unit in _LOOSE.get(word.casefold(), [])}
     found |= {unit.quantity: unit for unit in _EXACT.get(word, [])}
     return list(found.values())

@@ -27,17 +27,17 @@ STRETCH = {"displacement", "strain"}
 
 _ENGLISH = {
     "time": "time elapsed timestamp clock seconds runtime",
-    "displacement": "displacement displ disp extension elongation crosshead position stroke travel deflection "
+    "displacement": "displacement displ disp extension elongation crosshead position pos stroke travel deflection "
     "extensometer",
     "strain": "strain",
-    "force": "force load",
+    "force": "force load loadcell",
     "resistance": "resistance resistor res",
     "conductance": "conductance",
     "temperature": "temperature temp",
 }
 # Parts of a word, for German, which joins its words, and Chinese, which does not part them.
 _PARTS = {
-    "time": ("zeit", "时间", "时刻"),
+    "time": ("zeit", "时间", "时刻", "時間", "時刻"),
     "displacement": (
         "weg",
         "verschiebung",
@@ -47,13 +47,15 @@ _PARTS = {
         "位移",
         "行程",
         "伸长",
+        "伸長",
         "变形",
+        "變形",
     ),
-    "strain": ("dehnung", "应变"),
-    "force": ("kraft", "试验力", "拉力", "载荷", "荷重", "负荷", "力"),
-    "resistance": ("widerstand", "电阻"),
-    "conductance": ("leitwert", "电导"),
-    "temperature": ("temperatur", "温度"),
+    "strain": ("dehnung", "应变", "應變"),
+    "force": ("kraft", "试验力", "試驗力", "拉力", "载荷", "載荷", "荷重", "负荷", "負荷", "力"),
+    "resistance": ("widerstand", "电阻", "電阻"),
+    "conductance": ("leitwert", "电导", "電導"),
+    "temperature": ("temperatur", "温度", "溫度"),
 }
 _SYMBOLS = {
     "time": ("t", "T"),
@@ -112,8 +114,9 @@ _ABOUT = frozenset(
 _ABOUT_PARTS = (
     "geschwindigkeit", "soll", "zyklus", "bruch", "spannung",
     "应力", "速度", "速率", "循环", "次数", "最大", "最小", "设定", "目标", "编号",
+    "應力", "循環", "次數", "設定", "目標", "編號",
 )  # fmt: skip
-_NOT_ALONE = ("力矩", "动力", "应力")
+_NOT_ALONE = ("力矩", "动力", "動力", "应力", "應力")
 _GENERIC = re.compile(
     r"^(ch(annel)?|kanal|ai|analog(ue)?[ _]?in(put)?|sensor|signal|value|wert|column|spalte|y|通道)?[ _#.:-]*\d*$",
     re.I,

@@ -36,6 +36,7 @@ FIELDS = {
     "--time-of": "Own times",
     "--overwrite": "Campaign name",
 }
+SIGNS = {",": "comma", ".": "point"}
 _AT = r"(?: (?:displacement|force|strain|resistance)\b)"
 _ROLES = {"relative-resistance": "relative"} | {role.replace("_", "-"): role for role in TITLES}
 
@@ -48,7 +49,8 @@ def page_words(text: str) -> str:
     """
     text = re.sub(r"\b(?:say|add|name) (?=--)", "choose ", text)
     text = re.sub(r"(?<=or )(?=--)", "choose ", text)
-    text = re.sub(r"(--[a-z-]+) (?:[A-Z]+\b|none\b|\d+)", r"\1", text)
+    text = re.sub(r"(--(?:decimal|thousands)) ([,.])", lambda it: f"{it[1]} {SIGNS[it[2]]}", text)
+    text = re.sub(r"(--[a-z-]+(?<!-row)) (?:[A-Z]+\b|none\b|\d+)", r"\1", text)
     for name in sorted(_ROLES, key=len, reverse=True):
         text = re.sub(rf"--{name}-unit\b", f"“Unit of {_spoken(name)}”", text)
         text = re.sub(rf"--{name}(?![\w-])", f"“Column of {_spoken(name)}”", text)

@@ -31,7 +31,7 @@ from testbench.studio.studio import Studio
 
 NAVIGATION = (
     ("/", "grid_view", "Campaigns"),
-    ("/import", "upload_file", "Import a CSV"),
+    ("/import", "upload_file", "Import a file"),
     ("/plan", "timeline", "Plan and run"),
     ("/record", "sensors", "Record"),
     ("/investigation", "travel_explore", "Investigations"),

@@ -14,6 +14,7 @@ from collections.abc import Callable, Hashable
 from functools import wraps
 from typing import ParamSpec, TypeVar
 
+from testbench.fitting.model_file import ModelFile
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.model import KnitModel
 from testbench.recordings.recording import Recording
@@ -45,6 +46,8 @@ def _told(value: object) -> Hashable:
         return (value.gauge_length_mm, *sorted((name, values.tobytes()) for name, values in columns.items()))
     if isinstance(value, KnitModel):
         return json.dumps(value.to_dict())
+    if isinstance(value, ModelFile):
+        return json.dumps([value.model.to_dict(), value.fit, value.history], default=str)
     if isinstance(value, Catalogue):
         return tuple(value.effects.items())
     assert value is None or isinstance(value, int | float | str), f"asked with {value!r}: say how it is told apart"

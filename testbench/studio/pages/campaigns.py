@@ -42,7 +42,7 @@ def found_in(studio: Studio) -> list[Found]:
 
 def _empty(studio: Studio) -> None:
     with invitation("Nothing here yet", "Bring a measured CSV, or plan a motion and run it on the simulated rig."):
-        ui.button("Import a CSV", icon="upload_file", on_click=lambda: ui.navigate.to("/import")).props("unelevated")
+        ui.button("Import a file", icon="upload_file", on_click=lambda: ui.navigate.to("/import")).props("unelevated")
         ui.button("Plan and run", icon="timeline", on_click=lambda: ui.navigate.to("/plan")).props("outline")
     _deleted(studio)
 

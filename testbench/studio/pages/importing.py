@@ -96,6 +96,7 @@ class _Form:
         self.seen: tuple[Sheet, Choice, dict[str, str]] | None = None
         self.unfolded = False  # what was unfolded stays so when the file is looked at again
         self.looking = asyncio.Lock()  # one look after the other; who imports waits for the last
+        self.refused = False  # what stands below the button is why nothing was imported
 
     def forget_upload(self) -> None:
         """Remove what was uploaded; at the latest, that happens when the studio ends."""
@@ -114,7 +115,7 @@ class _Form:
             raise UserError(f"{path}: no such file; name one on this machine, or drop one")
         if self.upload is not None and path.parent != Path(self.upload.name):
             self.forget_upload()
-        self.choices = Choices.from_told(path, chosen)
+        self.choices, self.refused = Choices.from_told(path, chosen), False
         if not chosen:
             self.where.note(file="" if self.upload else str(path), name="")
         self.holder.clear()
@@ -169,20 +170,30 @@ class _Form:
             gauge.tooltip("length of the sensor between the clamps at rest").bind_value(
                 self.choices, "gauge_length_mm"
             )
-            name = ui.input("Campaign name", value=free).props("outlined dense")
-            name.on_value_change(lambda event: self.where.note(name=event.value or ""))
+            self.name = ui.input("Campaign name", value=free).props("outlined dense")
+            self.name.on_value_change(self._named)
             boxes = ("Put rows in the order of time", "sort"), ("Leave out rows that cannot be used", "drop_bad")
             fields: list[ValueElement] = [gauge]
             fields += [ui.checkbox(title).bind_value(self.choices, key) for title, key in boxes]
             for field in fields:
                 field.on_value_change(self._note)
-        ui.button("Import", icon="check", on_click=lambda: self._import(name.value))
+        ui.button("Import", icon="check", on_click=self._import)
         self.result = ui.column().classes("w-full gap-3").props("aria-live=polite")
 
     def _note(self) -> None:
         """Keep what was chosen in the address; an upload has none that could be opened again."""
         if self.upload is None:
             self.where.note(chosen=self.choices.told())
+        self._ask_again()
+
+    def _named(self) -> None:
+        self.where.note(name=self.name.value or "")
+        self._ask_again()
+
+    def _ask_again(self) -> None:
+        """What was missing may be there now."""
+        if self.refused:
+            self._import_command()
 
     async def look(self) -> None:
         """Look at the file once more with what has been chosen, and show it."""
@@ -292,21 +303,29 @@ class _Form:
             self.choices.clocks[role] = event.value
         await self.look()
 
-    async def _import(self, name: str) -> None:
+    async def _import(self) -> None:
         """Start the import, or say right here what is missing."""
         async with self.looking:  # what was chosen last is still being looked at
             pass
-        self.result.clear()
+        argv = self._import_command()
         with self.result:
-            try:
-                argv = self._command(name)
-            except UserError as error:
-                trouble(str(error))
-                self._show_result()
-                return
-            self.job = self.studio.jobs.start(f"import:{name}", f"Importing {self.choices.path.name}", argv)
-            job_card(self.studio, self.job, self._ended)
+            if argv:
+                title = f"Importing {self.choices.path.name}"
+                self.job = self.studio.jobs.start(f"import:{self.name.value}", title, argv)
+                job_card(self.studio, self.job, self._ended)
         self._show_result()
+
+    def _import_command(self) -> list[str]:
+        """The command that imports; empty where something is missing, which is said until it is there."""
+        self.result.clear()
+        try:
+            argv = self._command(self.name.value)
+        except UserError as error:
+            with self.result:
+                trouble(str(error))
+            argv = []
+        self.refused = not argv
+        return argv
 
     def _command(self, name: str) -> list[str]:
         if self.seen is None:
@@ -378,7 +397,7 @@ def _look(choices: Choices) -> tuple[Sheet, Choice, dict[str, str]]:
     from testbench.importing.from_file import look
 
     sheet, choice = look(choices.path, choices.wish())
-    return sheet, choice, previewed(sheet, choice)
+    return sheet, choice, previewed(sheet, choice, choices.wish().hints.thousands)
 
 
 def _described(sheet: Sheet) -> str:
@@ -435,7 +454,8 @@ def _trouble_words(choice: Choice, role: str) -> str:
                 else "the file does not say the unit: choose it"
             )
         if one.kind == "several":
-            return f"{several(one.columns)} fit: choose one"
+            own = "; where a channel has a clock of its own, see “Other quantities, and several clocks”"
+            return f"{several(one.columns)} fit: choose one{own if role == 'time' else ''}"
         if one.kind == "r0":
             return f"fill in “{R0}”, the resistance it is relative to (1 where nobody knows it)"
         return (

@@ -44,6 +44,16 @@ def test_fit_compare_and_ladder_give_what_the_commands_print(file, tmp_path, cap
     assert json.loads(capsys.readouterr().out) == tb.ladder(model).to_dict()
 
 
+def test_one_model_has_one_error_on_one_recording():
+    """What `diagnose` says of the model that it was given is what `fit` and `compare` say of it."""
+    fit = fitted()
+    found = tb.diagnose(relaxed(), model=fit, most=1, progress=False).diagnosis
+    compared = tb.compare(relaxed(), fit).comparison.rms
+    assert dict(found.error_before) == pytest.approx(fit.file.history[-1]["errors"]["held_out"], rel=1e-9)
+    assert {channel: compared[channel] for channel in found.error_before} == pytest.approx(dict(found.error_before))
+    assert found.before.model.to_dict() == fit.model.to_dict()
+
+
 def test_add_gives_the_model_that_the_command_writes(file, tmp_path):
     model, better = str(tmp_path / "model.json"), tmp_path / "better.json"
     fit = tb.fit(file, gauge_length_mm=25, progress=False)

@@ -41,11 +41,13 @@ SPELLINGS = {
     "resistance": ["Ω", "kΩ", "MΩ", "ohm", "kOhm", "Ohm", "kohm", "MOhm", "mΩ"],
     "temperature": ["°C", "K", "°F", "degC"],
 }
-UNREADABLE = ["", "foo", "V", "MPa", "mV/V", "counts", "MN", "MOHM", "Ms", "a.u."]
+UNREADABLE = ["", "foo", "V", "MPa", "mV/V", "counts", "MN", "MOHM", "Ms", "a.u.", "x1000", "10^3", "1e-3"]
 OF_ANOTHER_KIND = {"time": "N", "displacement": "kOhm", "force": "mm", "resistance": "N", "temperature": "mm"}
 DECOYS = [("Cycle", ""), ("Note", ""), ("Max force", "N"), ("Force rate", "N/s"), ("Point", ""), ("Sollweg", "mm")]
 TITLES = ["Specimen 1", '"Specimen 1"', "Instron 5543, knit 3", "Prüfung: Gestrick; Charge 7", "# exported"]
+TITLES += ['"Remark: washed\ntwice"', '"Strip 2 wide', 'Strip 2" wide']  # line breaks and inches
 FORMS = ["{name} [{unit}]", "{name} ({unit})", "{name}({unit})", "{name} / {unit}", "{name}, {unit}", "{name}_{unit}"]
+FORMS += ["{name}\n({unit})", "{name} in {unit}", "# {name} [{unit}]"]
 
 
 @dataclass

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -65,7 +66,9 @@ HEADERLESS = {
 
 def test_without_a_header_columns_are_numbered_and_clocks_brought_together(tmp_path):
     path = exports.headerless(tmp_path)
-    with pytest.raises(UserError, match=r"no header, and 6 columns, which are numbered from 1 \(row 1: 1 = 439377"):
+    with pytest.raises(
+        UserError, match=r"no header was found above the 6 columns, which are numbered from 1 \(row 1: 1 = 439377"
+    ):
         import_csv(path, Wish(40.0))
     with pytest.raises(UserError, match=r"time .column 2.: the file does not say its unit"):
         import_csv(path, Wish(40.0, HEADERLESS["columns"]))
@@ -86,6 +89,37 @@ def test_a_displacement_that_runs_the_wrong_way_is_said(tmp_path):
 
 def test_excel_is_read_as_it_is_shown(tmp_path):
     same(import_csv(exports.workbook(tmp_path), Wish(40.0)).recording)
+
+
+def written_workbook(folder: Path, values: list, number_format: str = "General") -> Path:
+    import openpyxl
+
+    book = openpyxl.Workbook()
+    book.active.append(["Time (s)", "Extension (mm)", "R (kOhm)"])
+    for at, value in enumerate(values):
+        book.active.append([at, 0.5 * at, value])
+        book.active.cell(at + 2, 3).number_format = number_format
+    book.save(folder / "lab.xlsx")
+    return folder / "lab.xlsx"
+
+
+@pytest.mark.parametrize(
+    ("form", "shown"), [("#,##0.0,", 47_000), ('0.0,,"M"', 47), ("#,##0.0", 47e6), ('0.0 "a,"', 47e6), ("0%", 47e8)]
+)
+def test_a_number_is_what_the_sheet_shows(tmp_path, form, shown):
+    """A header that says kOhm is of what stands there: a format may show a thousandth of what the cell holds."""
+    recording = import_csv(written_workbook(tmp_path, [47e3, 46e3, 45e3], form), Wish(40.0)).recording
+    assert recording["resistance_ohm"][0] == pytest.approx(shown)
+
+
+def test_numbers_that_a_workbook_holds_as_text(tmp_path):
+    path = written_workbook(tmp_path, ["46,5", "46,4", "46,3"])
+    assert import_csv(path, Wish(40.0)).recording["resistance_ohm"][0] == pytest.approx(46_500)
+    path = written_workbook(tmp_path, ["46,512", "46,412", "46,312"])
+    with pytest.raises(UserError, match="numbers stored as text such as '46,512'; say --decimal"):
+        import_csv(path, Wish(40.0))
+    recording = import_csv(path, Wish(40.0, hints=Hints(decimal=","))).recording
+    assert recording["resistance_ohm"][0] == pytest.approx(46_512)
 
 
 def test_of_several_tables_in_a_workbook_one_must_be_named(tmp_path):
@@ -120,6 +154,24 @@ def test_tdms_channels_keep_their_clocks(tmp_path):
 TWO_CLOCKS = "t_R [s],R [ohm],t_F [s],F [N],t_x [s],x [mm]\n" + "".join(
     f"{t:.2f},{900 + t:.2f},{t + 0.01:.2f},{t:.2f},{t + 0.02:.2f},{2 * t:.2f}\n" for t in np.arange(0, 2, 0.1)
 )
+
+
+@pytest.mark.parametrize(
+    ("unit", "said"), [("t_F", "does not say its unit"), ("t_F [ticks]", "'ticks' cannot be read")]
+)
+def test_another_clocks_unit_says_nothing_of_this_one(tmp_path, unit, said):
+    (tmp_path / "lab.csv").write_text(TWO_CLOCKS.replace("t_F [s]", unit))
+    wish = Wish(40.0, columns={"time": "1"}, time_of={"force": "3", "displacement": "5"})
+    with pytest.raises(UserError, match=f"the times of force: .*{said}.*; say --time-unit"):
+        import_csv(tmp_path / "lab.csv", wish)
+    recording = import_csv(tmp_path / "lab.csv", replace(wish, units={"time": "s"})).recording
+    assert recording["force_N"] == pytest.approx(recording.time_s + 0.1 - 0.01, abs=1e-9)
+
+
+def test_of_several_times_the_message_knows_clocks(tmp_path):
+    (tmp_path / "lab.csv").write_text(TWO_CLOCKS.replace("t_x", "t_other"))
+    with pytest.raises(UserError, match=r"say which, .* where a channel has a clock of its own, --time-of force="):
+        import_csv(tmp_path / "lab.csv", Wish(40.0))
 
 
 @pytest.mark.parametrize("name", ["{}", "Time [s]"])
@@ -229,6 +281,8 @@ def test_where_it_cannot_be_told_it_is_refused(tmp_path, head, message):
     [
         ("0,5;1,5;1.234,5", 1234.5),
         ("0,5;1,5;12 345,5", 12345.5),
+        ("0,5;1,5;12\u00a0345,5", 12345.5),
+        ("0,5;1,5;12\u202f345,5", 12345.5),
         ("0.5;1.5;1,234.5", 1234.5),
         ("0.5;1.5;1'234", 1234),
     ],
@@ -244,9 +298,10 @@ def test_thousands_that_a_number_proves(tmp_path, cells, value):
 def test_thousands_that_nothing_proves_are_refused(tmp_path, cells):
     path = tmp_path / "lab.csv"
     path.write_text(f"t [s];x [mm];R [Ohm]\n{cells}\n{cells}\n")
-    with pytest.raises(UserError, match=r"R \[Ohm\] must be a number, got '1.234'"):
-        import_csv(path, Wish(40.0))
     mark = "." if "1.234" in cells else ","
+    said = rf"R \[Ohm\] must be a number, got '1.234'; if '\{mark}' parts thousands, say --thousands \{mark}"
+    with pytest.raises(UserError, match=said):
+        import_csv(path, Wish(40.0))
     with pytest.raises(UserError, match="time must increase"):
         import_csv(path, Wish(40.0, hints=Hints(thousands=mark)))
 
@@ -303,7 +358,7 @@ def test_foreign_electropuls_file_has_two_positions():
 @pytest.mark.real_data
 @pytest.mark.parametrize("name", ["headerless-7-columns.csv", "bom-headerless-12-columns.csv"])
 def test_foreign_files_without_header_are_asked_about(name):
-    with pytest.raises(UserError, match=r"the file has no header, and (7|12) columns"):
+    with pytest.raises(UserError, match=r"no header was found above the (7|12) columns"):
         import_csv(FOREIGN / name, Wish(50.0))
 
 

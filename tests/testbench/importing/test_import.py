@@ -9,7 +9,7 @@ import pytest
 
 from gcode.support.errors import UserError
 from testbench import cli
-from testbench.importing.from_file import Wish, import_csv
+from testbench.importing.from_file import Hints, Wish, import_csv
 from testbench.recordings.files import read_recording
 
 REAL = Path(__file__).parents[3] / "../shared/data/real"
@@ -188,3 +188,38 @@ def test_measured_recordings_import_unchanged():
     done = import_csv(path, Wish(40.0))
     ours = read_recording(path, 40.0)
     assert np.array_equal(done.recording["resistance_ohm"], ours["resistance_ohm"])
+
+
+@pytest.mark.parametrize(
+    ("said", "message"),
+    [
+        (["--encoding", "hex"], "--encoding must be one such as utf-8, latin-1, gbk or shift-jis, got 'hex'"),
+        (["--separator", "::"], "--separator must be one character between columns, such as ; or \\t, got '::'"),
+        (["--separator", '"'], "--separator must be one character"),
+        (["--header-row", "-1"], "--header-row must be a row, counted from 1, or 0 where there is none, got -1"),
+        (["--units-row", "-2"], "--units-row must be a row"),
+        (["--thousands", "abc"], "--thousands must be one of ',', '.', \"'\", '’', ' ', got 'abc'"),
+        (["--thousands", ".", "--decimal", "."], "--thousands must be one of ',', \"'\", '’', ' ', got '.'"),
+        (["--sheet", "Data"], "--sheet is of a workbook or a TDMS file"),
+    ],
+)
+def test_what_cannot_be_so_is_a_sentence(tmp_path, capsys, said, message):
+    (tmp_path / "lab.csv").write_text("Time [s],Weg [mm]\n0.0,1.0\n0.1,1.5\n0.2,2.5\n")
+    argv = ["import", str(tmp_path / "lab.csv"), "--gauge-length-mm", "40", "-o", str(tmp_path / "out")]
+    assert cli.main([*argv, *said]) == 2
+    assert message in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_what_parts_thousands_is_not_the_decimal_sign(tmp_path):
+    (tmp_path / "lab.csv").write_text("t [s];x [mm];R [Ohm]\n0;1;47.100\n1;2;47.200\n2;3;47.300\n")
+    recording = import_csv(tmp_path / "lab.csv", Wish(40.0, hints=Hints(thousands="."))).recording
+    assert recording["resistance_ohm"].tolist() == [47_100, 47_200, 47_300]
+
+
+def test_a_folder_and_a_name_of_many_characters_are_said_short(tmp_path, capsys):
+    assert cli.main(["import", str(tmp_path), "--gauge-length-mm", "40", "-o", str(tmp_path / "out")]) == 2
+    assert "a folder, no file" in capsys.readouterr().err
+    (tmp_path / "lab.csv").write_text(f"Time [s],{'x' * 5000},Weg\n0.0,1.0,1\n0.1,1.5,2\n0.2,2.5,3\n")
+    assert cli.main(["import", str(tmp_path / "lab.csv"), "-o", str(tmp_path / "out")]) == 2
+    assert len(capsys.readouterr().err) < 400

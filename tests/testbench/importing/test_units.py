@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from gcode.support.errors import UserError
 from testbench.importing.headings import read_heading
-from testbench.importing.notation import decimal_sign
+from testbench.importing.notation import decimal_sign, seconds
 from testbench.importing.units import conversion, given_unit, number_in_words, unit_of, units_spelt
 from testbench.importing.words import ROLES
 
@@ -74,6 +75,22 @@ HEADINGS = [
     ("Last", set(), ""),
     ("Sollweg [mm]", set(), "mm"),
     ("kOhm", set(), "kOhm"),
+    ("# Zeit in s", {"time"}, "s"),
+    ("R k Ohm", {"resistance"}, "k Ohm"),
+    ("R (k Ohm)", {"resistance"}, "k Ohm"),
+    ("R_k_Ohm", {"resistance"}, ""),
+    ("Kraft (in kN)", {"force"}, "in kN"),
+    ("Load cell 100N [N]", {"force"}, "N"),
+    ("max10 [mm]", set(), "mm"),
+]
+POWERS = [
+    "R Ohm (x1000)",
+    "R [10^3 Ohm]",
+    "R [Ohm] x1000",
+    "R [Ohm] (10³)",
+    "R / 1000 Ohm",
+    "R Ohm (*0,001)",
+    "R*1e3 [Ohm]",
 ]
 
 
@@ -84,12 +101,27 @@ def test_header_cells_are_parted(text, roles, unit_text):
     assert heading.unit_text == unit_text
 
 
+@pytest.mark.parametrize("text", POWERS)
+def test_beside_a_power_of_ten_no_unit_can_be_told(text):
+    """It may say what the numbers are to be multiplied by, or what they were."""
+    heading = read_heading(text)
+    assert heading.power in heading.unit_text
+    assert heading.power
+    assert heading.unit(heading.unit_text) is None
+
+
 @pytest.mark.parametrize(
     ("cells", "sign"),
     [
         (["0,5", "1"], ","), (["0.5"], "."), (["12"], "."), (["1,234"], None), (["1,234", "0,5"], ","),
         (["1.234,5"], ","), (["1,234.5"], "."), (["0,5", "0.5"], None), (["1.234", "0.5"], "."),
+        (["1.234"], None), (["−0,5"], ","),
     ],
 )  # fmt: skip
 def test_a_decimal_sign_must_be_proven(cells, sign):
     assert decimal_sign(cells) == sign
+
+
+def test_noon_and_midnight_of_a_clock_of_twelve_hours():
+    times = pd.Series(["11:59:59.5 AM", "12:00:00.5 PM", "11:59:59.5 PM", "12:00:00.5 AM"])
+    assert seconds(times)[0] - 43_199.5 == pytest.approx([0, 1, 43_200, 43_201])

@@ -37,7 +37,7 @@ def foreign_csv(folder: Path) -> Path:
 def test_the_whole_loop_on_a_measured_csv(running, page, tmp_path: Path) -> None:
     address, root = running.address, running.root
     page.goto(address)
-    page.get_by_role("button", name="Import a CSV").click()
+    page.get_by_role("button", name="Import a file").click()
     page.get_by_label("File on this machine").fill(str(foreign_csv(tmp_path).resolve()))
     page.get_by_role("button", name="Read the file").click()
     page.get_by_label("Gauge length / mm").fill("40")

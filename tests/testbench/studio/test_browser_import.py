@@ -32,6 +32,7 @@ def test_a_file_needs_nothing_but_its_gauge_length(shared, page, tmp_path, expor
     page.get_by_role("button", name="Import", exact=True).click()
     page.get_by_text("“Gauge length / mm” is empty").wait_for()
     page.get_by_label("Gauge length / mm").fill("40")
+    page.get_by_text("“Gauge length / mm” is empty").wait_for(state="detached")
     page.get_by_label("Campaign name").fill(export.__name__)
     shot(page, f"import-{export.__name__}")
     page.get_by_role("button", name="Import", exact=True).click()

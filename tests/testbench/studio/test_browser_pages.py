@@ -36,7 +36,7 @@ __all__ = ["browser", "finished", "full", "page", "running", "standing"]  # pyte
 PAGES = {
     "/": "verified",
     "/side?a=knit&b=knit": "knit: six half minutes",
-    "/import": "Import a CSV",
+    "/import": "Import a file",
     "/plan?program=short": "Largest acceleration",
     "/record": "Campaign name",
     "/effects": "Save and check",

@@ -9,6 +9,7 @@ import signal
 import subprocess
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from gcode.cli import main as gcode
@@ -37,8 +38,18 @@ def record(page, address: str) -> None:
     samples(page, 100)
 
 
+def lines(root: Path) -> list[str]:
+    return (root / "recorded-1" / "recording.csv").read_text().splitlines()
+
+
 def rows(root: Path) -> int:
-    return (root / "recorded-1" / "recording.csv").read_text().count("\n")
+    return len(lines(root))
+
+
+def longest_gap_s(root: Path) -> float:
+    """Between neighbouring samples; the last line may not be whole yet."""
+    times_s = [float(line.partition(",")[0]) for line in lines(root)[1:-1]]
+    return float(np.diff(times_s).max())
 
 
 def status(root: Path) -> str:
@@ -52,6 +63,7 @@ def test_the_recorder_outlives_a_killed_server_and_is_found_again(planned: Serve
     planned.process.wait()
     before = rows(planned.root)
     until(page, lambda: rows(planned.root) > before + 60)
+    assert longest_gap_s(planned.root) < 0.5, "about 37 samples a second go on being recorded, and none is lost"
     port = int(planned.address.rpartition(":")[2])
     again = start_studio(planned.root, port)
     try:

@@ -49,7 +49,7 @@ def test_from_a_file_to_verdict_and_report(
     path = export(tmp_path, measured)
     page.goto(running.address)
     steps = Steps(running)
-    page.get_by_role("button", name="Import a CSV").click()
+    page.get_by_role("button", name="Import a file").click()
     page.get_by_label("File on this machine").fill(str(path))
     page.get_by_role("button", name="Read the file").click()
     page.get_by_text("Found: ").wait_for()

@@ -34,6 +34,8 @@ def test_every_option_has_a_field(flag):
         ("add --negate displacement force", "choose “Turn the sign” at displacement force"),
         ("say which, e.g. --displacement 9 (or --displacement none)",
          "say which, e.g. “Column of displacement” (or “Column of displacement”)"),
+        ("say --decimal , or --decimal .", "choose “Decimal sign” comma or “Decimal sign” point"),
+        ("say --header-row 0 and", "choose “Header row” 0 and"),
     ],
 )  # fmt: skip
 def test_in_the_words_of_the_page(said, page):

@@ -389,6 +389,22 @@ async def test_a_file_that_an_address_names_is_read_as_it_was_chosen(user: User,
     await user.should_see("which the import does not know", retries=50)
 
 
+async def test_thousands_show_what_becomes_of_them(user: User, tmp_path: Path) -> None:
+    path = tmp_path / "grouped.csv"
+    path.write_text("Zeit [s];Weg [mm];R [Ohm]\n" + "".join(f"{n},5;{n % 7},5;47.{n:03d}\n" for n in range(60)))
+    await user.open(address("/import", file=str(path)))
+    await user.should_see("no number at the top of the file", retries=100)
+    await user.open(address("/import", file=str(path), chosen='{"hints":{"thousands":"."}}'))
+    await user.should_see("47 000 Ω", retries=100)
+
+
+async def test_clocks_that_cannot_be_told_apart_lead_to_where_they_are_chosen(user: User, tmp_path: Path) -> None:
+    path = tmp_path / "clocks.csv"
+    path.write_text("t_R [s],R [kOhm],t_a [s],Force [N]\n" + "".join(f"{n},40,{n},1.5\n" for n in range(60)))
+    await user.open(address("/import", file=str(path)))
+    await user.should_see("a clock of its own, see “Other quantities, and several clocks”", retries=100)
+
+
 def _selects(user: User) -> set[ui.select]:
     return user.find(kind=ui.select).elements
 
