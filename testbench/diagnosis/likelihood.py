@@ -1,7 +1,8 @@
 """How samples count: the noise at each of them, and how many of them are independent.
 
-e_i = sigma_c s_i z_i. s_i follows the noise of the reading over its level, and the noise of the displacement through
-the slope of the model (effective variance, Orear, Am. J. Phys. 50 (1982) 912).
+e_i = sigma_c s_i z_i. s_i follows the noise of the reading over its level, the noise of the displacement through the
+slope of the model (effective variance, Orear, Am. J. Phys. 50 (1982) 912), and the jitter of the reading's age through
+its speed.
 """
 
 from __future__ import annotations
@@ -129,17 +130,48 @@ def noise_of(measurement: Measurement) -> dict[str, float]:
     return found
 
 
-def likelihood_of(model: KnitModel, measurement: Measurement, noise: Mapping[str, float]) -> Likelihood:
-    """Samples and their relative noise, taken as independent."""
+def jitter_of(model: KnitModel, measurement: Measurement) -> dict[str, float]:
+    """Standard deviation of each reading's age in seconds: by how much noisier it is while it moves fast.
+
+    Converters average and hold, and a loop asks for them at any time. Second differences of what a model leaves show
+    no motion; those of the faster half of the samples are compared with those of the slower half.
+    """
+    found = {}
+    for channel, left in measurement.residual(model).items():
+        values = measurement.measured[channel] - left
+        speed = np.abs(np.gradient(values, measurement.signals["time_s"]))[1:-1]
+        rough = np.diff(left, 2) / np.sqrt(6)
+        inside = measurement.counts[1:-1] & within_range(measurement.measured[channel])[1:-1]
+        fast = inside & (speed > np.median(speed[inside]))
+        more = robust_sd(rough[fast]) ** 2 - robust_sd(rough[inside & ~fast]) ** 2
+        found[channel] = max(more, 0.0) ** 0.5 / max(float(np.median(speed[fast])), 1e-300)
+    return found
+
+
+def likelihood_of(
+    model: KnitModel,
+    measurement: Measurement,
+    noise: Mapping[str, float],
+    jitter_s: Mapping[str, float] | None = None,
+) -> Likelihood:
+    """Samples and their relative noise, taken as independent.
+
+    Parameters
+    ----------
+    noise, jitter_s : mapping of channel to float
+        See `noise_of` and `jitter_of`; without the latter there is no jitter.
+    """
     counting = np.flatnonzero(measurement.counts)
     thin = max(1, -(-len(counting) // constants.SAMPLES))
     rows = counting[::thin]
-    slope = _slopes(model, measurement)
+    slope, modelled = _slopes(model, measurement), measurement.modelled(model)
     weight, floor = {}, {}
     for channel, values in measurement.measured.items():
+        speed = np.gradient(modelled[channel], measurement.signals["time_s"])[rows]
         by_level = _noise_by_level(values)[rows]
         read = noise[channel] * np.clip(by_level / np.median(by_level), 0.3, MOST_NOISE)
         sd = np.hypot(read, (slope[channel] * measurement.strain_noise)[rows])
+        sd = np.hypot(sd, (jitter_s or {}).get(channel, 0.0) * speed)
         floor[channel] = float(np.mean(sd**-2.0) ** -0.5)
         weight[channel] = floor[channel] / sd
     return Likelihood(measurement, rows, weight, floor, constants.ETA)

@@ -16,7 +16,7 @@ from testbench.fitting.candidates import Candidate, candidate_mechanisms, expand
 from testbench.fitting.fit import shape_scales
 from testbench.knit.cache import SimulationCache
 from testbench.knit.catalogue import Catalogue
-from testbench.knit.effect import Effect, FloatArray
+from testbench.knit.effect import Effect, FloatArray, bounds_of
 
 Rows = Mapping[str, FloatArray]  # channel -> columns at the samples that count, shape (m, k)
 WEAK = 0.1  # of the strength that the data ask for to first order
@@ -160,7 +160,8 @@ class Screen:
         gain = float(gain) - np.log(len(law.candidates))
         effect = candidate.at(amount)
         size = abs(getattr(effect, effect.strength))
-        believed = (size, 0.3 * size) if candidate.from_data or effect.nonlinear else None
+        said = bounds_of(type(effect).model_fields[effect.strength])["typical"]
+        believed = (size, 0.3 * size) if candidate.from_data or (effect.nonlinear and not said) else None
         return Proposal(law.mechanism, candidate.law, effect, gain, step, believed)
 
     def _vector(self, law: Law, rows: Rows) -> Proposal:

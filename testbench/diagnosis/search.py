@@ -16,7 +16,7 @@ from testbench.comparing.ladder import drawn_to_data
 from testbench.diagnosis import constants
 from testbench.diagnosis.discrepancy_map import Map
 from testbench.diagnosis.laplace import Hypothesis, fitted, under
-from testbench.diagnosis.likelihood import Likelihood, likelihood_of, noise_of, telling
+from testbench.diagnosis.likelihood import Likelihood, jitter_of, likelihood_of, noise_of, telling
 from testbench.diagnosis.proposals import Proposal, Screen, laws_of
 from testbench.diagnosis.rounds import Entry, Round, excess, explained
 from testbench.diagnosis.starts import best_start
@@ -78,7 +78,8 @@ class Search:
         tell("fitting the baseline")
         start = start or starting_baseline(self.measurement, catalogue)
         self.reference = without_shapes(start)
-        self.likelihood = replace(likelihood_of(self.reference, self.measurement, self.noise), pieces=pieces)
+        self.jitter_s = jitter_of(self.reference, measurement)
+        self.likelihood = replace(self.likelihood_on(self.measurement), pieces=pieces)
         self.compared = self.likelihood.in_pieces
         tell("fitting the shape of the base laws")
         flexible = with_shapes(self.reference, self.measurement, catalogue, like=start)
@@ -148,7 +149,11 @@ class Search:
         finer = _on_the_grid(self.whole, constants.FINER)
         if finer.dt_s == self.measurement.dt_s:
             return self.likelihood
-        return replace(likelihood_of(self.reference, finer, self.noise), pieces=self.likelihood.pieces)
+        return replace(self.likelihood_on(finer), pieces=self.likelihood.pieces)
+
+    def likelihood_on(self, measurement: Measurement) -> Likelihood:
+        """How the samples of a grid count."""
+        return likelihood_of(self.reference, measurement, self.noise, self.jitter_s)
 
     def round(self, current: Hypothesis, others: Sequence[Hypothesis]) -> Round:
         """One step.

@@ -20,7 +20,7 @@ SHAPES = FORCE_SHAPES + CONDUCTANCE_SHAPES
 
 
 def starting_baseline(measurement: Measurement, catalogue: Catalogue | None = None) -> KnitModel:
-    """Elasticity, hysteresis, contact (or piezoresistance) and drift, started from the data.
+    """Elasticity, hysteresis, contact (or piezoresistance), drift and the age of each reading, started from the data.
 
     A recording without force gets no force laws beyond what its conductance needs; one without resistance gets no
     electrical laws. Conductance that falls with stretch gets `piezoresistance` in place of `contact`. Where force and
@@ -36,17 +36,19 @@ def starting_baseline(measurement: Measurement, catalogue: Catalogue | None = No
     falls = log_g is not None and _slope(strain, log_g[seen]) < 0
     if force is not None or not falls:
         laws += _force_laws(effects, strain, None if force is None else force[seen])
+    if force is not None:
+        laws.append(effects["force_age"]())
     if log_g is None:
         return KnitModel.of(*laws)
-    log_g, drift = log_g[seen], effects["drift"].model_validate({"per_decade": 0.0})
+    log_g, last = log_g[seen], (effects["drift"].model_validate({"per_decade": 0.0}), effects["conductance_age"]())
     if falls:
         signals = {"strain": strain, "conductance_S": np.exp(log_g)}
-        return KnitModel.of(*laws, effects["piezoresistance"]().started(signals, {}), drift)
+        return KnitModel.of(*laws, effects["piezoresistance"]().started(signals, {}), *last)
     if force is None:
         contacts: list[Effect] = [contact_start(effects["contact"](), _pressing(laws, measurement)[seen], log_g)]
     else:
         contacts = driven_contact(effects["contact_drive"](), effects["contact"](), strain, force[seen], log_g)
-    return KnitModel.of(*laws, *contacts, drift)
+    return KnitModel.of(*laws, *contacts, *last)
 
 
 def laws_that_may_act(model: KnitModel, measurement: Measurement, catalogue: Catalogue | None = None) -> list[Effect]:

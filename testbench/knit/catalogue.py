@@ -34,6 +34,8 @@ BUILT_IN = {
     "coating_cracks": "testbench.knit.electrical:CoatingCracks",
     "electrical_hysteresis": "testbench.knit.electrical:ElectricalHysteresis",
     "buckling": "testbench.knit.buckling:Buckling",
+    "force_age": "testbench.knit.reading_age:ForceAge",
+    "conductance_age": "testbench.knit.reading_age:ConductanceAge",
     # kinematics
     "permanent_set": "testbench.knit.permanent_set:PermanentSet",
     "permanent_set_yield": "testbench.knit.permanent_set:PermanentSetYield",
@@ -59,6 +61,7 @@ BUILT_IN = {
     "stress_relaxation_power": "testbench.knit.relaxation:StressRelaxationPower",
     "stress_relaxation_log": "testbench.knit.relaxation:StressRelaxationLog",
     "stress_relaxation_nonlinear": "testbench.knit.relaxation:StressRelaxationNonlinear",
+    "stress_relaxation_series": "testbench.knit.relaxation:StressRelaxationSeries",
     "viscous_rate_stiffening": "testbench.knit.relaxation:ViscousRateStiffening",
     "viscous_rate_stiffening_eyring": "testbench.knit.relaxation:ViscousRateStiffeningEyring",
     "viscous_rate_stiffening_log": "testbench.knit.relaxation:ViscousRateStiffeningLog",

@@ -30,7 +30,7 @@ class ChannelLag(ChannelLagLaw):
     name = "channel_lag"
     look = "conductance comes later than force, so their loop widens with speed"
 
-    tau_s: float = parameter(0.2, unit="s", low=0, high=10, doc="time constant of the filter")
+    tau_s: float = parameter(0.2, unit="s", low=0, high=10, typical=0.1, doc="time constant of the filter")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         return {"conductance_S": lowpass(signals["conductance_S"], self.tau_s, dt_s)}
@@ -48,7 +48,7 @@ class ChannelLagResistance(ChannelLagLaw):
     name = "channel_lag_resistance"
     look = "conductance comes later than force, and later when it rises than when it falls"
 
-    tau_s: float = parameter(0.2, unit="s", low=0, high=10, doc="time constant of the filter")
+    tau_s: float = parameter(0.2, unit="s", low=0, high=10, typical=0.1, doc="time constant of the filter")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         return {"conductance_S": 1 / lowpass(1 / signals["conductance_S"], self.tau_s, dt_s)}
@@ -67,7 +67,7 @@ class ChannelLagForce(ChannelLagLaw):
     reads, writes = ("force_N",), ("force_N",)
     look = "force comes later than displacement and conductance"
 
-    tau_s: float = parameter(0.2, unit="s", low=0, high=10, doc="time constant of the filter")
+    tau_s: float = parameter(0.2, unit="s", low=0, high=10, typical=0.1, doc="time constant of the filter")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         return {"force_N": lowpass(signals["force_N"], self.tau_s, dt_s)}
@@ -86,7 +86,7 @@ class ChannelLagDelay(ChannelLagLaw):
     strength = "delay_s"
     look = "conductance is the same curve, later"
 
-    delay_s: float = parameter(0.2, unit="s", low=0, high=10, doc="delay")
+    delay_s: float = parameter(0.2, unit="s", low=0, high=10, typical=0.1, doc="delay")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         conductance = signals["conductance_S"]

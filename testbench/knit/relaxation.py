@@ -199,6 +199,35 @@ class StressRelaxationNonlinear(StressRelaxationLaw):
         return self.fraction * (lowpass(driving_N, self.tau_s, dt_s) - driving_N[0])
 
 
+class StressRelaxationSeries(Effect):
+    """Part of the knit gives way under its load within seconds, and comes back (delayed elasticity).
+
+    F(t) = F_e(e - s),   s = fraction * (y - e(0)),   tau y' = e - y
+
+    Held at constant strain, what gives way takes stretch from the rest, whose force sinks along its own curve. Unlike
+    in `stress_relaxation`, what is lost follows the strain, whatever the curve of the force.
+
+    Source: Ferry, Viscoelastic Properties of Polymers (1980), ch. 1 (Kelvin-Voigt element in series, the standard
+    linear solid); Huber & Tsakmakis, Mech. Mater. 32 (2000) 1 (the same at finite strain).
+    Valid: what gives way is as stiff as the rest at every strain. What takes minutes is a set that recovers
+    (`permanent_set_recovering`).
+    """
+
+    name = "stress_relaxation_series"
+    mechanism = "stress_relaxation"
+    stage = Stage.KINEMATICS
+    reads, writes = ("strain",), ("strain",)
+    strength = "fraction"
+    look = "loops that are wide for their force and open at slow rates; in a hold the force sinks"
+
+    fraction: float = parameter(0.3, unit="1", low=0, high=0.95, doc="share of the stretch that gives way in the end")
+    tau_s: float = parameter(10.0, unit="s", low=0.1, high=60, scale="log", doc="time in which 63 % of it gives way")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        strain = signals["strain"]
+        return {"strain": strain - self.fraction * (lowpass(strain, self.tau_s, dt_s) - strain[0])}
+
+
 class RateLaw(Effect):
     """Base of the laws of viscous stiffening: force that depends on how fast the knit is stretched."""
 

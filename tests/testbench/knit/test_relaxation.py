@@ -12,6 +12,7 @@ from testbench.knit.relaxation import (
     StressRelaxationLog,
     StressRelaxationNonlinear,
     StressRelaxationPower,
+    StressRelaxationSeries,
     StressRelaxationSpectrum,
     StressRelaxationTwoTimes,
     ViscousRateStiffening,
@@ -61,6 +62,12 @@ def test_nonlinear_relaxation_with_power_one_is_the_linear_one() -> None:
     linear = StressRelaxation(fraction=0.3, tau_s=5.0).apply({"force_N": STEP}, DT_S)["force_N"]
     same = StressRelaxationNonlinear(fraction=0.3, tau_s=5.0, power=1.0).apply({"force_N": STEP}, DT_S)["force_N"]
     np.testing.assert_allclose(same, linear, atol=1e-12)
+
+
+def test_what_gives_way_in_series_takes_its_share_of_a_step():
+    strain = StressRelaxationSeries(fraction=0.4, tau_s=5.0).apply({"strain": 0.2 * STEP}, DT_S)["strain"]
+    left = 1 + 0.4 * np.expm1(-(T[1:] - DT_S / 2) / 5.0)
+    np.testing.assert_allclose(strain[1:], 0.2 * left, atol=1e-5)
 
 
 def test_box_spectrum_loses_its_whole_fraction_in_the_end() -> None:

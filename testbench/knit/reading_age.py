@@ -1,0 +1,65 @@
+"""Readings are a little older than the displacement beside them: a part of the base, for every rig has it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
+from testbench.knit.filters import log_conductance, shifted
+
+
+class ForceAge(Effect):
+    """The force in a row of the recording is a few milliseconds older than the displacement in it.
+
+    reading(t) = F(t) - age * dF/dt
+
+    Source: Texas Instruments ADS1231 data sheet (SBAS414): at 80 SPS the last finished conversion is 6 ms old on
+    average. A displacement that comes from the controller may be older than the force: then the age is negative.
+    Valid: short against the motion; for more see `channel_lag_force`.
+    """
+
+    name = "force_age"
+    stage = Stage.READOUT
+    reads, writes = ("time_s", "force_N"), ("force_N",)
+    look = "a loop of the force that widens with the speed, by milliseconds"
+
+    age_s: float = parameter(0.0, unit="s", low=-0.015, high=0.015, typical=0.01, doc="mean age of the reading")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        force = signals["force_N"]
+        return {"force_N": force - self.age_s * _slope(force, signals["time_s"])}
+
+
+class ConductanceAge(Effect):
+    """The resistance in a row of the recording is a few milliseconds older than the displacement in it.
+
+    ln reading(t) = ln G(t) - age * d(ln G)/dt
+
+    Source: Texas Instruments ADS1115 data sheet (SBAS444): conversions that are averaged over 25 ms are 12 ms old.
+    Valid: short against the motion; for more see `channel_lag`.
+    """
+
+    name = "conductance_age"
+    stage = Stage.READOUT
+    reads, writes = ("time_s", "conductance_S"), ("conductance_S",)
+    look = "a loop of the conductance that widens with the speed, by milliseconds"
+
+    age_s: float = parameter(0.0, unit="s", low=-0.015, high=0.015, typical=0.01, doc="mean age of the reading")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        conductance = signals["conductance_S"]
+        return {
+            "conductance_S": shifted(
+                conductance, -self.age_s * _slope(log_conductance(conductance), signals["time_s"])
+            )
+        }
+
+
+def _slope(values: FloatArray, time_s: FloatArray) -> FloatArray:
+    """By time, shape (n,), from the neighbours of each sample."""
+    if len(values) < 3:
+        return np.zeros_like(values)
+    slope = np.empty_like(values)
+    slope[1:-1] = (values[2:] - values[:-2]) / (time_s[2:] - time_s[:-2])
+    slope[0], slope[-1] = slope[1], slope[-2]
+    return slope
