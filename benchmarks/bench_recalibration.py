@@ -89,7 +89,7 @@ def _report_pairs(cases: Sequence[Case], seconds: float) -> None:
     )
     print(f"{f'mean of {len(rows)}':62}" + _cells(every.mean(axis=0)))
     print(
-        f"auto after the reference, of {len(rows)}: not below the line after the same one in {(after >= line).sum()}, "
+        f"auto after the reference, of {len(rows)}: not below the line after the same in {(after >= line).sum()}, "
         f"not below raw in {(after >= raw).sum()} (as it is: {(as_is >= raw).sum()}), better than as it is in "
         f"{(after > as_is).sum()}"
     )
