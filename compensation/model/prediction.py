@@ -161,7 +161,7 @@ def at_rest(compensator: Compensator, path: str | Path, seconds: float) -> Serie
     if wander > MOST_WANDER:
         raise UserError(
             f"{path}: over its first {seconds:g} s the conductance spreads {wander:.2f} times as far as in the "
-            f"training, at rest it does {MOST_WANDER:g} times at most; give --seconds of real rest, or leave --rest out"
+            f"training, at rest it does {MOST_WANDER:g} times at most; give --seconds of rest, or leave --rest out"
         )
     if compensator.resampling_hz is not None:
         grid = np.arange(time_s[0], time_s[-1], 1.0 / compensator.resampling_hz)
