@@ -1,40 +1,58 @@
 """What a minute of reference buys: campaigns long after the training, and another specimen.
 
     python benchmarks/bench_recalibration.py [--sets 301,302,303] [--campaigns DIR]
+    python benchmarks/bench_recalibration.py --pairs others,unseen [--seconds 30]
 
 `train --method auto` learns from a specimen's first campaign. Its campaigns 4, 8 and 12, and the fourth of another
 specimen of the same kind, are predicted as they are and after `recalibrate` with their first 30 or 60 s, or with
 rest: the first reading, held for 10 s, and its force or displacement. Scored is what comes after 60 s, by the
 ordinary r2, where an error in level counts in full. `recalibrate` was developed on numbers 101 to 104.
+
+`--pairs` takes measured pairs of `compensator_cases` in place of simulated specimens. Scored is what comes after the
+reference: raw (given the mean and the spread of the target there, which nobody in use knows), and a straight line and
+`auto`, both trained on the first recording, as they are and after the same reference. No pair chose anything here.
 """
 
 from __future__ import annotations
 
 import argparse
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from compensator_ageing import chain
+from compensator_cases import Case, others, unseen
+from compensator_rivals import seed_of
 
 from compensation.model.compensator import Compensator
+from compensation.model.runtime import ready_for_use
 from compensation.series import score
 from compensation.series.preprocessing import TARGETS, Series, series_of
+from compensation.training.arrays import training_arrays, untrained
 from compensation.training.auto import train_automatically
+from compensation.training.learners import linear
 from compensation.training.options import Options
 from compensation.training.recalibration import recalibrated
 
 RATE_HZ, REST_S, FIRST_S = 20.0, 10.0, 60.0
 LATER = (4, 8, 12)
 WAYS = ("as it is", "rest", "30 s", "60 s")
+PAIR_WAYS = ("raw", "line", "line, ref.", "auto", "auto, rest", "auto, ref.")
+JUDGES = (score.r2, score.r2_ordinary)
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--sets", default="301,302,303", help="numbers of the specimens")
     parser.add_argument("--campaigns", type=Path, default=Path(tempfile.gettempdir()) / "knitbench-bench")
+    parser.add_argument("--pairs", help="measured pairs in place of specimens: others, unseen, or both with a comma")
+    parser.add_argument("--seconds", type=float, default=30.0, help="of reference, for --pairs")
     args = parser.parse_args()
+    if args.pairs:
+        _report_pairs([c for c in (*others(), *unseen()) if c.kind in args.pairs.split(",")], args.seconds)
+        return
     args.campaigns.mkdir(parents=True, exist_ok=True)
     numbers = [int(number) for number in args.sets.split(",")]
     print(f"ordinary r2 after the first minute, mean (worst) over specimens {args.sets}")
@@ -50,6 +68,63 @@ def main() -> None:
                 found = np.array(rows)
                 cells = [f"{m:.3f} ({w:.3f})" for m, w in zip(found.mean(axis=0), found.min(axis=0), strict=True)]
                 print(f"{sensor + ' ' + target:20} {name:20}" + "".join(f" {cell:>16}" for cell in cells), flush=True)
+
+
+def _report_pairs(cases: Sequence[Case], seconds: float) -> None:
+    print(f"r2 (ordinary r2) of what comes after the first {seconds:g} s")
+    print(f"{'pair':62}" + "".join(f" {way:>15}" for way in PAIR_WAYS))
+    rows = []
+    for case in cases:
+        for target in case.targets:
+            found = _pair(case, target, seconds)
+            if found is None:
+                continue
+            rows.append(found)
+            print(f"{case.name[:48] + ', ' + target:62}" + _cells(found), flush=True)
+    if not rows:
+        return
+    every = np.array(rows)
+    raw, line, as_is, after = (
+        every[:, PAIR_WAYS.index(way), 0] for way in ("raw", "line, ref.", "auto", "auto, ref.")
+    )
+    print(f"{f'mean of {len(rows)}':62}" + _cells(every.mean(axis=0)))
+    print(
+        f"auto after the reference, of {len(rows)}: not below the line after the same in {(after >= line).sum()}, "
+        f"not below raw in {(after >= raw).sum()} (as it is: {(as_is >= raw).sum()}), better than as it is in "
+        f"{(after > as_is).sum()}"
+    )
+
+
+def _cells(found: np.ndarray) -> str:
+    return "".join(f" {f'{paper:.3f} ({usual:.3f})':>15}" for paper, usual in np.maximum(found, -9.999))
+
+
+def _pair(case: Case, target: str, seconds: float) -> np.ndarray | None:
+    """Two scores each way, shape (ways, 2); None where less than half the reference's time would be left."""
+    learned, (part, *_) = ([series_of(one, target, RATE_HZ) for one in half] for half in case.load())
+    if part.time_s[-1] - part.time_s[0] < 1.5 * seconds:
+        return None
+    auto = train_automatically(learned, target, Options(seed=seed_of(case.name, target)))
+    line, reference = _line(learned, target), _first(part, seconds)
+    late = np.arange(len(part)) >= len(reference)
+    raw = score.r2_before(part.truth[late], part.conductance_S[late], auto.sign)
+    ways = (
+        line,
+        recalibrated(line, reference),
+        auto,
+        recalibrated(auto, _at_rest(part)),
+        recalibrated(auto, reference),
+    )
+    scores = [[judge(part.truth[late], one.predict_series(part)[late]) for judge in JUDGES] for one in ways]
+    return np.array([[raw, raw], *scores])
+
+
+def _line(series: Sequence[Series], target: str) -> Compensator:
+    """A straight line through the conductance, as a compensator that can be recalibrated."""
+    blank = untrained(series, target, Options(alphas=(1.0,)))
+    features, truth = training_arrays(blank, series)
+    slope = features.T @ truth / np.sum(features**2)
+    return ready_for_use(replace(blank, networks=(linear(slope, 0.0),)), series)
 
 
 def _judged(series: dict[int, dict[int, Series]], target: str) -> Iterator[tuple[str, list[float]]]:

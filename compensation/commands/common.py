@@ -88,6 +88,11 @@ def cross_validation_table(recipe: Mapping[str, Any], unit: str) -> str:
         lines.append(f"  {name:10} {row['r2']:7.3f} {row['r2_ordinary']:7.3f} {row['rms_error']:8.4f}{mark}")
     low, high = promise["r2_interval"]
     lines.append(f"  expect r2 {promise['r2']:.3f} ({low:.3f} to {high:.3f}); raw {promise['raw_r2']:.3f}")
+    if not promise["whole_recordings"]:
+        lines.append(
+            "  for this motion and day: another recording may begin at another level and gain; fewer than three "
+            "cannot show it: give more, or `compensation recalibrate`"
+        )
     if recipe["chosen"] == "line":
         lines.append("  nothing is surely better than a straight line here, so that is what you get")
     return "\n".join(lines)

@@ -51,7 +51,7 @@ def run(args: argparse.Namespace) -> int:
 def _reference(args: argparse.Namespace, compensator: Compensator) -> Series:
     """The first seconds of the recording: its own reference, or zero throughout."""
     from compensation.model.prediction import at_rest
-    from compensation.series.preprocessing import series_of
+    from compensation.series.preprocessing import reference_of
     from compensation.series.reading import check_tared, read_signals
 
     if args.rest:
@@ -60,6 +60,6 @@ def _reference(args: argparse.Namespace, compensator: Compensator) -> Series:
     if compensator.target == "force":
         check_tared(recording)
     begin_s = float(recording.time_s[0])
-    return series_of(
+    return reference_of(
         recording.between(begin_s, begin_s + args.seconds), compensator.target, compensator.resampling_hz
     )

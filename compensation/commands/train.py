@@ -69,10 +69,12 @@ def run(args: argparse.Namespace) -> int:
     from compensation.commands.common import check_places, cross_validation_table, finish, read_all
     from compensation.model.files import save
     from compensation.scoring.scorecard import score_recordings
+    from compensation.series.reading import check_distinct
 
     options = _options(args)
     check_places(args.output, args.plot)
     recordings = read_all(args)
+    check_distinct(recordings)
     args.method = args.method or _implied(args)
     _check_long_enough(args, options, recordings)
     compensator = _from_twin(args, recordings, options) if args.twin else _from_data(args, recordings, options)

@@ -130,7 +130,10 @@ class Compensator(RegressorMixin, BaseEstimator):
     def _whole(self) -> Trained:
         check_is_fitted(self)
         if self.compensator_ is None:
-            raise ValueError("fitted by ridge (several columns, or less than 20 s): it has no stream and no file")
+            raise ValueError(
+                "fitted by ridge (asked for, or because of several columns, of under 20 s or of a constant): it has "
+                "no stream and no file; fit one column of 20 s or more with method auto, paper or tuned"
+            )
         return self.compensator_
 
     def _series(self, conductance_S: FloatArray, truth: FloatArray) -> Series:

@@ -23,6 +23,9 @@ from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
 from testbench.recordings.files import read_frame, verified
 
+# Standard deviations of the training: a sensor that was just put down still relaxes, one in use moves by about 1.
+MOST_WANDER = 0.5
+
 
 @dataclass(frozen=True)
 class Prediction:
@@ -146,7 +149,7 @@ def at_rest(compensator: Compensator, path: str | Path, seconds: float) -> Serie
     Raises
     ------
     UserError
-        As `read_samples`; or if less than two samples are good.
+        As `read_samples`; if less than two samples are good; or if the reading wanders as a moved sensor's does.
     """
     time_s, resistance_ohm = read_samples(path)
     good = np.isfinite(time_s) & np.isfinite(resistance_ohm) & (resistance_ohm > 0)
@@ -154,6 +157,12 @@ def at_rest(compensator: Compensator, path: str | Path, seconds: float) -> Serie
     if good.sum() < 2 or not (np.diff(time_s[good]) > 0).all():
         raise UserError(f"{path}: fewer than two good samples in order of time within {seconds:g} s of its beginning")
     time_s, resistance_ohm = time_s[good], resistance_ohm[good]
+    wander = float(np.std(1.0 / resistance_ohm)) / compensator.scaling_in.scale
+    if wander > MOST_WANDER:
+        raise UserError(
+            f"{path}: over its first {seconds:g} s the conductance spreads {wander:.2f} times as far as in the "
+            f"training, at rest it does {MOST_WANDER:g} times at most; give --seconds of rest, or leave --rest out"
+        )
     if compensator.resampling_hz is not None:
         grid = np.arange(time_s[0], time_s[-1], 1.0 / compensator.resampling_hz)
         time_s, resistance_ohm = grid, np.interp(grid, time_s, resistance_ohm)

@@ -42,7 +42,7 @@ class Series:
 
 
 def series_of(recording: Recording, target: str, rate_hz: float | None) -> Series:
-    """Input and target of a recording.
+    """Input and target of a recording that is learned from or scored.
 
     Parameters
     ----------
@@ -56,25 +56,52 @@ def series_of(recording: Recording, target: str, rate_hz: float | None) -> Serie
     UserError
         If a channel is missing, constant, or the recording is too short.
     """
-    channel = target_channel(target)
-    for name in (RESISTANCE, channel):
-        if not recording.has(name):
-            have = ", ".join(recording.channels)
-            raise UserError(f"{recording.source}: no {name}, which --target {target} needs; it has {have}")
+    channel = _present(recording, target)
     if recording.duration_s < MIN_DURATION_S:
         raise UserError(
             f"{recording.source}: {recording.duration_s:.1f} s long; "
             f"a compensator needs at least {MIN_DURATION_S:.0f} s"
         )
-    if rate_hz is not None:
-        # Resistance is what was measured: interpolate it, then invert, as the paper does.
-        recording = recording.resampled(rate_hz)
-    series = Series(recording.time_s, recording.conductance_S, recording[channel], recording.source)
+    series = _sampled(recording, channel, rate_hz)
     for name, values in ((RESISTANCE, series.conductance_S), (channel, series.truth)):
         if np.ptp(values) <= 1e-12 * np.abs(values).max():
             absent = "" if values.any() else " (zero throughout, as where the file has no such column)"
             raise UserError(f"{recording.source}: {name} is constant{absent}, so there is nothing to learn from it")
     return series
+
+
+def reference_of(recording: Recording, target: str, rate_hz: float | None) -> Series:
+    """As `series_of`, of a short reference to recalibrate by: it may stand still, and be short.
+
+    Raises
+    ------
+    UserError
+        If a channel is missing, or the target is zero throughout, as it is read where the file has no such column.
+    """
+    channel = _present(recording, target)
+    if not recording[channel].any():
+        raise UserError(
+            f"{recording.source}: {channel} is zero throughout, as where the file has no such column; if the sensor "
+            "rests without load there, say so with --rest"
+        )
+    return _sampled(recording, channel, rate_hz)
+
+
+def _present(recording: Recording, target: str) -> str:
+    """Channel of the target, which the recording has, and a resistance beside it."""
+    channel = target_channel(target)
+    for name in (RESISTANCE, channel):
+        if not recording.has(name):
+            have = ", ".join(recording.channels)
+            raise UserError(f"{recording.source}: no {name}, which --target {target} needs; it has {have}")
+    return channel
+
+
+def _sampled(recording: Recording, channel: str, rate_hz: float | None) -> Series:
+    if rate_hz is not None:
+        # Resistance is what was measured: interpolate it, then invert, as the paper does.
+        recording = recording.resampled(rate_hz)
+    return Series(recording.time_s, recording.conductance_S, recording[channel], recording.source)
 
 
 def target_channel(target: str) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -38,6 +40,8 @@ def read_signals(path: str | Path, gauge_length_mm: float | None = None) -> Reco
         return read_recording(path, gauge_length_mm)
     columns = read_columns(path)
     length_mm = gauge_length_mm or UNKNOWN_LENGTH_MM
+    if RESISTANCE not in columns:
+        raise UserError(f"{path}: no {RESISTANCE} (found: {', '.join(columns)}); name yours with `testbench import`")
     if not columns.keys() & {DISPLACEMENT, FORCE}:
         raise UserError(
             f"{path}: neither {FORCE} nor {DISPLACEMENT} (found: {', '.join(columns)}), so there is no reference to "
@@ -47,6 +51,25 @@ def read_signals(path: str | Path, gauge_length_mm: float | None = None) -> Reco
         return read_recording(path, length_mm)
     time_s = columns.pop(TIME)
     return Recording(time_s, {DISPLACEMENT: np.zeros(len(time_s)), **columns}, length_mm, str(path))
+
+
+def check_distinct(recordings: Sequence[Recording]) -> None:
+    """Refuse to learn from one recording several times: held out, it would be predicted from itself.
+
+    Raises
+    ------
+    UserError
+        With the two sources that hold the same samples.
+    """
+    known: dict[bytes, str] = {}
+    for recording in recordings:
+        samples = recording.time_s.tobytes() + recording[RESISTANCE].tobytes()
+        first = known.setdefault(hashlib.sha256(samples).digest(), recording.source)
+        if first is not recording.source:
+            raise UserError(
+                f"{recording.source} holds the same samples as {first}; give each recording once, or "
+                "cross-validation would predict it from itself"
+            )
 
 
 def check_tared(recording: Recording) -> None:

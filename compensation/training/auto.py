@@ -34,9 +34,10 @@ from compensation.series import score
 from compensation.series.preprocessing import Series
 from compensation.training.arrays import describe
 from compensation.training.folds import FOLDS, GROUPS_FROM, folds_of
-from compensation.training.intervals import of_another, widest_part
+from compensation.training.intervals import of_another, of_one_recording
 from compensation.training.learners import PACES, Learner, Line, Networks, Paper, Ridge
 from compensation.training.options import Options
+from compensation.training.recalibration import wander
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
 
@@ -87,7 +88,7 @@ def train_automatically(
     scale = compensator.scaling_out.scale
     tried = {name: figures(truth, values, scale) for name, values in predictions.items()}
     residual = (truth - predictions[chosen]) * scale
-    margins = margins_of(residual, folds, [len(part) for part in series])
+    margins = margins_of(residual, folds, [len(part) for part in series], wander(compensator, series))
     promise = tried[chosen] | {
         "r2_interval": list(_interval(truth, predictions[chosen], series, folds)),
         "raw_r2": float(np.mean([score.r2_before(p.truth, p.conductance_S, compensator.sign) for p in series])),
@@ -147,11 +148,14 @@ def stacked(predictions: Mapping[str, FloatArray], truth: FloatArray, folds: NDA
     return result
 
 
-def margins_of(residual: FloatArray, folds: NDArray[np.int64], lengths: Sequence[int]) -> tuple[float, float]:
+def margins_of(
+    residual: FloatArray, folds: NDArray[np.int64], lengths: Sequence[int], wander: FloatArray
+) -> tuple[float, float]:
     """Ends of the interval for an error to come, from whole recordings where there are enough, else from parts."""
     if len(lengths) >= GROUPS_FROM:
         return of_another(np.split(residual, np.cumsum(lengths)[:-1]))
-    return widest_part([residual[folds == number] for number in np.unique(folds)])
+    parts = [folds == number for number in np.unique(folds)]
+    return of_one_recording([residual[rows] for rows in parts], [wander[:, rows] for rows in parts])
 
 
 def figures(truth: FloatArray, prediction: FloatArray, scale: float) -> dict[str, float]:

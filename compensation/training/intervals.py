@@ -3,6 +3,9 @@
 Recordings of several specimens differ in the level and the width of their errors. So few of them do not know by how
 much: another one is thought to lie from their mean as Student's t says (the usual predictive distribution of a normal
 variable whose mean and variance are both estimated), and its errors to have the shape that theirs have together.
+
+A single recording says nothing of that. How far gain and zero of reading and target wander between days and specimens
+is known from others, though: recalibration has it as its prior, and the interval draws from the same.
 """
 
 from __future__ import annotations
@@ -19,9 +22,25 @@ SHARES = ((1 - COVERAGE) / 2, (1 + COVERAGE) / 2)
 DRAWS = 30_000
 
 
-def widest_part(parts: Sequence[FloatArray]) -> tuple[float, float]:
-    """Parts of one recording lie nearer to one another than the next one will: the widest of their own intervals."""
-    ends = [np.quantile(part, SHARES) for part in parts]
+def of_one_recording(parts: Sequence[FloatArray], wander: Sequence[FloatArray]) -> tuple[float, float]:
+    """Ends between which 90 % of the errors on another recording are expected, from the parts of a single one.
+
+    Parts of one recording lie nearer to one another than the next one will: the widest of their own intervals is
+    taken, and each error goes together with a draw of the gains and zeros that other days and specimens have.
+
+    Parameters
+    ----------
+    parts : sequence of ndarray, each shape (n,)
+        Errors on each part, by a method that had learned from the others.
+    wander : sequence of ndarray, each shape (k, n)
+        By how much each of them changes where one of those k numbers is a standard deviation off
+        (`compensation.training.recalibration.wander`).
+    """
+    rng, ends = np.random.default_rng(0), []
+    for errors, changes in zip(parts, wander, strict=True):
+        rows = rng.integers(len(errors), size=DRAWS)
+        drawn = errors[rows] + np.sum(changes[:, rows] * rng.standard_normal((len(changes), DRAWS)), axis=0)
+        ends.append(np.quantile(drawn, SHARES))
     return float(min(low for low, _ in ends)), float(max(high for _, high in ends))
 
 

@@ -7,6 +7,7 @@ independent ones.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -94,6 +95,22 @@ def correction(compensator: Compensator, part: Series) -> Correction:
         return np.concatenate([weight * error[late], numbers])
 
     return _moved(least_squares(residual, np.zeros(4), method="lm", diff_step=1e-3, max_nfev=60).x)
+
+
+def wander(compensator: Compensator, series: Sequence[Series]) -> FloatArray:
+    """By how much the prediction changes where each of the four numbers is one of its `SPREADS` off.
+
+    Returns
+    -------
+    ndarray, shape (4, n)
+        In the target's unit, at every sample of the recordings, one after the other.
+    """
+
+    def prediction(one: Compensator) -> FloatArray:
+        return np.concatenate([one.predict_series(part) for part in series])
+
+    as_it_is = prediction(compensator)
+    return np.stack([prediction(_moved(off).of(compensator)) - as_it_is for off in np.eye(len(SPREADS))])
 
 
 def _expected(compensator: Compensator, truth: FloatArray) -> FloatArray:

@@ -73,7 +73,7 @@ def test_streams_and_saves(rows, tmp_path):
     model.save(tmp_path / "c.json")
     stream = CompensatorStream(compensator_files.load(tmp_path / "c.json"))
     assert stream.update(float(X[0, 0]), 0.05) == pytest.approx(model.stream().update(float(X[0, 0]), 0.05))
-    with pytest.raises(ValueError, match="no stream and no file"):
+    with pytest.raises(ValueError, match="no stream and no file; fit one column of 20 s or more"):
         Compensator(method="ridge").fit(X, y).stream()
 
 

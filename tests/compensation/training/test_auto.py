@@ -211,7 +211,7 @@ def test_it_is_the_default_and_prints_what_it_tried(recordings, tmp_path, capsys
     out = tmp_path / "c.json"
     assert main(["train", str(tmp_path / "r.csv"), "--target", "force", "-o", str(out)]) == 0
     printed = capsys.readouterr().out
-    for words in ("cross-validated on 5 contiguous parts", "<- chosen", "expect r2", "ordinary"):
+    for words in ("cross-validated on 5 contiguous parts", "<- chosen", "expect r2", "ordinary", "fewer than three"):
         assert words in printed
     trained = compensator_files.load(out)
     assert trained.margins is not None

@@ -5,8 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from compensation.series.preprocessing import series_of
 from compensation.training.auto import margins_of
-from compensation.training.intervals import of_another, widest_part
+from compensation.training.intervals import of_another, of_one_recording
+from compensation.training.options import Options
+from compensation.training.recalibration import SPREADS, wander
+from compensation.training.training import train
 
 
 def held_out(rng: np.random.Generator, count: int, level: float, width: float) -> tuple[list, np.ndarray]:
@@ -43,12 +47,34 @@ def test_of_one_recording_it_is_the_widest_part() -> None:
     rng = np.random.default_rng(0)
     folds = np.repeat([0, 1], 20_000)
     errors = rng.standard_normal(40_000) * np.where(folds == 0, 1.0, 3.0)
-    low, high = margins_of(errors, folds, [40_000])
-    assert (low, high) == widest_part([errors[:20_000], errors[20_000:]])
+    low, high = margins_of(errors, folds, [40_000], np.zeros((4, 40_000)))
     assert (-low, high) == pytest.approx((3 * 1.645, 3 * 1.645), rel=0.05)
+
+
+def test_of_one_recording_it_knows_how_far_others_wander() -> None:
+    """Errors of spread 1, and a zero and a gain that put predictions off by 1.5 and by 2 times what they are."""
+    rng = np.random.default_rng(0)
+    errors, value = rng.standard_normal((2, 20_000))
+    low, high = of_one_recording([errors], [np.stack([np.full(20_000, 1.5), 2.0 * value])])
+    another = (
+        rng.standard_normal(20_000) + 1.5 * rng.standard_normal(20_000) + 2.0 * value * rng.standard_normal(20_000)
+    )
+    assert np.mean((low <= another) & (another <= high)) == pytest.approx(0.90, abs=0.01)
+
+
+def test_what_wanders_is_the_prior_of_recalibration(recordings) -> None:
+    """A zero of the target that is a spread off moves every prediction by that spread."""
+    part = series_of(recordings[0], "force", 20.0)
+    compensator = train(recordings[:1], "force", Options(restarts=3, engine="fast"))
+    changes = wander(compensator, [part, part])
+    assert changes.shape == (4, 2 * len(part))
+    np.testing.assert_allclose(changes[3], SPREADS[3] * compensator.scaling_out.scale)
+    assert all(np.ptp(row) > 0 for row in changes[:3])
 
 
 def test_folds_of_several_recordings_are_told_apart() -> None:
     rng = np.random.default_rng(0)
     three = [rng.standard_normal(1000) + level for level in (-1.0, 0.0, 1.0)]
-    assert margins_of(np.concatenate(three), np.zeros(3000, dtype=int), [1000] * 3) == of_another(three)
+    assert margins_of(
+        np.concatenate(three), np.zeros(3000, dtype=int), [1000] * 3, np.zeros((4, 3000))
+    ) == of_another(three)

@@ -16,6 +16,7 @@ from compensation.training.recalibration import Correction, correction, recalibr
 from compensation.training.training import train
 from gcode.support.errors import UserError
 from testbench.recordings.files import write_recording_csv
+from testbench.recordings.recording import Recording
 
 
 @pytest.fixture(scope="module")
@@ -78,9 +79,44 @@ def test_the_command_saves_what_predict_reads(compensator, recordings, tmp_path,
     assert main([*argv, "--seconds", "45"]) == 0
     assert "45 s of reference" in capsys.readouterr().out
     assert compensator_files.load(out).recipe["recalibrated"]["seconds"] == pytest.approx(45, abs=0.1)
-    assert main([*argv, "--rest", "--seconds", "20"]) == 0
+    assert main([*argv, "--seconds", "6"]) == 0
     assert main([*argv, "--seconds", "2"]) == 2
     assert "--seconds must be a number from 5 on" in capsys.readouterr().err
+
+
+def still(recording: Recording, **channels: float) -> Recording:
+    """The same recording of a sensor that holds still: some channels at one value throughout."""
+    held = {name: np.full(len(recording), value) for name, value in channels.items()}
+    return replace(recording, channels={**recording.channels, **held})
+
+
+def test_rest_is_taken_from_a_sensor_that_rests(compensator, recordings, tmp_path, capsys):
+    compensator_files.save(tmp_path / "c.json", compensator)
+    resistance_ohm = float(recordings[1]["resistance_ohm"][0])
+    for name, one in (("moved", recordings[1]), ("rest", still(recordings[1], resistance_ohm=resistance_ohm))):
+        write_recording_csv(tmp_path / f"{name}.csv", one)
+
+    def code(name: str) -> int:
+        words = ["recalibrate", str(tmp_path / "c.json"), str(tmp_path / f"{name}.csv"), "--rest", "--seconds", "20"]
+        return main([*words, "-o", str(tmp_path / "new.json")])
+
+    assert code("rest") == 0
+    assert code("moved") == 2
+    said = capsys.readouterr().err
+    assert "times as far as in the training, at rest it does 0.5 times at most" in said
+    assert said.count("\n") == 1
+
+
+def test_a_reference_may_stand_still(compensator, recordings, tmp_path, capsys):
+    compensator_files.save(tmp_path / "c.json", compensator)
+    argv = ["recalibrate", str(tmp_path / "c.json"), str(tmp_path / "r.csv"), "-o", str(tmp_path / "new.json")]
+    resistance_ohm = float(recordings[1]["resistance_ohm"].mean())
+    write_recording_csv(tmp_path / "r.csv", still(recordings[1], force_N=0.3, resistance_ohm=resistance_ohm))
+    assert main(argv) == 0
+    write_recording_csv(tmp_path / "r.csv", still(recordings[1], force_N=0.0))
+    capsys.readouterr()
+    assert main(argv) == 2
+    assert "say so with --rest" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("seconds", ["60", "6"])

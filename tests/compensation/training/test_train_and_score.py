@@ -125,6 +125,27 @@ def test_a_missing_channel_is_named(recordings, drop, target, match):
         train([replace(recordings[0], channels=channels)], target, QUICK)
 
 
+def test_a_file_without_resistance_is_told_so(tmp_path, capsys):
+    (tmp_path / "f.csv").write_text("time_s,force_N\n" + "".join(f"{t},{t % 3}\n" for t in range(60)))
+    assert main(["train", str(tmp_path / "f.csv"), "--target", "force", "-o", str(tmp_path / "c.json")]) == 2
+    said = capsys.readouterr().err
+    assert "no resistance_ohm (found: time_s, force_N)" in said
+    assert said.count("\n") == 1
+
+
+def test_the_same_recording_twice_is_refused(recordings, tmp_path, capsys):
+    names = [str(tmp_path / name) for name in ("a.csv", "b.csv")]
+    for name in names:
+        write_recording_csv(name, recordings[0])
+    base = ["--target", "force", "--method", "paper", "--restarts", "1", "-o", str(tmp_path / "c.json")]
+    for given in (names, [names[0], names[0]]):
+        assert main(["train", *given, *base]) == 2
+        said = capsys.readouterr().err
+        assert "holds the same samples as" in said
+        assert said.count("\n") == 1
+    assert not (tmp_path / "c.json").exists()
+
+
 def test_constant_or_short_recordings_are_refused(recordings):
     from dataclasses import replace
 
