@@ -1,8 +1,8 @@
 """How samples count: the noise at each of them, and how many of them are independent.
 
 e_i = sigma_c s_i z_i. s_i follows the noise of the reading over its level, the noise of the displacement through the
-slope of the model (effective variance, Orear, Am. J. Phys. 50 (1982) 912), and the jitter of the reading's age through
-its speed.
+slope of the model (effective variance, Orear, Am. J. Phys. 50 (1982) 912), and the jitter of the age of the reading
+through its speed.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from testbench.diagnosis import constants
 from testbench.fitting.errors import sampled
 from testbench.fitting.measurement import Measurement, channel_of
 from testbench.fitting.motion import reading_noise
-from testbench.fitting.noise import noise_floor, robust_sd, rounding, within_range
+from testbench.fitting.noise import FEWEST, noise_floor, robust_sd, rounding, within_range
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
 
@@ -131,21 +131,34 @@ def noise_of(measurement: Measurement) -> dict[str, float]:
 
 
 def jitter_of(model: KnitModel, measurement: Measurement) -> dict[str, float]:
-    """Standard deviation of each reading's age in seconds: by how much noisier it is while it moves fast.
+    """Standard deviation of each reading's age in seconds: by how much noisier it is the faster it moves.
 
-    Converters average and hold, and a loop asks for them at any time. Second differences of what a model leaves show
-    no motion; those of the faster half of the samples are compared with those of the slower half.
+    Converters average and hold, and a loop asks for them at any time. Sixth differences of what a model leaves show
+    no motion, however wrong the model. Their variance grows with the square of the speed.
     """
     found = {}
     for channel, left in measurement.residual(model).items():
-        values = measurement.measured[channel] - left
-        speed = np.abs(np.gradient(values, measurement.signals["time_s"]))[1:-1]
-        rough = np.diff(left, 2) / np.sqrt(6)
-        inside = measurement.counts[1:-1] & within_range(measurement.measured[channel])[1:-1]
-        fast = inside & (speed > np.median(speed[inside]))
-        more = robust_sd(rough[fast]) ** 2 - robust_sd(rough[inside & ~fast]) ** 2
-        found[channel] = max(more, 0.0) ** 0.5 / max(float(np.median(speed[fast])), 1e-300)
+        modelled = measurement.measured[channel] - left
+        inside = (measurement.counts & within_range(measurement.measured[channel]))[3:-3]
+        speed = np.abs(np.gradient(modelled, measurement.signals["time_s"]))[3:-3][inside]
+        rough = (np.diff(left, 6) / np.sqrt(924))[inside]  # the squares of its weights, summed
+        parts = _slower_halves(np.argsort(speed))
+        variance = np.array([robust_sd(rough[part]) ** 2 for part in parts])
+        square = np.array([np.median(speed[part] ** 2) for part in parts])
+        sure = np.sqrt([len(part) for part in parts]) / np.maximum(variance, 1e-300)
+        slope = np.polyfit(square, variance, 1, w=sure)[0] if len(parts) > 1 and np.ptp(square) > 0 else 0.0
+        found[channel] = max(float(slope), 0.0) ** 0.5
     return found
+
+
+def _slower_halves(ordered: np.ndarray) -> list[np.ndarray]:
+    """The slower half, the slower half of the rest, and so on: few samples are as fast as the fastest."""
+    parts = []
+    while len(ordered) >= 2 * FEWEST:
+        half = len(ordered) // 2
+        parts.append(ordered[:half])
+        ordered = ordered[half:]
+    return [*parts, ordered]
 
 
 def likelihood_of(
