@@ -88,7 +88,7 @@ def train_automatically(
     scale = compensator.scaling_out.scale
     tried = {name: figures(truth, values, scale) for name, values in predictions.items()}
     residual = (truth - predictions[chosen]) * scale
-    margins = margins_of(residual, folds, [len(part) for part in series], wander(compensator, series))
+    margins = margins_of(residual, folds, [len(part) for part in series], lambda: wander(compensator, series))
     promise = tried[chosen] | {
         "r2_interval": list(_interval(truth, predictions[chosen], series, folds)),
         "raw_r2": float(np.mean([score.r2_before(p.truth, p.conductance_S, compensator.sign) for p in series])),
@@ -149,13 +149,17 @@ def stacked(predictions: Mapping[str, FloatArray], truth: FloatArray, folds: NDA
 
 
 def margins_of(
-    residual: FloatArray, folds: NDArray[np.int64], lengths: Sequence[int], wander: FloatArray
+    residual: FloatArray, folds: NDArray[np.int64], lengths: Sequence[int], changes: Callable[[], FloatArray]
 ) -> tuple[float, float]:
-    """Ends of the interval for an error to come, from whole recordings where there are enough, else from parts."""
+    """Ends of the interval for an error to come, from whole recordings where there are enough, else from parts.
+
+    `changes` gives what `wander` says; it is asked for with parts alone.
+    """
     if len(lengths) >= GROUPS_FROM:
         return of_another(np.split(residual, np.cumsum(lengths)[:-1]))
     parts = [folds == number for number in np.unique(folds)]
-    return of_one_recording([residual[rows] for rows in parts], [wander[:, rows] for rows in parts])
+    off = changes()
+    return of_one_recording([residual[rows] for rows in parts], [off[:, rows] for rows in parts])
 
 
 def figures(truth: FloatArray, prediction: FloatArray, scale: float) -> dict[str, float]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, replace
 from typing import Any
 
@@ -50,13 +50,25 @@ def on_the_ladder(
     result: Fit, before: ModelFile | None, step: str, calibration: Measurement, held: Measurement
 ) -> ModelFile:
     """A model that was fitted already, put on top of the ladder so far."""
-    entry = ladder_step(step, result.model, calibration, held)
+    return as_a_step(result.model, fit_summary(result), before, step, calibration, held)
+
+
+def as_a_step(
+    model: KnitModel,
+    summary: Mapping[str, Any],
+    before: ModelFile | None,
+    step: str,
+    calibration: Measurement,
+    held: Measurement,
+) -> ModelFile:
+    """A model with the summary of its fit (`fit_summary`), put on top of the ladder so far."""
+    entry = ladder_step(step, model, calibration, held)
     return ModelFile(
-        result.model,
+        model,
         calibration.recording.gauge_length_mm,
         calibration.recording.source,
         held.recording.source,
-        fit_summary(result),
+        summary,
         (*(before.history if before else ()), entry),
     )
 

@@ -8,12 +8,11 @@ from concurrent.futures import ThreadPoolExecutor
 from threadpoolctl import threadpool_limits
 
 from testbench.comparing.ladder import drawn_to_data, fitted_file
-from testbench.diagnosis import constants
 from testbench.diagnosis.laplace import fitted
-from testbench.diagnosis.likelihood import likelihood_of, noise_of
+from testbench.diagnosis.likelihood import likelihood_of, noise_of, on_the_grid
 from testbench.diagnosis.proposals import Screen, laws_of
 from testbench.fitting.baseline import framed
-from testbench.fitting.measurement import Measurement, coarser
+from testbench.fitting.measurement import Measurement
 from testbench.fitting.model_file import ModelFile
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import Effect
@@ -43,7 +42,7 @@ def best_start(model: KnitModel, effect: Effect, calibration: Measurement) -> Ef
     A fit that adds an effect starts here: from the wrong time constant it would not find the right one. What is no
     candidate of the diagnosis (a shape of the base, a second law of a mechanism that the model has) stays as it is.
     """
-    measurement = coarser(calibration, constants.GRID_HZ, constants.GRID_POINTS)
+    measurement = on_the_grid(calibration)
     likelihood = likelihood_of(model, measurement, noise_of(calibration))
     with threadpool_limits(1, "blas"), ThreadPoolExecutor(1) as pool:
         hypothesis = fitted(model, likelihood, model, iterations=1)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from testbench.comparing.ladder import ladder_step, on_the_ladder
+from testbench.comparing.ladder import as_a_step, on_the_ladder
 from testbench.diagnosis import constants
 from testbench.diagnosis.discrepancy_map import Map
 from testbench.diagnosis.held_out import Interval, block_energies, gain_interval
@@ -206,9 +206,7 @@ def _before(given: ModelFile | None, search: Search, calibration: Measurement, h
     """The first step of the ladder: a model that was fitted is not fitted anew, so that it keeps its errors."""
     if given is None:
         return on_the_ladder(_as_fit(search.baseline), None, "baseline", calibration, held)
-    step = ladder_step("baseline", given.model, calibration, held)
-    source = calibration.recording
-    return ModelFile(given.model, source.gauge_length_mm, source.source, held.recording.source, given.fit, (step,))
+    return as_a_step(given.model, given.fit, None, "baseline", calibration, held)
 
 
 def _concluded(

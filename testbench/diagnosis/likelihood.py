@@ -15,7 +15,7 @@ import numpy as np
 
 from testbench.diagnosis import constants
 from testbench.fitting.errors import sampled
-from testbench.fitting.measurement import Measurement, channel_of
+from testbench.fitting.measurement import Measurement, channel_of, coarser
 from testbench.fitting.motion import reading_noise
 from testbench.fitting.noise import FEWEST, noise_floor, robust_sd, rounding, within_range
 from testbench.knit.effect import FloatArray
@@ -103,6 +103,11 @@ class Likelihood:
         return values[..., self.rows] * self.weight[channel]
 
 
+def on_the_grid(measurement: Measurement, finer: int = 1) -> Measurement:
+    """Thinned to the grid of the comparison, or to one of `finer` times as many points."""
+    return coarser(measurement, constants.GRID_HZ, finer * constants.GRID_POINTS)
+
+
 def telling(measurement: Measurement) -> Measurement:
     """Only samples that say something new count: in a hold they repeat each other, ever more so.
 
@@ -177,7 +182,8 @@ def likelihood_of(
     counting = np.flatnonzero(measurement.counts)
     thin = max(1, -(-len(counting) // constants.SAMPLES))
     rows = counting[::thin]
-    slope, modelled = _slopes(model, measurement), measurement.modelled(model)
+    modelled = measurement.modelled(model)
+    slope = _slopes(model, measurement, modelled)
     weight, floor = {}, {}
     for channel, values in measurement.measured.items():
         speed = np.gradient(modelled[channel], measurement.signals["time_s"])[rows]
@@ -190,12 +196,12 @@ def likelihood_of(
     return Likelihood(measurement, rows, weight, floor, constants.ETA)
 
 
-def _slopes(model: KnitModel, measurement: Measurement) -> dict[str, FloatArray]:
+def _slopes(model: KnitModel, measurement: Measurement, modelled: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
     """Change of each channel with the strain, shape (n,)."""
     step = 1e-4 * max(float(np.ptp(measurement.signals["strain"])), 1e-6)
     moved = {**measurement.signals, **{key: measurement.signals[key] + step for key in ("strain", "strain_nominal")}}
     there = model.simulate(moved, measurement.dt_s)
-    return {c: (channel_of(there, c) - here) / step for c, here in measurement.modelled(model).items()}
+    return {c: (channel_of(there, c) - here) / step for c, here in modelled.items()}
 
 
 def _noise_by_level(values: FloatArray) -> FloatArray:

@@ -16,12 +16,12 @@ from testbench.comparing.ladder import drawn_to_data
 from testbench.diagnosis import constants
 from testbench.diagnosis.discrepancy_map import Map
 from testbench.diagnosis.laplace import Hypothesis, fitted, under
-from testbench.diagnosis.likelihood import Likelihood, jitter_of, likelihood_of, noise_of, telling
+from testbench.diagnosis.likelihood import Likelihood, jitter_of, likelihood_of, noise_of, on_the_grid, telling
 from testbench.diagnosis.proposals import Proposal, Screen, laws_of
 from testbench.diagnosis.rounds import Entry, Round, excess, explained
 from testbench.diagnosis.starts import best_start
 from testbench.fitting.baseline import SHAPES, laws_that_may_act, starting_baseline, with_shapes, without_shapes
-from testbench.fitting.measurement import Measurement, coarser
+from testbench.fitting.measurement import Measurement
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
@@ -72,14 +72,14 @@ class Search:
         start: KnitModel | None = None,
         pieces: float = constants.INDEPENDENT,
     ):
-        self.catalogue, self.tell = catalogue, tell
+        self.catalogue, self.tell, self.pieces = catalogue, tell, pieces
         self.whole, self.noise = measurement, noise_of(measurement)
-        self.measurement = _on_the_grid(measurement)
+        self.measurement = telling(on_the_grid(measurement))
         tell("fitting the baseline")
         start = start or starting_baseline(self.measurement, catalogue)
         self.reference = without_shapes(start)
         self.jitter_s = jitter_of(self.reference, measurement)
-        self.likelihood = replace(self.likelihood_on(self.measurement), pieces=pieces)
+        self.likelihood = self.likelihood_on(self.measurement)
         self.compared = self.likelihood.in_pieces
         tell("fitting the shape of the base laws")
         flexible = with_shapes(self.reference, self.measurement, catalogue, like=start)
@@ -146,14 +146,15 @@ class Search:
     @cached_property
     def finest(self) -> Likelihood:
         """For last fits: a recording of hours was searched on a coarse grid."""
-        finer = _on_the_grid(self.whole, constants.FINER)
+        finer = telling(on_the_grid(self.whole, constants.FINER))
         if finer.dt_s == self.measurement.dt_s:
             return self.likelihood
-        return replace(self.likelihood_on(finer), pieces=self.likelihood.pieces)
+        return self.likelihood_on(finer)
 
     def likelihood_on(self, measurement: Measurement) -> Likelihood:
         """How the samples of a grid count."""
-        return likelihood_of(self.reference, measurement, self.noise, self.jitter_s)
+        likelihood = likelihood_of(self.reference, measurement, self.noise, self.jitter_s)
+        return replace(likelihood, pieces=self.pieces)
 
     def round(self, current: Hypothesis, others: Sequence[Hypothesis]) -> Round:
         """One step.
@@ -269,11 +270,6 @@ def searched(
     with threadpool_limits(1, "blas"):
         search = Search(measurement, catalogue, tell or (lambda _text: None), start, pieces)
         return search, *search.run(most)
-
-
-def _on_the_grid(measurement: Measurement, finer: int = 1) -> Measurement:
-    """Thinned to the grid of the comparison, with only those samples counting that say something new."""
-    return telling(coarser(measurement, constants.GRID_HZ, finer * constants.GRID_POINTS))
 
 
 def _evidence(h: Hypothesis) -> float:

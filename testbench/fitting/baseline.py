@@ -40,7 +40,8 @@ def starting_baseline(measurement: Measurement, catalogue: Catalogue | None = No
         laws.append(effects["force_age"]())
     if log_g is None:
         return KnitModel.of(*laws)
-    log_g, last = log_g[seen], (effects["drift"].model_validate({"per_decade": 0.0}), effects["conductance_age"]())
+    log_g = log_g[seen]
+    last = effects["drift"].model_validate({"per_decade": 0.0}), effects["conductance_age"]()
     if falls:
         signals = {"strain": strain, "conductance_S": np.exp(log_g)}
         return KnitModel.of(*laws, effects["piezoresistance"]().started(signals, {}), *last)

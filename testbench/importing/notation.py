@@ -32,9 +32,14 @@ HALF_DAY_S = 43_200.0
 MISSING = {"", "nan", "na", "n/a", "-", "--", "---", "null", "none", "inf", "-inf", "#n/a"}
 
 
+def _with_hyphen(cell: str) -> str:
+    """A cell without blanks around it, and with the hyphen of programs for a printed minus."""
+    return cell.strip().replace("−", "-")
+
+
 def is_number(text: str) -> bool:
     """Whether a cell may be a number, in any of the notations."""
-    text = text.strip().replace("−", "-")
+    text = _with_hyphen(text)
     return bool(_POINT.match(text) or _COMMA.match(text)) or any(form.match(text) for form in _THOUSANDS.values())
 
 
@@ -50,7 +55,7 @@ def decimal_sign(cells: Iterable[str]) -> str | None:
     ``0,5`` and ``1.234,5`` prove the comma; ``1,234`` and ``1.234`` prove nothing: they may be a thousand and more.
     """
     proofs, open_to_doubt = set(), False
-    for cell in (cell.strip().replace("−", "-") for cell in cells):
+    for cell in map(_with_hyphen, cells):
         if ("," in cell) == ("." in cell) and not ("," in cell and "." in cell):
             continue
         if _EITHER.match(cell):

@@ -8,7 +8,15 @@ from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 from testbench.knit.filters import log_conductance, shifted
 
 
-class ForceAge(Effect):
+class ReadingAge(Effect):
+    """Base of the two: a reading is that of a few milliseconds ago."""
+
+    stage = Stage.READOUT
+
+    age_s: float = parameter(0.0, unit="s", low=-0.015, high=0.015, typical=0.01, doc="mean age of the reading")
+
+
+class ForceAge(ReadingAge):
     """The force in a row of the recording is a few milliseconds older than the displacement in it.
 
     reading(t) = F(t) - age * dF/dt
@@ -19,18 +27,15 @@ class ForceAge(Effect):
     """
 
     name = "force_age"
-    stage = Stage.READOUT
     reads, writes = ("time_s", "force_N"), ("force_N",)
     look = "a loop of the force that widens with the speed, by milliseconds"
-
-    age_s: float = parameter(0.0, unit="s", low=-0.015, high=0.015, typical=0.01, doc="mean age of the reading")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         force = signals["force_N"]
         return {"force_N": force - self.age_s * _slope(force, signals["time_s"])}
 
 
-class ConductanceAge(Effect):
+class ConductanceAge(ReadingAge):
     """The resistance in a row of the recording is a few milliseconds older than the displacement in it.
 
     ln reading(t) = ln G(t) - age * d(ln G)/dt
@@ -40,19 +45,13 @@ class ConductanceAge(Effect):
     """
 
     name = "conductance_age"
-    stage = Stage.READOUT
     reads, writes = ("time_s", "conductance_S"), ("conductance_S",)
     look = "a loop of the conductance that widens with the speed, by milliseconds"
 
-    age_s: float = parameter(0.0, unit="s", low=-0.015, high=0.015, typical=0.01, doc="mean age of the reading")
-
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         conductance = signals["conductance_S"]
-        return {
-            "conductance_S": shifted(
-                conductance, -self.age_s * _slope(log_conductance(conductance), signals["time_s"])
-            )
-        }
+        slope = _slope(log_conductance(conductance), signals["time_s"])
+        return {"conductance_S": shifted(conductance, -self.age_s * slope)}
 
 
 def _slope(values: FloatArray, time_s: FloatArray) -> FloatArray:

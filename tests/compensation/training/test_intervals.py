@@ -47,7 +47,7 @@ def test_of_one_recording_it_is_the_widest_part() -> None:
     rng = np.random.default_rng(0)
     folds = np.repeat([0, 1], 20_000)
     errors = rng.standard_normal(40_000) * np.where(folds == 0, 1.0, 3.0)
-    low, high = margins_of(errors, folds, [40_000], np.zeros((4, 40_000)))
+    low, high = margins_of(errors, folds, [40_000], lambda: np.zeros((4, 40_000)))
     assert (-low, high) == pytest.approx((3 * 1.645, 3 * 1.645), rel=0.05)
 
 
@@ -76,5 +76,5 @@ def test_folds_of_several_recordings_are_told_apart() -> None:
     rng = np.random.default_rng(0)
     three = [rng.standard_normal(1000) + level for level in (-1.0, 0.0, 1.0)]
     assert margins_of(
-        np.concatenate(three), np.zeros(3000, dtype=int), [1000] * 3, np.zeros((4, 3000))
+        np.concatenate(three), np.zeros(3000, dtype=int), [1000] * 3, lambda: np.zeros((4, 3000))
     ) == of_another(three)

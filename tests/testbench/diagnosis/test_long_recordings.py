@@ -11,7 +11,7 @@ import pytest
 
 import testbench as tb
 from testbench.diagnosis import constants
-from testbench.diagnosis.search import _on_the_grid
+from testbench.diagnosis.likelihood import on_the_grid, telling
 from testbench.fitting.measurement import prepare
 from tests.testbench.builders import record, truth, write_csv
 
@@ -29,7 +29,7 @@ raise SystemExit(code)
 def test_a_recording_of_hours_is_compared_on_a_bounded_grid():
     recording = record(truth(), duration_s=3 * 3600, rate_hz=12.5, seed=1)
     whole = prepare(recording)
-    grid = _on_the_grid(whole)
+    grid = telling(on_the_grid(whole))
     assert len(grid.grid_s) <= constants.GRID_POINTS < len(whole.grid_s)
     for channel, values in grid.residual(truth()).items():
         left = values[grid.counts]
