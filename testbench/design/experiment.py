@@ -225,4 +225,4 @@ def planned(
     recording = Recording(time_s, {DISPLACEMENT: position_mm}, gauge_length_mm, "planned experiment")
     signals = inputs(time_s, position_mm / gauge_length_mm, room)
     empty = {channel: np.zeros(len(time_s)) for channel in channels}
-    return Measurement(signals, 1 / trajectory.rate_hz, empty, time_s >= BURN_IN_S, recording)
+    return Measurement(signals, 1 / trajectory.rate_hz, empty, time_s >= BURN_IN_S, recording, np.zeros(len(time_s)))

@@ -9,7 +9,7 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from testbench.fitting.motion import STILL, reading_noise, without_reading_noise
-from testbench.fitting.noise import noise_floor
+from testbench.fitting.noise import noise_floor, rounding
 from testbench.fitting.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL, SIGNAL_OF
 from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import FloatArray
@@ -43,10 +43,10 @@ class Measurement:
         Samples that enter fits and errors: after the burn-in, and inside this part of the recording.
     recording : Recording
         Where it came from, as sampled.
+    strain_noise : ndarray, shape (n,)
+        Standard deviation of the noise that is left in the strain.
     start_s : float
         Time of the first grid point after the recording's first sample.
-    strain_noise : float
-        Standard deviation of the noise of the strain reading, at a grid point.
     averaged : float
         Samples whose mean is as noisy as a grid point.
     clamp_play_mm : float
@@ -59,8 +59,8 @@ class Measurement:
     measured: Mapping[str, FloatArray]
     counts: np.ndarray
     recording: Recording
+    strain_noise: FloatArray
     start_s: float = 0.0
-    strain_noise: float = 0.0
     averaged: float = 1.0
     clamp_play_mm: float = 0.0
 
@@ -147,9 +147,11 @@ def prepare(
     settled_s = _burn_in_s(time_s, recording.strain)
     counts = (grid_s >= max(start_s, settled_s)) & (grid_s < end_s)
     # Times far apart, as in a hold of hours, tell little of the noise between them: the lower estimate is meant.
-    noise = min(reading_noise(time_s, recording.strain), noise_floor(recording.strain)) / np.sqrt(binned.averaged)
-    signals = inputs(grid_s, without_reading_noise(binned(recording.strain), noise), temperature)
-    return Measurement(signals, 1.0 / rate_hz, measured, counts, recording, float(grid_s[0]), noise, binned.averaged)
+    read = min(reading_noise(time_s, recording.strain), noise_floor(recording.strain))
+    noise = max(read, rounding(recording.strain)) / np.sqrt(binned.averaged)
+    strain, left = without_reading_noise(binned(recording.strain), noise)
+    signals = inputs(grid_s, strain, temperature)
+    return Measurement(signals, 1.0 / rate_hz, measured, counts, recording, left, float(grid_s[0]), binned.averaged)
 
 
 def _burn_in_s(time_s: FloatArray, strain: FloatArray) -> float:
@@ -207,13 +209,14 @@ def coarser(measurement: Measurement, rate_hz: float, most_points: float = np.in
     every = max(int(1.0 / (measurement.dt_s * rate_hz) + 1e-9), int(np.ceil(len(strain) / most_points)))
     if every < 2:
         return measurement
-    kept = _turns_kept(strain, every, measurement.strain_noise)
+    kept = _turns_kept(strain, every, float(np.median(measurement.strain_noise)))
     return replace(
         measurement,
         signals={name: values[kept] for name, values in measurement.signals.items()},
         dt_s=measurement.dt_s * every,
         measured={name: values[kept] for name, values in measurement.measured.items()},
         counts=measurement.counts[kept],
+        strain_noise=measurement.strain_noise[kept],
     )
 
 

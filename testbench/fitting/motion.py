@@ -8,6 +8,7 @@ moves by more than its noise, every sample is kept.
 from __future__ import annotations
 
 import numpy as np
+from scipy.signal import savgol_coeffs
 
 from testbench.fitting.noise import robust_sd
 from testbench.knit.effect import FloatArray
@@ -46,8 +47,8 @@ def reading_noise(time_s: FloatArray, values: FloatArray) -> float:
     return min(robust_sd(off), robust_sd(off[speed <= np.quantile(speed, SLOWEST)]))
 
 
-def without_reading_noise(values: FloatArray, noise: float) -> FloatArray:
-    """Each sample replaced by the mean of the widest window around it in which the reading hardly moves.
+def without_reading_noise(values: FloatArray, noise: float) -> tuple[FloatArray, FloatArray]:
+    """Each sample replaced by the widest mean, or the widest parabola, around it that the reading agrees with.
 
     Parameters
     ----------
@@ -58,26 +59,32 @@ def without_reading_noise(values: FloatArray, noise: float) -> FloatArray:
 
     Returns
     -------
-    ndarray, shape (n,)
+    found : ndarray, shape (n,)
         No further from the reading than a few standard deviations of its noise; the same where it has none.
+    error : ndarray, shape (n,)
+        Standard deviation of the noise that is left; where the motion bends, the error may be twice that.
 
     Notes
     -----
     A window has to agree with all narrower ones (Lepski's rule; Katkovnik, IEEE Trans. Signal Process. 47 (1999)
-    2567): its mean and that of a part of it differ by a variance of sigma^2 (1/n_part - 1/n). Its halves have to lie
-    within `STILL` sigma of each other: where a motion is quicker its noise does no harm, and a mean would cut its
-    turns off.
+    2567): what is found in it and in a part of it differ by the difference of their variances. A mean is for a motion
+    that stands still, or nearly: the halves of its window have to lie within `STILL` sigma of each other, since it
+    would cut turns off. A parabola (Savitzky & Golay, Anal. Chem. 36 (1964) 1627) is for the motion.
     """
-    means = [(values, np.ones(len(values)))]
-    best, good = values.copy(), np.ones(len(values), bool)
-    for half_width in HALF_WIDTHS:
-        mean, count = _window_mean(values, half_width)
-        good &= _moved(means[-1][0], (half_width + 1) // 2) <= STILL * noise
-        for part, fewer in means:
-            good &= np.abs(mean - part) <= AGREE * noise * np.sqrt(1 / fewer - 1 / count)
-        best[good] = mean[good]
-        means.append((mean, count))
-    return best
+    found, variance = values.copy(), np.ones(len(values))
+    means = ((half, *_window_mean(values, half)) for half in HALF_WIDTHS)
+    parabolas = ((half, *_parabola(values, half)) for half in HALF_WIDTHS[1:])
+    for fits, is_mean in ((means, True), (parabolas, False)):
+        narrower, good = [(values, np.ones(len(values)))], np.ones(len(values), bool)
+        for half, fit, left in fits:
+            if is_mean:
+                good &= _moved(narrower[-1][0], (half + 1) // 2) <= STILL * noise
+            for part, more in narrower:
+                good &= np.abs(fit - part) <= AGREE * noise * np.sqrt(np.maximum(more - left, 0.0))
+            better = good & (left < variance)
+            found[better], variance[better] = fit[better], left[better]
+            narrower.append((fit, left))
+    return found, noise * np.sqrt(variance)
 
 
 def _moved(values: FloatArray, reach: int) -> FloatArray:
@@ -87,9 +94,22 @@ def _moved(values: FloatArray, reach: int) -> FloatArray:
 
 
 def _window_mean(values: FloatArray, half_width: int) -> tuple[FloatArray, FloatArray]:
-    """Mean over symmetric windows, narrower near the ends, and how many samples each has; each shape (n,)."""
+    """Mean over symmetric windows, narrower near the ends, and its variance over the noise's; each shape (n,)."""
     index = np.arange(len(values))
     half = np.minimum(half_width, np.minimum(index, index[::-1]))
     sums = np.concatenate([[0.0], np.cumsum(values - values[0])])
     count = 2.0 * half + 1.0
-    return values[0] + (sums[index + half + 1] - sums[index - half]) / count, count
+    return values[0] + (sums[index + half + 1] - sums[index - half]) / count, 1 / count
+
+
+def _parabola(values: FloatArray, half_width: int) -> tuple[FloatArray, FloatArray]:
+    """Middle of the parabola through symmetric windows, and its variance over the noise's; each shape (n,).
+
+    Near the ends, where there is no whole window, the values as they are.
+    """
+    found, left = values.copy(), np.ones(len(values))
+    if len(values) > 2 * half_width:
+        weights = savgol_coeffs(2 * half_width + 1, 2)
+        whole = slice(half_width, len(values) - half_width)
+        found[whole], left[whole] = np.convolve(values, weights, mode="valid"), float(weights @ weights)
+    return found, left

@@ -49,9 +49,9 @@ def joined(recordings: Sequence[Recording], rests_s: Sequence[float]) -> Measure
     counts = np.concatenate([np.r_[np.zeros(gap, bool), p.counts] for gap, p in zip(gaps, parts, strict=True)])
     signals = inputs(np.arange(len(strain)) / rate_hz, strain, temperature)
     whole = _one_recording(recordings, starts / rate_hz, [p.start_s for p in parts])
-    noise = float(np.mean([p.strain_noise for p in parts]))
+    noise = _chained([p.strain_noise for p in parts], gaps)
     averaged = float(np.mean([p.averaged for p in parts]))
-    return Measurement(signals, 1 / rate_hz, measured, counts, whole, parts[0].start_s, noise, averaged)
+    return Measurement(signals, 1 / rate_hz, measured, counts, whole, noise, parts[0].start_s, averaged)
 
 
 def _chained(values: Sequence[FloatArray], gaps: Sequence[int]) -> FloatArray:

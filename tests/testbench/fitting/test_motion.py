@@ -52,13 +52,13 @@ def test_a_reading_too_short_to_tell_has_no_noise():
 
 def test_without_noise_nothing_changes():
     strain = ramps_and_holds(TIME_S)
-    np.testing.assert_allclose(without_reading_noise(strain, 0.0), strain, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(without_reading_noise(strain, 0.0)[0], strain, rtol=0, atol=1e-12)
 
 
 @given(st.floats(1e-6, 1e-3), st.integers(0, 1000))
 def test_turns_stay_and_holds_become_still(sd, seed):
     strain = ramps_and_holds(TIME_S)
-    found = without_reading_noise(strain + noise(sd, seed), sd)
+    found, _ = without_reading_noise(strain + noise(sd, seed), sd)
     assert np.max(np.abs(found - strain)) < 6 * sd
     middle_of_hold = (TIME_S > 15) & (TIME_S < 25)  # the first hold lasts from 10 s to 30 s
     # The widest window has 65 samples; now and then a narrower one has to do.
@@ -69,8 +69,29 @@ def test_turns_stay_and_holds_become_still(sd, seed):
 def test_the_level_of_a_hold_is_found_ten_times_as_closely_as_it_is_read():
     strain = ramps_and_holds(TIME_S)
     middle_of_hold = (TIME_S > 15) & (TIME_S < 25)
-    found = [without_reading_noise(strain + noise(1e-4, seed), 1e-4)[middle_of_hold] for seed in range(30)]
+    found = [without_reading_noise(strain + noise(1e-4, seed), 1e-4)[0][middle_of_hold] for seed in range(30)]
     assert np.mean([np.median(np.abs(one - 0.2)) for one in found]) < 0.1e-4
+
+
+@given(st.floats(1e-5, 1e-3), st.integers(0, 1000))
+def test_a_smooth_motion_is_found_more_closely_than_it_is_read(sd, seed):
+    strain = 0.1 - 0.1 * np.cos(0.4 * TIME_S)
+    found, left = without_reading_noise(strain + noise(sd, seed), sd)
+    off = found - strain
+    assert np.std(off) < 0.7 * sd
+    assert 0.4 * np.std(off) < np.sqrt(np.mean(left**2)) < 1.1 * np.std(off)
+
+
+@pytest.mark.parametrize("step_mm", [0.002, 0.005, 0.02])
+def test_steps_of_the_reading_are_noise_though_it_repeats_itself_when_slow(step_mm):
+    strain = 0.1 - 0.1 * np.cos(0.4 * TIME_S)
+    reading_mm = np.round(GAUGE_LENGTH_MM * strain / step_mm) * step_mm
+    recording = Recording(TIME_S, {DISPLACEMENT: reading_mm, FORCE: 10 * strain}, GAUGE_LENGTH_MM)
+    made = prepare(recording)
+    moved = 0.1 - 0.1 * np.cos(0.4 * made.grid_s)
+    off = made.signals["strain"] - moved
+    assert np.std(off) < 0.6 * step_mm / GAUGE_LENGTH_MM / 12**0.5
+    assert 0.4 * np.std(off) < np.sqrt(np.mean(made.strain_noise**2)) < 1.1 * np.std(off)
 
 
 def test_friction_keeps_its_force_in_a_hold_that_was_read_with_noise():
@@ -85,7 +106,7 @@ def test_friction_keeps_its_force_in_a_hold_that_was_read_with_noise():
 
     assert force_N(strain) > 0.99
     assert force_N(reading) < 0.1
-    assert force_N(without_reading_noise(reading, 1e-4)) > 0.85
+    assert force_N(without_reading_noise(reading, 1e-4)[0]) > 0.85
 
 
 def test_a_measurement_moves_as_the_machine_did():
