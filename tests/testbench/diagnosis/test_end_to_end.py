@@ -12,7 +12,7 @@ from testbench.cli import main
 from testbench.comparing.compare import compare
 from testbench.comparing.ladder import fitted_file
 from testbench.design.rivals import rivals_from_diagnosis
-from testbench.diagnosis import diagnose
+from testbench.diagnosis import constants, diagnose
 from testbench.diagnosis.diagnosis import Diagnosis
 from testbench.diagnosis.words import first_line
 from testbench.fitting.baseline import starting_baseline
@@ -138,7 +138,8 @@ def test_the_command_says_it_on_one_line_and_writes_one_object(tmp_path, capsys,
 def test_as_the_noise_goes_to_zero_what_is_hidden_is_found(effect, noise):
     result = diagnose(*pair(effect, noise=noise), most=1)
     assert result.found[0].effect == effect
-    assert result.found[0].probability > 0.9
+    certain = 1 - constants.MISLED  # the rest is kept back for evidence that misleads
+    assert result.found[0].probability > 0.98 * certain
 
 
 @pytest.mark.slow
