@@ -8,7 +8,9 @@ import numpy as np
 
 from testbench.knit.additive import ConductanceLaw
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
-from testbench.knit.filters import highpass, log_conductance, lowpass, memory_of_box, memory_of_decades
+from testbench.knit.filters import highpass, log_conductance, lowpass, memory, memory_of_box, memory_of_decades
+
+PRONY_S = (3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)  # quicker is an overshoot
 
 
 class ContactRelaxationLaw(Effect):
@@ -73,6 +75,28 @@ class ContactRelaxationSpectrum(ContactRelaxationLaw):
 
     def gained_N(self, pressing_N: FloatArray, dt_s: float) -> FloatArray:
         return -memory_of_box(pressing_N, self.fraction, self.shortest_s, self.longest_s, dt_s)
+
+
+class ContactRelaxationProny(ContactRelaxationLaw):
+    """The pressing force fades, or grows, with any spectrum of relaxation times.
+
+    P(t) = P_0(t) - sum_k w_k * integral of (1 - exp(-(t - s) / tau_k)) dP_0(s),   tau_k = 3, 10, ... 1000 s
+
+    Source: Tschoegl, The Phenomenological Theory of Linear Viscoelastic Behavior (1989), ch. 3 (Prony series at fixed
+    times).
+    Valid: as `contact_relaxation`.
+    """
+
+    name = "contact_relaxation_prony"
+    strength = "fractions"
+    look = "in a hold the conductance changes over whatever times while the force does not"
+
+    fractions: tuple[float, ...] = parameter(
+        (0.0,) * len(PRONY_S), unit="1", low=-3, high=1, doc="share of the contact force that is lost at each time"
+    )
+
+    def gained_N(self, pressing_N: FloatArray, dt_s: float) -> FloatArray:
+        return -memory(pressing_N, np.array(PRONY_S), np.array(self.fractions), dt_s)
 
 
 class SpotsLaw(ConductanceLaw):

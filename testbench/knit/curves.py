@@ -7,6 +7,7 @@ import numpy as np
 from testbench.knit.effect import FloatArray
 
 CURVE_TERMS = 30
+LAW_TERMS = 12  # of a law that is a curve of any form: it bends less quickly than a base law may
 
 
 def curve(x: FloatArray, low: float, span: float, weights: tuple[float, ...]) -> FloatArray:

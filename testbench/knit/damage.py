@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from testbench.knit.additive import ForceLaw
+from testbench.knit.curves import LAW_TERMS, curve
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 from testbench.knit.filters import DEAD_BAND_STRAIN
 
@@ -101,11 +102,46 @@ class MullinsSofteningDamage(MullinsLaw):
         return {"force_N": signals["force_N"] * (1 - self.softening * damage)}
 
 
+class MullinsSofteningCurve(MullinsLaw):
+    """Below the largest stretch so far the knit is softer, along a smooth curve of any form.
+
+    F *= exp( e_max / span * curve(1 - e / e_max) )
+
+    Source: pseudo-elasticity as `mullins_softening`; the curve as in `elasticity_shape`.
+    Valid: the first few stretches; no healing; `span` is the largest strain of the recording.
+    """
+
+    name = "mullins_softening_curve"
+    strength = "weights"
+    look = "after a stretch, shorter ones need less force, however much at each length"
+
+    weights: tuple[float, ...] = parameter((0.0,) * LAW_TERMS, unit="1", low=-3, high=3, doc="weights of the curve")
+    span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain at which the loss is counted")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        from testbench.knit.kernels import running_max
+
+        top = np.maximum(running_max(signals["strain"]), 1e-6)
+        below = 1 - np.clip(signals["strain"] / top, 0.0, 1.0)
+        return {"force_N": signals["force_N"] * np.exp(top / self.span * curve(below, 0.0, 1.0, self.weights))}
+
+
 def cycled_strain(signals: Signals) -> FloatArray:
     """Strain path travelled so far, noise left out."""
     from testbench.knit.kernels import travelled
 
     return travelled(signals["strain"], DEAD_BAND_STRAIN)
+
+
+def weibull(x: FloatArray, scale: float, shape: float) -> FloatArray:
+    """Share 1 - exp(-(x / scale)^shape) of parts that differ in their lives, shape (n,)."""
+    return -np.expm1(-((np.maximum(x, 0.0) / scale) ** shape))
+
+
+def weibull_points(path: FloatArray) -> list[dict[str, Any]]:
+    """Scales and shapes of `weibull` where a fit may start on a path, shape (n,)."""
+    whole = max(float(path[-1]), 1e-3)
+    return [{"scale": share * whole, "shape": shape} for share in (0.2, 1.0, 5.0) for shape in (0.4, 0.7, 1.5, 3.0)]
 
 
 class FatigueLaw(Effect):
@@ -158,6 +194,34 @@ class CyclicFatigueLog(FatigueLaw):
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         decades = np.log1p(cycled_strain(signals) / self.scale) / np.log(10)
         return {"force_N": signals["force_N"] * np.maximum(1 - self.per_decade * decades, 0.0)}
+
+
+class CyclicFatigueWeibull(FatigueLaw):
+    """The knit loses force with the strain path: at once and ever more slowly, or late and then quickly.
+
+    F *= 1 - loss * (1 - exp(-(path / scale)^shape)),   path = integral of |de|
+
+    `shape` below 1: the weak parts go first, nearly with a power of the path; above 1: after an incubation.
+
+    Source: Weibull, J. Appl. Mech. 18 (1951) 293 (lives of parts that differ).
+    Valid: before rupture. Path counts from the first sample.
+    """
+
+    name = "cyclic_fatigue_weibull"
+    look = "the peaks of the force sink from cycle to cycle, early or late, not in a hold"
+
+    loss: float = parameter(0.1, unit="1", low=0, high=0.9, doc="share of the force lost in the end")
+    scale: float = parameter(
+        5.0, unit="1", low=0.1, high=1e5, scale="log", doc="strain path after which 63 % of it is lost"
+    )
+    shape: float = parameter(0.6, unit="1", low=0.2, high=4, scale="log", doc="below 1: early; above 1: late")
+
+    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+        return weibull_points(cycled_strain(signals))
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        tired = weibull(cycled_strain(signals), self.scale, self.shape)
+        return {"force_N": signals["force_N"] * (1 - self.loss * tired)}
 
 
 class JammingLaw(ForceLaw):

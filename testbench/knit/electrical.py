@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from testbench.knit.additive import ConductanceLaw
-from testbench.knit.damage import cycled_strain
+from testbench.knit.damage import cycled_strain, weibull, weibull_points
 from testbench.knit.effect import FloatArray, Signals, parameter
 from testbench.knit.hysteresis import mean_slip
 
@@ -167,7 +169,65 @@ class CoatingWearLoad(WearLaw):
         return -self.loss * worn
 
 
-class CoatingCracks(ConductanceLaw):
+class CoatingWearWeibull(WearLaw):
+    """The coating goes with the path: at once and ever more slowly, or late and then quickly.
+
+    ln G -= loss * (1 - exp(-(path / scale)^shape)),   path = integral of |de|
+
+    Source: Weibull, J. Appl. Mech. 18 (1951) 293 (lives of parts that differ), for patches of the coating.
+    Valid: constant load.
+    """
+
+    name = "coating_wear_weibull"
+    look = "conductance falls with every cycle, early or late, not in a rest"
+
+    loss: float = parameter(0.05, unit="1", low=0, high=20, doc="fall of ln G in the end")
+    scale: float = parameter(5.0, unit="1", low=0.1, high=1e5, scale="log", doc="strain path for 63 % of it")
+    shape: float = parameter(0.6, unit="1", low=0.2, high=4, scale="log", doc="below 1: early; above 1: late")
+
+    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+        return weibull_points(cycled_strain(signals))
+
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
+        return -self.loss * weibull(cycled_strain(signals), self.scale, self.shape)
+
+
+class CracksLaw(ConductanceLaw):
+    """Base of the laws of cracks: conductance lost for good at each new largest stretch."""
+
+    mechanism = "coating_cracks"
+
+
+class CoatingCracksWeibull(CracksLaw):
+    """Patches of the coating crack at stretches of their own, once and for all.
+
+    ln G -= loss * (c(m) - c(m(0))),   c(m) = 1 - exp(-(m / scale)^shape),   m = largest strain so far
+
+    Source: Weibull, J. Appl. Mech. 18 (1951) 293 (strengths of parts that differ); for brittle films Leterrier, Prog.
+    Mater. Sci. 48 (2003) 1.
+    Valid: first stretches.
+    """
+
+    name = "coating_cracks_weibull"
+    strength = "loss"
+    look = "conductance falls for good at each new largest stretch, most around one stretch"
+
+    loss: float = parameter(0.3, unit="1", low=0, high=20, doc="fall of ln G when all have cracked")
+    scale: float = parameter(0.2, unit="1", low=5e-3, high=10, scale="log", doc="strain at which 63 % have")
+    shape: float = parameter(2.0, unit="1", low=0.3, high=12, scale="log", doc="how alike they are")
+
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
+        from testbench.knit.kernels import running_max
+
+        cracked = weibull(running_max(signals["strain"]), self.scale, self.shape)
+        return -self.loss * (cracked - cracked[0])
+
+    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+        top = float(np.max(signals["strain"]))
+        return [{"scale": share * top, "shape": shape} for share in (0.4, 0.7, 1.0, 2.0) for shape in (0.7, 2.0, 6.0)]
+
+
+class CoatingCracks(CracksLaw):
     """Each new largest stretch cracks the coating further; the cracks stay.
 
     ln G -= loss * (m - m(0)),   m = largest strain so far

@@ -18,6 +18,7 @@ def _coefficient(power: str) -> float:
 
 
 WANDER_BUMPS = 22
+HEATING_S = (3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
 
 
 class SelfHeatingLaw(ConductanceLaw):
@@ -75,6 +76,31 @@ class SelfHeatingTwoMasses(SelfHeatingLaw):
 
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         return [{"fast_s": fast_s, "slow_s": slow_s} for fast_s in (4.0, 12.0, 30.0) for slow_s in (150.0, 500.0)]
+
+
+class SelfHeatingProny(SelfHeatingLaw):
+    """The measuring current warms the yarn, the fabric and all around it, each in its own time.
+
+    ln G += sum_k w_k y_k,   tau_k y_k' = G / G(0) - y_k,   y_k(0) = 0,   tau_k = 3, 10, 30, ... 1000 s
+
+    Source: as `self_heating`, with a chain of thermal masses (Foster's form: one exponential for each).
+    Valid: small temperature rise; constant voltage.
+    """
+
+    name = "self_heating_prony"
+    strength = "weights"
+    look = "conductance drifts after switching on and after each change of the mean stretch, over whatever times"
+
+    weights: tuple[float, ...] = parameter(
+        (0.0,) * len(HEATING_S), unit="1", low=-2, high=2, doc="change of ln G in the end by each, at starting power"
+    )
+
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
+        power = signals["conductance_S"] / signals["conductance_S"][0]
+        warmth = (
+            w * lowpass(power, tau_s, dt_s, start=0.0) for w, tau_s in zip(self.weights, HEATING_S, strict=True) if w
+        )
+        return sum(warmth, np.zeros_like(power))
 
 
 class SelfHeatingCurrent(SelfHeatingLaw):

@@ -7,10 +7,12 @@ from typing import Any
 import numpy as np
 
 from testbench.knit import spectra
+from testbench.knit.curves import LAW_TERMS, curve
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 from testbench.knit.filters import lowpass, memory, memory_of_box, memory_of_decades, memory_of_two_times, rate
 
 REFERENCE_RATE_PER_S = 0.1
+PRONY_S = (1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
 PLATEAU = "rate below which the viscosity no longer grows"
 
 
@@ -199,6 +201,28 @@ class StressRelaxationNonlinear(StressRelaxationLaw):
         return self.fraction * (lowpass(driving_N, self.tau_s, dt_s) - driving_N[0])
 
 
+class StressRelaxationProny(StressRelaxationLaw):
+    """Force decays with any spectrum of relaxation times: a Prony series of one term for each half decade.
+
+    F(t) = F_e(t) - sum_k w_k * integral of (1 - exp(-(t - s) / tau_k)) dF_e(s),   tau_k = 1, 3, 10, ... 1000 s
+
+    Source: Tschoegl, The Phenomenological Theory of Linear Viscoelastic Behavior (1989), ch. 3 (Prony series at fixed
+    times).
+    Valid: relaxation in proportion to the elastic force; the knit has rested before the recording.
+    """
+
+    name = "stress_relaxation_prony"
+    strength = "fractions"
+    look = "in a hold the force sinks, over whatever times"
+
+    fractions: tuple[float, ...] = parameter(
+        (0.0,) * len(PRONY_S), unit="1", low=-1, high=1, doc="share of the force that is lost at each time"
+    )
+
+    def lost_N(self, force_N: FloatArray, dt_s: float) -> FloatArray:
+        return memory(force_N, np.array(PRONY_S), np.array(self.fractions), dt_s)
+
+
 class StressRelaxationSeries(Effect):
     """Part of the knit gives way under its load within seconds, and comes back (delayed elasticity).
 
@@ -368,3 +392,29 @@ class ViscousRateStiffeningRelative(RateLaw):
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         speed = rate(signals["strain"], dt_s) / REFERENCE_RATE_PER_S
         return {"force_N": signals["force_N"] * np.maximum(1 + self.gain * speed, 0.0)}
+
+
+class ViscousRateStiffeningCurve(RateLaw):
+    """The whole force depends on the strain rate along a smooth curve of any form.
+
+    F *= exp( curve(v) ),   v = asinh(30 e' / reach) / (2 asinh(30)) + 1/2
+
+    Source: smoothing splines as a cosine series, Wahba, Spline Models for Observational Data (1990), ch. 2, over a
+    rate that is stretched around rest.
+    Valid: rates up to `reach_per_s`, the largest of the recording.
+    """
+
+    name = "viscous_rate_stiffening_curve"
+    strength = "weights"
+    look = "the force depends on how fast the knit moves, in each direction in its own way"
+
+    weights: tuple[float, ...] = parameter((0.0,) * LAW_TERMS, unit="1", low=-3, high=3, doc="weights of the curve")
+    reach_per_s: float = parameter(0.1, unit="1/s", low=1e-6, high=10, scale="log", doc="largest rate")
+
+    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+        strain, time_s = signals["strain"], signals["time_s"]
+        return [{"reach_per_s": float(np.max(np.abs(rate(strain, float(time_s[1] - time_s[0])))))}]
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        v = np.arcsinh(30 * rate(signals["strain"], dt_s) / self.reach_per_s) / (2 * np.arcsinh(30)) + 0.5
+        return {"force_N": signals["force_N"] * np.exp(curve(v, 0.0, 1.0, self.weights))}

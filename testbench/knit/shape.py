@@ -79,7 +79,9 @@ class HysteresisShape(ForceLaw):
 class ContactShape(ConductanceLaw):
     """Any smooth correction to the law of conductance over contact force and strain.
 
-    ln G += curve(P / span_N) + curve(e / span),   the curves as in `elasticity_shape`
+    ln G += curve(sqrt(P / span_N)) + curve(e / span),   the curves as in `elasticity_shape`
+
+    Contacts conduct with about the root of what presses them (Holm): there a smooth curve sees light loads, too.
 
     Source: Wahba, Spline Models for Observational Data (1990), ch. 2. Valid: inside the force and strain seen in the
     fit.
@@ -104,7 +106,8 @@ class ContactShape(ConductanceLaw):
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         log_change = curve(signals["strain"], 0.0, self.span, self.strain_weights)
         if "contact_force_N" in signals:
-            log_change = log_change + curve(signals["contact_force_N"], self.low_N, self.span_N, self.force_weights)
+            load = np.sqrt(np.maximum((signals["contact_force_N"] - self.low_N) / self.span_N, 0.0))
+            log_change = log_change + curve(load, 0.0, 1.0, self.force_weights)
         return log_change
 
 

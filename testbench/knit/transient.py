@@ -10,6 +10,7 @@ from testbench.knit.additive import ConductanceLaw
 from testbench.knit.effect import FloatArray, Signals, parameter
 from testbench.knit.filters import highpass, lagging_rate, log_conductance, lowpass, rate
 
+SETTLING_S = (0.1, 0.3, 1.0, 3.0, 10.0, 30.0)
 SMALLEST_TURN = 0.02  # of the span; wobbles below are no turns
 
 
@@ -61,6 +62,30 @@ class ElectricalOvershootConductance(OvershootLaw):
         conductance = signals["conductance_S"]
         sudden = highpass(log_conductance(conductance), self.tau_s, dt_s)
         return self.gain * sudden
+
+
+class ElectricalOvershootProny(OvershootLaw):
+    """After each change of strain the conductance overshoots, and comes back over any spectrum of times.
+
+    ln G += sum_k w_k * (e - y_k) / span,   tau_k y_k' = e - y_k,   tau_k = 0.1, 0.3, ... 30 s
+
+    Source: as `electrical_overshoot`, with a Prony series at fixed times (Tschoegl, 1989, ch. 3).
+    Valid: small overshoot.
+    """
+
+    name = "electrical_overshoot_prony"
+    strength = "weights"
+    look = "conductance shoots beyond its final value after every move and settles over whatever times"
+
+    weights: tuple[float, ...] = parameter(
+        (0.0,) * len(SETTLING_S), unit="1", low=-5, high=5, doc="change of ln G by a sudden strain of `span`"
+    )
+    span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain by which it is counted")
+
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
+        strain = signals["strain"] / self.span
+        sudden = (w * highpass(strain, tau_s, dt_s) for w, tau_s in zip(self.weights, SETTLING_S, strict=True) if w)
+        return sum(sudden, np.zeros_like(strain))
 
 
 class ElectricalOvershootMagnitude(OvershootLaw):
