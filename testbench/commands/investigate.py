@@ -68,6 +68,7 @@ def run(args: argparse.Namespace) -> int:
 
     from gcode.support.files import check_place, write_json
     from testbench.api.investigating import investigate
+    from testbench.api.progress import clear_line
     from testbench.investigating.words import ending_words
     from testbench.rig.progress import terminal
     from testbench.rig.signals import stop_signals
@@ -77,8 +78,8 @@ def run(args: argparse.Namespace) -> int:
     say = sys.stderr if to_stdout else sys.stdout
 
     def after_run(text: str) -> None:
-        if sys.stderr.isatty() and not args.quiet:
-            print("\r\x1b[K", end="", file=sys.stderr)
+        if not args.quiet:
+            clear_line()
         print(text, file=say, flush=True)
 
     bounds = {

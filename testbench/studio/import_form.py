@@ -12,7 +12,7 @@ from gcode.support.strict import json_of, validated
 from testbench.studio.import_words import TITLES
 
 if TYPE_CHECKING:
-    from testbench.importing.from_file import Wish
+    from testbench.importing.wish import Wish
 
 NOT_THERE = "none"
 SAID: tuple[str, ...] = ("columns", "units", "clocks", "hints", "negate", "zero")
@@ -83,7 +83,8 @@ class Choices:
 
     def wish(self) -> Wish:
         """For a look at the file."""
-        from testbench.importing.from_file import Hints, Wish
+        from testbench.importing.sheet import Hints
+        from testbench.importing.wish import Wish
 
         return Wish(
             gauge_length_mm=self.gauge_length_mm,
