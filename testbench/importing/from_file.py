@@ -14,7 +14,7 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from gcode.support.files import sha256_of
-from testbench.importing.choice import ELECTRICAL, FLAGS, NAMED, Choice, choose, in_words
+from testbench.importing.choice import ELECTRICAL, FLAGS, NAMED, Choice, choose
 from testbench.importing.columns import Read, on_main_clock, read_columns
 from testbench.importing.gauge import gauge_doubt
 from testbench.importing.imported import Imported
@@ -25,6 +25,7 @@ from testbench.importing.repeats import repeats_of
 from testbench.importing.rows import channels_of, check_change, in_order, usable
 from testbench.importing.sheet import Sheet
 from testbench.importing.signs import doubts, turned, zeroed
+from testbench.importing.trouble_words import in_words
 from testbench.importing.units import units_spelt
 from testbench.importing.wish import Wish
 from testbench.importing.words import STRETCH, counts_repeats, speaks_about

@@ -441,7 +441,7 @@ def _unit_key(choice: Choice, role: str) -> str | None:
 
 def _trouble_words(choice: Choice, role: str) -> str:
     """What a person must say about a role, in the page's words; empty when nothing."""
-    from testbench.importing.choice import several
+    from testbench.importing.trouble_words import several
 
     for one in choice.troubles:
         if one.role != role:
