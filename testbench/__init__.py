@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from gcode.support.errors import UserError as UserError
     from testbench import effects as effects
     from testbench.api.adding import add as add
+    from testbench.api.adding import undo as undo
     from testbench.api.aligning import AlignmentResult as AlignmentResult
     from testbench.api.aligning import align as align
     from testbench.api.arguments import read as read
@@ -72,7 +73,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "gcode.support.errors": ["UserError"],
     "testbench": ["effects"],
-    "testbench.api.adding": ["add"],
+    "testbench.api.adding": ["add", "undo"],
     "testbench.api.aligning": ["AlignmentResult", "align"],
     "testbench.api.arguments": ["read"],
     "testbench.api.capturing": ["RecordResult", "record", "resume_recording"],
