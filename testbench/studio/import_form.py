@@ -64,7 +64,7 @@ class Choices:
 
     @classmethod
     def from_told(cls, path: Path, text: str) -> Choices:
-        """What an address asks for.
+        """The choices that an address of the page holds.
 
         Raises
         ------
@@ -82,7 +82,7 @@ class Choices:
         return choices
 
     def wish(self) -> Wish:
-        """For a look at the file."""
+        """What is said on the page, as the import takes it."""
         from testbench.importing.sheet import Hints
         from testbench.importing.wish import Wish
 
