@@ -1,4 +1,4 @@
-"""The pictures of docs/studio.md that show a diagnosis, drawn from the hidden effect of the demo.
+"""The pictures of docs/studio.md, all but those of a proposed law and a compensator, drawn from the demo's sensor.
 
 python benchmarks/studio_pictures.py WORKSPACE [-o docs/images]
 
@@ -18,11 +18,13 @@ from tests.testbench.studio.served import CHROMIUM, served
 
 NAMES = ("calibration", "held_out")
 C = NAMES[0]
+SIMULATED = "pes-1"
+RECORDED_S = 40  # of the recording that is drawn while it runs
 WIDTH, HEIGHT = 1280, 800
 
 
 def made(root: Path) -> None:
-    """Two campaigns of the demo's sensor, the first one fitted and diagnosed."""
+    """Two campaigns of the demo's sensor, the first one fitted and diagnosed; and one of the simulated rig."""
     hidden, results = root.parent / "hidden-effect", root / "results" / C
     if not hidden.exists():
         do("testbench", "hide", *HIDDEN, "-o", hidden)
@@ -41,6 +43,21 @@ def made(root: Path) -> None:
         asked = ("--diagnosis", results / "diagnosis.json", "--fit", *pair, "--strain-max", 30, "--duration-s", 600)
         program = root / "programs" / f"{C}-experiment"
         do("testbench", "experiment", *asked, "--json", results / "experiment.json", "-o", program)
+    if not (root / SIMULATED).exists():
+        planned = root.parent / "paper-1"
+        do(
+            "gcode",
+            "generate",
+            "--preset",
+            "paper-1",
+            "--seed",
+            51,
+            "--gauge-length-mm",
+            GAUGE_LENGTH_MM,
+            "-o",
+            planned,
+        )
+        do("testbench", "run", "--sensor", "pes", "--program", planned / "program.tap", "-o", root / SIMULATED)
 
 
 def drawn(page: Page) -> None:
@@ -70,6 +87,32 @@ def pictures(page: Page, address: str, out: Path) -> None:
     page.screenshot(path=out / "studio-ladder.png")
 
 
+def pictures_before(page: Page, address: str, out: Path) -> None:
+    """What is looked at before a diagnosis: campaigns, a plan, its clocks, the comparison, a recording under way."""
+    page.goto(f"{address}/compare?c={C}")
+    drawn(page)
+    page.screenshot(path=out / "studio-compare.png")
+    page.goto(address)
+    page.get_by_text("3 campaigns").wait_for()
+    page.get_by_text("verified").nth(2).wait_for()
+    page.screenshot(path=out / "studio-campaigns.png")
+    page.goto(f"{address}/align?c={SIMULATED}")
+    drawn(page)
+    page.screenshot(path=out / "studio-align.png")
+    page.goto(f"{address}/plan")
+    page.get_by_role("button", name="Plan", exact=True).click()
+    drawn(page)
+    page.screenshot(path=out / "studio-plan.png")
+    page.goto(f"{address}/record")
+    page.get_by_label("Force limit / N").fill("8")
+    page.get_by_role("button", name="Record", exact=False).last.click()
+    page.get_by_role("button", name="Stop").wait_for()
+    page.wait_for_timeout(1000 * RECORDED_S)
+    page.screenshot(path=out / "studio-record.png")
+    page.get_by_role("button", name="Stop").click()
+    page.get_by_role("button", name="Resume").wait_for()
+
+
 def main() -> None:
     """Make what is missing, and draw."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -82,6 +125,7 @@ def main() -> None:
         browser = play.chromium.launch(executable_path=str(CHROMIUM), args=["--no-sandbox"])
         with screen(browser, WIDTH, HEIGHT) as page:
             page.set_default_timeout(600_000)
+            pictures_before(page, studio.address, args.output)
             pictures(page, studio.address, args.output)
         browser.close()
 
