@@ -1,4 +1,4 @@
-"""The pictures of docs/studio.md, all but those of a proposed law and a compensator, drawn from the demo's sensor.
+"""The pictures of docs/studio.md, all but that of a proposed law, drawn from the demo's sensor.
 
 python benchmarks/studio_pictures.py WORKSPACE [-o docs/images]
 
@@ -18,13 +18,13 @@ from tests.testbench.studio.served import CHROMIUM, served
 
 NAMES = ("calibration", "held_out")
 C = NAMES[0]
-SIMULATED = "pes-1"
+SIMULATED = {"pes-1": ("paper-1", 51), "pes-2": ("paper-2", 52)}  # one sensor, two motions
 RECORDED_S = 40  # of the recording that is drawn while it runs
 WIDTH, HEIGHT = 1280, 800
 
 
 def made(root: Path) -> None:
-    """Two campaigns of the demo's sensor, the first one fitted and diagnosed; and one of the simulated rig."""
+    """Two campaigns of the demo's sensor, the first one fitted and diagnosed; and two of the simulated rig."""
     hidden, results = root.parent / "hidden-effect", root / "results" / C
     if not hidden.exists():
         do("testbench", "hide", *HIDDEN, "-o", hidden)
@@ -43,21 +43,12 @@ def made(root: Path) -> None:
         asked = ("--diagnosis", results / "diagnosis.json", "--fit", *pair, "--strain-max", 30, "--duration-s", 600)
         program = root / "programs" / f"{C}-experiment"
         do("testbench", "experiment", *asked, "--json", results / "experiment.json", "-o", program)
-    if not (root / SIMULATED).exists():
-        planned = root.parent / "paper-1"
-        do(
-            "gcode",
-            "generate",
-            "--preset",
-            "paper-1",
-            "--seed",
-            51,
-            "--gauge-length-mm",
-            GAUGE_LENGTH_MM,
-            "-o",
-            planned,
-        )
-        do("testbench", "run", "--sensor", "pes", "--program", planned / "program.tap", "-o", root / SIMULATED)
+    for name, (preset, seed) in SIMULATED.items():
+        planned = root.parent / preset
+        if not (root / name).exists():
+            words = ("--preset", preset, "--seed", seed, "--gauge-length-mm", GAUGE_LENGTH_MM)
+            do("gcode", "generate", *words, "-o", planned)
+            do("testbench", "run", "--sensor", "pes", "--program", planned / "program.tap", "-o", root / name)
 
 
 def drawn(page: Page) -> None:
@@ -88,21 +79,26 @@ def pictures(page: Page, address: str, out: Path) -> None:
 
 
 def pictures_before(page: Page, address: str, out: Path) -> None:
-    """What is looked at before a diagnosis: campaigns, a plan, its clocks, the comparison, a recording under way."""
+    """What comes before a diagnosis: campaigns, a plan and its clocks, a comparison, a compensator, a recording."""
     page.goto(f"{address}/compare?c={C}")
     drawn(page)
     page.screenshot(path=out / "studio-compare.png")
     page.goto(address)
-    page.get_by_text("3 campaigns").wait_for()
-    page.get_by_text("verified").nth(2).wait_for()
+    page.get_by_text("4 campaigns").wait_for()
+    page.get_by_text("verified").nth(3).wait_for()
     page.screenshot(path=out / "studio-campaigns.png")
-    page.goto(f"{address}/align?c={SIMULATED}")
+    page.goto(f"{address}/align?c=pes-1")
     drawn(page)
     page.screenshot(path=out / "studio-align.png")
     page.goto(f"{address}/plan")
     page.get_by_role("button", name="Plan", exact=True).click()
     drawn(page)
     page.screenshot(path=out / "studio-plan.png")
+    page.goto(f"{address}/compensate?c=pes-1")
+    page.get_by_role("button", name="Train").click()
+    page.get_by_role("button", name="Compensator as JSON").wait_for()
+    drawn(page)
+    page.screenshot(path=out / "studio-compensate.png")
     page.goto(f"{address}/record")
     page.get_by_label("Force limit / N").fill("8")
     page.get_by_role("button", name="Record", exact=False).last.click()
