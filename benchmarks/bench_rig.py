@@ -17,7 +17,8 @@ from gcode.programs.make import make
 from gcode.trajectories.presets import preset as trajectory_preset
 from testbench.campaigns.campaign import simulate_campaign
 from testbench.campaigns.plan import Plan
-from testbench.importing.from_file import Wish, import_csv
+from testbench.importing.from_file import import_csv
+from testbench.importing.wish import Wish
 from testbench.knit.presets import preset
 from testbench.recordings.files import read_recording
 from testbench.recordings.manifest import problems

@@ -1,4 +1,4 @@
-"""The pictures of docs/studio.md that show a diagnosis, drawn from the hidden effect of the demo.
+"""The pictures of docs/studio.md, all but that of a proposed law, drawn from the demo's sensor.
 
 python benchmarks/studio_pictures.py WORKSPACE [-o docs/images]
 
@@ -18,11 +18,13 @@ from tests.testbench.studio.served import CHROMIUM, served
 
 NAMES = ("calibration", "held_out")
 C = NAMES[0]
+SIMULATED = {"pes-1": ("paper-1", 51), "pes-2": ("paper-2", 52)}  # one sensor, two motions
+RECORDED_S = 40  # of the recording that is drawn while it runs
 WIDTH, HEIGHT = 1280, 800
 
 
 def made(root: Path) -> None:
-    """Two campaigns of the demo's sensor, the first one fitted and diagnosed."""
+    """Two campaigns of the demo's sensor, the first one fitted and diagnosed; and two of the simulated rig."""
     hidden, results = root.parent / "hidden-effect", root / "results" / C
     if not hidden.exists():
         do("testbench", "hide", *HIDDEN, "-o", hidden)
@@ -41,6 +43,12 @@ def made(root: Path) -> None:
         asked = ("--diagnosis", results / "diagnosis.json", "--fit", *pair, "--strain-max", 30, "--duration-s", 600)
         program = root / "programs" / f"{C}-experiment"
         do("testbench", "experiment", *asked, "--json", results / "experiment.json", "-o", program)
+    for name, (preset, seed) in SIMULATED.items():
+        planned = root.parent / preset
+        if not (root / name).exists():
+            words = ("--preset", preset, "--seed", seed, "--gauge-length-mm", GAUGE_LENGTH_MM)
+            do("gcode", "generate", *words, "-o", planned)
+            do("testbench", "run", "--sensor", "pes", "--program", planned / "program.tap", "-o", root / name)
 
 
 def drawn(page: Page) -> None:
@@ -70,6 +78,37 @@ def pictures(page: Page, address: str, out: Path) -> None:
     page.screenshot(path=out / "studio-ladder.png")
 
 
+def pictures_before(page: Page, address: str, out: Path) -> None:
+    """What comes before a diagnosis: campaigns, a plan and its clocks, a comparison, a compensator, a recording."""
+    page.goto(f"{address}/compare?c={C}")
+    drawn(page)
+    page.screenshot(path=out / "studio-compare.png")
+    page.goto(address)
+    page.get_by_text("4 campaigns").wait_for()
+    page.get_by_text("verified").nth(3).wait_for()
+    page.screenshot(path=out / "studio-campaigns.png")
+    page.goto(f"{address}/align?c=pes-1")
+    drawn(page)
+    page.screenshot(path=out / "studio-align.png")
+    page.goto(f"{address}/plan")
+    page.get_by_role("button", name="Plan", exact=True).click()
+    drawn(page)
+    page.screenshot(path=out / "studio-plan.png")
+    page.goto(f"{address}/compensate?c=pes-1")
+    page.get_by_role("button", name="Train").click()
+    page.get_by_role("button", name="Compensator as JSON").wait_for()
+    drawn(page)
+    page.screenshot(path=out / "studio-compensate.png")
+    page.goto(f"{address}/record")
+    page.get_by_label("Force limit / N").fill("8")
+    page.get_by_role("button", name="Record", exact=False).last.click()
+    page.get_by_role("button", name="Stop").wait_for()
+    page.wait_for_timeout(1000 * RECORDED_S)
+    page.screenshot(path=out / "studio-record.png")
+    page.get_by_role("button", name="Stop").click()
+    page.get_by_role("button", name="Resume").wait_for()
+
+
 def main() -> None:
     """Make what is missing, and draw."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -82,6 +121,7 @@ def main() -> None:
         browser = play.chromium.launch(executable_path=str(CHROMIUM), args=["--no-sandbox"])
         with screen(browser, WIDTH, HEIGHT) as page:
             page.set_default_timeout(600_000)
+            pictures_before(page, studio.address, args.output)
             pictures(page, studio.address, args.output)
         browser.close()
 

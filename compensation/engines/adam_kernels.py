@@ -58,7 +58,7 @@ def _forward(widths, flat, active, count):
         out = active[layer + 1]
         for j in range(n_out):
             out[j, :count] = flat[at + n_in * n_out + j]
-        _add_products(flat, at, n_out, 1, active[layer], n_in, out, n_out, count)
+        add_products(flat, at, n_out, 1, active[layer], n_in, out, n_out, count)
         if layer < layers - 1:
             for j in range(n_out):
                 for k in range(count):
@@ -75,7 +75,7 @@ def _backward(widths, flat, active, delta, gradient, count):
         values, step = active[layer], delta[layer + 1]
         for j in range(n_out):
             gradient[end - n_out + j] = step[j, :count].sum()
-        _correlate(gradient, at, values, n_in, step, n_out, count)
+        correlate(gradient, at, values, n_in, step, n_out, count)
         if layer > 0:
             _pass_back(flat, at, values, step, delta[layer], n_in, n_out, count)
         end = at
@@ -85,14 +85,14 @@ def _backward(widths, flat, active, delta, gradient, count):
 def _pass_back(flat, at, values, step, back, n_in, n_out, count):
     for i in range(n_in):
         back[i, :count] = 0.0
-    _add_products(flat, at, 1, n_out, step, n_out, back, n_in, count)
+    add_products(flat, at, 1, n_out, step, n_out, back, n_in, count)
     for i in range(n_in):
         for k in range(count):
             back[i, k] = back[i, k] if values[i, k] > 0.0 else 0.0
 
 
 @jit
-def _add_products(flat, at, down, across, values, n_in, out, n_out, count):
+def add_products(flat, at, down, across, values, n_in, out, n_out, count):
     """out[j] += sum over i of w[i, j] values[i]; w[i, j] is flat[at + i down + j across]."""
     tiled_in, tiled_out = n_in // TILE * TILE, n_out // TILE * TILE
     for j in range(0, tiled_out, TILE):
@@ -120,7 +120,7 @@ def _add_products(flat, at, down, across, values, n_in, out, n_out, count):
 
 
 @jit
-def _correlate(gradient, at, values, n_in, step, n_out, count):
+def correlate(gradient, at, values, n_in, step, n_out, count):
     """gradient[at + i n_out + j] = sum over rows of values[i] step[j]."""
     tiled_in, tiled_out = n_in // TILE * TILE, n_out // TILE * TILE
     for i in range(0, tiled_in, TILE):

@@ -63,7 +63,7 @@ ENGINES: dict[str, Engine] = {"exact": exact_engine, "fast": fast_engine, "sklea
 
 
 def engine(name: str) -> Engine:
-    """Engine by name."""
+    """The training engine of this name."""
     try:
         return ENGINES[name]
     except KeyError:

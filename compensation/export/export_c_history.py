@@ -26,12 +26,12 @@ def pieces(compensator: Compensator, name: str) -> dict[str, str]:
 
 
 def state_bytes(history: History) -> int:
-    """RAM for it."""
+    """Bytes of RAM that the history's state takes."""
     return 4 * (2 + history.count) if history.count else 0
 
 
 def constants_bytes(history: History) -> int:
-    """Flash for it: four numbers a motion, three a play, one gain."""
+    """Bytes of flash that the history's constants take: four numbers a motion, three a play, one gain."""
     return 4 * (1 + 4 * len(history.motion_taus_s) + 3 * len(history.play_radii)) if history.count else 0
 
 

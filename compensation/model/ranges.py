@@ -30,7 +30,7 @@ class Seen:
     inputs_high: FloatArray
 
     def held(self, x: FloatArray) -> FloatArray:
-        """`x` within one width of the range to either side."""
+        """`x`, clipped `MARGIN_WIDTHS` widths of the range outside of it."""
         margin = MARGIN_WIDTHS * (self.high - self.low)
         return np.clip(x, self.low - margin, self.high + margin)
 

@@ -46,7 +46,7 @@ class Status(IntFlag):
 
 
 def limits_of(compensator: Compensator) -> tuple[float, float]:
-    """Between which the standardised conductance is held."""
+    """Low and high limit to which the standardised conductance is clipped."""
     if compensator.seen is None:
         return -UNKNOWN_LIMIT, UNKNOWN_LIMIT
     low, high = compensator.seen.held(np.array([-np.inf, np.inf]))

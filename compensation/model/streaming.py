@@ -12,7 +12,7 @@ from gcode.support.errors import UserError
 
 
 class CompensatorStream:
-    """Running state of a compensator; cannot be poisoned (see `compensation.model.runtime`).
+    """Running state of a compensator; a faulty sample does not spoil later ones (see `compensation.model.runtime`).
 
     A filter's output is its response from a zero state plus a fading share of its initial value, so the mean of the
     first M samples can be put in when it is known, without keeping those samples. Before that, the mean of those

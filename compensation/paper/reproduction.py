@@ -41,7 +41,7 @@ class Seeds:
 
     @property
     def live(self) -> FloatArray:
-        """Rows of the networks that are not dead."""
+        """Rows of `r2` whose network learned something: a dead one gives a constant."""
         return self.r2[~self.dead]
 
     def best_of(self, count: int) -> FloatArray:

@@ -66,7 +66,7 @@ PRESETS = {
 
 @dataclass(frozen=True)
 class Candidate:
-    """One network behind one bank."""
+    """A network to try: one smoothing bank, and hidden layers behind it."""
 
     bank: Bank
     sizes: tuple[int, ...]

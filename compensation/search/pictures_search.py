@@ -77,7 +77,7 @@ def _numbers(bank: str) -> tuple[float, int]:
 
 
 def _named(bank: str) -> str:
-    """As in the paper's table."""
+    """A candidate's name as the paper's table writes it."""
     return "a = {}, N = {}".format(*bank.split("^")) if "^" in bank else f"{bank} (set by hand)"
 
 

@@ -37,7 +37,7 @@ class Series:
         return len(self.time_s)
 
     def rows(self, rows: NDArray[np.intp]) -> Series:
-        """Some of its samples."""
+        """The series of some of its samples."""
         return Series(self.time_s[rows], self.conductance_S[rows], self.truth[rows], self.source)
 
 
@@ -105,7 +105,7 @@ def _sampled(recording: Recording, channel: str, rate_hz: float | None) -> Serie
 
 
 def target_channel(target: str) -> str:
-    """Channel of a target's name."""
+    """The recording's channel for a target: ``force_N`` for ``force``, ``displacement_mm`` for ``displacement``."""
     if target not in TARGETS:
         raise UserError(f"--target must be {' or '.join(TARGETS)}, got {target}")
     return TARGETS[target][0]

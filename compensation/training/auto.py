@@ -208,7 +208,7 @@ def _trained(
 
 
 def _scaled(network: Network, times: float) -> Network:
-    """The same network with `times` its output."""
+    """A network whose output is `times` that of the given one."""
     return Network(
         (*network.weights[:-1], network.weights[-1] * times), (*network.biases[:-1], network.biases[-1] * times)
     )

@@ -13,9 +13,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from gcode.support.arrays import FloatArray
 
 COVERAGE = 0.90
 SHARES = ((1 - COVERAGE) / 2, (1 + COVERAGE) / 2)
@@ -70,7 +69,7 @@ def of_another(recordings: Sequence[FloatArray]) -> tuple[float, float]:
 
 
 def _another(values: FloatArray, draws: int, rng: np.random.Generator) -> FloatArray:
-    """Draws of one value more of the same kind."""
+    """Draws of one further value, as Student's t predicts it from a few that are thought to be normal."""
     count = len(values)
     spread = float(values.std(ddof=1)) * np.sqrt(1 + 1 / count)
     return values.mean() + spread * rng.standard_t(count - 1, draws)

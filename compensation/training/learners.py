@@ -153,7 +153,7 @@ class Networks(Learner):
 
     @staticmethod
     def _chosen(error: Callable[[History, float], float]) -> tuple[History, float]:
-        """The memories at a middling L2, then the L2."""
+        """Choose the memories at a medium L2 penalty, then the penalty."""
         middle = NETWORK_PENALTIES[1]
         errors = {(history, middle): error(history, middle) for history in (NO_HISTORY, WHOLE)}
         history, _ = min(errors, key=lambda key: errors[key])

@@ -16,13 +16,22 @@ Mask = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class Sums:
-    """What least squares need to know of some rows: of all versions to learn from, of the first to judge by."""
+    """Sums of products over some rows, which is all that least squares needs of them.
 
-    learn: FloatArray  # (k + 2, k + 2) products of features, one, target
+    Attributes
+    ----------
+    learn : ndarray, shape (k + 2, k + 2)
+        Products of the features, a one and the target, averaged over all versions of the recording.
+    judge : ndarray, shape (k + 2, k + 2)
+        The same of the first version alone, the recording as it is.
+    """
+
+    learn: FloatArray
     judge: FloatArray
 
     @classmethod
     def of(cls, lesson: Lessons, rows: Mask) -> Sums:
+        """The sums over these rows."""
         products = []
         for version in lesson.versions:
             x = np.column_stack([version[rows], np.ones(rows.sum()), lesson.truth[rows]])
@@ -31,6 +40,7 @@ class Sums:
 
     @classmethod
     def total(cls, parts: Sequence[Sums]) -> Sums:
+        """The sums over the rows of all parts."""
         return cls(sum(part.learn for part in parts), sum(part.judge for part in parts))  # type: ignore[arg-type]
 
     def solved(self, l2: float) -> tuple[FloatArray, float]:

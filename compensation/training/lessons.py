@@ -97,7 +97,8 @@ def lessons(
     shift : float
         Of the conductance in the versions, up and down, in standard deviations.
     paces : sequence of float
-        How many seconds a second of the recording takes in the versions: two versions a pace, up and down.
+        Factors by which time is stretched (2: the motion takes twice as long). Each gives two versions, one with the
+        conductance shifted up, one with it shifted down.
     """
     blank = untrained(series, target, options)
     copies = [list(series), list(series)]
@@ -143,6 +144,6 @@ def features_at_pace(blank: Compensator, series: Sequence[Series], pace: float) 
 
 
 def _shifted(blank: Compensator, by: float) -> Compensator:
-    """Reads a conductance as if it were higher by `by` standard deviations."""
+    """A compensator that reads a conductance as if it were higher by `by` standard deviations."""
     scaling = blank.scaling_in
     return replace(blank, scaling_in=replace(scaling, mean=scaling.mean - by * scaling.scale))

@@ -56,5 +56,5 @@ class Options:
 
     @property
     def bank(self) -> FloatArray:
-        """Smoothing factors, set or calculated."""
+        """The smoothing factors: those set by hand, or calculated from factor and count."""
         return smoothing_factors(self.factor, self.count) if self.alphas is None else given_factors(self.alphas)

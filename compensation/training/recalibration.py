@@ -43,7 +43,7 @@ class Correction:
     shift_out: float = 0.0
 
     def of(self, compensator: Compensator) -> Compensator:
-        """The compensator with it."""
+        """The compensator with this correction applied."""
         into, out = compensator.scaling_in, compensator.scaling_out
         return replace(
             compensator,
@@ -114,7 +114,7 @@ def wander(compensator: Compensator, series: Sequence[Series]) -> FloatArray:
 
 
 def _expected(compensator: Compensator, truth: FloatArray) -> FloatArray:
-    """What a right compensator would say of this reference.
+    """What a compensator without error would predict for this reference.
 
     One that explains a share r2 of the variance falls short by 1 - r2 of the way from the mean. Where the reference
     stands still, at rest at the end of its range, that must not be taken for an error; where it moves, it evens out.
@@ -127,7 +127,7 @@ def _expected(compensator: Compensator, truth: FloatArray) -> FloatArray:
 
 
 def _moved(numbers: FloatArray) -> Correction:
-    """The correction of four numbers in units of their spreads."""
+    """The correction from four numbers, each in units of its prior standard deviation."""
     log_in, shift_in, log_out, shift_out = numbers * SPREADS
     return Correction(float(np.exp(log_in)), float(shift_in), float(np.exp(log_out)), float(shift_out))
 

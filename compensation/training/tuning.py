@@ -121,7 +121,7 @@ def steps() -> int:
 
 
 def penalties(options: Options) -> list[Options]:
-    """Every penalty, with everything else as it is."""
+    """The same options once for each penalty that is tried."""
     return [replace(options, l2=l2) for l2 in PENALTIES]
 
 

@@ -35,7 +35,7 @@ class CheckResult:
         return not self.problems
 
     def as_json(self) -> dict[str, Any]:
-        """For ``gcode check --json``."""
+        """What was found, as ``gcode check --json`` prints it."""
         return {
             "ok": self.ok,
             "problems": [{"line": problem.line, "reason": problem.reason} for problem in self.problems],

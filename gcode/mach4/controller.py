@@ -75,7 +75,7 @@ def play(program: Program, rate_hz: float = 20.0, machine: Machine | None = None
     Parameters
     ----------
     program : Program
-        From `gcode.mach4.writer.read_program`.
+        From `gcode.mach4.reader.read_program`.
     rate_hz : float
         Sample rate of the result.
     machine : Machine or None

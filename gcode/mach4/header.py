@@ -16,7 +16,7 @@ MAX_COMMENT = 96  # interpreters refuse over-long comments; long lists are split
 
 
 def header_lines(about: dict[str, Any]) -> list[str]:
-    """One comment a value."""
+    """The header's lines, a comment for each value."""
     lines = []
     for key, value in flatten(about).items():
         text = f"({key}: {value})".upper()

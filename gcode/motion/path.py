@@ -1,4 +1,4 @@
-"""Path: where to be and how long to take, before any limit. Frame: what turns strain into millimetres."""
+"""A path says where to be and how long to take, before any limit; a frame turns its strain into millimetres."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Frame:
-    """What a piece must know to become millimetres.
+    """What turns a piece of a motion, told in strain, into positions of the machine in mm.
 
     Attributes
     ----------

@@ -14,7 +14,7 @@ MOST_BYTES = 16 << 20
 
 
 class StoredPlan(StrictModel):
-    """As far as others read it."""
+    """``trajectory.json``, as far as other rooms read it."""
 
     model_config = ConfigDict(frozen=True, extra="ignore", allow_inf_nan=False)
 

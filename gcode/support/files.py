@@ -83,6 +83,22 @@ def _check_replaceable(path: Path, flag: str = "-o") -> None:
     raise UserError(f"cannot write {path}: it is {what}; give the name of a file with {flag}")
 
 
+def existing_file(path: str | Path, what: str = "file") -> Path:
+    """`path`, if it is a file; `what` says in the message what was wanted.
+
+    Raises
+    ------
+    UserError
+        If it is a folder, or nothing is there.
+    """
+    path = Path(path)
+    if path.is_dir():
+        raise UserError(f"{path}: a folder, no {what}")
+    if not path.is_file():
+        raise UserError(f"{path}: no such {what}")
+    return path
+
+
 def write_bytes(path: str | Path, data: bytes) -> None:
     """Write a whole file or none of it, to last: after a power cut the old content or the new one is there.
 

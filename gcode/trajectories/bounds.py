@@ -40,7 +40,7 @@ class Excess(NamedTuple):
     samples: int
 
     def at(self, rate_hz: float) -> str:
-        """One clause for a message."""
+        """By how much, when and how often a limit is passed, as part of a message."""
         more = f" (and at {self.samples - 1} more samples)" if self.samples > 1 else ""
         where = f"{self.name} {self.value:.4g} {self.unit} at {self.sample / rate_hz:.2f} s"
         return f"{where} is beyond {self.limit:g} {self.unit}{more}"

@@ -124,7 +124,7 @@ class Noise(RangedPiece):
         return frame.mm(middle + half * bend(level))
 
     def _pace(self, time_s: np.ndarray, frame: Frame) -> np.ndarray:
-        """How fast time goes for the noise, about one on average."""
+        """How fast the noise runs at each moment, as a factor of about one on average."""
         if self.pace_spread == 0:
             return np.ones_like(time_s)
         mood = perlin_signal(time_s, [*frame.seed, 1], self.cells_per_s * PACE_RATIO)

@@ -1,4 +1,4 @@
-"""`add`: an effect put into a model, started where the data want it, and everything refitted."""
+"""`add`: an effect put into a model, started where the data want it, everything refitted; `undo` takes it back."""
 
 from __future__ import annotations
 
@@ -7,9 +7,13 @@ from typing import Any
 
 from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, recordings_for
 from testbench.api.fitting import FitResult
+from testbench.api.ladder import Ladder
 from testbench.api.progress import Tell, telling
+from testbench.comparing.ladder import idle_effects
+from testbench.comparing.ladder import undo as taken_back
 from testbench.diagnosis.adding import add_effect
 from testbench.fitting.measurement import split
+from testbench.knit.catalogue import BASELINE
 
 
 def add(
@@ -64,6 +68,53 @@ def add(
     calibration, held = split(first, second, clamp_play_mm=play_mm)
     with telling(progress) as tell:
         return FitResult(add_effect(file, effect, calibration, held, catalogue, tell), calibration, held)
+
+
+def undo(model: AnyModel, *, effects: Effects = None) -> Ladder:
+    """Take the last step of a model's ladder back.
+
+    Parameters
+    ----------
+    model : result or path
+    effects : path, Catalogue or effect classes, optional
+        The user's own effects.
+
+    Returns
+    -------
+    Ladder
+        Of the model before that step.
+
+    Raises
+    ------
+    UserError
+        If there is no step to take back.
+
+    Examples
+    --------
+    >>> import testbench as tb
+    >>> recording = tb.example(tb.effects.StressRelaxation(fraction=0.3))
+    >>> base = tb.fit(recording, progress=False)
+    >>> tb.undo(tb.add(base, "stress_relaxation", recording, progress=False))
+    <Ladder baseline>
+    """
+    catalogue = catalogue_of(effects)
+    return Ladder(taken_back(model_file_of(model, catalogue), catalogue))
+
+
+def no_longer_pays(found: FitResult, added: str) -> list[str]:
+    """Effects of a model that hardly lower its held-out error, now that another one was added.
+
+    Parameters
+    ----------
+    found : FitResult
+        Of `add`.
+    added : str
+        The effect that came last; it is not asked about.
+    """
+    # A law without a strength (piezoresistance in place of contact) makes a signal that others need.
+    laws = {name for name in found.model if not found.model[name].strength}
+    optional = set(found.model) - set(BASELINE) - laws - {added}
+    return idle_effects(found.file, found.calibration, found.held_out, optional)
 
 
 def laws_with(diagnosis: Mapping[str, Any], law: str, model: AnyModel, effects: Effects = None) -> list[str]:

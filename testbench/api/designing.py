@@ -25,6 +25,8 @@ from testbench.knit.effect import FloatArray
 from testbench.recordings.channels import TEMPERATURE
 from testbench.report import style
 from testbench.report.downsample import rows_to_draw
+from testbench.report.experiment_figures import experiment as figure_of
+from testbench.report.static import write_figure
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -98,6 +100,13 @@ class NextExperiment:
         axis.invert_yaxis()
         axis.set_xlabel("expected log odds for the right model / nats")
         return axis
+
+    def write_picture(self, path: str | Path) -> None:
+        """Draw the ranking, the best motion and what it would show into a PNG, PDF or SVG."""
+        made = self.program.trajectory
+        strain = 100 * made.position_mm / self.gauge_length_mm
+        evidence = [(option.name, option.hardest.log_odds) for option in self.options]
+        write_figure(figure_of(evidence, made.time_s, strain, self.left()), path)
 
     def _repr_html_(self) -> str:
         frame = frame_table(self.to_frame())

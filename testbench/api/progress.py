@@ -10,6 +10,8 @@ from contextlib import contextmanager
 from html import escape
 from typing import Any
 
+from gcode.support.console import Progress
+
 Tell = Callable[[str], None]
 
 
@@ -40,6 +42,31 @@ class Telling:
         elif sys.stderr.isatty():
             count = f"{self.unit} {self.done} of {self.total}: " if self.done and text else ""
             print(f"\r\x1b[K{count}{text}"[:110], end="", file=sys.stderr, flush=True)
+
+
+class Counting:
+    """Words that each count one step on a line with the time left; how many there will be is only nearly known.
+
+    Parameters
+    ----------
+    label : str
+        What is being done.
+    expected : int
+        Number of steps; raised where there are more of them.
+    """
+
+    def __init__(self, label: str, expected: int) -> None:
+        self._line = Progress(label, expected)
+
+    def __call__(self, text: str) -> None:
+        self._line.total = max(self._line.total, self._line.done + 2)
+        self._line.step(text)
+
+
+def clear_line() -> None:
+    """Take away the line of progress, where somebody watches it in a terminal."""
+    if sys.stderr.isatty():
+        print("\r\x1b[K", end="", file=sys.stderr)
 
 
 class _NotebookLine:

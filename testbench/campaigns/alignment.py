@@ -51,7 +51,7 @@ class Alignment:
     rms_mm: float
 
     def planned_time_s(self, recorded_s: FloatArray) -> FloatArray:
-        """The plan's time at recorded times."""
+        """Times of the recording on the plan's clock, in s."""
         return (1 + self.drift_ppm * 1e-6) * recorded_s - self.delay_s
 
 

@@ -57,7 +57,7 @@ class Task:
     specimen: str = ""
 
     def plan(self) -> Plan:
-        """As the campaign's manifest will say it."""
+        """The plan of the campaign, from which its manifest is written."""
         model = model_from_dict(self.model, _catalogue(self.effects), self.sensor)
         gauge, tools = self.gauge_length_mm, self.instruments
         return Plan(self.program, model, gauge, self.seed, self.sensor, tools, self.past, self.rest_s, self.effects)

@@ -78,7 +78,7 @@ def _clear_stale(root: Path, wanted: Set[Path]) -> None:
 
 
 def columns_of(part: Part) -> list[str]:
-    """Columns of a file that is there."""
+    """Names of the columns of an existing Parquet file."""
     from pyarrow import parquet
 
     return parquet.read_schema(part.file).names

@@ -55,7 +55,7 @@ class Plan:
     effects: Path | None = None
 
     def recipe(self) -> dict[str, Any]:
-        """As written into the manifest."""
+        """What the manifest keeps of it, from which the campaign can be made again."""
         recipe = {
             "sensor": self.sensor,
             "model": self.model.to_dict(),
@@ -84,7 +84,7 @@ class Plan:
             copy_file(path, folder / name)
 
     def source_names(self) -> list[str]:
-        """What they are called there."""
+        """Names of the sources' copies in the campaign folder."""
         return [PROGRAM, *past_names(len(self.past)), *([EFFECTS] if self.effects else [])]
 
 

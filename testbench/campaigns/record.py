@@ -64,7 +64,7 @@ class Job:
         return self
 
     def recipe(self) -> dict[str, Any]:
-        """As written into the manifest."""
+        """What the manifest keeps of it."""
         limits = {name: value if value < float("inf") else None for name, value in asdict(self.limits).items()}
         recipe = {"sensor": self.sensor, "port": self.port, "baud": self.baud, **limits}
         return recipe | {"program": PROGRAM, "program_sha256": sha256_of(self.program)}
@@ -174,7 +174,7 @@ def _record(
 
 
 def _paused(pause: Callable[[float], None], patience_s: float) -> Iterator[None]:
-    """Moments to try again, as long as the patience lasts."""
+    """Yield once after each pause until the patience is over: a moment to try again."""
     for _ in range(int(patience_s / PROGRESS_S)):
         pause(PROGRESS_S)
         yield None

@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
-
-from gcode.support.errors import UserError
 
 
 def add_recording(parser: argparse.ArgumentParser) -> None:
@@ -64,13 +61,3 @@ def rest(text: str) -> float:
     if not 0 <= value <= 1e5:
         raise argparse.ArgumentTypeError(f"must be 0 to 100000 s, got {text}")
     return value
-
-
-def existing_file(path: str | Path, what: str) -> Path:
-    """`path` if it is a file; a `UserError` that says `what` was wanted otherwise."""
-    path = Path(path)
-    if path.is_dir():
-        raise UserError(f"{path}: a folder, no {what}")
-    if not path.is_file():
-        raise UserError(f"{path}: no such {what}")
-    return path

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 from testbench.commands._arguments import add_effects, add_held_out
 
 if TYPE_CHECKING:
-    from testbench.fitting.model_file import ModelFile
-    from testbench.knit.catalogue import Catalogue
+    from testbench.api.ladder import Ladder
 
 SUMMARY = "add an effect to a model, refit, and put the step on the ladder; --undo takes it back"
 EXAMPLE = "testbench add stress_relaxation --model model.json --fit campaign-1 --held-out campaign-2 -o model2.json"
@@ -30,42 +29,34 @@ def run(args: argparse.Namespace) -> int:
     """Add or undo, write, and show the ladder."""
     from gcode.support.errors import UserError
     from gcode.support.files import check_place
-    from testbench.comparing.ladder import undo
-    from testbench.comparing.tables import ladder_table
-    from testbench.fitting.model_file import load_model_file
-    from testbench.knit.catalogue import load_catalogue
+    from testbench.api.adding import undo
 
     check_place(args.output)
-    catalogue = load_catalogue(args.effects)
-    file = load_model_file(args.model, catalogue)
-    if args.undo:
-        file = undo(file, catalogue)
-    elif not args.effect or not args.fit:
+    if not args.undo and not (args.effect and args.fit):
         raise UserError("add needs the name of an EFFECT and --fit RECORDING (or --undo)")
-    else:
-        file = _added(args, catalogue)
-    file.save(args.output)
-    print(ladder_table(file))
+    ladder = undo(args.model, effects=args.effects) if args.undo else _added(args)
+    ladder.file.save(args.output)
+    print(ladder)
     print(f"wrote {args.output}")
     return 0
 
 
-def _added(args: argparse.Namespace, catalogue: Catalogue) -> ModelFile:
-    """The model with the effect in it; notes and effects that no longer pay are told."""
+def _added(args: argparse.Namespace) -> Ladder:
+    """The ladder with the effect on it; notes and effects that no longer pay are told."""
     import sys
 
-    from testbench.api.adding import add
-    from testbench.comparing.ladder import idle_effects
-    from testbench.knit.catalogue import BASELINE
+    from testbench.api.adding import add, no_longer_pays
 
     found = add(
-        args.model, args.effect, args.fit, args.held_out, effects=catalogue, gauge_length_mm=args.gauge_length_mm
+        args.model,
+        args.effect,
+        args.fit,
+        args.held_out,
+        effects=args.effects,
+        gauge_length_mm=args.gauge_length_mm,
     )
     for note in found.notes:
         print(f"note: {note}", file=sys.stderr)
-    # A law without a strength (piezoresistance in place of contact) makes a signal that others need.
-    laws = {name for name in found.model if not found.model[name].strength}
-    optional = set(found.model) - set(BASELINE) - laws - {args.effect}
-    for name in idle_effects(found.file, found.calibration, found.held_out, optional):
+    for name in no_longer_pays(found, args.effect):
         print(f"{name} no longer pays now that {args.effect} is in: without it the held-out error hardly rises")
-    return found.file
+    return found.ladder

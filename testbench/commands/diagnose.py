@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from testbench.api.progress import Telling
+from testbench.api.progress import Telling, clear_line
 from testbench.commands._arguments import add_clamp_play, add_effects, add_recording
 
 SUMMARY = "say which physical effect the model is missing, with the evidence"
@@ -29,7 +29,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Diagnose, print, write."""
     import json
-    import sys
 
     from gcode.support.errors import UserError
     from gcode.support.files import check_place, write_json
@@ -50,8 +49,8 @@ def run(args: argparse.Namespace) -> int:
         clamp_play_mm=args.clamp_play_mm,
         progress=tell,
     )
-    if tell and sys.stderr.isatty():
-        print("\r\x1b[K", end="", file=sys.stderr)
+    if tell:
+        clear_line()
     if args.output:
         found.save(args.output)
     if args.json == "-":

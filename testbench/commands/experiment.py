@@ -3,12 +3,8 @@
 from __future__ import annotations
 
 import argparse
-from typing import TYPE_CHECKING
 
 from testbench.commands._arguments import add_effects, add_held_out
-
-if TYPE_CHECKING:
-    from testbench.api.designing import NextExperiment
 
 SUMMARY = "propose the next trajectory: the one that separates two rival models best"
 EXAMPLE = "testbench experiment creep.json relaxation.json --strain-max 30 -o next-run --plot next-run.png"
@@ -69,19 +65,9 @@ def run(args: argparse.Namespace) -> int:
     if args.json:
         write_json(args.json, found.to_dict())
     if args.plot:
-        _draw(found, args.plot)
+        found.write_picture(args.plot)
+        print(f"picture: {args.plot}")
     if args.output:
         for path in found.program.write(args.output):
             print(path)
     return 0
-
-
-def _draw(found: NextExperiment, path: str) -> None:
-    from testbench.report.experiment_figures import experiment
-    from testbench.report.static import write_figure
-
-    made = found.program.trajectory
-    strain = 100 * made.position_mm / found.gauge_length_mm
-    evidence = [(option.name, option.hardest.log_odds) for option in found.options]
-    write_figure(experiment(evidence, made.time_s, strain, found.left()), path)
-    print(f"picture: {path}")

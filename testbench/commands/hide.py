@@ -42,24 +42,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> None:
     """Make the case and write it, telling nothing of what is in it."""
-    import secrets
-
+    from testbench.api.hiding import hide
     from testbench.recordings.channels import FORCE, RESISTANCE
-    from testbench.worlds import make_case
-    from testbench.worlds.files import write_case
 
-    seed = secrets.randbelow(2**31) if args.seed is None else args.seed
-    case = make_case(
+    case = hide(
         args.effect,
-        args.strength,
-        args.world,
-        seed,
-        args.minutes,
-        args.rate_hz,
-        args.noise,
+        args.output,
+        strength=args.strength,
+        seed=args.seed,
+        world=args.world,
+        minutes=args.minutes,
+        rate_hz=args.rate_hz,
+        noise=args.noise,
         protocol=args.protocol,
         channels=(FORCE,) if args.force_only else (FORCE, RESISTANCE),
     )
-    folder = write_case(args.output, case)
-    print(f"{folder}/recordings: two recordings of {args.minutes:g} min; see {folder}/README.txt")
-    print(f"{folder}/sealed/truth.json: what is hidden; open it after your diagnosis")
+    print(case)

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from testbench.commands._arguments import existing_file, positive
+from testbench.commands._arguments import positive
 
 if TYPE_CHECKING:
-    from testbench.importing.from_file import Imported, Wish
+    from testbench.importing.wish import Wish
 
 SUMMARY = "turn a file of a tester or logger (CSV, Excel, TDMS) into a recording (a campaign folder, or a .csv)"
 EXAMPLE = """testbench import lab.csv --gauge-length-mm 40 -o lab
@@ -118,69 +117,18 @@ def run(args: argparse.Namespace) -> int:
     import json
 
     from gcode.support.console import printable
-    from testbench.campaigns.campaign import vacant
-    from testbench.importing.from_file import import_file, place_of, write_import
+    from testbench.api.importing import import_file
 
-    path, out = existing_file(args.file, "file"), Path(args.out)
-    every = import_file(path, wish_of(args))
-    places = [place_of(out, imported.label if len(every) > 1 else "") for imported in every]
-    if out.suffix.lower() != ".csv":
-        for place in places:
-            vacant(place, args.overwrite)
-    for imported, place in zip(every, places, strict=True):
-        write_import(imported, place)
-    if args.json:
-        data = [_data(imported, place) for imported, place in zip(every, places, strict=True)]
-        print(json.dumps({"recordings": data}))
-        return 0
-    for role, words in every[0].taken.items():
-        print(printable(f"{role}: {words}"))
-    for imported, place in zip(every, places, strict=True):
-        print(printable("\n".join(_report(imported, place))))
+    found = import_file(args.file, wish_of(args))
+    found.write(args.out, args.overwrite)
+    print(json.dumps(found.to_dict(args.out)) if args.json else printable(found.words(args.out)))
     return 0
-
-
-def _report(imported: Imported, place: Path) -> list[str]:
-    recording = imported.recording
-    done = [
-        f"{number} row{'s' if number > 1 else ''} {what}"
-        for number, what in (
-            (imported.dropped, "left out"),
-            (imported.moved, "put in order"),
-            (imported.repeated, "with a repeated time dropped"),
-        )
-        if number
-    ]
-    ranges = [f"{name} {values.min():.6g} to {values.max():.6g}" for name, values in recording.channels.items()]
-    size = f"{len(recording)} samples in {recording.duration_s:.1f} s, {recording.mean_rate_hz:.3g} Hz"
-    lines = [f"{place}: {size}: {', '.join(ranges)}"]
-    lines += [f"{place}: {', '.join(done)}"] * bool(done)
-    lines += [f"{place}: {note}" for note in imported.notes]
-    return [*lines, *(f"{place}: LOOK: {doubt}" for doubt in imported.doubts)]
-
-
-def _data(imported: Imported, place: Path) -> dict:
-    recording = imported.recording
-    return {
-        "out": str(place),
-        "repeat": imported.label,
-        "samples": len(recording),
-        "duration_s": recording.duration_s,
-        "mean_rate_hz": recording.mean_rate_hz,
-        "channels": {name: [float(values.min()), float(values.max())] for name, values in recording.channels.items()},
-        "taken": imported.taken,
-        "doubts": imported.doubts,
-        "notes": imported.notes,
-        "dropped": imported.dropped,
-        "moved": imported.moved,
-        "repeated": imported.repeated,
-        "details": imported.details,
-    }
 
 
 def wish_of(args: argparse.Namespace) -> Wish:
     """What the command line says about the file."""
-    from testbench.importing.from_file import Hints, Wish
+    from testbench.importing.sheet import Hints
+    from testbench.importing.wish import Wish
 
     columns = {name.replace("-", "_"): getattr(args, name.replace("-", "_")) for name, _ in COLUMNS}
     columns["relative"] = columns.pop("relative_resistance")

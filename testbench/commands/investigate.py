@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from typing import Any
 
 from testbench.commands._arguments import add_effects, natural, positive, rest
 
@@ -68,6 +69,7 @@ def run(args: argparse.Namespace) -> int:
 
     from gcode.support.files import check_place, write_json
     from testbench.api.investigating import investigate
+    from testbench.api.progress import clear_line
     from testbench.investigating.words import ending_words
     from testbench.rig.progress import terminal
     from testbench.rig.signals import stop_signals
@@ -77,40 +79,20 @@ def run(args: argparse.Namespace) -> int:
     say = sys.stderr if to_stdout else sys.stdout
 
     def after_run(text: str) -> None:
-        if sys.stderr.isatty() and not args.quiet:
-            print("\r\x1b[K", end="", file=sys.stderr)
+        if not args.quiet:
+            clear_line()
         print(text, file=say, flush=True)
 
-    bounds = {
-        "v_max_mm_per_s": args.v_max,
-        "a_max_mm_per_s2": args.a_max,
-        "strain_max_percent": args.strain_max,
-    }
     with stop_signals() as stopped:
         found = investigate(
             args.sensor,
             args.folder,
-            port=args.port,
-            speed=args.speed,
             resume=args.resume,
-            bounds=bounds,
-            run_minutes=args.run_minutes,
-            budget_minutes=args.budget_minutes,
-            sure=args.sure,
-            specimen="fresh" if args.fresh else "aged",
-            motion=args.motion,
-            rest_s=args.rest_s,
-            seed=args.seed,
-            trials=max(args.trials, 1),
-            most=args.repeat,
-            force_max_N=args.max_force_n,
-            gauge_length_mm=args.gauge_length_mm,
-            model=args.model,
-            effects=args.effects,
             progress=False if args.quiet else None,
             after_run=after_run,
             status=terminal("recording") if args.port or args.speed else None,
             stopped=stopped,
+            **_asked(args),
         )
     if to_stdout:
         print(json.dumps(found.to_dict(), indent=2))
@@ -120,3 +102,29 @@ def run(args: argparse.Namespace) -> int:
     if not found.state.ended:
         raise KeyboardInterrupt
     return 0 if found.is_sure else 1
+
+
+def _asked(args: argparse.Namespace) -> dict[str, Any]:
+    """What the words ask for, as the public function takes it."""
+    return {
+        "port": args.port,
+        "speed": args.speed,
+        "bounds": {
+            "v_max_mm_per_s": args.v_max,
+            "a_max_mm_per_s2": args.a_max,
+            "strain_max_percent": args.strain_max,
+        },
+        "run_minutes": args.run_minutes,
+        "budget_minutes": args.budget_minutes,
+        "sure": args.sure,
+        "specimen": "fresh" if args.fresh else "aged",
+        "motion": args.motion,
+        "rest_s": args.rest_s,
+        "seed": args.seed,
+        "trials": max(args.trials, 1),
+        "most": args.repeat,
+        "force_max_N": args.max_force_n,
+        "gauge_length_mm": args.gauge_length_mm,
+        "model": args.model,
+        "effects": args.effects,
+    }

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from testbench.commands._arguments import existing_file, positive
+from testbench.commands._arguments import positive
 
 SUMMARY = "record a campaign from the rig's serial port; --resume continues an interrupted one"
 EXAMPLE = "testbench record --port /dev/ttyUSB0 --program program.tap -o knit-7"
@@ -48,53 +48,34 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     import sys
 
-    from testbench.campaigns.following import live_compensator
-    from testbench.campaigns.record import begin, record
-    from testbench.rig.progress import as_text, json_lines, terminal
-    from testbench.rig.serial_port import SerialLink
-    from testbench.rig.signals import stop_signals
-
-    folder = Path(args.campaign)
-    job = (_continued(args, folder) if args.resume else _new(args, folder)).prepare()
-    live = live_compensator(args.compensator, folder) if args.compensator else None
-    link = SerialLink(job.port, job.baud, args.give_up_s)
-    try:
-        if not args.resume:
-            begin(job, folder)
-        report = json_lines() if args.progress_json else terminal(f"record {folder.name}")
-        with stop_signals() as stopped:
-            status = record(job, folder, link, report, stopped, args.resume, follow=live.follow if live else None)
-    finally:
-        link.close()
-        if live is not None:
-            live.close()
-    if not args.progress_json:
-        print(f"{folder}: {status.state}: {as_text(status)}")
-    if status.state in ("complete", "interrupted"):
-        return 0
-    print(f"testbench record: {status.state}: {status.message}", file=sys.stderr)
-    return 1
-
-
-def _new(args: argparse.Namespace, folder: Path):
     from gcode.support.errors import UserError
-    from testbench.campaigns.campaign import vacant
-    from testbench.campaigns.record import Job
-    from testbench.rig.motion import played
-    from testbench.rig.ports import stated_port
-    from testbench.rig.recorder import Limits
+    from testbench.api.capturing import record, resume_recording
+    from testbench.rig.progress import json_lines, terminal
 
-    if not args.port or not args.program:
+    report = json_lines() if args.progress_json else terminal(f"record {Path(args.campaign).name}")
+    if args.resume:
+        done = resume_recording(
+            args.campaign, args.port, give_up_s=args.give_up_s, compensator=args.compensator, report=report
+        )
+    elif not args.port or not args.program:
         raise UserError("a new recording needs --port and --program; --resume continues an old one")
-    port = stated_port(args.port)
-    vacant(folder)
-    program = existing_file(args.program, "program; make one with `gcode generate`")
-    _, gauge_length_mm = played(program, args.gauge_length_mm)
-    limits = Limits(args.max_force_n, args.max_strain)
-    return Job(port, args.baud, program, gauge_length_mm, limits, args.specimen, args.give_up_s)
-
-
-def _continued(args: argparse.Namespace, folder: Path):
-    from testbench.campaigns.record import job_of
-
-    return job_of(folder, args.port, args.give_up_s)
+    else:
+        done = record(
+            args.port,
+            args.program,
+            args.campaign,
+            gauge_length_mm=args.gauge_length_mm,
+            specimen=args.specimen,
+            max_force_N=args.max_force_n,
+            max_strain=args.max_strain,
+            baud=args.baud,
+            give_up_s=args.give_up_s,
+            compensator=args.compensator,
+            report=report,
+        )
+    if not args.progress_json:
+        print(done)
+    if done.ended_well:
+        return 0
+    print(f"testbench record: {done.status.state}: {done.status.message}", file=sys.stderr)
+    return 1

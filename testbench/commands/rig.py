@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from testbench.commands._arguments import existing_file, natural, positive
+from testbench.commands._arguments import natural, positive
 from testbench.commands._sensors import add_past_arguments, add_sensor_arguments, sensor_model
 
 SUMMARY = "put the simulated rig behind a serial port (a pseudo-terminal) and print the port"
@@ -34,6 +34,7 @@ def run(args: argparse.Namespace) -> int:
     from numpy.random import default_rng
 
     from gcode.support.errors import UserError
+    from gcode.support.files import existing_file
     from testbench.campaigns.plan import Plan, programs_before
     from testbench.rig.faults import faulty
     from testbench.rig.links import paced

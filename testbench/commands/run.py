@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from testbench.commands._arguments import existing_file, natural, positive
+from testbench.commands._arguments import natural, positive
 from testbench.commands._sensors import add_past_arguments, add_sensor_arguments, sensor_model
 
 SUMMARY = "run a program on the simulated rig and write a campaign folder"
@@ -41,6 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     import sys
 
+    from gcode.support.files import existing_file
     from testbench.api.running import run as run_campaign
     from testbench.rig.progress import json_lines, terminal
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 
 SUMMARY = "check every file of a campaign, or of a whole data set, against its manifest"
 EXAMPLE = "testbench verify pes-1"
@@ -22,37 +21,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     import sys
 
-    from testbench.campaigns.dataset_index import INDEX, index_problems
-    from testbench.campaigns.remake import made_again
+    from testbench.api.verifying import VerifiedCampaign, verify
 
-    failed, effects = False, Path(args.effects) if args.effects else None
-    for folder in map(Path, args.campaigns):
-        members, found = [folder], list[str]()
-        if (folder / INDEX).is_file():
-            members, found = index_problems(folder)
-        for member in members:
-            wrong, note = _problems(member, alone=member == folder), ""
-            if args.again and not wrong:
-                remade = made_again(member, effects)
-                wrong, note = remade.explained(member), ", made again byte for byte"
-                note += f" (by other software: {'; '.join(remade.changes)})" if remade.changes else ""
-            found += wrong
-            if not wrong:
-                print(f"{member}: intact{note}")
-        for problem in found:
+    def tell(campaign: VerifiedCampaign) -> None:
+        if campaign.intact:
+            print(campaign)
+
+    failed = False
+    for folder in args.campaigns:
+        found = verify(folder, again=args.again, effects=args.effects, report=tell)
+        for problem in found.problems:
             print(problem, file=sys.stderr)
-        failed = failed or bool(found)
+        failed = failed or not found.intact
     return int(failed)
-
-
-def _problems(member: Path, alone: bool) -> list[str]:
-    """What is wrong with a campaign; in a data set, one that cannot be read at all does not hide the others."""
-    from gcode.support.errors import UserError
-    from testbench.recordings.manifest import problems
-
-    try:
-        return problems(member)
-    except UserError as error:
-        if alone:
-            raise
-        return [str(error)]

@@ -55,7 +55,7 @@ class Design:
 
     @property
     def words(self) -> str:
-        """The motion, for people."""
+        """The motion in words."""
         return in_words(self.made.spec) if self.name == "designed" else self.name.replace("-", " ")
 
 

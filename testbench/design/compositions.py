@@ -58,7 +58,7 @@ class Motion:
 
 
 def drawn(rng: np.random.Generator) -> Genes:
-    """A row of genes by chance."""
+    """A random row of genes."""
     return tuple(_gene(rng) for _ in range(int(rng.integers(FEWEST, MOST + 1))))
 
 
@@ -99,13 +99,13 @@ def motion_of(genes: Genes, bounds: Bounds, seed: int) -> Motion | None:
 
 
 def pieces_of(genes: Genes, bounds: Bounds, seconds: float) -> list[Piece]:
-    """The pieces of a row of genes that takes about so long."""
+    """The pieces that a row of genes stands for, stretched to about this duration."""
     total = sum(gene.share for gene in genes)
     return [piece for gene in genes for piece in KINDS[gene.kind](gene.numbers, seconds * gene.share / total, bounds)]
 
 
 def in_words(spec: TrajectorySpec) -> str:
-    """The pieces in a row, for people."""
+    """The motion in words, piece by piece."""
     return ", ".join(_told(piece) for piece in spec.pieces)
 
 
@@ -119,7 +119,7 @@ Make = Callable[[Numbers, float, Bounds], Sequence[Piece]]
 
 
 def _level(number: float, bounds: Bounds) -> float:
-    """A strain in percent; the last fifth is the largest."""
+    """A number from 0 to 1 as a strain in percent; its last fifth or so is all the largest strain."""
     return round(bounds.strain_max_percent * float(np.clip(LEAST_LEVEL + 1.125 * number, LEAST_LEVEL, 1.0)), 3)
 
 
@@ -161,7 +161,7 @@ def _steps(numbers: Numbers, seconds: float, bounds: Bounds) -> Sequence[Piece]:
 
 
 def _sweep(numbers: Numbers, seconds: float, bounds: Bounds) -> Sequence[Piece]:
-    """One height at three speeds."""
+    """Triangles of one height, at three speeds."""
     high, fast = _level(numbers[0], bounds), _speed(1.0, bounds)
     slowest = max(0.7 * 2 * _mm(high, bounds) / seconds, _speed(numbers[1], bounds))
     speeds = tuple(float(f"{v:.3g}") for v in np.geomspace(min(slowest, fast), fast, 3))

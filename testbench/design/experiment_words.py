@@ -42,7 +42,7 @@ def experiment_table(rivals: Sequence[Rival], options: Sequence[Option]) -> str:
 
 
 def _noise(options: Sequence[Option]) -> Option:
-    """Plain noise, or the last where noise cannot be driven."""
+    """Random motion; where that cannot be driven, the last protocol."""
     return next((option for option in options if option.name == NOISE), options[-1])
 
 

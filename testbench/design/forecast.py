@@ -49,7 +49,7 @@ class Likely:
 
 @dataclass(frozen=True)
 class Reading:
-    """How much a recording counts.
+    """How much a recording counts: its noise, and how many independent readings it has.
 
     Attributes
     ----------

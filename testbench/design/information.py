@@ -99,7 +99,7 @@ class _Gaussian:
         return np.sum(solve_triangular(self.root, (readings - self.mean).T, lower=True) ** 2, axis=0)
 
     def log_density(self, readings: FloatArray) -> FloatArray:
-        """Up to a constant that all share, shape (m,)."""
+        """Logarithm of the density up to a constant that all hypotheses share, shape (m,)."""
         return -0.5 * self.squares(readings) - self.half_log_det
 
 

@@ -9,7 +9,7 @@ from gcode.support.errors import UserError
 from testbench.importing.clocks import own_clocks
 from testbench.importing.layout import Column, Layout, shortened
 from testbench.importing.notation import is_when
-from testbench.importing.units import Unit, given_unit, symbols, units_spelt
+from testbench.importing.units import Unit, given_unit, units_spelt
 from testbench.importing.words import ROLES, STRETCH, SYMBOL, is_generic
 
 ELECTRICAL = ("resistance", "conductance", "relative", "relative_change")
@@ -20,10 +20,6 @@ DATE = "date"
 FLAGS = {role: f"--{role.replace('_', '-')}" for role in ROLES} | {"relative": "--relative-resistance"}
 UNIT_FLAGS = {role: f"--{role}-unit" for role in ROLES if not role.startswith("relative")}
 UNIT_FLAGS |= {"relative": "--relative-unit", "relative_change": "--relative-unit"}
-WORDS = {
-    "relative": "relative resistance R/R0",
-    "relative_change": "relative change (R-R0)/R0",
-}
 
 
 @dataclass(frozen=True)
@@ -284,65 +280,3 @@ def _check_enough(choice: Choice, said: Said) -> None:
         choice.troubles.append(Trouble("absent", "time"))
     if not have & STRETCH and not ("force" in have and have & set(ELECTRICAL)):
         choice.troubles.append(Trouble("absent", "displacement"))
-
-
-def in_words(troubles: Sequence[Trouble], layout: Layout, first: Sequence[str]) -> str:
-    """Troubles in one sentence for the command line, with their remedies.
-
-    Parameters
-    ----------
-    troubles : sequence of Trouble
-    layout : Layout
-    first : sequence of str
-        Cells of the first row of numbers, which are shown where there are no names.
-    """
-    text = "; ".join(map(_in_words, troubles))
-    if not any(trouble.kind == "absent" for trouble in troubles):
-        return text
-    text += f"; {described(layout)}"
-    if layout.header_row is None:
-        text += (
-            f" (row {layout.first_row}: {', '.join(f'{at} = {cell[:9]}' for at, cell in enumerate(first[:12], 1))})"
-        )
-    return text
-
-
-def several(columns: Sequence[Column]) -> str:
-    """``column 3 and column 4 both``, ``column 3, column 4 and column 5 all``."""
-    *others, last = [column.label for column in columns]
-    return f"{', '.join(others)} and {last} {'both' if len(columns) == 2 else 'all'}"
-
-
-def unit_unknown(column: Column) -> str:
-    """Why the unit of a column is not known, in words."""
-    return (
-        f"its unit {column.unit_text!r} cannot be read as one"
-        if column.unit_text
-        else "the file does not say its unit"
-    )
-
-
-def _in_words(trouble: Trouble) -> str:
-    role, flag = WORDS.get(trouble.role, trouble.role), FLAGS[trouble.role]
-    columns = " and ".join(column.label for column in trouble.columns)
-    if trouble.kind == "several":
-        last = trouble.columns[-1].number
-        return f"{several(trouble.columns)} fit {role}: say which, e.g. {flag} {last}" + (
-            f" (and where a channel has a clock of its own, --time-of force={last})"
-            if trouble.role == "time"
-            else f" (or {flag} none)"
-        )
-    if trouble.kind == "unit":
-        allowed = ", ".join(symbols(ROLES[trouble.role])) + (", date" if trouble.role == "time" else "")
-        return f"{role} ({columns}): {unit_unknown(trouble.columns[0])}; say {UNIT_FLAGS[trouble.role]} ({allowed})"
-    if trouble.kind == "r0":
-        return (
-            f"{role} ({columns}) needs the resistance at rest R0, which it is relative to: say --rest-ohm R0 in Ω "
-            "(1 where nobody knows it: the resistance is then in units of R0)"
-        )
-    if trouble.role == "time":
-        return "no time found: say --time COL, or --rate-hz F where there is none"
-    return (
-        "no displacement found, nor force and resistance both: say --displacement COL or --strain COL "
-        "(a name, or a number from 1)"
-    )

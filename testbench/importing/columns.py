@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gcode.support.errors import UserError
-from testbench.importing.choice import UNIT_FLAGS, Choice, Taken, unit_unknown
+from testbench.importing.choice import UNIT_FLAGS, Choice, Taken
 from testbench.importing.clocks import on_one_clock
 from testbench.importing.headings import read_heading
 from testbench.importing.layout import Column, shortened
 from testbench.importing.notation import is_number, is_when, may_be_thousands, numbers, seconds
 from testbench.importing.sheet import Sheet
+from testbench.importing.trouble_words import unit_unknown
 from testbench.importing.units import OURS, Unit, conversion
 
 if TYPE_CHECKING:

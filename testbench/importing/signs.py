@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from gcode.support.errors import UserError
+from testbench.importing.choice import Choice
 from testbench.importing.units import Unit, conversion, unit_of
+from testbench.importing.wish import Wish
+from testbench.importing.words import STRETCH
 from testbench.recordings.channels import DISPLACEMENT, FORCE
 
 SIGNED = ("displacement", "strain", "force")
@@ -35,6 +38,42 @@ def zero_of(role: str, text: str, unit: Unit) -> tuple[float, str]:
     if named is None or not np.isfinite(value):
         raise UserError(f"--zero {role}= needs a number in {unit.symbol}, or with its unit, got {text!r}")
     return float(named.converted(np.asarray(value))), f"{conversion(value, named)} is the zero of {role}"
+
+
+def _check_role(flag: str, role: str, allowed: Sequence[str], choice: Choice) -> None:
+    """A sign or a zero can only be given to what the file has, and what has one."""
+    if role not in allowed or role not in choice.taken:
+        have = ", ".join(one for one in allowed if one in choice.taken) or "nothing that has a sign"
+        raise UserError(f"{flag} can be said of {have}, got {role}")
+
+
+def turned(picked: dict[str, np.ndarray], choice: Choice, wish: Wish) -> list[str]:
+    """Turn the signs that `wish` says, in place (a resistance was turned as it was read); what was done, in words."""
+    for role in wish.negate:
+        _check_role("--negate", role, TURNED, choice)
+        if role in SIGNED:
+            name = DISPLACEMENT if role in STRETCH else FORCE
+            picked[name] = 0.0 - picked[name]
+    return [f"the sign of {role} was turned" for role in sorted(wish.negate)]
+
+
+def zeroed(picked: dict[str, np.ndarray], choice: Choice, wish: Wish) -> list[str]:
+    """Count displacement and force from where `wish` says, in place; what was done, in words."""
+    told = []
+    for role, text in wish.zero.items():
+        _check_role("--zero", role, SIGNED, choice)
+        name = DISPLACEMENT if role in STRETCH else FORCE
+        unit = choice.taken[role].unit
+        assert unit is not None
+        if text is None:
+            zero = float(picked[name][0])
+            told.append(f"{role} is counted from its first sample, {zero:.6g} {name.rpartition('_')[2]}")
+        else:
+            zero, words = zero_of(role, text, unit)
+            zero *= float(wish.gauge_length_mm or 1.0) if role == "strain" else 1.0
+            told.append(words)
+        picked[name] = picked[name] - zero
+    return told
 
 
 def doubts(channels: Mapping[str, np.ndarray], negated: frozenset[str]) -> list[str]:

@@ -156,7 +156,7 @@ class Recording:
         return self._rows((self.time_s >= start_s) & (self.time_s < end_s))
 
     def thinned(self, every: int) -> Recording:
-        """One of `every` so many samples, the first among them."""
+        """Every n-th sample, where n is `every`, the first one included."""
         return self if every == 1 else self._rows(slice(None, None, every))
 
     def _rows(self, rows: np.ndarray | slice) -> Recording:

@@ -74,7 +74,7 @@ class Overlay:
 
 
 def resistance_kohm(log_conductance: FloatArray) -> FloatArray:
-    """From ln (G / S)."""
+    """Resistance in kΩ, from ln (G / S)."""
     return 1e-3 * np.exp(-log_conductance)
 
 

@@ -53,7 +53,7 @@ def candidates(diagnosis: Mapping[str, Any]) -> style.Figure:
 
 
 def _measured(diagnosis: Mapping[str, Any], ranking: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """Bars with intervals, for those that were refitted."""
+    """Bars with intervals, for the candidates that were refitted."""
     places = [place for place, entry in enumerate(ranking) if entry.get("held_out_gain")]
     gains = [ranking[place]["held_out_gain"] for place in places]
     ends = np.array([[removed_percent(gain) for gain in one] for one in gains]).reshape(-1, 3)

@@ -48,25 +48,43 @@ def experiment(
     left : mapping of channel to (time in s, misfit over the noise floor), each shape (m,)
         What the wrong model cannot imitate of the right one.
     """
-    places = np.arange(len(evidence))
-    bars = {
-        "type": "bar",
-        "orientation": "h",
-        "x": [max(value, LEAST) for _, value in evidence],
-        "y": places,
-        "width": 0.62,
-        "marker": {"color": [style.BLUE] + [style.FAINT] * (len(evidence) - 1)},
-        "hovertemplate": "%{x:.3g}<extra></extra>",
-    }
     motion = line(time_s, strain_percent, style.STRAIN, "strain", 1)
     misfits = [line(t, values, COLOURS[channel], channel, 2) for channel, (t, values) in left.items()]
     for trace in (motion, *misfits):
         trace["xaxis"] = "x2"
     for trace in misfits:
         trace["showlegend"] = True
+    legend = {"orientation": "h", "x": 1, "xanchor": "right", "y": 0.44, "yanchor": "bottom"}
+    words = style.note("decisive", float(np.log10(DECISIVE)), 1.0, xref="x", xanchor="left", yanchor="bottom")
+    return style.figure(
+        [_bars(evidence), motion, *misfits],
+        height=760,
+        margin={"l": 130, "r": 20, "t": 26, "b": 44},
+        annotations=[words],
+        shapes=[_decisive()],
+        legend=legend,
+        **_axes(evidence),
+    )
+
+
+def _bars(evidence: Sequence[tuple[str, float]]) -> dict[str, Any]:
+    """A bar for each protocol; the best one has a colour."""
+    return {
+        "type": "bar",
+        "orientation": "h",
+        "x": [max(value, LEAST) for _, value in evidence],
+        "y": np.arange(len(evidence)),
+        "width": 0.62,
+        "marker": {"color": [style.BLUE] + [style.FAINT] * (len(evidence) - 1)},
+        "hovertemplate": "%{x:.3g}<extra></extra>",
+    }
+
+
+def _axes(evidence: Sequence[tuple[str, float]]) -> dict[str, Any]:
+    """The ranking on top, motion and misfit below it on one axis of time."""
     names = [name.replace("-", " ") for name, _ in evidence]
     top = max(max(value for _, value in evidence), 10 * DECISIVE)
-    axes: dict[str, Any] = {
+    return {
         "xaxis": style.axis(
             "Expected evidence against the wrong model (log odds)",
             type="log",
@@ -78,7 +96,7 @@ def experiment(
             "",
             anchor="x",
             domain=[0.56, 1.0],
-            tickvals=places.tolist(),
+            tickvals=list(range(len(names))),
             ticktext=names,
             range=[len(names) - 0.5, -0.5],
             showgrid=False,
@@ -87,20 +105,10 @@ def experiment(
         "yaxis2": style.axis("Strain / %", anchor="x2", domain=[0.25, 0.44]),
         "yaxis3": style.axis("Left over / noise", anchor="x2", domain=[0.0, 0.21]),
     }
-    legend = {"orientation": "h", "x": 1, "xanchor": "right", "y": 0.44, "yanchor": "bottom"}
-    words = style.note("decisive", float(np.log10(DECISIVE)), 1.0, xref="x", xanchor="left", yanchor="bottom")
-    return style.figure(
-        [bars, motion, *misfits],
-        height=760,
-        margin={"l": 130, "r": 20, "t": 26, "b": 44},
-        annotations=[words],
-        shapes=[_decisive()],
-        legend=legend,
-        **axes,
-    )
 
 
-def _decisive() -> dict:
+def _decisive() -> dict[str, Any]:
+    """The line beyond which the evidence decides."""
     return {
         "type": "line",
         "xref": "x",

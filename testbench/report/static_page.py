@@ -142,7 +142,7 @@ class Page:
 
 
 def plain(text: str) -> str:
-    """Plotly's little HTML as plain text."""
+    """Plain text of a label that holds the few HTML tags Plotly knows."""
     for tag in ("<b>", "</b>", "<i>", "</i>"):
         text = text.replace(tag, "")
     return text.replace("<br>", "\n")

@@ -97,7 +97,7 @@ class Story:
         return any(name in self.file.model for name in (*found, *diagnosis.get("other_laws", ())))
 
     def opening(self) -> list[Item]:
-        """The picture that says it all, and its figures."""
+        """The first picture of a report, with the numbers that go with it."""
         if not self.steps:
             return []
         items: list[Item] = [Facts(glance_facts(self.steps))]

@@ -14,7 +14,7 @@ MANY = math.log(1e6)  # log odds beyond this are "more than a million to one"
 
 
 def verdict_in_words(diagnosis: Mapping[str, Any]) -> str:
-    """One sentence, or two."""
+    """The verdict of a diagnosis in one or two sentences."""
     verdict, ranking = diagnosis["verdict"], diagnosis["ranking"]
     if verdict == "missing" and ranking:
         return _missing(diagnosis)

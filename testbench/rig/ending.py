@@ -9,13 +9,13 @@ import numpy as np
 from testbench.rig.simulated import Motion
 from testbench.rig.stream import Row
 
-MOVED_MM = 0.2
-TAIL_S = 1.0
+MOVED_MM = 0.2  # from the first reading: more than noise and play of the machine
+TAIL_S = 1.0  # recorded after the end of the motion
 
 
 @dataclass
 class EndOfMotion:
-    """Tells the end of the motion from the displacement and the clock.
+    """Finds the end of the motion from the displacement and the clock.
 
     The recorder starts before the machine does, by however long the operator takes. So the planned duration counts
     from the first movement that is seen, less the time the plan takes to get there.
@@ -35,7 +35,7 @@ class EndOfMotion:
 
     @classmethod
     def of(cls, motion: Motion) -> EndOfMotion:
-        """From the planned motion."""
+        """What to wait for where this motion is planned."""
         moved = np.abs(motion.displacement_mm - motion.displacement_mm[0]) > MOVED_MM
         first_s = float(motion.time_s[moved.argmax()]) if moved.any() else float("inf")
         return cls(motion.duration_s, first_s)

@@ -25,7 +25,7 @@ def doubled(line: bytes, rng: Generator) -> bytes:
     return line + line
 
 
-HURTS: tuple[Callable[[bytes, Generator], bytes], ...] = (garbled, truncated, doubled)
+DAMAGES: tuple[Callable[[bytes, Generator], bytes], ...] = (garbled, truncated, doubled)
 
 
 def faulty(lines: Iterable[bytes], share: float, rng: Generator) -> Iterator[bytes]:
@@ -36,9 +36,9 @@ def faulty(lines: Iterable[bytes], share: float, rng: Generator) -> Iterator[byt
             yield line + held
             held = b""
             continue
-        kind = rng.integers(0, len(HURTS) + 1)
-        if kind < len(HURTS):
-            yield HURTS[kind](line, rng) + held
+        kind = rng.integers(0, len(DAMAGES) + 1)
+        if kind < len(DAMAGES):
+            yield DAMAGES[kind](line, rng) + held
             held = b""
         else:
             held += line

@@ -82,6 +82,6 @@ class PtyPort:
 
 
 def serve(port: PtyPort, lines: Iterable[bytes]) -> int:
-    """Send `lines` from the moment somebody listens; return how many were sent into the void."""
+    """Send `lines` from the moment somebody listens; return how many were sent while nobody listened."""
     port.wait_for_reader()
     return sum(not port.write(line) for line in lines)

@@ -65,7 +65,7 @@ Follow = Callable[[Row], tuple[float | None, str]]
 
 @dataclass(frozen=True)
 class Limits:
-    """When to stop.
+    """The force and the strain beyond which a recording stops.
 
     Attributes
     ----------
@@ -121,7 +121,7 @@ class Status:
 
 
 class Recorder:
-    """Folds a link into a sink.
+    """Takes what a link delivers and writes it to the files of a campaign (a `Sink`).
 
     Parameters
     ----------
@@ -182,7 +182,7 @@ class Recorder:
         return self._ended()
 
     def _look(self, part: Part) -> None:
-        """Let the watchdog look; it speaks where nothing graver is to be said."""
+        """Let the watchdog look; its message is shown where there is none more serious."""
         if isinstance(part, End):
             return
         if isinstance(part, Lost):

@@ -69,17 +69,17 @@ class Readings:
         return self.force_uN, self.resistance_mohm, self.displacement_nm, self.temperature_mC
 
     def sample(self, number: int) -> Sample:
-        """One of them, counted from 0."""
+        """The sample of this index, counted from 0."""
         channels = (None if channel is None else int(channel[number]) for channel in self.channels)
         return Sample(self.boot, number, int(self.micros[number]), *channels)  # type: ignore[arg-type]
 
     def samples(self) -> Iterator[Sample]:
-        """One by one."""
+        """All samples, one by one."""
         columns = (repeat(None) if channel is None else channel.tolist() for channel in self.channels)
         return map(Sample, repeat(self.boot), range(len(self.micros)), self.micros.tolist(), *columns)
 
     def lines(self) -> Iterator[bytes]:
-        """As lines of the wire protocol."""
+        """All samples as lines of the wire protocol."""
         return map(encode, self.samples())
 
 

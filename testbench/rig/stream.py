@@ -35,9 +35,10 @@ class Bad(NamedTuple):
 
 
 class Event(NamedTuple):
-    """To be remembered: ``start``, ``loss``, ``gap``, ``reboot``, ``clock jump``, ``renumbered``, ``disconnect``,
-    ``resume``, ``silent``, ``mostly rejected``, ``clock disagrees``, ``sync failed``, ``unwritten``,
-    ``alarm``, ``end``.
+    """Something that happened during a recording, kept in ``events.jsonl``.
+
+    Kinds: ``start``, ``loss``, ``gap``, ``reboot``, ``clock jump``, ``renumbered``, ``disconnect``, ``resume``,
+    ``silent``, ``mostly rejected``, ``clock disagrees``, ``sync failed``, ``unwritten``, ``alarm``, ``end``.
 
     A ``gap`` is a silence of more than 1 s, or of any length after a disconnect; a ``loss`` is a shorter one.
     """
@@ -69,7 +70,7 @@ def channels_of(sample: Sample) -> tuple[str, ...]:
 
 @dataclass
 class Anchor:
-    """Where the device's clock stands against the recording's."""
+    """One moment on the clock of the device, of the host and of the recording."""
 
     boot: int
     micros: int

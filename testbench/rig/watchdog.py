@@ -1,4 +1,4 @@
-"""What a person should be told while a recording runs: a silent port, lines that are all rejected, a clock that lies.
+"""What a person should be told while a recording runs: a silent port, lines all rejected, a clock that runs wrong.
 
 It looks at host times and at the intake's counts after each part of a link. It changes nothing that is recorded.
 """
@@ -26,7 +26,7 @@ HINTS = {
 
 @dataclass
 class Watchdog:
-    """Looks at a recording as it goes.
+    """Watches a recording and says what looks wrong.
 
     Attributes
     ----------

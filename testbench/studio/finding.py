@@ -11,7 +11,7 @@ from testbench.studio.workspace import Campaign
 
 @dataclass(frozen=True)
 class Found:
-    """One campaign in a list.
+    """A campaign that a search has found.
 
     Attributes
     ----------

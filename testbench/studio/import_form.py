@@ -12,7 +12,7 @@ from gcode.support.strict import json_of, validated
 from testbench.studio.import_words import TITLES
 
 if TYPE_CHECKING:
-    from testbench.importing.from_file import Wish
+    from testbench.importing.wish import Wish
 
 NOT_THERE = "none"
 SAID: tuple[str, ...] = ("columns", "units", "clocks", "hints", "negate", "zero")
@@ -64,7 +64,7 @@ class Choices:
 
     @classmethod
     def from_told(cls, path: Path, text: str) -> Choices:
-        """What an address asks for.
+        """The choices that an address of the page holds.
 
         Raises
         ------
@@ -82,8 +82,9 @@ class Choices:
         return choices
 
     def wish(self) -> Wish:
-        """For a look at the file."""
-        from testbench.importing.from_file import Hints, Wish
+        """What is said on the page, as the import takes it."""
+        from testbench.importing.sheet import Hints
+        from testbench.importing.wish import Wish
 
         return Wish(
             gauge_length_mm=self.gauge_length_mm,

@@ -32,7 +32,7 @@ LONG_PATIENCE_S = 60.0  # a recorder has hours of samples to bring to disk and t
 
 
 class State(Enum):
-    """Where a job is."""
+    """State of a job."""
 
     RUNNING = "running"
     DONE = "done"

@@ -35,7 +35,7 @@ class Memory:
         self._lock = Lock()
 
     def recall(self, key: Hashable, make: Callable[[], T]) -> T:
-        """The result known under `key`, made now if it is not known."""
+        """The result kept under `key`, or, where there is none yet, made now."""
         with self._lock:
             if key in self._results:
                 self._results.move_to_end(key)

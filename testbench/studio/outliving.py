@@ -41,7 +41,7 @@ sys.exit(code)
 
 @dataclass(frozen=True)
 class About:
-    """What a job wrote of itself when it began."""
+    """What a job wrote about itself when it started."""
 
     identity: str
     title: str

@@ -40,7 +40,8 @@ from testbench.campaigns.dataset_spec import read_spec as read_dataset_spec
 from testbench.campaigns.record import Job, begin, job_of, record
 from testbench.fitting.model_file import ModelFile, load_model_file
 from testbench.fitting.results import read_diagnosis, read_experiment, read_score
-from testbench.importing.from_file import Wish, import_csv
+from testbench.importing.from_file import import_csv
+from testbench.importing.wish import Wish
 from testbench.knit.catalogue import baseline, load_catalogue
 from testbench.recordings.files import read_recording
 from testbench.recordings.manifest import NAME, problems, sealed

@@ -16,6 +16,20 @@ from nicegui.elements.mixins.value_element import ValueElement
 from gcode.support.errors import UserError
 from testbench.importing.signs import SIGNED, TURNED
 from testbench.studio.import_form import NOT_THERE, Choices
+from testbench.studio.import_look import (
+    DECIMALS,
+    ENCODINGS,
+    SEPARATORS,
+    THOUSANDS,
+    column_options,
+    described,
+    known,
+    look_at,
+    roles_by_number,
+    still_to_say,
+    unit_key,
+    unit_options,
+)
 from testbench.studio.import_words import R0, TITLES, page_words
 from testbench.studio.jobs import Job, State
 from testbench.studio.raw_lines import raw_table
@@ -41,11 +55,6 @@ if TYPE_CHECKING:
 
 LARGEST_BYTES = 2_000_000_000
 KINDS = ".csv,.txt,.tsv,.dat,.asc,.raw,.xlsx,.xlsm,.tdms"
-FIRST = ("time", "displacement", "strain", "force", "resistance")
-SEPARATORS = {"": "found", ",": "comma", ";": "semicolon", "\t": "tab", "|": "bar", " ": "blanks"}
-DECIMALS = {"": "found", ".": "point", ",": "comma"}
-THOUSANDS = {"": "found", ",": "comma", ".": "point", "'": "apostrophe"}
-ENCODINGS = {"": "found", "utf-8": "UTF-8", "cp1252": "Windows, Latin-1", "gb18030": "GBK", "shift_jis": "Shift-JIS"}
 
 
 @guarded
@@ -148,7 +157,7 @@ class _Form:
                 ("thousands", "Thousands", THOUSANDS),
                 ("encoding", "Encoding", ENCODINGS),
             ):
-                choice = ui.select(options, value=_known(options, self.choices.hints.get(name)), label=label)
+                choice = ui.select(options, value=known(options, self.choices.hints.get(name)), label=label)
                 choice.props("outlined dense").style("width:150px")
                 choice.on_value_change(partial(self._hinted, name))
             if self.choices.path.suffix.lower() in (".xlsx", ".xlsm", ".tdms"):
@@ -204,7 +213,7 @@ class _Form:
 
     async def _look(self) -> None:
         try:
-            self.seen = await aside(_look, self.choices)
+            self.seen = await aside(look_at, self.choices)
         except UserError as error:
             self.seen = None
             self.found.set_text("")
@@ -213,8 +222,8 @@ class _Form:
                 trouble(page_words(str(error)))
             return
         sheet, choice, words = self.seen
-        self.found.set_text(_described(sheet))
-        self.lines.set_content(raw_table(sheet, _roles_by_number(choice)))
+        self.found.set_text(described(sheet))
+        self.lines.set_content(raw_table(sheet, roles_by_number(choice)))
         self.roles.clear()
         with self.roles:
             self._roles(sheet, choice, words)
@@ -251,14 +260,14 @@ class _Form:
         with ui.element("div").classes("role"):
             ui.label(title).style("font-weight:550")
             value = str(taken.column.number) if taken else NOT_THERE
-            column = ui.select(_options(sheet), value=value).props("outlined dense")
+            column = ui.select(column_options(sheet), value=value).props("outlined dense")
             column.props(f"aria-label='Column of {title.lower()}'")
             column.on_value_change(partial(self._column_chosen, role))
-            unit = ui.select(_units(role), value=_unit_key(choice, role), label=f"Unit of {title.lower()}")
+            unit = ui.select(unit_options(role), value=unit_key(choice, role), label=f"Unit of {title.lower()}")
             unit.props("outlined dense").set_enabled(taken is not None)
             unit.on_value_change(partial(self._unit_chosen, role))
             with ui.row().classes("items-center gap-2"):
-                wrong = _trouble_words(choice, role)
+                wrong = still_to_say(choice, role)
                 ui.label(wrong or words.get(role, "")).classes("wrong" if wrong else "")
                 if role in TURNED and taken:
                     self._repairs(role)
@@ -293,7 +302,7 @@ class _Form:
             if taken is None:
                 continue
             value = str(taken.clock.number) if taken.clock else NOT_THERE
-            options = _options(sheet) | {NOT_THERE: "(those of time)"}
+            options = column_options(sheet) | {NOT_THERE: "(those of time)"}
             clock = ui.select(options, value=value, label=f"Own times of {role}").props("outlined dense")
             clock.style("width:320px").on_value_change(partial(self._clock_chosen, role))
 
@@ -333,7 +342,7 @@ class _Form:
         choice = self.seen[1]
         if choice.troubles:
             first = choice.troubles[0].role
-            raise UserError(f"{TITLES[first]}: {_trouble_words(choice, first)}")
+            raise UserError(f"{TITLES[first]}: {still_to_say(choice, first)}")
         return self.choices.command(self.studio.workspace.free_name(name), set(choice.taken))
 
     def _ended(self, job: Job) -> None:
@@ -386,81 +395,3 @@ def _typed_path(text: str | None) -> Path:
     if not text or not text.strip():
         raise UserError("“File on this machine” is empty: name a file, or drop one")
     return Path(os.path.expanduser(text.strip()))
-
-
-def _known(options: dict[str, str], chosen: object) -> str:
-    return str(chosen) if str(chosen) in options else ""
-
-
-def _look(choices: Choices) -> tuple[Sheet, Choice, dict[str, str]]:
-    from testbench.importing.columns import previewed
-    from testbench.importing.from_file import look
-
-    sheet, choice = look(choices.path, choices.wish())
-    return sheet, choice, previewed(sheet, choice, choices.wish().hints.thousands)
-
-
-def _described(sheet: Sheet) -> str:
-    layout = sheet.layout
-    header = f"names in row {layout.header_row}" if layout.header_row else "no row of names"
-    units = f"units in row {layout.units_row}, " if layout.units_row else ""
-    names: dict[str, dict[str, str]] = {"separator": SEPARATORS, "decimal": DECIMALS, "thousands": THOUSANDS}
-    how = ", ".join(
-        f"{what} {names.get(what, {}).get(str(value), value)}"
-        for what, value in sheet.details.items()
-        if value and not (what == "decimal" and value == ".")
-    )
-    return f"Found: {header}, {units}numbers from row {layout.first_row}; {how}"
-
-
-def _roles_by_number(choice: Choice) -> dict[int, str]:
-    found = {one.column.number: TITLES[role].lower() for role, one in choice.taken.items()}
-    clocks = {one.clock.number: f"times of {role}" for role, one in choice.taken.items() if one.clock}
-    return clocks | found
-
-
-def _options(sheet: Sheet) -> dict[str, str]:
-    names = {str(one.number): f"{one.number} · {one.heading.text}".rstrip(" ·") for one in sheet.layout.columns}
-    return {NOT_THERE: "(not recorded)"} | names
-
-
-def _units(role: str) -> dict[str, str]:
-    from testbench.importing.units import symbols
-    from testbench.importing.words import ROLES
-
-    units = {symbol: "as a ratio" if symbol == "1" else symbol for symbol in symbols(ROLES[role])}
-    return units | ({"date": "dates"} if role == "time" else {})
-
-
-def _unit_key(choice: Choice, role: str) -> str | None:
-    taken = choice.taken.get(role)
-    if taken is None or any(one.kind == "unit" and one.role == role for one in choice.troubles):
-        return None
-    return taken.unit.symbol if taken.unit else "date"
-
-
-def _trouble_words(choice: Choice, role: str) -> str:
-    """What a person must say about a role, in the page's words; empty when nothing."""
-    from testbench.importing.choice import several
-
-    for one in choice.troubles:
-        if one.role != role:
-            continue
-        if one.kind == "unit":
-            text = one.columns[0].unit_text
-            return (
-                f"its unit {text!r} cannot be read: choose it"
-                if text
-                else "the file does not say the unit: choose it"
-            )
-        if one.kind == "several":
-            own = "; where a channel has a clock of its own, see “Other quantities, and several clocks”"
-            return f"{several(one.columns)} fit: choose one{own if role == 'time' else ''}"
-        if one.kind == "r0":
-            return f"fill in “{R0}”, the resistance it is relative to (1 where nobody knows it)"
-        return (
-            "choose its column, or fill in “Sampling rate / Hz”"
-            if role == "time"
-            else "choose its column, or those of force and resistance"
-        )
-    return ""

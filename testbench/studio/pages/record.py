@@ -68,10 +68,10 @@ def _form(studio: Studio, holder: ui.column) -> None:
                 raise UserError(f"{running.title}: this is still under way, and there is one recording at a time")
             url = await _simulated_port(studio, sensor.value, tap) if port.value == SIMULATED else port.value
             argv = ["testbench", "record", "--port", url, "--program", str(tap), "--progress-json"]
-            argv += ["--specimen", specimen.value] if specimen.value else []
-            argv += ["--max-force-n", typed(force)] if force.value else []
-            argv += ["--max-strain", f"{strain.value / 100:.12g}"] if strain.value else []
-            argv += ["--compensator", compensator.value] if compensator.value else []
+            argv += _said("--specimen", specimen.value)
+            argv += _said("--max-force-n", typed(force) if force.value else "")
+            argv += _said("--max-strain", f"{strain.value / 100:.12g}" if strain.value else "")
+            argv += _said("--compensator", compensator.value)
             job = studio.jobs.start(KEY_RECORDING, f"Recording {name.value}", [*argv, "-o", str(target)])
             holder.clear()
             with holder:
@@ -80,6 +80,11 @@ def _form(studio: Studio, holder: ui.column) -> None:
         ui.button("Record", icon="fiber_manual_record", on_click=lambda: attempt(start)).props(
             "unelevated color=accent"
         )
+
+
+def _said(flag: str, text: str) -> list[str]:
+    """An option of the command line; nothing where its field is empty."""
+    return [flag, text] if text else []
 
 
 def ports_here() -> list[str]:

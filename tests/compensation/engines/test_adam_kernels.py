@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from compensation.engines.adam_kernels import _add_products, _correlate
+from compensation.engines.adam_kernels import add_products, correlate
 
 BEFORE, AFTER, ROWS = 3, 2, 21
 
@@ -31,7 +31,7 @@ def test_forward_products(case):
         weights = flat[BEFORE:-AFTER].reshape(n_in, n_out)
         expected = out.copy()
         expected[:, :ROWS] += weights.T @ values[:n_in, :ROWS]
-        _add_products(flat, BEFORE, n_out, 1, values, n_in, out, n_out, ROWS)
+        add_products(flat, BEFORE, n_out, 1, values, n_in, out, n_out, ROWS)
         np.testing.assert_allclose(out, expected, rtol=0, atol=1e-13)
 
 
@@ -41,7 +41,7 @@ def test_backward_products(case):
         weights = flat[BEFORE:-AFTER].reshape(n_in, n_out)
         expected = back.copy()
         expected[:n_in, :ROWS] += weights @ step[:, :ROWS]
-        _add_products(flat, BEFORE, 1, n_out, step, n_out, back, n_in, ROWS)
+        add_products(flat, BEFORE, 1, n_out, step, n_out, back, n_in, ROWS)
         np.testing.assert_allclose(back, expected, rtol=0, atol=1e-13)
 
 
@@ -50,5 +50,5 @@ def test_gradient(case):
         n_in, n_out = len(values) - 1, len(step)
         expected = gradient.copy()
         expected[BEFORE:-AFTER] = (values[:n_in, :ROWS] @ step[:, :ROWS].T).ravel()
-        _correlate(gradient, BEFORE, values, n_in, step, n_out, ROWS)
+        correlate(gradient, BEFORE, values, n_in, step, n_out, ROWS)
         np.testing.assert_allclose(gradient, expected, rtol=0, atol=1e-13)

@@ -111,17 +111,16 @@ def test_an_untared_force_is_refused(recordings, tmp_path, capsys):
     assert "not tared" in capsys.readouterr().err
 
 
+def predicting(folder):
+    """The words of a prediction for ``r.csv`` by ``c.json``."""
+    compensator, out = str(folder / "c.json"), str(folder / "o.csv")
+    return ["predict", str(folder / "r.csv"), "--compensator", compensator, "-o", out]
+
+
 def test_another_target_or_unit_is_refused(compensator, recordings, tmp_path, capsys):
     compensator_files.save(tmp_path / "c.json", compensator)
     write_recording_csv(tmp_path / "r.csv", recordings[1])
-    argv = [
-        "predict",
-        str(tmp_path / "r.csv"),
-        "--compensator",
-        str(tmp_path / "c.json"),
-        "-o",
-        str(tmp_path / "o.csv"),
-    ]
+    argv = predicting(tmp_path)
     for option, wanted in (("--target", "displacement"), ("--unit", "mm")):
         assert main([*argv, option, wanted]) == 2
         assert f"gives force in N, not the {option} {wanted}" in capsys.readouterr().err
@@ -132,13 +131,6 @@ def test_another_target_or_unit_is_refused(compensator, recordings, tmp_path, ca
 def test_a_recording_shorter_than_the_slowest_memory_is_refused(compensator, recordings, tmp_path, capsys):
     compensator_files.save(tmp_path / "c.json", compensator)
     write_recording_csv(tmp_path / "r.csv", recordings[1].between(0, compensator.slowest_s - 1))
-    argv = [
-        "predict",
-        str(tmp_path / "r.csv"),
-        "--compensator",
-        str(tmp_path / "c.json"),
-        "-o",
-        str(tmp_path / "o.csv"),
-    ]
+    argv = predicting(tmp_path)
     assert main(argv) == 2
     assert f"slowest memory has {compensator.slowest_s:.0f} s" in capsys.readouterr().err

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import threading
+from contextlib import contextmanager
 
 import numpy as np
 import pytest
@@ -11,7 +13,11 @@ import gcode
 import testbench as tb
 from gcode.support.errors import UserError
 from gcode.support.files import write_json
+from testbench.campaigns.plan import Plan
 from testbench.cli import main
+from testbench.rig.links import paced
+from testbench.rig.motion import played
+from testbench.rig.pty_port import PtyPort, serve
 from tests.testbench.api.samples import diagnosed, fitted, relaxed
 from tests.testbench.builders import write_csv
 
@@ -152,6 +158,77 @@ def test_dataset_makes_what_the_command_makes(tmp_path, capsys):
         tb.dataset(spec, tmp_path / "mine", format="xlsx")
 
 
+def test_import_file_writes_the_campaign_that_the_command_writes(tmp_path, capsys):
+    file = tmp_path / "lab.csv"
+    file.write_text("Zeit [s];Weg [cm];Kraft [mN]\n0,0;0,0;0\n0,1;0,5;900\n0,2;1,0;1800\n")
+    assert main(["import", str(file), "--gauge-length-mm", "40", "-o", str(tmp_path / "theirs")]) == 0
+    said = capsys.readouterr().out
+    found = tb.import_file(file, tb.Wish(gauge_length_mm=40))
+    assert found.write(tmp_path / "mine") == (tmp_path / "mine",)
+    assert said == f"{found.words(tmp_path / 'theirs')}\n"
+    for name in ("recording.csv", "datapackage.json"):
+        assert (tmp_path / "mine" / name).read_bytes() == (tmp_path / "theirs" / name).read_bytes()
+    assert main(["import", str(file), "--gauge-length-mm", "40", "--json", "-o", str(tmp_path / "more")]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told == json.loads(json.dumps(found.to_dict(tmp_path / "more")))
+    with pytest.raises(UserError, match="the gauge length is not known"):
+        tb.import_file(file)
+
+
+def test_verify_says_what_the_command_says(tmp_path, capsys):
+    done = tb.run(tb.preset("pes"), gcode.generate("paper-1", seed=3, duration_s=30), tmp_path / "knit")
+    assert main(["verify", "--again", str(done.folder)]) == 0
+    assert capsys.readouterr().out == f"{tb.verify(done.folder, again=True)}\n"
+    (done.folder / "events.jsonl").write_text("changed")
+    assert main(["verify", str(done.folder)]) == 1
+    found = tb.verify(done.folder)
+    assert capsys.readouterr().err == "".join(f"{problem}\n" for problem in found.problems)
+    assert found.to_frame().intact.tolist() == [False]
+    with pytest.raises(UserError, match="so it is not a campaign"):
+        tb.verify(tmp_path / "none")
+
+
+def test_hide_writes_the_files_of_the_command_and_tells_the_truth_when_asked(tmp_path, capsys):
+    words = ["hide", "--effect", "clamp_slip", "--seed", "3", "--minutes", "2", "--rate-hz", "20"]
+    assert main([*words, "-o", str(tmp_path / "theirs")]) == 0
+    case = tb.hide("clamp_slip", tmp_path / "mine", seed=3, minutes=2, rate_hz=20)
+    assert capsys.readouterr().out == f"{case}\n".replace("mine", "theirs")
+    for name in ("recordings/held_out.csv", "sealed/truth.json"):
+        assert (tmp_path / "mine" / name).read_bytes() == (tmp_path / "theirs" / name).read_bytes()
+    assert case.truth["effects"][0]["effect"] == "clamp_slip"
+    assert len(case.calibration) > 2000
+
+
+def test_record_keeps_what_the_command_keeps(tmp_path, capsys):
+    gcode.generate("paper-1", seed=3, duration_s=20).write(tmp_path)
+    program = tmp_path / "program.tap"
+    with served_rig(program) as port:
+        words = ["--port", port, "--program", str(program), "--specimen", "knit 7", "-o", str(tmp_path / "theirs")]
+        assert main(["record", *words]) == 0
+    said = capsys.readouterr().out
+    with served_rig(program) as port:
+        done = tb.record(port, program, tmp_path / "mine", specimen="knit 7")
+    assert done.ended_well
+    assert said == f"{done}\n".replace("mine", "theirs")
+    mine, theirs = done.recording, tb.read(tmp_path / "theirs")
+    assert np.array_equal(mine["force_N"], theirs["force_N"])
+    with pytest.raises(UserError, match="this recording is complete"):
+        tb.resume_recording(done.folder)
+
+
+@contextmanager
+def served_rig(program):
+    """The simulated rig behind a pseudo-terminal, many times faster than real; the name of its port."""
+    motion, gauge_length_mm = played(program, None)
+    rig = Plan(program, tb.preset("pes"), gauge_length_mm, 1, "pes").rig(motion.held(3.0))
+    port = PtyPort()
+    worker = threading.Thread(target=lambda: serve(port, paced(list(rig.lines()), 200.0)))
+    worker.start()
+    yield port.name
+    worker.join(10)
+    port.close()
+
+
 def test_make_report_writes_the_page_of_the_command(file, tmp_path, monkeypatch):
     monkeypatch.setattr("testbench.report.build.today", lambda: "today")
     fitted().save(tmp_path / "model.json")
@@ -167,7 +244,7 @@ def test_make_report_writes_the_page_of_the_command(file, tmp_path, monkeypatch)
 
 
 @pytest.mark.slow
-def test_propose_gives_what_the_command_writes(file, tmp_path):
+def test_next_experiment_gives_what_the_command_writes(file, tmp_path):
     rivals = {}
     for effect in (tb.effects.StressRelaxation(), tb.effects.LoadCellCreep()):
         model = tb.fit(file, gauge_length_mm=25, progress=False).model + effect

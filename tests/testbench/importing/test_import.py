@@ -9,7 +9,9 @@ import pytest
 
 from gcode.support.errors import UserError
 from testbench import cli
-from testbench.importing.from_file import Hints, Wish, import_csv
+from testbench.importing.from_file import import_csv
+from testbench.importing.sheet import Hints
+from testbench.importing.wish import Wish
 from testbench.recordings.files import read_recording
 
 REAL = Path(__file__).parents[3] / "../shared/data/real"

@@ -12,8 +12,9 @@ from hypothesis import strategies as st
 
 from gcode.support.errors import UserError
 from testbench.cli import main
-from testbench.importing.from_file import Wish, import_csv, look
+from testbench.importing.from_file import import_csv, look
 from testbench.importing.headings import read_heading
+from testbench.importing.wish import Wish
 
 FORMULAS = [
     "dR/R0", "ΔR/R0", "∆R/R0", "ΔR / R₀", "ΔR/R", "delta R/R0", "deltaR/R0", "(R-R0)/R0", "(R − R_0)/R_0",

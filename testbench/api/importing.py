@@ -1,0 +1,147 @@
+"""`import_file`: a file of another tester or logger becomes recordings."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from gcode.support.files import existing_file
+from gcode.support.html import card
+from testbench.campaigns.campaign import vacant
+from testbench.importing import from_file
+from testbench.importing.imported import Imported, place_of, write_import
+from testbench.importing.wish import Wish
+from testbench.recordings.recording import Recording
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ImportResult:
+    """What a foreign file holds, not written yet.
+
+    Attributes
+    ----------
+    imported : tuple of Imported
+        One recording, or one for each repeat, with what was done to get it.
+    """
+
+    imported: tuple[Imported, ...]
+
+    @property
+    def recording(self) -> Recording:
+        """The recording; of several, the first."""
+        return self.imported[0].recording
+
+    @property
+    def recordings(self) -> tuple[Recording, ...]:
+        """All of them, one for each repeat in the file."""
+        return tuple(one.recording for one in self.imported)
+
+    @property
+    def taken(self) -> dict[str, str]:
+        """By role: what was taken for what, with the conversion shown."""
+        return self.imported[0].taken
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """What looks wrong, with the remedy."""
+        return tuple(doubt for one in self.imported for doubt in one.doubts)
+
+    def __repr__(self) -> str:
+        return f"<ImportResult {', '.join(repr(one) for one in self.recordings)}>"
+
+    def __str__(self) -> str:
+        return "\n".join([*self._taken(), *(line for one in self.imported for line in one.words)])
+
+    def places(self, out: str | Path) -> tuple[Path, ...]:
+        """Where `write` puts each recording: ``knit-3`` for the repeat 3 of several in ``knit``."""
+        several = len(self.imported) > 1
+        return tuple(place_of(Path(out), one.label if several else "") for one in self.imported)
+
+    def write(self, out: str | Path, overwrite: bool = False) -> tuple[Path, ...]:
+        """Write each recording as a campaign folder, or as a plain CSV where `out` ends in ``.csv``.
+
+        Parameters
+        ----------
+        out : path
+        overwrite : bool
+            Replace an earlier import in such a folder.
+
+        Returns
+        -------
+        tuple of Path
+            As `places`.
+
+        Raises
+        ------
+        UserError
+            If a folder holds something else; nothing is written then.
+        """
+        places = self.places(out)
+        if Path(out).suffix.lower() != ".csv":
+            for place in places:
+                vacant(place, overwrite)
+        for one, place in zip(self.imported, places, strict=True):
+            write_import(one, place)
+        return places
+
+    def words(self, out: str | Path) -> str:
+        """What was taken for what, and what came of it, a line each that names where it was written."""
+        told = zip(self.imported, self.places(out), strict=True)
+        return "\n".join([*self._taken(), *(f"{place}: {line}" for one, place in told for line in one.words)])
+
+    def to_dict(self, out: str | Path | None = None) -> dict[str, Any]:
+        """JSON-ready form, the same as ``testbench import --json``; with `out`, also where each one is written."""
+        found = [one.to_dict() for one in self.imported]
+        if out is not None:
+            found = [{"out": str(place), **one} for place, one in zip(self.places(out), found, strict=True)]
+        return {"recordings": found}
+
+    def _taken(self) -> list[str]:
+        return [f"{role}: {words}" for role, words in self.taken.items()]
+
+    def _repr_html_(self) -> str:
+        drawn = [recording._repr_html_() for recording in self.recordings]
+        return card(f"Import of {self.recording.source}", [*self._taken(), *self.doubts], *drawn)
+
+
+def import_file(path: str | Path, wish: Wish | None = None, *, gauge_length_mm: float | None = None) -> ImportResult:
+    """Read a file of a tester or logger: text (CSV and the like), Excel or TDMS.
+
+    Columns, units, and how the file is written are found by themselves; what cannot be told is asked for in the
+    message of the error.
+
+    Parameters
+    ----------
+    path : path
+    wish : testbench.importing.wish.Wish, optional
+        What you say about the file: columns, units, repairs.
+    gauge_length_mm : float, optional
+        Length between the clamps at rest, in mm; needed where the file has a displacement or strain and `wish` does
+        not say it.
+
+    Returns
+    -------
+    ImportResult
+
+    Raises
+    ------
+    UserError
+        If a column or its unit is not clear, or a row cannot be used; the message names file, row and remedy.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> import testbench as tb
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "lab.csv"
+    ...     _ = file.write_text("Zeit [s];Weg [cm];Kraft [mN]\\n0,0;0,0;0\\n0,1;0,5;900\\n0,2;1,0;1800\\n")
+    ...     found = tb.import_file(file, gauge_length_mm=40)
+    >>> found.recording["displacement_mm"].tolist(), found.recording["force_N"].tolist()
+    ([0.0, 5.0, 10.0], [0.0, 0.9, 1.8])
+    """
+    given = wish or Wish()
+    if gauge_length_mm is not None:
+        given = replace(given, gauge_length_mm=gauge_length_mm)
+    return ImportResult(tuple(from_file.import_file(existing_file(path), given)))

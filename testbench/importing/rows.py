@@ -1,0 +1,117 @@
+"""The rows of a foreign file as channels: which can be used, and in which order."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from gcode.support.errors import UserError
+from testbench.importing.choice import Choice
+from testbench.importing.wish import Wish
+from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE, TIME
+from testbench.recordings.checks import such
+
+MOSTLY = 0.5  # of the rows negative: the resistance has the wrong sign, and no bad rows
+
+
+def channels_of(scaled: Mapping[str, np.ndarray], wish: Wish) -> dict[str, np.ndarray]:
+    """The channels of a recording, made of columns by role that are in our units already."""
+    channels = {}
+    if "displacement" in scaled:
+        channels[DISPLACEMENT] = scaled["displacement"]
+    elif "strain" in scaled:
+        channels[DISPLACEMENT] = scaled["strain"] * float(wish.gauge_length_mm or 1.0)
+    if "force" in scaled:
+        channels[FORCE] = scaled["force"]
+    resistance = _resistance(scaled, wish.r0_ohm or np.nan)
+    if resistance is not None:
+        channels[RESISTANCE] = -resistance if "resistance" in wish.negate else resistance
+    if "temperature" in scaled:
+        channels[TEMPERATURE] = scaled["temperature"]
+    return channels
+
+
+def _resistance(scaled: Mapping[str, np.ndarray], r0_ohm: float) -> np.ndarray | None:
+    if "resistance" in scaled:
+        return scaled["resistance"]
+    if "conductance" in scaled:
+        with np.errstate(divide="ignore"):
+            return 1.0 / scaled["conductance"]
+    if "relative" in scaled:
+        return scaled["relative"] * r0_ohm
+    if "relative_change" in scaled:
+        return (1.0 + scaled["relative_change"]) * r0_ohm
+    return None
+
+
+def check_change(path: Path, rows: np.ndarray, choice: Choice, scaled: Mapping[str, np.ndarray]) -> None:
+    """A resistance cannot fall by more than itself: percent were taken for shares."""
+    change = scaled.get("relative_change", np.zeros(0))
+    below = np.flatnonzero(change <= -1)
+    one = choice.taken.get("relative_change")
+    if below.size and one is not None and one.unit is not None and one.unit.symbol == "1":
+        raise UserError(
+            f"{path}: row {rows[below[0]]}: {one.column.label} is {change[below[0]]:g}, and no resistance falls by "
+            "more than itself (-1); if the column is in %, say --relative-unit %"
+        )
+
+
+def usable(
+    path: Path, rows: np.ndarray, time_s: np.ndarray, channels: Mapping[str, np.ndarray], drop_bad: bool
+) -> np.ndarray:
+    """Which rows can be used, as booleans of shape (n,).
+
+    Raises
+    ------
+    UserError
+        If a row cannot be used, and nobody said that such rows are to be left out.
+    """
+    good = np.ones(len(rows), dtype=bool)
+    for name, values in {TIME: time_s, **channels}.items():
+        fine = np.isfinite(values)
+        if name == RESISTANCE:
+            fine &= values > 0
+        if not fine.all() and not drop_bad:
+            first = int(np.flatnonzero(~fine)[0])
+            want = "positive and finite" if name == RESISTANCE else "a finite number"
+            remedy = "--drop-bad leaves them out"
+            if name == RESISTANCE and (values < 0).mean() > MOSTLY:
+                remedy = "if its leads were the other way round, add --negate resistance"
+            raise UserError(
+                f"{path}: row {rows[first]}: {name} must be {want}, got {values[first]:g} "
+                f"({such(int((~fine).sum()))}); {remedy}"
+            )
+        good &= fine
+    return good
+
+
+def in_order(path: Path, rows: np.ndarray, time_s: np.ndarray, sort: bool) -> tuple[np.ndarray, int, int]:
+    """Row numbers in the order of time; how many rows were out of order, and how many came at a time already taken.
+
+    Raises
+    ------
+    UserError
+        If the time does not increase, and nobody said that rows are to be sorted.
+    """
+    steps = np.diff(time_s)
+    if (steps > 0).all():
+        return np.arange(len(time_s)), 0, 0
+    if not sort:
+        at = int(np.flatnonzero(steps <= 0)[0]) + 1
+        raise UserError(
+            f"{path}: row {rows[at]}: time must increase, got {time_s[at]:g} s after {time_s[at - 1]:g} s; "
+            + _about_time(time_s, at)
+        )
+    order = np.argsort(time_s, kind="stable")
+    moved = int((order != np.arange(len(order))).sum())
+    first = np.concatenate([[True], np.diff(time_s[order]) > 0])
+    return order[first], moved, int((~first).sum())
+
+
+def _about_time(time_s: np.ndarray, at: int) -> str:
+    """Rows out of order, or a second recording below the first?"""
+    if at > 10 and time_s[at] - time_s[0] < 0.01 * (time_s[at - 1] - time_s[0]):
+        return "the time starts again there, so the file holds several recordings: part it into one file each"
+    return "--sort puts rows in order and drops repeated times"
