@@ -9,7 +9,7 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from testbench.fitting.motion import STILL, reading_noise, without_reading_noise
-from testbench.fitting.noise import noise_floor, rounding
+from testbench.fitting.noise import even_step, noise_floor
 from testbench.fitting.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL, SIGNAL_OF
 from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import FloatArray
@@ -148,7 +148,7 @@ def prepare(
     counts = (grid_s >= max(start_s, settled_s)) & (grid_s < end_s)
     # Times far apart, as in a hold of hours, tell little of the noise between them: the lower estimate is meant.
     read = min(reading_noise(time_s, recording.strain), noise_floor(recording.strain))
-    noise = max(read, rounding(recording.strain)) / np.sqrt(binned.averaged)
+    noise = max(read, even_step(recording.strain) / 12**0.5) / np.sqrt(binned.averaged)
     strain, left = without_reading_noise(binned(recording.strain), noise)
     signals = inputs(grid_s, strain, temperature)
     return Measurement(signals, 1.0 / rate_hz, measured, counts, recording, left, float(grid_s[0]), binned.averaged)

@@ -15,6 +15,7 @@ OUTLIER = 10.0
 FEWEST = 50  # values that say how large the noise is
 PIECE, NEIGHBOURS, LEAK = 1024, 64, 8  # samples; frequencies that a line is compared with, and that it leaks into
 LINE = 30.0
+MOST_STEPS = 20  # between two values, for which rounding of the values themselves does not hide an even step
 
 
 def robust_sd(values: FloatArray) -> float:
@@ -101,6 +102,21 @@ def rounding(values: FloatArray) -> float:
     if not 1 < len(distinct) < 0.5 * len(values):
         return 0.0
     return float(np.median(np.diff(distinct))) / 12**0.5
+
+
+def even_step(values: FloatArray) -> float:
+    """Step of a reading all of whose values lie on one even grid; 0 where they do not.
+
+    Values that stand far apart because the reading moved quickly are no wider a step.
+    """
+    distinct = np.unique(values)
+    apart = np.diff(distinct)
+    apart = apart[apart > 1e-9 * max(float(np.ptp(distinct)), 1e-300)]
+    if len(apart) < FEWEST // 2:
+        return 0.0
+    step = float(apart.min())
+    near = apart[apart < MOST_STEPS * step] / step
+    return step if np.all(np.abs(near - np.round(near)) < 0.05) else 0.0
 
 
 def autoregression(residual: FloatArray, order: int = AR_ORDER) -> FloatArray:

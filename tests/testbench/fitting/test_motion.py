@@ -94,6 +94,15 @@ def test_steps_of_the_reading_are_noise_though_it_repeats_itself_when_slow(step_
     assert 0.4 * np.std(off) < np.sqrt(np.mean(made.strain_noise**2)) < 1.1 * np.std(off)
 
 
+def test_a_ramp_before_a_long_hold_is_no_coarse_step():
+    strain = np.interp(TIME_S, [0, 5, 11, 300], [0, 0, 0.3, 0.3])
+    reading_mm = np.round(100.0 * (strain + noise(2e-5, seed=3)), 3)
+    made = prepare(Recording(TIME_S, {DISPLACEMENT: reading_mm, FORCE: 10 * strain}, 100.0))
+    moved = np.interp(made.grid_s, [0, 5, 11, 300], [0, 0, 0.3, 0.3])
+    ramp = (made.grid_s > 4) & (made.grid_s < 12)
+    assert np.max(np.abs(made.signals["strain"] - moved)[ramp]) < 1e-4
+
+
 def test_friction_keeps_its_force_in_a_hold_that_was_read_with_noise():
     strain = ramps_and_holds(TIME_S)
     reading = strain + noise(1e-4, seed=1)
