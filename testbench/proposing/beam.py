@@ -103,7 +103,7 @@ class Beam:
             return
         for one in OPERATORS.values():
             if one.kind == "memory" and name in SIGNAL_ONLY.get(one.name, {name}):
-                for values in self.grid.points(one.slots, x):
+                for values in self.grid.points(one.slots, x, one.name):
                     yield self.with_operator(term, one, len(term.operators), x), values
 
     def bent(self, place: Place, plain: Term, values: dict[str, float], x: FloatArray):

@@ -219,8 +219,6 @@ class Hunt:
         chosen = finalists([one for one in found if one.gain > LEAST_GAIN / 2])
         if not chosen:
             return None
-        holds, wins = stability(projector, chosen)
-
         def refit(one: Found) -> Trial:
             self.tell(f"refitting with {one.law.key}")
             return self.bench.tried(one, name, current, projector.law_prior_sd(one.law))
@@ -230,15 +228,14 @@ class Hunt:
         for k, trial in zip(order, self.pool.map(self.carried, [trials[k] for k in order[:SETTLED]]), strict=False):
             trials[k] = trial
         order.sort(key=lambda k: -trials[k].log_z)
+        holds, wins = stability(current, [t.hypothesis for t in trials], self.likelihood)
         options = [
             Option(t.law, t.log_z - current.log_z, float(holds[k]), float(wins[k])) for k, t in enumerate(trials)
         ]
         paying = [k for k in order if self.pays(options[k], trials[k], current)]
         if not paying:
             return None
-        # What the evidence does not tell apart is told in fewer numbers.
-        equal = [k for k in paying if options[paying[0]].log_evidence - options[k].log_evidence < TIED]
-        best = min(equal, key=lambda k: options[k].law.count)
+        best = paying[0]  # the evidence has taken off what its numbers cost
         rest = tuple(options[k] for k in order if k != best)
         tied = sum(abs(one.log_evidence - options[best].log_evidence) < TIED for one in rest)
         h = trials[best].hypothesis
