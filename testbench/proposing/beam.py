@@ -18,7 +18,7 @@ from testbench.proposing.pieces import Coordinate, Operator, Slot
 from testbench.proposing.places import Place
 from testbench.proposing.screening import Projector
 
-WIDTH, PER_FAMILY = 14, 3  # laws that grow on; of them, with the same place and coordinate
+WIDTH, PER_FAMILY = 14, 2  # laws that grow on; of them, with the same place, coordinate and memory
 LEVELS, POLISHED = 2, 10  # times that they grow; how many have their numbers optimised each time
 PRICE_OF_PIECE, PRICE_OF_PARAMETER = 2.0, 2.0  # nats: so many more laws have one piece, or one number, more
 EVALUATIONS = 60
@@ -77,9 +77,11 @@ class Beam:
                     if coordinate.name in KINETICS:
                         continue
                     x = plain.evaluated(self.signals[place.name], values, self.grid.dt_s)
+                    yield place, self.changing(plain), values
                     yield from self.bent(place, plain, values, x)
                     for term, more in self.remembering(plain, x):
                         yield place, term, values | more
+                        yield place, self.changing(term), values | more
                         yield from self.sized(place, term, values | more)
 
     def coordinates(self, place: Place) -> list[Coordinate]:
@@ -113,6 +115,10 @@ class Beam:
                 for more in self.grid.points(one.slots, x, one.name):
                     yield place, self.with_operator(plain, one, 0, x), values | more
 
+    def changing(self, term: Term) -> Term:
+        """The same, growing with time: the base has curves and loops of any shape, so of those only that shows."""
+        return self.with_operator(term, OPERATORS["growing"], len(term.operators), None)
+
     def sized(self, place: Place, term: Term, values: Mapping[str, float]):
         """The same without its sign, where it has one."""
         if term.coordinate.signed and term.memory not in ("dead band",):
@@ -126,12 +132,7 @@ class Beam:
         term = law.term
         yield from self.widened(law, term, None)
         for at, one in enumerate(term.operators):
-            less = replace(
-                term,
-                operators=term.operators[:at] + term.operators[at + 1 :],
-                sizes=term.sizes[:at] + term.sizes[at + 1 :],
-            )
-            yield from self.widened(law, less, at, one.name)
+            yield from self.widened(law, term.without(at), at, one.name)
 
     def widened(self, law: Law, term: Term, only: int | None, not_this: str = ""):
         """The term with one operator put in, at one place of its chain or at any."""
@@ -201,9 +202,9 @@ class Beam:
     def diverse(found: Sequence[Found]) -> list[Found]:
         """The best, few of one family, so that no family is alone in the beam."""
         kept: list[Found] = []
-        count: dict[tuple[str, str], int] = {}
+        count: dict[tuple[str, ...], int] = {}
         for one in found:
-            family = (one.law.place.name, one.law.term.coordinate.name)
+            family = one.law.family
             if count.get(family, 0) < PER_FAMILY:
                 kept.append(one)
                 count[family] = count.get(family, 0) + 1

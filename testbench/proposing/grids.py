@@ -16,6 +16,7 @@ SIZES = (0.03, 0.1, 0.3, 1.0, 3.0)  # of the usual size
 EDGES = tuple(np.linspace(0.06, 0.94, 12))  # quantiles at which a switch is tried: a sharp thing is found only nearby
 CYCLES = np.arange(1.5, 40.0, 0.75)  # over the range: what comes again is found only where its count is nearly right
 STRAINS = (0.1, 0.25, 0.4, 0.55, 0.7, 0.85)  # of the span
+WIDTHS = np.geomspace(0.03, 0.3, 7)  # of the span, within which a strain is one and the same
 PATHS = (0.3, 1.0, 4.0, 16.0)  # spans
 TIMES, FEWER_TIMES = 8, 4
 HERTZ = (0.15, 3.0)
@@ -78,7 +79,7 @@ class Grid:
         if slot.kind == "number":
             return DAMPINGS if slot.key == "damping" else NUMBERS
         if x is None:  # a size of a strain
-            return [share * self.span for share in (0.03, 0.1, 0.2)]
+            return [share * self.span for share in WIDTHS]
         if slot.kind == "level":
             return list(np.unique(np.quantile(x, LEVELS)))
         return [share * usual_size(x) for share in (SIZES[1:4] if few else SIZES)]
@@ -88,11 +89,11 @@ class Grid:
         return list(np.geomspace(max(3 * self.dt_s, 0.25), 0.5 * self.duration_s, count))
 
     def _hertz(self, damping: float) -> Iterator[float]:
-        """Frequencies as far apart as a resonance is wide."""
+        """Frequencies half as far apart as a resonance is wide."""
         hz, most = HERTZ[0], min(HERTZ[1], 0.3 / self.dt_s)
         while hz < most:
             yield hz
-            hz *= 1 + 2 * damping
+            hz *= 1 + damping
 
     def _waves(self, x: FloatArray) -> Iterator[dict[str, float]]:
         straight = abs(len(x) * float(np.mean(np.diff(x))) / max(float(np.ptp(x)), 1e-12)) > 0.99

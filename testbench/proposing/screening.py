@@ -41,8 +41,18 @@ class Projector:
     """
 
     def __init__(self, hypothesis: Hypothesis, likelihood: Likelihood, chain: OpenChain) -> None:
+        """Beside a fitted model, or beside its base alone.
+
+        Parameters
+        ----------
+        chain : OpenChain
+            Of the fitted model, or of the same without laws whose numbers are sought anew: the base stays where it
+            was fitted with them.
+        """
         self.chain, measurement = chain, likelihood.measurement
         self.channels = list(hypothesis.columns)
+        present = np.array([p.address.partition(".")[0] in chain.model for p in hypothesis.priors.parameters])
+        left = measurement.residual(chain.model)
         every = max(1, len(likelihood.rows) // MOST_ROWS)
         self.rows = likelihood.rows[::every]
         evidence, base = hypothesis.evidence, []
@@ -50,13 +60,14 @@ class Projector:
         for c in self.channels:
             unit = np.sqrt(hypothesis.normal.share * every) / evidence.sigma[c]
             self.weight[c] = (likelihood.weight[c] * hypothesis.robust[c] * unit)[::every]
-            base.append((hypothesis.columns[c] * hypothesis.robust[c] * unit)[:, ::every])
+            columns = np.vstack([likelihood.picked(left[c], c), hypothesis.columns[c][1:][present]])
+            base.append((columns * hypothesis.robust[c] * unit)[:, ::every])
         stacked = np.hstack(base)
         # The optimum anew on these rows: of another one the residual would not be free of what the base can do.
-        prior = hypothesis.priors.scaled(evidence.scale)
-        jacobian = np.where(at_bounds(hypothesis)[:, None], 0.0, stacked[1:])
+        prior = hypothesis.priors.scaled(evidence.scale)[present]
+        jacobian = np.where(at_bounds(hypothesis)[present, None], 0.0, stacked[1:])
         half = cholesky(jacobian @ jacobian.T + np.diag(prior), lower=True)
-        goal = jacobian @ stacked[0] + prior * hypothesis.normal.mean
+        goal = jacobian @ stacked[0] + prior * hypothesis.normal.mean[present]
         self.residual = stacked[0] - cho_solve((half, True), goal) @ jacobian
         spread = solve_triangular(half, jacobian, lower=True)
         known, directions = np.linalg.eigh(spread @ spread.T)
