@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +17,7 @@ from testbench.fitting.measurement import Measurement
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.model import KnitModel
 
+LEAST_LOG = 1e-300  # probability of what was excluded, so that it can come back
 RIVALS, LEAST = 4, 1e-3  # hypotheses that a motion is designed to separate; least probability of one
 
 
@@ -71,21 +72,39 @@ def judged(
     return Belief(chances, verdict, _likely(first, chances), Reading(_noise(first), constants.INDEPENDENT))
 
 
-def over_specimens(beliefs: Sequence[Mapping[str, float]]) -> dict[str, float]:
-    """The probabilities that recordings of several fresh specimens give together.
+def before_any(names: Collection[str]) -> dict[str, float]:
+    """What is believed before the first recording."""
+    return prior_of([name for name in names if name not in (NOTHING, UNKNOWN)])
 
-    Specimens share what is missing and nothing else, so their evidence multiplies: the posteriors do, over the prior
-    that each of them has in it.
+
+def with_one_more(
+    told: Mapping[str, float], evidence: Mapping[str, float], without: Mapping[str, float]
+) -> dict[str, float]:
+    """What is told after one more recording.
+
+    The evidence of a recording is what it has changed. However sure, it speaks for the wrong mechanism in some
+    sensors (`MISLED`), whose own laws are far from those of the catalogue in just this motion; then all that is left
+    is what was told before. So no single motion makes sure, and two that agree do.
+
+    Parameters
+    ----------
+    told : mapping
+        Before; probabilities that sum to 1.
+    evidence, without : mapping
+        Posterior with this recording and without it: of one specimen that of all its recordings so far and of those
+        before, of a fresh one its own and what was believed before any.
     """
-    names = list(dict.fromkeys(name for one in beliefs for name in one))
-    prior = prior_of([name for name in names if name not in (NOTHING, UNKNOWN)])
     logs = {
-        name: sum(np.log(max(one.get(name, 0.0), 1e-12)) for one in beliefs)
-        - (len(beliefs) - 1) * np.log(prior[name])
-        for name in names
+        name: np.log(max(told.get(name, 0.0), LEAST_LOG))
+        + np.log(max(evidence.get(name, 0.0), LEAST_LOG))
+        - np.log(max(without.get(name, 0.0), LEAST_LOG))
+        for name in evidence
     }
     total = logsumexp(list(logs.values()))
-    return {name: float(np.exp(value - total)) for name, value in logs.items()}
+    misled = constants.MISLED
+    found = {n: (1 - misled) * float(np.exp(v - total)) + misled * told.get(n, 0.0) for n, v in logs.items()}
+    whole = sum(found.values())
+    return {name: chance / whole for name, chance in found.items()}
 
 
 def _noise(first: Round) -> dict[str, float]:
