@@ -34,6 +34,8 @@ SIGNAL_ONLY = {  # memories that make sense of some coordinates alone
     "stick": {"strain", "force"},
 }
 NO_MEMORY = {"time", "direction", "turns", "path", "work"}  # what only grows has all of its past already
+ONLY_GROWS = NO_MEMORY - {"direction"} | {"largest strain"}
+EVENTS = {"bell", "bell at", "switch", "wave"}  # there something that happens once, and foretells nothing
 
 
 @dataclass(frozen=True)
@@ -253,6 +255,8 @@ def _fits(term: Term, one: Operator, at: int) -> bool:
         if one.name in SIGNAL_ONLY:
             return at == 0 and name in SIGNAL_ONLY[one.name]
         return True
+    if name in ONLY_GROWS and one.name in EVENTS and (name, one.name) != ("time", "wave"):
+        return False
     if {one.name, *(o.name for o in term.operators)} >= {"square", "power"}:
         return False
     if one.kind == "factor":

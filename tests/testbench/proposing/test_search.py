@@ -103,3 +103,12 @@ def test_a_law_of_one_minute_is_none_of_the_recording():
 
 def test_a_law_has_one_family_whatever_its_bends():
     assert law_of("force", "strain", "lag", "square").family == ("force", "strain", "lag")
+
+
+@pytest.mark.parametrize("name", ["bell at", "switch", "wave"])
+def test_an_event_of_this_recording_is_no_law(name: str):
+    path, strain = (law_of("force", coordinate).term for coordinate in ("path", "strain"))
+    x = np.linspace(0, 1, 50)
+    assert not Beam.fits(path, OPERATORS[name], 0, x)
+    assert Beam.fits(strain, OPERATORS[name], 0, x)
+    assert Beam.fits(law_of("force", "time").term, OPERATORS["wave"], 0, x)
