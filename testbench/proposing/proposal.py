@@ -11,6 +11,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from testbench.comparing.ladder import on_the_ladder
+from testbench.diagnosis import constants
 from testbench.diagnosis.laplace import Hypothesis, fitted
 from testbench.diagnosis.rounds import excess
 from testbench.diagnosis.search import Progress, Search
@@ -44,7 +45,7 @@ LEAST_SHARE = 0.1  # of the squared error above the noise that a law takes off
 FINALISTS, OF_ONE_PLACE, OF_ONE_FAMILY, SETTLED = 6, 3, 2, 2
 TIED = 3.0  # nats
 WORTH_A_REFIT = 1.0  # nats to first order
-MAY_RISE = 0.05  # noise floors, by which one channel may lose where the mean of all wins
+MAY_RISE = (2 * constants.INDEPENDENT) ** -0.5  # of an error: so well is the RMS of a recording's pieces known
 
 
 @dataclass(frozen=True)
@@ -374,9 +375,9 @@ def with_class(h: Hypothesis, law: Law, name: str, grid: Grid) -> Hypothesis:
 
 
 def holds(before: Mapping[str, float], after: Mapping[str, float], floors: Mapping[str, float]) -> bool:
-    """Whether the held-out error falls, and in no channel rises by more than its noise could."""
+    """Whether the held-out error, the mean of the channels in noise floors, falls, and rises surely in none."""
     return over_the_floors(after, floors) < over_the_floors(before, floors) and all(
-        after[c] <= before[c] + MAY_RISE * floors[c] for c in floors
+        after[c] <= (1 + MAY_RISE) * before[c] for c in floors
     )
 
 

@@ -13,7 +13,7 @@ from testbench.proposing.beam import Beam, Found
 from testbench.proposing.grids import DAMPINGS
 from testbench.proposing.law import Term
 from testbench.proposing.operators import OPERATORS
-from testbench.proposing.proposal import finalists
+from testbench.proposing.proposal import finalists, holds
 from testbench.proposing.screening import at_bounds
 from testbench.proposing.stability import SURE, stability
 from tests.testbench.proposing.test_library import DT_S, GRID, SIGNALS, law_of
@@ -112,3 +112,14 @@ def test_an_event_of_this_recording_is_no_law(name: str):
     assert not Beam.fits(path, OPERATORS[name], 0, x)
     assert Beam.fits(strain, OPERATORS[name], 0, x)
     assert Beam.fits(law_of("force", "time").term, OPERATORS["wave"], 0, x)
+
+
+@pytest.mark.parametrize(
+    ("force", "conductance", "held"), [(1.004, 0.75, True), (1.2, 0.75, False), (1.02, 1.0, False), (0.99, 1.0, True)]
+)
+def test_a_law_is_taken_back_where_a_channel_surely_loses_or_the_mean_rises(
+    force: float, conductance: float, held: bool
+):
+    before, floors = {"force": 0.5, "conductance": 0.04}, {"force": 0.01, "conductance": 0.001}
+    after = {"force": force * before["force"], "conductance": conductance * before["conductance"]}
+    assert holds(before, after, floors) is held
