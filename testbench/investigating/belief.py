@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +17,6 @@ from testbench.fitting.measurement import Measurement
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.model import KnitModel
 
-LEAST_LOG = 1e-300  # probability of what was excluded, so that it can come back
 RIVALS, LEAST = 4, 1e-3  # hypotheses that a motion is designed to separate; least probability of one
 
 
@@ -72,39 +71,41 @@ def judged(
     return Belief(chances, verdict, _likely(first, chances), Reading(_noise(first), constants.INDEPENDENT))
 
 
-def before_any(names: Collection[str]) -> dict[str, float]:
-    """What is believed before the first recording."""
-    return prior_of([name for name in names if name not in (NOTHING, UNKNOWN)])
+def over_specimens(beliefs: Sequence[Mapping[str, float]]) -> dict[str, float]:
+    """The probabilities that recordings of several fresh specimens give together.
+
+    Specimens share what is missing and nothing else, so their evidence multiplies: the posteriors do, over the prior
+    that each of them has in it.
+    """
+    names = list(dict.fromkeys(name for one in beliefs for name in one))
+    prior = prior_of([name for name in names if name not in (NOTHING, UNKNOWN)])
+    logs = {
+        name: sum(np.log(max(one.get(name, 0.0), 1e-12)) for one in beliefs)
+        - (len(beliefs) - 1) * np.log(prior[name])
+        for name in names
+    }
+    total = logsumexp(list(logs.values()))
+    return {name: float(np.exp(value - total)) for name, value in logs.items()}
 
 
-def with_one_more(
-    told: Mapping[str, float], evidence: Mapping[str, float], without: Mapping[str, float]
-) -> dict[str, float]:
-    """What is told after one more recording.
+def doubted(beliefs: Sequence[Mapping[str, float]]) -> dict[str, float]:
+    """The last of the beliefs that the evidence gave after each recording, as it is told.
 
-    The evidence of a recording is what it has changed. However sure, it speaks for the wrong mechanism in some
-    sensors (`MISLED`), whose own laws are far from those of the catalogue in just this motion; then all that is left
-    is what was told before. So no single motion makes sure, and two that agree do.
+    However sure, evidence speaks for the wrong mechanism in some sensors (`MISLED`), whose own laws are far from
+    those of the catalogue in just this motion; then what was believed before any is all that is left. It is less
+    doubted with each recording that has not changed the answer: one alone makes nothing sure, two that agree do.
 
     Parameters
     ----------
-    told : mapping
-        Before; probabilities that sum to 1.
-    evidence, without : mapping
-        Posterior with this recording and without it: of one specimen that of all its recordings so far and of those
-        before, of a fresh one its own and what was believed before any.
+    beliefs : sequence of mapping
+        Probabilities after each recording, all recordings so far in each.
     """
-    logs = {
-        name: np.log(max(told.get(name, 0.0), LEAST_LOG))
-        + np.log(max(evidence.get(name, 0.0), LEAST_LOG))
-        - np.log(max(without.get(name, 0.0), LEAST_LOG))
-        for name in evidence
-    }
-    total = logsumexp(list(logs.values()))
-    misled = constants.MISLED
-    found = {n: (1 - misled) * float(np.exp(v - total)) + misled * told.get(n, 0.0) for n, v in logs.items()}
-    whole = sum(found.values())
-    return {name: chance / whole for name, chance in found.items()}
+    last = beliefs[-1]
+    answers = [max(one, key=one.__getitem__) for one in beliefs]
+    agreeing = next((k for k, answer in enumerate(reversed(answers)) if answer != answers[-1]), len(answers))
+    misled = constants.MISLED**agreeing
+    prior = prior_of([name for name in last if name not in (NOTHING, UNKNOWN)])
+    return {name: (1 - misled) * chance + misled * prior[name] for name, chance in last.items()}
 
 
 def _noise(first: Round) -> dict[str, float]:

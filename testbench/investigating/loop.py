@@ -12,7 +12,7 @@ from gcode.support.files import make_folder
 from testbench.design.best_motion import best_motion
 from testbench.design.protocols import NOISE, menu
 from testbench.fitting.measurement import Measurement
-from testbench.investigating.belief import Belief, before_any, judged, with_one_more
+from testbench.investigating.belief import Belief, doubted, judged, over_specimens
 from testbench.investigating.benches import Bench, Order, now_s
 from testbench.investigating.joining import joined
 from testbench.investigating.state import (
@@ -204,11 +204,8 @@ class _Loop:
         runs = 1 if fresh else number
         tell = self.watcher.tell
         found = judged(self._measured(), runs, self.catalogue, self.start, settings.effects_at_most, tell)
-        earlier = [run.belief for run in self.state.runs if run.belief is not None]
-        first = before_any(found.probabilities)
-        told = earlier[-1].probabilities if earlier else first
-        without = earlier[-1].own if earlier and not fresh else first
-        together = with_one_more(told, found.probabilities, without)
+        own = [run.belief.own for run in self.state.runs if run.belief is not None] + [dict(found.probabilities)]
+        together = doubted([over_specimens(own[: k + 1]) for k in range(len(own))] if fresh else own)
         run = self.state.runs[-1].model_copy(update={"belief": _kept(found, together)})
         self._keep(self.state.with_run(number - 1, run))
         self.watcher.judged(self.state)

@@ -6,44 +6,46 @@ import pytest
 
 import testbench as tb
 from testbench.diagnosis import constants
-from testbench.investigating.belief import before_any, with_one_more
-
-NAMES = ("nothing", "unknown", "clamp_slip", "permanent_set")
-SLIPS = {"nothing": 1e-6, "unknown": 1e-6, "clamp_slip": 1 - 3e-6, "permanent_set": 1e-6}
+from testbench.investigating.belief import doubted, over_specimens
 
 
-def test_the_prior_is_that_of_the_diagnosis():
-    prior = before_any(NAMES)
-    assert prior["clamp_slip"] == prior["permanent_set"]
-    assert prior["nothing"] == pytest.approx(constants.PRIOR_NOTHING * (1 - constants.PRIOR_UNKNOWN))
-    assert sum(prior.values()) == pytest.approx(1)
+def test_one_specimen_says_what_it_says():
+    said = {"nothing": 0.2, "unknown": 0.1, "clamp_slip": 0.7}
+    assert over_specimens([said]) == pytest.approx(said)
 
 
-def test_a_recording_that_says_nothing_new_changes_nothing():
-    prior = before_any(NAMES)
-    assert with_one_more(prior, prior, prior) == pytest.approx(prior)
-    told = with_one_more(prior, SLIPS, prior)
-    assert with_one_more(told, SLIPS, SLIPS) == pytest.approx(told)
+def test_a_specimen_that_says_nothing_new_changes_nothing():
+    u = constants.PRIOR_UNKNOWN
+    prior = {
+        "nothing": constants.PRIOR_NOTHING * (1 - u),
+        "unknown": constants.PRIOR_NOTHING * u,
+        "clamp_slip": 0.5 * (1 - constants.PRIOR_NOTHING),
+        "permanent_set": 0.5 * (1 - constants.PRIOR_NOTHING),
+    }
+    said = {"nothing": 0.1, "unknown": 0.1, "clamp_slip": 0.6, "permanent_set": 0.2}
+    assert over_specimens([said, prior]) == pytest.approx(said)
 
 
-def test_one_motion_makes_nothing_sure_and_two_that_agree_do():
-    prior = before_any(NAMES)
-    once = with_one_more(prior, SLIPS, prior)
-    assert once["clamp_slip"] == pytest.approx(1 - constants.MISLED * (1 - prior["clamp_slip"]), abs=1e-4)
-    twice = with_one_more(once, SLIPS, prior)  # a fresh specimen
-    assert twice["clamp_slip"] > 0.95
-    surer = {name: chance**2 for name, chance in SLIPS.items()}  # one specimen, whose second run said the same
-    assert with_one_more(once, surer, SLIPS)["clamp_slip"] == pytest.approx(twice["clamp_slip"], abs=1e-4)
-    assert sum(twice.values()) == pytest.approx(1)
+def test_the_odds_of_specimens_multiply():
+    said = {"nothing": 0.0, "unknown": 0.0, "clamp_slip": 0.75, "permanent_set": 0.25}
+    together = over_specimens([said, said, said])
+    assert together["clamp_slip"] / together["permanent_set"] == pytest.approx(27)
+    assert sum(together.values()) == pytest.approx(1)
 
 
-def test_a_motion_that_misled_is_made_good_by_others():
-    prior = before_any(NAMES)
-    sets = {**SLIPS, "clamp_slip": 1e-6, "permanent_set": 1 - 3e-6}
-    told = with_one_more(prior, sets, prior)
-    for _ in range(3):
-        told = with_one_more(told, SLIPS, prior)
-    assert told["clamp_slip"] > 0.95
+SLIPS = {"nothing": 0.0, "unknown": 0.0, "clamp_slip": 1.0, "permanent_set": 0.0}
+SETS = {**SLIPS, "clamp_slip": 0.0, "permanent_set": 1.0}
+
+
+def test_one_recording_makes_nothing_sure_and_two_that_agree_do():
+    assert doubted([SLIPS])["clamp_slip"] == pytest.approx(1 - constants.MISLED * 0.75)
+    assert doubted([SLIPS, SLIPS])["clamp_slip"] > 0.95
+    assert sum(doubted([SLIPS, SLIPS]).values()) == pytest.approx(1)
+
+
+def test_a_leap_is_doubted_like_a_first_answer():
+    assert doubted([SETS, SETS, SLIPS]) == pytest.approx(doubted([SLIPS]))
+    assert doubted([SETS, SLIPS, SLIPS]) == pytest.approx(doubted([SLIPS, SLIPS]))
 
 
 @pytest.mark.slow
