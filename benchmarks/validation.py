@@ -4,7 +4,8 @@
     python benchmarks/validation.py --data DIR -o docs/validation.md --only vhb-relax,cb-steps
     python benchmarks/validation.py --data DIR -o docs/validation.md --results DIR2    resumes where it stopped
 
-DIR has one folder a material (`benchmarks/validation_data.py` names them); what is absent is skipped, and said so.
+DIR has one folder a material (`benchmarks/validation_data.py` names them); what is absent is skipped, and said so;
+where all are, nothing is written.
 Each pair is diagnosed in a process of its own, ended after `--limit-s`; a pair that fails is a row like any other.
 Reliability comes from the results of `bench_diagnosis.py --results`. Pictures go to `images/` beside the page.
 """
@@ -221,6 +222,9 @@ def main(argv: Sequence[str] | None = None) -> None:
     args = arguments(argv)
     if args.one:
         write_json(args.row, diagnosed(*all_pairs()[args.one], args.data, args.picture))
+        return
+    if not any((args.data / material.folder).is_dir() for material in MATERIALS):
+        print(f"skipped: none of the recordings is in {args.data}; {args.output} stays as it is")
         return
     images = args.output.parent / "images"
     rows = rows_of(args, images)

@@ -25,7 +25,9 @@ ln S. The noise is estimated from second differences of the readings: what no sm
 material has one recording, its last third is held out.
 
 *As known* means that the most probable hypothesis is one that agrees with what is known of the material, written
-down below it **before** the run; it is not a proof that this mechanism is at work.
+down below it **before** the run; it is not a proof that this mechanism is at work. The verdict is *missing* where
+*nothing* and *unknown* together have less than half: then many mechanisms may share the rest, each with less than
+*nothing* has alone.
 """
 
 LIMITS = """
@@ -36,7 +38,7 @@ LIMITS = """
 - Gauge lengths, units or zeros that are not told were given stand-in values, named with the material. They scale
   parameters, not which mechanism is found.
 - Recordings without temperature cannot tell a slow drift of the room from one of the sensor.
-- The recordings were seen while the diagnosis was developed, some of them often. The simulated cases below are
+- The recordings were seen while the diagnosis was developed, some of them often. The simulated cases above are
   the only ones that were made after it was fixed.
 - There are few materials: shares over them are no rates.
 """

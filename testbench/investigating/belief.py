@@ -88,6 +88,26 @@ def over_specimens(beliefs: Sequence[Mapping[str, float]]) -> dict[str, float]:
     return {name: float(np.exp(value - total)) for name, value in logs.items()}
 
 
+def doubted(beliefs: Sequence[Mapping[str, float]]) -> dict[str, float]:
+    """The last of the beliefs that the evidence gave after each recording, as it is told.
+
+    However sure, evidence speaks for the wrong mechanism in some sensors (`MISLED`), whose own laws are far from
+    those of the catalogue in just this motion; then what was believed before any is all that is left. It is less
+    doubted with each recording that has not changed the answer: one alone makes nothing sure, two that agree do.
+
+    Parameters
+    ----------
+    beliefs : sequence of mapping
+        Probabilities after each recording, all recordings so far in each.
+    """
+    last = beliefs[-1]
+    answers = [max(one, key=one.__getitem__) for one in beliefs]
+    agreeing = next((k for k, answer in enumerate(reversed(answers)) if answer != answers[-1]), len(answers))
+    misled = constants.MISLED**agreeing
+    prior = prior_of([name for name in last if name not in (NOTHING, UNKNOWN)])
+    return {name: (1 - misled) * chance + misled * prior[name] for name, chance in last.items()}
+
+
 def _noise(first: Round) -> dict[str, float]:
     """What the best model leaves in each channel, at least what a law is expected to leave."""
     best = max((first.before, *first.entries), key=lambda e: e.log_z).hypothesis

@@ -12,7 +12,7 @@ from gcode.support.files import make_folder
 from testbench.design.best_motion import best_motion
 from testbench.design.protocols import NOISE, menu
 from testbench.fitting.measurement import Measurement
-from testbench.investigating.belief import Belief, judged, over_specimens
+from testbench.investigating.belief import Belief, doubted, judged, over_specimens
 from testbench.investigating.benches import Bench, Order, now_s
 from testbench.investigating.joining import joined
 from testbench.investigating.state import (
@@ -204,10 +204,8 @@ class _Loop:
         runs = 1 if fresh else number
         tell = self.watcher.tell
         found = judged(self._measured(), runs, self.catalogue, self.start, settings.effects_at_most, tell)
-        together = dict(found.probabilities)
-        if fresh:
-            earlier = [run.belief.own for run in self.state.runs if run.belief is not None]
-            together = over_specimens([*earlier, together])
+        own = [run.belief.own for run in self.state.runs if run.belief is not None] + [dict(found.probabilities)]
+        together = doubted([over_specimens(own[: k + 1]) for k in range(len(own))] if fresh else own)
         run = self.state.runs[-1].model_copy(update={"belief": _kept(found, together)})
         self._keep(self.state.with_run(number - 1, run))
         self.watcher.judged(self.state)

@@ -18,7 +18,7 @@ from testbench.proposing.pieces import Coordinate, Operator, Slot
 from testbench.proposing.places import Place
 from testbench.proposing.screening import Projector
 
-WIDTH, PER_FAMILY = 14, 3  # laws that grow on; of them, with the same place and coordinate
+WIDTH, PER_FAMILY = 14, 2  # laws that grow on; of them, with the same place, coordinate and memory
 LEVELS, POLISHED = 2, 10  # times that they grow; how many have their numbers optimised each time
 PRICE_OF_PIECE, PRICE_OF_PARAMETER = 2.0, 2.0  # nats: so many more laws have one piece, or one number, more
 EVALUATIONS = 60
@@ -34,6 +34,8 @@ SIGNAL_ONLY = {  # memories that make sense of some coordinates alone
     "stick": {"strain", "force"},
 }
 NO_MEMORY = {"time", "direction", "turns", "path", "work"}  # what only grows has all of its past already
+ONLY_GROWS = NO_MEMORY - {"direction"} | {"largest strain"}
+EVENTS = {"bell", "bell at", "switch", "wave"}  # there something that happens once, and foretells nothing
 
 
 @dataclass(frozen=True)
@@ -77,9 +79,11 @@ class Beam:
                     if coordinate.name in KINETICS:
                         continue
                     x = plain.evaluated(self.signals[place.name], values, self.grid.dt_s)
+                    yield place, self.changing(plain), values
                     yield from self.bent(place, plain, values, x)
                     for term, more in self.remembering(plain, x):
                         yield place, term, values | more
+                        yield place, self.changing(term), values | more
                         yield from self.sized(place, term, values | more)
 
     def coordinates(self, place: Place) -> list[Coordinate]:
@@ -103,7 +107,7 @@ class Beam:
             return
         for one in OPERATORS.values():
             if one.kind == "memory" and name in SIGNAL_ONLY.get(one.name, {name}):
-                for values in self.grid.points(one.slots, x):
+                for values in self.grid.points(one.slots, x, one.name):
                     yield self.with_operator(term, one, len(term.operators), x), values
 
     def bent(self, place: Place, plain: Term, values: dict[str, float], x: FloatArray):
@@ -112,6 +116,10 @@ class Beam:
             if one.kind == "bend" and self.fits(plain, one, 0, x):
                 for more in self.grid.points(one.slots, x, one.name):
                     yield place, self.with_operator(plain, one, 0, x), values | more
+
+    def changing(self, term: Term) -> Term:
+        """The same, growing with time: the base has curves and loops of any shape, so of those only that shows."""
+        return self.with_operator(term, OPERATORS["growing"], len(term.operators), None)
 
     def sized(self, place: Place, term: Term, values: Mapping[str, float]):
         """The same without its sign, where it has one."""
@@ -126,12 +134,7 @@ class Beam:
         term = law.term
         yield from self.widened(law, term, None)
         for at, one in enumerate(term.operators):
-            less = replace(
-                term,
-                operators=term.operators[:at] + term.operators[at + 1 :],
-                sizes=term.sizes[:at] + term.sizes[at + 1 :],
-            )
-            yield from self.widened(law, less, at, one.name)
+            yield from self.widened(law, term.without(at), at, one.name)
 
     def widened(self, law: Law, term: Term, only: int | None, not_this: str = ""):
         """The term with one operator put in, at one place of its chain or at any."""
@@ -201,9 +204,9 @@ class Beam:
     def diverse(found: Sequence[Found]) -> list[Found]:
         """The best, few of one family, so that no family is alone in the beam."""
         kept: list[Found] = []
-        count: dict[tuple[str, str], int] = {}
+        count: dict[tuple[str, ...], int] = {}
         for one in found:
-            family = (one.law.place.name, one.law.term.coordinate.name)
+            family = one.law.family
             if count.get(family, 0) < PER_FAMILY:
                 kept.append(one)
                 count[family] = count.get(family, 0) + 1
@@ -252,6 +255,8 @@ def _fits(term: Term, one: Operator, at: int) -> bool:
         if one.name in SIGNAL_ONLY:
             return at == 0 and name in SIGNAL_ONLY[one.name]
         return True
+    if name in ONLY_GROWS and one.name in EVENTS and (name, one.name) != ("time", "wave"):
+        return False
     if {one.name, *(o.name for o in term.operators)} >= {"square", "power"}:
         return False
     if one.kind == "factor":

@@ -117,6 +117,12 @@ _FORMS = {
         (_EDGE, Slot("form_s", r"\tau_1", "time in which it forms, a span beyond the edge")),
         "forms ever quicker beyond a strain",
     ),
+    "with the square": (
+        r"\frac{e^2}{s^2\,\tau_1}",
+        "e * e / ({span}**2 * self.form_s)",
+        (Slot("form_s", r"\tau_1", "time in which it forms at the largest strain"),),
+        "forms with the square of the strain",
+    ),
     "with motion": (
         r"\frac{|\dot e|}{l_1}",
         "np.abs(moving(e, dt_s)) / self.reach",
@@ -149,6 +155,15 @@ _ENDS = {
         (Slot("end_s", r"\tau_2", "time in which it goes, a span below"),),
         "goes only below it",
     ),
+    "near rest": (
+        r"\frac{[e < e_1]}{\tau_2}",
+        "(e < self.edge) / self.end_s",
+        (
+            Slot("edge", "e_1", "strain below which it goes", "strain"),
+            Slot("end_s", r"\tau_2", "time in which it goes there"),
+        ),
+        "goes near rest",
+    ),
 }
 _SENSIBLE = (
     ("with time", "with motion"),
@@ -157,6 +172,7 @@ _SENSIBLE = (
     ("steeply", "with time"),
     ("while stretching", "with time"),
     ("under stretch", "when short"),
+    ("with the square", "near rest"),
 )
 
 

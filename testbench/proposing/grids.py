@@ -14,17 +14,18 @@ from testbench.proposing.pieces import Slot
 LEVELS = (0.1, 0.3, 0.5, 0.7, 0.9)  # quantiles
 SIZES = (0.03, 0.1, 0.3, 1.0, 3.0)  # of the usual size
 EDGES = tuple(np.linspace(0.06, 0.94, 12))  # quantiles at which a switch is tried: a sharp thing is found only nearby
-GRIPS = np.geomspace(0.02, 0.5, 24)  # of the range, where something may stick
+CYCLES = np.arange(1.5, 40.0, 0.75)  # over the range: what comes again is found only where its count is nearly right
 STRAINS = (0.1, 0.25, 0.4, 0.55, 0.7, 0.85)  # of the span
+WIDTHS = np.geomspace(0.03, 0.3, 7)  # of the span, within which a strain is one and the same
 PATHS = (0.3, 1.0, 4.0, 16.0)  # spans
 TIMES, FEWER_TIMES = 8, 4
-HERTZ = np.geomspace(0.15, 3.0, 12)
+HERTZ = (0.15, 3.0)
 DAMPINGS = (0.03, 0.15, 0.5)
 NUMBERS = (0.5, 1.5, 2.0, 3.0)
 DELAYS_S = (0.1, 0.3, 1.0)
+TEETH = ("stick", "dead band")  # that come again with each length of travel
 LINES = 4  # strongest frequencies of a residual that are tried
 LEAST_LEVEL = 1e-3  # a threshold near zero may still be moved
-PERIODS = 1.0 / np.geomspace(2.0, 40.0, 14)  # of the range
 
 
 class Grid:
@@ -53,9 +54,13 @@ class Grid:
                 for share in (0.02, 0.2, 0.6, 1.5):
                     yield {"on": float(level), "gap": share * usual_size(x)}
             return
-        if name == "stick" and x is not None:
-            for share in GRIPS:
-                yield {"grip": float(share * max(np.ptp(x), 1e-9))}
+        if name in TEETH and x is not None:
+            for cycles in CYCLES:
+                yield {slots[0].key: float(max(np.ptp(x), 1e-9) / cycles)}
+            return
+        if name == "ring":
+            for damping in DAMPINGS:
+                yield from ({"ring_hz": hz, "damping": damping} for hz in self._hertz(damping))
             return
         few = len(slots) > 1
         axes = [self._axis(slot, x, few) for slot in slots]
@@ -67,8 +72,6 @@ class Grid:
             return self.times_s(FEWER_TIMES if few else TIMES)
         if slot.kind == "delay":
             return DELAYS_S
-        if slot.kind == "frequency":
-            return [hz for hz in HERTZ if hz < 0.3 / self.dt_s]
         if slot.kind == "strain":
             return [share * self.span for share in (STRAINS[1::2] if few else STRAINS)]
         if slot.kind == "path":
@@ -76,7 +79,7 @@ class Grid:
         if slot.kind == "number":
             return DAMPINGS if slot.key == "damping" else NUMBERS
         if x is None:  # a size of a strain
-            return [share * self.span for share in (0.03, 0.1, 0.2)]
+            return [share * self.span for share in WIDTHS]
         if slot.kind == "level":
             return list(np.unique(np.quantile(x, LEVELS)))
         return [share * usual_size(x) for share in (SIZES[1:4] if few else SIZES)]
@@ -85,12 +88,19 @@ class Grid:
         """Time constants that this recording can show: from a few samples to half its length."""
         return list(np.geomspace(max(3 * self.dt_s, 0.25), 0.5 * self.duration_s, count))
 
+    def _hertz(self, damping: float) -> Iterator[float]:
+        """Frequencies half as far apart as a resonance is wide."""
+        hz, most = HERTZ[0], min(HERTZ[1], 0.3 / self.dt_s)
+        while hz < most:
+            yield hz
+            hz *= 1 + damping
+
     def _waves(self, x: FloatArray) -> Iterator[dict[str, float]]:
         straight = abs(len(x) * float(np.mean(np.diff(x))) / max(float(np.ptp(x)), 1e-12)) > 0.99
         if straight and float(np.ptp(x)) > 0.9 * self.duration_s:  # the time itself
             periods = self.periods_s
         else:
-            periods = [share * max(float(np.ptp(x)), 1e-9) for share in PERIODS]
+            periods = list(max(float(np.ptp(x)), 1e-9) / CYCLES)
         for period in periods:
             for phase in (0.0, np.pi / 2):
                 yield {"period": float(period), "phase": phase}

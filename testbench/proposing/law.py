@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from types import CodeType, SimpleNamespace
 from typing import Any
@@ -78,6 +78,11 @@ class Term:
     def inner(self) -> Term:
         """What the last operator acts on."""
         return Term(self.coordinate, self.operators[:-1], self.span, self.sizes[:-1])
+
+    def without(self, at: int) -> Term:
+        """The same with one operator less."""
+        sizes = self.sizes[:at] + self.sizes[at + 1 :]
+        return replace(self, operators=self.operators[:at] + self.operators[at + 1 :], sizes=sizes)
 
     def units(self) -> Iterator[tuple[Unit, Operator | None]]:
         """The unit before each operator, and of the whole (with no operator)."""
@@ -188,10 +193,21 @@ class Law:
         """Names its structure, whatever the numbers."""
         return f"{self.place.name}: {self.term.name}"
 
+    @property
+    def family(self) -> tuple[str, ...]:
+        """Laws that differ in bends and factors alone are of one family."""
+        return self.place.name, self.term.coordinate.name, self.term.memory
+
     @cached_property
     def unit(self) -> Unit:
         """Of the strength."""
         return self.place.unit / self.term.unit
+
+    def without(self, at: int) -> Law:
+        """The same with one operator less; its strength is that of another unit."""
+        term = self.term.without(at)
+        values = {slot.key: self.values[slot.key] for slot in term.slots}
+        return Law(self.place, term, values, self.strength)
 
     @property
     def count(self) -> int:

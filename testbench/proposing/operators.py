@@ -37,6 +37,16 @@ OPERATORS = {
             (r"h = {x} - \text{play}_r({x})",),
         ),
         Operator(
+            "loop",
+            "heading(x, 50.0 * self.reach)",  # that turns over within a fiftieth of its span
+            "h",
+            "the rounded loop over {x}",
+            "memory",
+            (Slot("reach", "r", "travel in which it turns over", "size"),),
+            (r"\frac{dh}{d{x}} = \frac{1 - \frac{h + |h|\,\mathrm{sgn}\,{x}'}{2}}{r} \text{ (Bouc-Wen)}",),
+            unit=ONE,
+        ),
+        Operator(
             "ring",
             "oscillator(x, self.ring_hz, self.damping, dt_s) - x",
             r"(y - {x})",

@@ -11,6 +11,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from testbench.comparing.ladder import on_the_ladder
+from testbench.diagnosis import constants
 from testbench.diagnosis.laplace import Hypothesis, fitted
 from testbench.diagnosis.rounds import excess
 from testbench.diagnosis.search import Progress, Search
@@ -41,9 +42,10 @@ NOTHING_LEFT = 0.3  # squared noise floors above the noise, all channels: the fl
 MUCH = 3.0  # squared noise floors above the noise: then a fit is worth another start
 LEAST_GAIN = 10.0  # nats: about ln of the number of laws that are tried
 LEAST_SHARE = 0.1  # of the squared error above the noise that a law takes off
-FINALISTS, OF_ONE_PLACE, OF_ONE_COORDINATE, SETTLED = 6, 3, 2, 2
+FINALISTS, OF_ONE_PLACE, OF_ONE_FAMILY, SETTLED = 6, 3, 2, 2
 TIED = 3.0  # nats
-MAY_RISE = 0.05  # noise floors, by which one channel may lose where the mean of all wins
+WORTH_A_REFIT = 1.0  # nats to first order
+MAY_RISE = (2 * constants.INDEPENDENT) ** -0.5  # of an error: so well is the RMS of a recording's pieces known
 
 
 @dataclass(frozen=True)
@@ -219,7 +221,6 @@ class Hunt:
         chosen = finalists([one for one in found if one.gain > LEAST_GAIN / 2])
         if not chosen:
             return None
-        holds, wins = stability(projector, chosen)
 
         def refit(one: Found) -> Trial:
             self.tell(f"refitting with {one.law.key}")
@@ -230,19 +231,32 @@ class Hunt:
         for k, trial in zip(order, self.pool.map(self.carried, [trials[k] for k in order[:SETTLED]]), strict=False):
             trials[k] = trial
         order.sort(key=lambda k: -trials[k].log_z)
+        holds, wins = stability(current, [t.hypothesis for t in trials], self.likelihood)
         options = [
             Option(t.law, t.log_z - current.log_z, float(holds[k]), float(wins[k])) for k, t in enumerate(trials)
         ]
         paying = [k for k in order if self.pays(options[k], trials[k], current)]
         if not paying:
             return None
-        # What the evidence does not tell apart is told in fewer numbers.
-        equal = [k for k in paying if options[paying[0]].log_evidence - options[k].log_evidence < TIED]
-        best = min(equal, key=lambda k: options[k].law.count)
+        best = paying[0]  # the evidence has taken off what its numbers cost
         rest = tuple(options[k] for k in order if k != best)
         tied = sum(abs(one.log_evidence - options[best].log_evidence) < TIED for one in rest)
-        h = trials[best].hypothesis
-        return Step(options[best], rest, tied, self.dependence(options[best].law, h)), h
+        won = self.simpler(trials[best], current, projector)
+        h, option = won.hypothesis, replace(options[best], law=won.law, log_evidence=won.log_z - current.log_z)
+        return Step(option, rest, tied, self.dependence(won.law, h)), h
+
+    def simpler(self, trial: Trial, current: Hypothesis, projector: Projector) -> Trial:
+        """A law without those of its bends and factors that the evidence does not ask for."""
+        best = trial
+        for at in reversed(range(len(trial.law.term.operators))):
+            if best.law.term.operators[at].kind == "memory":
+                continue
+            less = best.law.without(at)
+            less = replace(less, strength=projector.of_law(less).strength)
+            self.tell(f"refitting with {less.key}")
+            quick = self.bench.tried(Found(less, 0.0), trial.name, current, projector.law_prior_sd(less))
+            best = max(best, self.bench.settled(quick), key=lambda one: one.log_z)
+        return best
 
     def pays(self, option: Option, trial: Trial, current: Hypothesis) -> bool:
         """Whether a law gains in evidence and in error, on nearly every part, and obeys the laws of all effects."""
@@ -256,7 +270,7 @@ class Hunt:
 
     def carried(self, trial: Trial) -> Trial:
         """A refit carried to its end; where much is left, also from the base as it was started from the data."""
-        done = self.bench.settled(trial)
+        done = self.sharpened(self.bench.settled(trial))
         if excess(done.hypothesis, self.likelihood) < MUCH:
             return done
         effects = {n: e for n, e in done.hypothesis.model.effects.items() if n.startswith(self.name)}
@@ -267,6 +281,20 @@ class Hunt:
             trial.law, trial.name, fitted(anew, self.likelihood, self.search.reference, iterations=16)
         )
         return max(done, again, key=lambda one: one.log_z)
+
+    def sharpened(self, trial: Trial) -> Trial:
+        """A law whose numbers were sought once more beside the base that was refitted with it.
+
+        What switches has no derivative, so no refit moves it; and beside the first base, which had taken in part of
+        the law, it was best elsewhere.
+        """
+        chain = OpenChain(trial.hypothesis.model.without(trial.name), self.measurement)
+        beam = Beam(Projector(trial.hypothesis, self.likelihood, chain), self.grid, self.tell, self.pool)
+        now = beam.at(trial.law.place, trial.law.term, trial.law.values)
+        then = beam.polish(now)
+        if then.gain < now.gain + WORTH_A_REFIT:
+            return trial
+        return max(trial, self.bench.settled(self.bench.moved(trial, then.law)), key=lambda one: one.log_z)
 
     def dependence(self, law: Law, after: Hypothesis) -> tuple[FloatArray, FloatArray, FloatArray]:
         """z of a law, and what the channel lacks without and with it, at samples that count."""
@@ -284,13 +312,12 @@ def _name_of(model: KnitModel, law: Law, name: str) -> str:
 
 
 def finalists(found: Sequence[Found]) -> list[Found]:
-    """The best, few of one place and coordinate: first order cannot tell them, and some are artefacts of it."""
+    """The best, few of one place and family: first order cannot tell them, and some are artefacts of it."""
     kept: list[Found] = []
     for one in found:
-        place, coordinate = one.law.place.name, one.law.term.coordinate.name
-        same = [k for k in kept if k.law.place.name == place]
-        alike = [k for k in same if k.law.term.coordinate.name == coordinate]
-        if len(same) < OF_ONE_PLACE and len(alike) < OF_ONE_COORDINATE:
+        same = [k for k in kept if k.law.place == one.law.place]
+        alike = [k for k in same if k.law.family == one.law.family]
+        if len(same) < OF_ONE_PLACE and len(alike) < OF_ONE_FAMILY:
             kept.append(one)
         if len(kept) == FINALISTS:
             break
@@ -348,9 +375,9 @@ def with_class(h: Hypothesis, law: Law, name: str, grid: Grid) -> Hypothesis:
 
 
 def holds(before: Mapping[str, float], after: Mapping[str, float], floors: Mapping[str, float]) -> bool:
-    """Whether the held-out error falls, and in no channel rises by more than its noise could."""
+    """Whether the held-out error, the mean of the channels in noise floors, falls, and rises surely in none."""
     return over_the_floors(after, floors) < over_the_floors(before, floors) and all(
-        after[c] <= before[c] + MAY_RISE * floors[c] for c in floors
+        after[c] <= (1 + MAY_RISE) * before[c] for c in floors
     )
 
 

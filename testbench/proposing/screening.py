@@ -36,12 +36,23 @@ class Projector:
 
     A trace f that is added with an amount a to a model whose other coefficients are free again gains
     ``(f.r)^2 / 2 (f.f - f.J C J'.f + 1/s^2)`` less half the logarithm of what the data know of a; r is the residual,
-    J the sensitivities, C their covariance and s the typical amount.
+    J the sensitivities, C their covariance and s the typical amount. That is at the noise as it was; with the noise
+    found anew it is half of the count of samples times the logarithm of what the squares fall by.
     """
 
     def __init__(self, hypothesis: Hypothesis, likelihood: Likelihood, chain: OpenChain) -> None:
+        """Beside a fitted model, or beside its base alone.
+
+        Parameters
+        ----------
+        chain : OpenChain
+            Of the fitted model, or of the same without laws whose numbers are sought anew: the base stays where it
+            was fitted with them.
+        """
         self.chain, measurement = chain, likelihood.measurement
         self.channels = list(hypothesis.columns)
+        present = np.array([p.address.partition(".")[0] in chain.model for p in hypothesis.priors.parameters])
+        left = measurement.residual(chain.model)
         every = max(1, len(likelihood.rows) // MOST_ROWS)
         self.rows = likelihood.rows[::every]
         evidence, base = hypothesis.evidence, []
@@ -49,13 +60,14 @@ class Projector:
         for c in self.channels:
             unit = np.sqrt(hypothesis.normal.share * every) / evidence.sigma[c]
             self.weight[c] = (likelihood.weight[c] * hypothesis.robust[c] * unit)[::every]
-            base.append((hypothesis.columns[c] * hypothesis.robust[c] * unit)[:, ::every])
+            columns = np.vstack([likelihood.picked(left[c], c), hypothesis.columns[c][1:][present]])
+            base.append((columns * hypothesis.robust[c] * unit)[:, ::every])
         stacked = np.hstack(base)
         # The optimum anew on these rows: of another one the residual would not be free of what the base can do.
-        prior = hypothesis.priors.scaled(evidence.scale)
-        jacobian = stacked[1:]
+        prior = hypothesis.priors.scaled(evidence.scale)[present]
+        jacobian = np.where(at_bounds(hypothesis)[present, None], 0.0, stacked[1:])
         half = cholesky(jacobian @ jacobian.T + np.diag(prior), lower=True)
-        goal = jacobian @ stacked[0] + prior * hypothesis.normal.mean
+        goal = jacobian @ stacked[0] + prior * hypothesis.normal.mean[present]
         self.residual = stacked[0] - cho_solve((half, True), goal) @ jacobian
         spread = solve_triangular(half, jacobian, lower=True)
         known, directions = np.linalg.eigh(spread @ spread.T)
@@ -65,11 +77,14 @@ class Projector:
         self.typical = {c: scales["N" if c == FORCE_CHANNEL else "1"] for c in self.channels}
         self.slopes = {p.name: {c: s[self.rows] for c, s in chain.slopes(p).items()} for p in chain.places}
         # A law of one channel is weighed on its samples alone.
-        count, self.parts = len(self.rows), dict[str, tuple[FloatArray, FloatArray]]()
+        count, self.parts = len(self.rows), dict[str, tuple[FloatArray, FloatArray, float]]()
         for place in chain.places:
             own = [k for k, c in enumerate(self.channels) if c in self.slopes[place.name]]
             picked = np.concatenate([np.arange(k * count, (k + 1) * count) for k in own])
-            self.parts[place.name] = np.ascontiguousarray(self.base[:, picked]), self.residual[picked]
+            residual = self.residual[picked]
+            self.parts[place.name] = np.ascontiguousarray(self.base[:, picked]), residual, float(residual @ residual)
+        floors = sum((likelihood.least[c] / evidence.sigma[c]) ** 2 for c in self.channels)
+        self.least = floors / len(self.channels)
 
     def trace(self, place: Place, z: FloatArray) -> FloatArray:
         """What z changes at a place, over the noise, its channels in one row; z at the rows of the search."""
@@ -91,13 +106,15 @@ class Projector:
         f = self.trace(place, picked)
         sd = self.prior_sd(place, picked)
         size = float(f @ f)
-        base, residual = self.parts[place.name]
+        base, residual, squares = self.parts[place.name]
         absorbed = base @ f
         left = max(size - float(absorbed @ absorbed), ABSORBED * size) + sd**-2
         goal = float(f @ residual)
         amount = float(np.clip(goal / left, -MOST * sd, MOST * sd))
-        gain = goal * amount - 0.5 * left * amount**2 - 0.5 * np.log(left * sd**2)
-        return Score(float(gain), amount)
+        # The noise is found anew with each law: one that leaves half as much is worth as much again.
+        explained = 2 * goal * amount - left * amount**2
+        gain = -0.5 * squares * np.log(max(1 - explained / squares, self.least))
+        return Score(float(gain - 0.5 * np.log(left * sd**2)), amount)
 
     def of_term(self, place: Place, term: Term, values: Mapping[str, float]) -> Score:
         """One law at one point."""
@@ -108,18 +125,15 @@ class Projector:
         """A law with its parameters."""
         return self.of_term(law.place, law.term, law.values)
 
-    def projected(self, law: Law) -> FloatArray:
-        """Trace of a law over its typical amount, without what the base can do of it, all channels in one row."""
-        z = law.term.evaluated(self.chain.readable(law.place), law.values, self.chain.measurement.dt_s)[self.rows]
-        z = z - z.mean() if law.place.stage >= Stage.CONTACT else z
-        slopes, sd = self.slopes[law.place.name], self.prior_sd(law.place, z)
-        f = np.concatenate([sd * z * slopes.get(c, np.zeros_like(z)) * self.weight[c] for c in self.channels])
-        return f - (self.base @ f) @ self.base
-
     def law_prior_sd(self, law: Law) -> float:
         """Typical strength of a law."""
         z = law.term.evaluated(self.chain.readable(law.place), law.values, self.chain.measurement.dt_s)[self.rows]
         return self.prior_sd(law.place, z)
+
+
+def at_bounds(h: Hypothesis) -> np.ndarray:
+    """Parameters that lie at a bound, shape (p,): the base cannot give way there, whatever its tangents promise."""
+    return (h.vector <= h.priors.low) | (h.vector >= h.priors.high)
 
 
 def _spread(x: FloatArray) -> float:

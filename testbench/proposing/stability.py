@@ -1,4 +1,4 @@
-"""Whether a law is one of the whole recording or of a part of it: the choice made again on resampled blocks.
+"""Whether a law is one of the whole recording or of a part of it: its gain again on resampled blocks.
 
 Source: Efron & Tibshirani, An Introduction to the Bootstrap (1993), ch. 8.6 (blocks, as neighbouring samples are
 alike); Meinshausen & Buhlmann, J. R. Statist. Soc. B 72 (2010) 417 (selection that is stable under resampling).
@@ -10,39 +10,55 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from testbench.diagnosis.laplace import Hypothesis
+from testbench.diagnosis.likelihood import Likelihood
 from testbench.knit.effect import FloatArray
-from testbench.proposing.beam import Found, price_of
-from testbench.proposing.screening import Projector
 
 BLOCK_S, FEWEST_BLOCKS, DRAWS = 30.0, 8, 200
 SURE = 0.95  # of the resampled recordings in which a law must gain
 
 
-def stability(projector: Projector, found: Sequence[Found]) -> tuple[FloatArray, FloatArray]:
+def stability(
+    current: Hypothesis, refitted: Sequence[Hypothesis], likelihood: Likelihood
+) -> tuple[FloatArray, FloatArray]:
     """How often each law gains, and how often it is the best, when the recording's blocks are drawn anew.
+
+    The models stay as they were refitted, and so does what the evidence takes off for their freedom; the noise is
+    found anew on each draw. What the linear model promises is not asked: it lets the base do what it cannot.
+
+    Parameters
+    ----------
+    current : Hypothesis
+        Without any of the laws.
+    refitted : sequence of Hypothesis
+        With each.
 
     Returns
     -------
     gains, wins : ndarray, shape (m,)
         Shares of the resampled recordings.
     """
-    rows, channels = projector.rows, len(projector.channels)
-    duration_s = (rows[-1] - rows[0]) * projector.chain.measurement.dt_s
+    rows = likelihood.rows
+    duration_s = (rows[-1] - rows[0]) * likelihood.measurement.dt_s
     blocks = int(max(duration_s / BLOCK_S, FEWEST_BLOCKS))
     block = np.minimum((rows - rows[0]) * blocks // max(rows[-1] - rows[0], 1), blocks - 1)
-    block = np.tile(block, channels)
-    goal = np.empty((len(found), blocks))
-    left = np.empty((len(found), blocks))
-    for k, one in enumerate(found):
-        f = projector.projected(one.law)
-        goal[k] = np.bincount(block, weights=f * projector.residual, minlength=blocks)
-        left[k] = np.bincount(block, weights=f * f, minlength=blocks)
-    draws = np.random.default_rng(0).integers(0, blocks, (DRAWS, blocks))
-    top, size = goal[:, draws].sum(-1), left[:, draws].sum(-1)
-    price = np.array([[price_of(one.law.term)] for one in found])
-    gain = 0.5 * top**2 / (size + 1e-12) - 0.5 * np.log1p(size) - price
-    # The strength is found anew on each draw, and must keep its sign.
-    sign = np.sign(goal.sum(-1, keepdims=True))
-    alike = np.sign(top) == sign
-    best = np.argmax(np.where(alike, gain, -np.inf), axis=0)
-    return (alike & (gain > 0)).mean(-1), np.bincount(best, minlength=len(found)) / DRAWS
+    drawn = np.random.default_rng(0).integers(0, blocks, (DRAWS, blocks))
+    whole = np.arange(blocks)[None, :]
+    size = np.bincount(block, minlength=blocks)
+
+    def said(h: Hypothesis, draws: np.ndarray) -> FloatArray:
+        """Log likelihood of each draw, the noise at its best, shape (draws,)."""
+        count, total = size[draws].sum(-1), np.zeros(len(draws))
+        for c, columns in h.columns.items():
+            squares = np.bincount(block, weights=(columns[0] * h.robust[c]) ** 2, minlength=blocks)
+            noise = np.maximum(squares[draws].sum(-1) / count, likelihood.least[c] ** 2)
+            total -= 0.5 * likelihood.share * count * np.log(noise)
+        return total
+
+    def gain(h: Hypothesis) -> FloatArray:
+        free = h.log_z - current.log_z - (said(h, whole) - said(current, whole))
+        return said(h, drawn) - said(current, drawn) + free
+
+    gains = np.array([gain(h) for h in refitted])
+    best = np.argmax(gains, axis=0)
+    return (gains > 0).mean(-1), np.bincount(best, minlength=len(gains)) / DRAWS

@@ -9,6 +9,8 @@ import numpy as np
 
 from testbench.diagnosis.laplace import Hypothesis, fitted
 from testbench.diagnosis.likelihood import Likelihood
+from testbench.diagnosis.proposals import Proposal, Screen
+from testbench.diagnosis.starts import best_start
 from testbench.knit.effect import Effect, bounds_of
 from testbench.knit.model import KnitModel
 from testbench.proposing.beam import PRICE_OF_PIECE, Found
@@ -51,15 +53,36 @@ class Bench:
         """A law refitted quickly beside a fitted model."""
         law = found.law
         effect = effect_class(law, name, self.grid)()
-        model = current.model.plus(effect, name)
+        model = self.start(current, effect, name, prior_sd)
         believed = self.believed(law, effect, name, prior_sd)
         h = fitted(model, self.likelihood, self.reference, current, QUICK, True, believed)
         return self.trial(law, name, h)
+
+    def start(self, current: Hypothesis, effect: Effect, name: str, prior_sd: float) -> KnitModel:
+        """Where the linear model of base and law together promises the maximum, as far as that holds.
+
+        The base has taken in what it could of the law: beside the base as it is, the law at its size does harm, and a
+        fit would take it away again.
+        """
+        plain = self.likelihood.measurement.modelled(current.model)
+        changed = self.likelihood.measurement.modelled(current.model.plus(effect, name))
+        screen = Screen(current, self.likelihood)
+        rows = {c: self.likelihood.picked(changed[c] - plain[c], c)[None] * current.robust[c] for c in plain}
+        strength = getattr(effect, effect.strength)
+        found = screen.evidence(rows, 0.0, (strength / prior_sd) ** 2, -1)
+        there = effect.near(**{effect.strength: float(found.coefficients[-1]) * strength})
+        gain = found.value - screen.plain.value
+        return best_start(current, Proposal(name, name, there, gain, found.coefficients[:-1]), self.likelihood)
 
     def settled(self, trial: Trial) -> Trial:
         """The same carried to its end."""
         h = fitted(trial.hypothesis.model, self.likelihood, self.reference, trial.hypothesis)
         return self.trial(trial.law, trial.name, h)
+
+    def moved(self, trial: Trial, law: Law) -> Trial:
+        """The same with other numbers of its law, the base as it is."""
+        h, effect = trial.hypothesis, effect_class(law, trial.name, self.grid)()
+        return replace(trial, law=law, hypothesis=replace(h, model=h.model.replacing(trial.name, effect)))
 
     def trial(self, law: Law, name: str, h: Hypothesis) -> Trial:
         """A law with the numbers that it has in a fitted model."""

@@ -73,10 +73,20 @@ def test_a_pair_that_takes_too_long_or_fails_is_a_row(tmp_path):
     assert said == "UserError: file.csv: no such file" or "/somewhere" not in said
 
 
+def test_where_no_recording_is_the_page_stays_as_it_is(tmp_path, capsys):
+    out = tmp_path / "validation.md"
+    out.write_text("as it was")
+    validation.main(["--data", str(tmp_path / "absent"), "-o", str(out), "--results", str(tmp_path / "rows")])
+    assert "skipped" in capsys.readouterr().out
+    assert out.read_text() == "as it was"
+
+
 def test_materials_that_are_absent_are_skipped(tmp_path, capsys):
     out = tmp_path / "docs" / "validation.md"
     out.parent.mkdir()
-    validation.main(["--data", str(tmp_path), "-o", str(out), "--results", str(tmp_path / "rows")])
+    (tmp_path / MATERIALS[0].folder).mkdir()
+    argv = ["--data", str(tmp_path), "-o", str(out), "--results", str(tmp_path / "rows"), "--only", "sleeve"]
+    validation.main(argv)
     text = out.read_text()
     assert "0 pairs were diagnosed" in text
     assert str(tmp_path) not in text

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from testbench.design.forecast import Likely, Reading
+from testbench.diagnosis import constants
 from testbench.investigating import loop
 from testbench.investigating.belief import Belief
 from testbench.investigating.benches import SimulatedBench
@@ -41,12 +42,19 @@ class Believing:
         return Belief(shares, "missing", likely, READING)
 
 
+def believed(monkeypatch, *chances: float) -> Believing:
+    """Puts a table of beliefs in the place of the diagnosis; they are told as they are, with no doubt in evidence."""
+    believing = Believing(*chances)
+    monkeypatch.setattr(loop, "judged", believing)
+    monkeypatch.setattr(constants, "MISLED", 0.0)
+    return believing
+
+
 def investigated(
     folder: Path, monkeypatch, chances: Sequence[float], bench=None, resume: bool = False, **changes
 ) -> tuple[Investigation, Believing]:
     """An investigation from start to end, or from where one is."""
-    believing = Believing(*chances)
-    monkeypatch.setattr(loop, "judged", believing)
+    believing = believed(monkeypatch, *chances)
     if not resume:
         loop.begin(folder, asked(**changes), "sample")
     return loop.proceed(folder, bench or SimulatedBench(hidden()), CATALOGUE), believing

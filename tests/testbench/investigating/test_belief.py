@@ -6,7 +6,7 @@ import pytest
 
 import testbench as tb
 from testbench.diagnosis import constants
-from testbench.investigating.belief import over_specimens
+from testbench.investigating.belief import doubted, over_specimens
 
 
 def test_one_specimen_says_what_it_says():
@@ -31,6 +31,21 @@ def test_the_odds_of_specimens_multiply():
     together = over_specimens([said, said, said])
     assert together["clamp_slip"] / together["permanent_set"] == pytest.approx(27)
     assert sum(together.values()) == pytest.approx(1)
+
+
+SLIPS = {"nothing": 0.0, "unknown": 0.0, "clamp_slip": 1.0, "permanent_set": 0.0}
+SETS = {**SLIPS, "clamp_slip": 0.0, "permanent_set": 1.0}
+
+
+def test_one_recording_makes_nothing_sure_and_two_that_agree_do():
+    assert doubted([SLIPS])["clamp_slip"] == pytest.approx(1 - constants.MISLED * 0.75)
+    assert doubted([SLIPS, SLIPS])["clamp_slip"] > 0.95
+    assert sum(doubted([SLIPS, SLIPS]).values()) == pytest.approx(1)
+
+
+def test_a_leap_is_doubted_like_a_first_answer():
+    assert doubted([SETS, SETS, SLIPS]) == pytest.approx(doubted([SLIPS]))
+    assert doubted([SETS, SLIPS, SLIPS]) == pytest.approx(doubted([SLIPS, SLIPS]))
 
 
 @pytest.mark.slow

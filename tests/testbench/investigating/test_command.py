@@ -9,9 +9,8 @@ from matplotlib.figure import Figure
 
 import testbench as tb
 from testbench.cli import main
-from testbench.investigating import loop
 from testbench.investigating.state import NAME
-from tests.testbench.investigating.samples import SET, Believing, hidden
+from tests.testbench.investigating.samples import SET, believed, hidden
 
 BRIEF = ["--run-minutes", "2", "--budget-minutes", "4", "--trials", "1", "--rest-s", "5", "--quiet"]
 
@@ -25,7 +24,7 @@ def sensor(tmp_path) -> str:
 
 
 def test_a_sure_one_ends_with_0_and_a_spent_one_with_1_and_both_are_kept(tmp_path, sensor, monkeypatch, capsys):
-    monkeypatch.setattr(loop, "judged", Believing(0.6, 0.99))
+    believed(monkeypatch, 0.6, 0.99)
     folder, out = tmp_path / "i", tmp_path / "out.json"
     assert main(["investigate", sensor, "-o", str(folder), *BRIEF, "--json", str(out)]) == 0
     said = capsys.readouterr().out
@@ -35,7 +34,7 @@ def test_a_sure_one_ends_with_0_and_a_spent_one_with_1_and_both_are_kept(tmp_pat
     assert json.loads(out.read_text()) == json.loads((folder / NAME).read_text())
     for number in (1, 2):
         assert (folder / f"belief-{number}.png").read_bytes().startswith(b"\x89PNG")
-    monkeypatch.setattr(loop, "judged", Believing(0.6, 0.7))
+    believed(monkeypatch, 0.6, 0.7)
     assert main(["investigate", sensor, "-o", str(tmp_path / "j"), *BRIEF, "--motion", "perlin"]) == 1
     assert "the time is spent" in capsys.readouterr().out
     # Both have ended: going on changes nothing and needs no sensor.
@@ -44,7 +43,7 @@ def test_a_sure_one_ends_with_0_and_a_spent_one_with_1_and_both_are_kept(tmp_pat
 
 
 def test_the_result_shows_itself(tmp_path, monkeypatch):
-    monkeypatch.setattr(loop, "judged", Believing(0.6, 0.99))
+    believed(monkeypatch, 0.6, 0.99)
     found = tb.investigate(
         hidden(), tmp_path / "i", run_minutes=2, budget_minutes=4, trials=1, rest_s=5, progress=False
     )

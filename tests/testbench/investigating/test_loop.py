@@ -18,7 +18,7 @@ from testbench.investigating.state import NAME, load_investigation, run_folder
 from testbench.recordings.files import read_recording
 from testbench.recordings.manifest import problems
 from tests.testbench.builders import CATALOGUE
-from tests.testbench.investigating.samples import SET, SLIP, Believing, asked, hidden, investigated
+from tests.testbench.investigating.samples import SET, SLIP, asked, believed, hidden, investigated
 
 
 @pytest.fixture(scope="module")
@@ -187,7 +187,7 @@ def test_one_that_has_ended_is_not_run_again(one_run, monkeypatch):
 
 
 def test_it_can_be_stopped_between_steps(tmp_path, monkeypatch):
-    monkeypatch.setattr(loop, "judged", Believing(0.5, 0.99))
+    believed(monkeypatch, 0.5, 0.99)
     loop.begin(tmp_path / "i", asked(), "sample")
     asked_for = iter([False, False, False, True])
     watcher = loop.Watcher(stopped=lambda: next(asked_for))

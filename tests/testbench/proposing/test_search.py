@@ -1,0 +1,125 @@
+"""The search: grids as fine as what they look for, what the base may give way to, and gains on resampled blocks."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass, field
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from testbench.proposing.beam import Beam, Found
+from testbench.proposing.grids import DAMPINGS
+from testbench.proposing.law import Term
+from testbench.proposing.operators import OPERATORS
+from testbench.proposing.proposal import finalists, holds
+from testbench.proposing.screening import at_bounds
+from testbench.proposing.stability import SURE, stability
+from tests.testbench.proposing.test_library import DT_S, GRID, SIGNALS, law_of
+
+SAMPLES, NOISE = 1200, 0.01
+
+
+def test_a_resonance_is_not_missed_between_two_frequencies():
+    points = list(GRID.points(OPERATORS["ring"].slots, None, "ring"))
+    for damping in DAMPINGS:
+        hz = [point["ring_hz"] for point in points if point["damping"] == damping]
+        assert max(b / a for a, b in itertools.pairwise(hz)) <= 1 + damping + 1e-9
+
+
+@pytest.mark.parametrize(("name", "key"), [("stick", "grip"), ("dead band", "band")])
+def test_teeth_are_not_missed_between_two_counts(name: str, key: str):
+    x = SIGNALS["strain"]
+    counts = [np.ptp(x) / point[key] for point in GRID.points(OPERATORS[name].slots, x, name)]
+    assert np.diff(counts) == pytest.approx(np.full(len(counts) - 1, counts[1] - counts[0]))
+    assert counts[1] - counts[0] < 1  # at the far end of the range the teeth are off by less than one
+
+
+def test_what_the_base_can_bend_to_is_tried_as_it_changes_with_time():
+    beam = Beam.__new__(Beam)
+    slip = Term(law_of("force", "strain").term.coordinate, (OPERATORS["slip"],), 0.3, (1.0,))
+    assert beam.changing(slip).name == "strain, slip, growing"
+
+
+def test_a_law_loses_one_piece_and_its_numbers():
+    law = law_of("conductance", "force", "lag", "threshold")
+    less = law.without(1)
+    assert less.key == "conductance: force, lag"
+    assert set(less.values) == {"tau_s"}
+    assert less.term.evaluated(SIGNALS, less.values, DT_S) == pytest.approx(
+        law.term.inner.evaluated(SIGNALS, law.values, DT_S)
+    )
+
+
+def test_bends_of_one_law_do_not_crowd_out_another_memory():
+    bends = [law_of("force", "force", name) for name in ("square", "saturation", "bell", "threshold")]
+    ringing = law_of("force", "force", "ring")
+    kept = finalists([Found(law, 9.0 - k) for k, law in enumerate([*bends, ringing])])
+    assert ringing.key in [one.law.key for one in kept]
+    assert len([one for one in kept if not one.law.term.memory]) == 2
+
+
+def test_what_lies_at_a_bound_cannot_give_way():
+    priors = SimpleNamespace(low=np.array([-1.0, 0.0, 0.0]), high=np.array([1.0, 2.0, 0.015]))
+    h = SimpleNamespace(vector=np.array([0.3, 0.0, 0.015]), priors=priors)
+    assert at_bounds(h).tolist() == [False, True, True]
+
+
+@dataclass
+class Fitted:
+    """As much of a hypothesis as its gain needs."""
+
+    left: np.ndarray
+    log_z: float
+    columns: dict = field(init=False)
+    robust: dict = field(init=False)
+
+    def __post_init__(self):
+        self.columns = {"force": self.left[None]}
+        self.robust = {"force": np.ones_like(self.left)}
+
+
+def test_a_law_of_one_minute_is_none_of_the_recording():
+    rng = np.random.default_rng(0)
+    noise = NOISE * rng.standard_normal(SAMPLES)
+    misfit = 0.03 * np.sin(np.arange(SAMPLES))
+    burst = np.where(np.arange(SAMPLES) < 100, 10 * misfit, 0.0)
+    measurement = SimpleNamespace(dt_s=0.2)
+    likelihood = SimpleNamespace(
+        rows=np.arange(SAMPLES), share=0.05, least={"force": 0.5 * NOISE}, measurement=measurement
+    )
+
+    def of(left: np.ndarray, price: float = 3.0) -> Fitted:
+        return Fitted(left, -0.5 * 0.05 * SAMPLES * np.log(np.mean(left**2)) - price)
+
+    current = of(noise + misfit + burst, 0.0)
+    everywhere, once = of(noise + burst), of(noise + misfit)
+    gains, wins = stability(current, [everywhere, once], likelihood)
+    assert once.log_z > everywhere.log_z  # though the one minute makes more of the evidence
+    assert gains[0] >= SURE > gains[1]
+    assert wins.sum() == pytest.approx(1.0)
+
+
+def test_a_law_has_one_family_whatever_its_bends():
+    assert law_of("force", "strain", "lag", "square").family == ("force", "strain", "lag")
+
+
+@pytest.mark.parametrize("name", ["bell at", "switch", "wave"])
+def test_an_event_of_this_recording_is_no_law(name: str):
+    path, strain = (law_of("force", coordinate).term for coordinate in ("path", "strain"))
+    x = np.linspace(0, 1, 50)
+    assert not Beam.fits(path, OPERATORS[name], 0, x)
+    assert Beam.fits(strain, OPERATORS[name], 0, x)
+    assert Beam.fits(law_of("force", "time").term, OPERATORS["wave"], 0, x)
+
+
+@pytest.mark.parametrize(
+    ("force", "conductance", "held"), [(1.004, 0.75, True), (1.2, 0.75, False), (1.02, 1.0, False), (0.99, 1.0, True)]
+)
+def test_a_law_is_taken_back_where_a_channel_surely_loses_or_the_mean_rises(
+    force: float, conductance: float, held: bool
+):
+    before, floors = {"force": 0.5, "conductance": 0.04}, {"force": 0.01, "conductance": 0.001}
+    after = {"force": force * before["force"], "conductance": conductance * before["conductance"]}
+    assert holds(before, after, floors) is held
