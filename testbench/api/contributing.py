@@ -104,7 +104,7 @@ def contribution(
     ----------
     diagnosis : DiagnosisResult, path of a ``diagnosis.json``, or its content
     law : str
-        One of its ranking.
+        One of its ranking, by the name of the law or of its effect (mechanism).
     recording, held_out : Recording or path
         As they were diagnosed.
     effects : path, Catalogue or effect classes, optional
@@ -127,7 +127,7 @@ def contribution(
     >>> recording = tb.example(tb.effects.StressRelaxation(fraction=0.3), duration_s=90)
     >>> d = tb.diagnose(recording, most=1, progress=False)
     >>> tb.contribution(d, "stress_relaxation", recording)
-    <ContributionResult stress_relaxation to force, conductance>
+    <ContributionResult stress_relaxation_prony to force, conductance>
     """
     catalogue = catalogue_of(effects)
     data = diagnosis if isinstance(diagnosis, Mapping) else diagnosis_data(diagnosis)
@@ -141,10 +141,12 @@ def contribution(
 
 
 def _candidate(diagnosis: Mapping[str, Any], law: str, catalogue: Catalogue) -> Effect:
-    ranking = {entry["law"]: entry for entry in diagnosis["ranking"]}
-    if law not in ranking:
-        raise UserError(f"contribution: the diagnosis has no law {law!r}; it ranks {', '.join(ranking) or 'none'}")
-    return catalogue[law].model_validate(ranking[law]["start"])
+    ranking = diagnosis["ranking"]
+    of_name = {entry["effect"]: entry for entry in ranking} | {entry["law"]: entry for entry in ranking}
+    if law not in of_name:
+        laws = ", ".join(entry["law"] for entry in ranking) or "none"
+        raise UserError(f"contribution: the diagnosis has no law or effect {law!r}; it ranks {laws}")
+    return catalogue[of_name[law]["law"]].model_validate(of_name[law]["start"])
 
 
 def _before(diagnosis: Mapping[str, Any]) -> Mapping[str, Any]:

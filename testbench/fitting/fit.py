@@ -69,7 +69,7 @@ class Fit:
 
     def correlated(self, limit: float = 0.98) -> list[tuple[str, str, float]]:
         """Pairs that this recording can hardly tell apart, with their correlation."""
-        errors = np.maximum(self.standard_errors, 1e-300)
+        errors = np.maximum(self.standard_errors, 1e-150)  # their products must not vanish
         correlation = self.covariance / np.outer(errors, errors)
         rows, columns = np.nonzero(np.triu(np.abs(correlation) > limit, 1))
         names = [p.address for p in self.parameters]

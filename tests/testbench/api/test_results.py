@@ -193,7 +193,7 @@ def test_a_candidate_shows_what_it_would_add_where_the_model_was_judged():
     assert np.array_equal(frame.conductance_added, base.added["conductance"])
     assert np.array_equal(found.ln_S, held.measured["conductance"][held.counts])
     assert len(found.plot(axes(2))) == 2
-    with pytest.raises(tb.UserError, match="has no law 'nothing'; it ranks stress_relaxation"):
+    with pytest.raises(tb.UserError, match="has no law or effect 'nothing'; it ranks stress_relaxation"):
         tb.contribution(diagnosed(), "nothing", relaxed())
 
 
