@@ -49,6 +49,8 @@ class Hypothesis:
         Residual and sensitivities at the samples that count, over their relative noise.
     robust : dict of channel to ndarray, shape (k,)
         Square roots of the Huber weights.
+    weight : mapping of channel to ndarray, shape (k,)
+        Typical noise over the noise at these samples.
     """
 
     model: KnitModel
@@ -59,6 +61,7 @@ class Hypothesis:
     tails: float
     columns: Mapping[str, FloatArray]
     robust: Mapping[str, FloatArray]
+    weight: Mapping[str, FloatArray]
 
     @property
     def log_z(self) -> float:
@@ -153,7 +156,7 @@ class _Search:
         for index, p in enumerate(self.priors.parameters):
             if like is not None and self.priors.group[index] >= 0 and p.address in place:
                 for c, rows in self.columns.items():
-                    rows[index + 1] = like.columns[c][place[p.address]]
+                    rows[index + 1] = like.columns[c][place[p.address]] * (likelihood.weight[c] / like.weight[c])
             else:
                 new.append(index)
         self.curved = np.array(new) if quick else np.flatnonzero(self.priors.group < 0)
@@ -215,7 +218,8 @@ class _Search:
         )
         evidence = replace(there, sigma=self.sigma, scale=self.scale)
         tails = self.tails(robust, evidence.sigma)
-        return Hypothesis(self.model, self.priors, normal, held, evidence, tails, self.columns, robust)
+        weight = self.likelihood.weight
+        return Hypothesis(self.model, self.priors, normal, held, evidence, tails, self.columns, robust, weight)
 
     def settle(self, evidence: LogEvidence) -> None:
         """Take the step that the evidence promises: of the weights the whole, of the rest as much of it as holds.

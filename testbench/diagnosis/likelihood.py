@@ -103,6 +103,17 @@ class Likelihood:
         return values[..., self.rows] * self.weight[channel]
 
 
+def misfit_of(model: KnitModel, likelihood: Likelihood) -> dict[str, float]:
+    """Standard deviation of the error of a law that explains all that a model leaves above the noise."""
+    found = {}
+    for channel, left in likelihood.measurement.residual(model).items():
+        squares = left[likelihood.rows] ** 2
+        noise = (likelihood.floor[channel] / likelihood.weight[channel]) ** 2
+        above = np.mean(np.minimum(squares, np.quantile(squares, 0.98))) - np.mean(noise)
+        found[channel] = constants.LAW_ERROR * float(max(above, 0.0)) ** 0.5
+    return found
+
+
 def on_the_grid(measurement: Measurement, finer: int = 1) -> Measurement:
     """Thinned to the grid of the comparison, or to one of `finer` times as many points."""
     return coarser(measurement, constants.GRID_HZ, finer * constants.GRID_POINTS)
@@ -150,8 +161,12 @@ def jitter_of(model: KnitModel, measurement: Measurement) -> dict[str, float]:
         parts = _slower_halves(np.argsort(speed))
         variance = np.array([robust_sd(rough[part]) ** 2 for part in parts])
         square = np.array([np.median(speed[part] ** 2) for part in parts])
-        sure = np.sqrt([len(part) for part in parts]) / np.maximum(variance, 1e-300)
-        slope = np.polyfit(square, variance, 1, w=sure)[0] if len(parts) > 1 and np.ptp(square) > 0 else 0.0
+        if len(parts) < 2 or np.ptp(square) == 0 or np.ptp(variance) == 0:
+            found[channel] = 0.0
+            continue
+        # between readings that are further apart than the grid there is no noise, but then no certainty either
+        sure = np.sqrt([len(part) for part in parts]) / np.maximum(variance, 1e-6 * np.max(variance))
+        slope = np.polyfit(square, variance, 1, w=sure)[0]
         found[channel] = max(float(slope), 0.0) ** 0.5
     return found
 
@@ -171,6 +186,7 @@ def likelihood_of(
     measurement: Measurement,
     noise: Mapping[str, float],
     jitter_s: Mapping[str, float] | None = None,
+    misfit: Mapping[str, float] | None = None,
 ) -> Likelihood:
     """Samples and their relative noise, taken as independent.
 
@@ -178,6 +194,8 @@ def likelihood_of(
     ----------
     noise, jitter_s : mapping of channel to float
         See `noise_of` and `jitter_of`; without the latter there is no jitter.
+    misfit : mapping of channel to float, optional
+        Standard deviation of the error of a law, which is alike for all samples, however quiet they are.
     """
     counting = np.flatnonzero(measurement.counts)
     thin = max(1, -(-len(counting) // constants.SAMPLES))
@@ -191,8 +209,9 @@ def likelihood_of(
         read = noise[channel] * np.clip(by_level / np.median(by_level), 0.3, MOST_NOISE)
         sd = np.hypot(read, (slope[channel] * measurement.strain_noise)[rows])
         sd = np.hypot(sd, (jitter_s or {}).get(channel, 0.0) * speed)
-        floor[channel] = float(np.mean(sd**-2.0) ** -0.5)
-        weight[channel] = floor[channel] / sd
+        total = np.hypot(sd, (misfit or {}).get(channel, 0.0))
+        weight[channel] = float(np.mean(total**-2.0) ** -0.5) / total
+        floor[channel] = float(np.sqrt(np.mean((sd * weight[channel]) ** 2)))
     return Likelihood(measurement, rows, weight, floor, constants.ETA)
 
 

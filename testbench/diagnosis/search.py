@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -16,7 +16,15 @@ from testbench.comparing.ladder import drawn_to_data
 from testbench.diagnosis import constants
 from testbench.diagnosis.discrepancy_map import Map
 from testbench.diagnosis.laplace import Hypothesis, fitted, under
-from testbench.diagnosis.likelihood import Likelihood, jitter_of, likelihood_of, noise_of, on_the_grid, telling
+from testbench.diagnosis.likelihood import (
+    Likelihood,
+    jitter_of,
+    likelihood_of,
+    misfit_of,
+    noise_of,
+    on_the_grid,
+    telling,
+)
 from testbench.diagnosis.proposals import Proposal, Screen, laws_of
 from testbench.diagnosis.rounds import Entry, Round, excess, explained
 from testbench.diagnosis.starts import best_start
@@ -27,7 +35,7 @@ from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
 
 Progress = Callable[[str], None]
-One = TypeVar("One", Proposal, Entry)
+One = TypeVar("One", Proposal, Entry, "tuple[Ground, Proposal]")
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,13 +88,14 @@ class Search:
         self.reference = without_shapes(start)
         self.jitter_s = jitter_of(self.reference, measurement)
         self.likelihood = self.likelihood_on(self.measurement)
-        self.compared = self.likelihood.in_pieces
         tell("fitting the shape of the base laws")
         flexible = with_shapes(self.reference, self.measurement, catalogue, like=start)
         self.flexible = fitted(flexible, self.likelihood, self.reference, iterations=16)
         # What the user has is the model as given; where its laws bend already, so does what it is compared with.
         given = any(name in SHAPES for name in start)
         self.baseline = self.flexible if given else fitted(self.reference, self.likelihood, self.reference)
+        self.misfit = misfit_of(self.flexible.model, self.likelihood)
+        self.compared = self.likelihood_on(self.measurement, self.misfit).in_pieces
 
     def run(self, most: int = constants.ROUNDS) -> tuple[list[Round], list[Entry]]:
         """Rounds of the search, and what was put in, one a round.
@@ -151,9 +160,9 @@ class Search:
             return self.likelihood
         return self.likelihood_on(finer)
 
-    def likelihood_on(self, measurement: Measurement) -> Likelihood:
+    def likelihood_on(self, measurement: Measurement, misfit: Mapping[str, float] | None = None) -> Likelihood:
         """How the samples of a grid count."""
-        likelihood = likelihood_of(self.reference, measurement, self.noise, self.jitter_s)
+        likelihood = likelihood_of(self.reference, measurement, self.noise, self.jitter_s, misfit)
         return replace(likelihood, pieces=self.pieces)
 
     def round(self, current: Hypothesis, others: Sequence[Hypothesis]) -> Round:
@@ -283,12 +292,17 @@ def _promising(grounds: Iterable[Ground]) -> list[str]:
 
 
 def _chances(grounds: Sequence[Ground], mechanism: str) -> list[tuple[Ground, Proposal]]:
-    """Where a mechanism is worth its parameters to first order: the best on the first ground, then by the gain."""
+    """Where a mechanism is worth its parameters to first order.
+
+    The best on the first ground, then each law on the ground where it gains most, then the rest: a general law gains
+    most everywhere, which is no reason to try no other.
+    """
     own = [(g, p) for g in grounds for p in g.proposals if p.mechanism == mechanism and p.gain > 0]
     own.sort(key=lambda one: -one[1].gain)
     # Gains tell the laws on one ground from each other, not the grounds.
     first = [one for one in own if one[0] is grounds[0]][:1]
-    return [*first, *(one for one in own if one not in first)]
+    each = _first_of_each(own, lambda one: one[1].law)
+    return list(dict.fromkeys([*first, *each, *own]))
 
 
 def _first_of_each(ordered: Iterable[One], kind: Callable[[One], str]) -> list[One]:

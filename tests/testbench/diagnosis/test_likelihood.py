@@ -1,0 +1,46 @@
+"""How much each sample counts."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from testbench.diagnosis import constants
+from testbench.diagnosis.likelihood import jitter_of, likelihood_of, misfit_of, noise_of
+from testbench.fitting.measurement import prepare
+from testbench.recordings.recording import Recording
+from tests.testbench.builders import record, truth
+
+
+def test_a_true_model_has_no_misfit_and_of_a_wrong_one_a_law_leaves_a_fifth():
+    measurement = prepare(record(truth(), seed=2))
+    noise = noise_of(measurement)
+    true, wrong = truth(), truth().with_parameters({"elasticity.offset_N": truth()["elasticity"].offset_N + 1.0})
+    assert misfit_of(true, likelihood_of(true, measurement, noise))["force"] < 0.1 * noise["force"]
+    found = misfit_of(wrong, likelihood_of(wrong, measurement, noise))
+    assert found["force"] == pytest.approx(constants.LAW_ERROR * 1.0, rel=0.05)
+
+
+def test_beside_a_large_misfit_quiet_samples_count_no_more_than_others():
+    measurement = prepare(record(truth(), seed=2))
+    noise, jitter_s = noise_of(measurement), {"force": 0.1}
+    plain = likelihood_of(truth(), measurement, noise, jitter_s)
+    compared = likelihood_of(truth(), measurement, noise, jitter_s, {"force": 100 * plain.floor["force"]})
+    assert np.ptp(plain.weight["force"]) > 0.2
+    assert np.ptp(compared.weight["force"]) < 0.1
+    assert compared.weight["force"] == pytest.approx(1.0, abs=0.1)
+    # The noise is not larger for that: its mean square over the samples, each by its weight.
+    by_sample = plain.floor["force"] / plain.weight["force"]
+    assert compared.floor["force"] == pytest.approx(np.sqrt(np.mean(by_sample**2)), rel=0.1)
+    np.testing.assert_allclose(compared.weight["conductance"], plain.weight["conductance"])
+
+
+def test_readings_further_apart_than_the_grid_have_a_jitter_nonetheless():
+    """Between them the grid holds straight lines, which show no noise at all."""
+    time_s = np.concatenate([np.arange(0, 6, 0.02), 6 + np.arange(0, 600, 3.0)])
+    strain = np.minimum(0.25 * time_s, 1.5)
+    force_N = 1.5 * strain**0.5 * (1 - 0.1 * np.log1p(np.maximum(time_s - 6, 0)) / np.log(600))
+    force_N = np.round(force_N + 1e-3 * np.random.default_rng(0).standard_normal(len(time_s)), 4)
+    recording = Recording(time_s, {"displacement_mm": 80 * strain, "force_N": force_N}, 80.0)
+    found = jitter_of(truth(), prepare(recording))
+    assert 0 <= found["force"] < 0.1
