@@ -15,6 +15,7 @@ from testbench.diagnosis.likelihood import Likelihood
 from testbench.diagnosis.priors import Priors, priors_of
 from testbench.fitting.baseline import SHAPES, without_shapes
 from testbench.fitting.downhill import downhill, huber, huber_weight, within
+from testbench.fitting.noise import trimmed_rms
 from testbench.fitting.parameters import values_of, with_values
 from testbench.fitting.sensitivity import derivatives
 from testbench.knit.cache import SimulationCache
@@ -168,7 +169,7 @@ class _Search:
         self.stale = True
         self.held = np.zeros(len(self.x), bool)  # at a bound that the data push against
         self.linearise(range(len(self.x)) if moved else new)
-        self.sigma = {c: max(_trimmed(rows[0]), likelihood.least[c]) for c, rows in self.columns.items()}
+        self.sigma = {c: max(trimmed_rms(rows[0]), likelihood.least[c]) for c, rows in self.columns.items()}
 
     def run(self, iterations: int) -> Hypothesis:
         damping, quiet, fresh = 1.0, False, self.exact
@@ -181,7 +182,7 @@ class _Search:
                 evidence = max(evidence, again, key=lambda one: one.value)
             self.scale = evidence.scale
             # The linear model promises more than the next step keeps: a promise must make no outlier of a sample.
-            self.sigma = {c: max(sigma, _trimmed(self.columns[c][0])) for c, sigma in evidence.sigma.items()}
+            self.sigma = {c: max(sigma, trimmed_rms(self.columns[c][0])) for c, sigma in evidence.sigma.items()}
             gain, damping = self.move(normal, damping)
             if gain is None and fresh:
                 break
@@ -356,10 +357,6 @@ def tail(z: FloatArray, robust: FloatArray, share: float) -> float:
     """What a Huber density says more of outliers than the weighted squares in ln Z."""
     z = np.abs(z)
     return -float(np.sum(huber(z) - 0.5 * (robust * z) ** 2)) * share
-
-
-def _trimmed(values: FloatArray) -> float:
-    return float(np.sqrt(np.mean(np.minimum(values**2, np.quantile(values**2, 0.98)))))
 
 
 def _rms(normal: NormalEquations) -> dict[str, float]:

@@ -17,7 +17,7 @@ from testbench.diagnosis import constants
 from testbench.fitting.errors import sampled
 from testbench.fitting.measurement import Measurement, channel_of, coarser
 from testbench.fitting.motion import reading_noise
-from testbench.fitting.noise import FEWEST, noise_floor, robust_sd, rounding, within_range
+from testbench.fitting.noise import FEWEST, noise_floor, robust_sd, rounding, trimmed_rms, within_range
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
 
@@ -98,19 +98,34 @@ class Likelihood:
         """
         return replace(self, share=min(self.pieces / len(self.rows), constants.ETA))
 
+    def with_law_error(self, error: Mapping[str, float]) -> Likelihood:
+        """The same where laws err, too: at all samples alike, however quiet they are.
+
+        Parameters
+        ----------
+        error : mapping of channel to float
+            Standard deviation; see `law_error_of`.
+        """
+        weight, floor = {}, {}
+        for channel, typical in self.floor.items():
+            noise = typical / self.weight[channel]
+            total = np.hypot(noise, error.get(channel, 0.0))
+            weight[channel] = float(np.mean(total**-2.0) ** -0.5) / total
+            floor[channel] = float(np.sqrt(np.mean((noise * weight[channel]) ** 2)))
+        return replace(self, weight=weight, floor=floor)
+
     def picked(self, values: FloatArray, channel: str) -> FloatArray:
         """The samples that enter, over their relative noise; along the last axis."""
         return values[..., self.rows] * self.weight[channel]
 
 
-def misfit_of(model: KnitModel, likelihood: Likelihood) -> dict[str, float]:
+def law_error_of(model: KnitModel, likelihood: Likelihood) -> dict[str, float]:
     """Standard deviation of the error of a law that explains all that a model leaves above the noise."""
     found = {}
     for channel, left in likelihood.measurement.residual(model).items():
-        squares = left[likelihood.rows] ** 2
-        noise = (likelihood.floor[channel] / likelihood.weight[channel]) ** 2
-        above = np.mean(np.minimum(squares, np.quantile(squares, 0.98))) - np.mean(noise)
-        found[channel] = constants.LAW_ERROR * float(max(above, 0.0)) ** 0.5
+        noise = likelihood.floor[channel] / likelihood.weight[channel]
+        above = trimmed_rms(left[likelihood.rows]) ** 2 - float(np.mean(noise**2))
+        found[channel] = constants.LAW_ERROR * max(above, 0.0) ** 0.5
     return found
 
 
@@ -186,7 +201,6 @@ def likelihood_of(
     measurement: Measurement,
     noise: Mapping[str, float],
     jitter_s: Mapping[str, float] | None = None,
-    misfit: Mapping[str, float] | None = None,
 ) -> Likelihood:
     """Samples and their relative noise, taken as independent.
 
@@ -194,8 +208,6 @@ def likelihood_of(
     ----------
     noise, jitter_s : mapping of channel to float
         See `noise_of` and `jitter_of`; without the latter there is no jitter.
-    misfit : mapping of channel to float, optional
-        Standard deviation of the error of a law, which is alike for all samples, however quiet they are.
     """
     counting = np.flatnonzero(measurement.counts)
     thin = max(1, -(-len(counting) // constants.SAMPLES))
@@ -209,9 +221,8 @@ def likelihood_of(
         read = noise[channel] * np.clip(by_level / np.median(by_level), 0.3, MOST_NOISE)
         sd = np.hypot(read, (slope[channel] * measurement.strain_noise)[rows])
         sd = np.hypot(sd, (jitter_s or {}).get(channel, 0.0) * speed)
-        total = np.hypot(sd, (misfit or {}).get(channel, 0.0))
-        weight[channel] = float(np.mean(total**-2.0) ** -0.5) / total
-        floor[channel] = float(np.sqrt(np.mean((sd * weight[channel]) ** 2)))
+        floor[channel] = float(np.mean(sd**-2.0) ** -0.5)
+        weight[channel] = floor[channel] / sd
     return Likelihood(measurement, rows, weight, floor, constants.ETA)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -19,8 +19,8 @@ from testbench.diagnosis.laplace import Hypothesis, fitted, under
 from testbench.diagnosis.likelihood import (
     Likelihood,
     jitter_of,
+    law_error_of,
     likelihood_of,
-    misfit_of,
     noise_of,
     on_the_grid,
     telling,
@@ -94,8 +94,8 @@ class Search:
         # What the user has is the model as given; where its laws bend already, so does what it is compared with.
         given = any(name in SHAPES for name in start)
         self.baseline = self.flexible if given else fitted(self.reference, self.likelihood, self.reference)
-        self.misfit = misfit_of(self.flexible.model, self.likelihood)
-        self.compared = self.likelihood_on(self.measurement, self.misfit).in_pieces
+        law_error = law_error_of(self.flexible.model, self.likelihood)
+        self.compared = self.likelihood.with_law_error(law_error).in_pieces
 
     def run(self, most: int = constants.ROUNDS) -> tuple[list[Round], list[Entry]]:
         """Rounds of the search, and what was put in, one a round.
@@ -160,9 +160,9 @@ class Search:
             return self.likelihood
         return self.likelihood_on(finer)
 
-    def likelihood_on(self, measurement: Measurement, misfit: Mapping[str, float] | None = None) -> Likelihood:
+    def likelihood_on(self, measurement: Measurement) -> Likelihood:
         """How the samples of a grid count."""
-        likelihood = likelihood_of(self.reference, measurement, self.noise, self.jitter_s, misfit)
+        likelihood = likelihood_of(self.reference, measurement, self.noise, self.jitter_s)
         return replace(likelihood, pieces=self.pieces)
 
     def round(self, current: Hypothesis, others: Sequence[Hypothesis]) -> Round:

@@ -33,6 +33,12 @@ def spread(values: FloatArray) -> float:
     return float(np.sqrt(np.mean(np.clip(off, -limit, limit) ** 2)))
 
 
+def trimmed_rms(values: FloatArray) -> float:
+    """RMS in which the largest 2 % count as the largest of the others."""
+    squares = values**2
+    return float(np.sqrt(np.mean(np.minimum(squares, np.quantile(squares, 0.98)))))
+
+
 def within_range(values: FloatArray) -> np.ndarray:
     """Which values are neither the least nor the greatest, shape (n,): at its rail a converter shows no noise.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -71,6 +71,11 @@ def judged(
     return Belief(chances, verdict, _likely(first, chances), Reading(_noise(first), constants.INDEPENDENT))
 
 
+def before_any(names: Iterable[str]) -> dict[str, float]:
+    """What is believed before the first recording."""
+    return prior_of([name for name in names if name not in (NOTHING, UNKNOWN)])
+
+
 def over_specimens(beliefs: Sequence[Mapping[str, float]]) -> dict[str, float]:
     """The probabilities that recordings of several fresh specimens give together.
 
@@ -78,7 +83,7 @@ def over_specimens(beliefs: Sequence[Mapping[str, float]]) -> dict[str, float]:
     that each of them has in it.
     """
     names = list(dict.fromkeys(name for one in beliefs for name in one))
-    prior = prior_of([name for name in names if name not in (NOTHING, UNKNOWN)])
+    prior = before_any(names)
     logs = {
         name: sum(np.log(max(one.get(name, 0.0), 1e-12)) for one in beliefs)
         - (len(beliefs) - 1) * np.log(prior[name])
@@ -104,7 +109,7 @@ def doubted(beliefs: Sequence[Mapping[str, float]]) -> dict[str, float]:
     answers = [max(one, key=one.__getitem__) for one in beliefs]
     agreeing = next((k for k, answer in enumerate(reversed(answers)) if answer != answers[-1]), len(answers))
     misled = constants.MISLED**agreeing
-    prior = prior_of([name for name in last if name not in (NOTHING, UNKNOWN)])
+    prior = before_any(last)
     return {name: (1 - misled) * chance + misled * prior[name] for name, chance in last.items()}
 
 

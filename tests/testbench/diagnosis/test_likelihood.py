@@ -6,26 +6,26 @@ import numpy as np
 import pytest
 
 from testbench.diagnosis import constants
-from testbench.diagnosis.likelihood import jitter_of, likelihood_of, misfit_of, noise_of
+from testbench.diagnosis.likelihood import jitter_of, law_error_of, likelihood_of, noise_of
 from testbench.fitting.measurement import prepare
 from testbench.recordings.recording import Recording
 from tests.testbench.builders import record, truth
 
 
-def test_a_true_model_has_no_misfit_and_of_a_wrong_one_a_law_leaves_a_fifth():
+def test_beside_a_true_model_laws_do_not_err_and_of_a_wrong_one_they_leave_a_fifth():
     measurement = prepare(record(truth(), seed=2))
     noise = noise_of(measurement)
     true, wrong = truth(), truth().with_parameters({"elasticity.offset_N": truth()["elasticity"].offset_N + 1.0})
-    assert misfit_of(true, likelihood_of(true, measurement, noise))["force"] < 0.1 * noise["force"]
-    found = misfit_of(wrong, likelihood_of(wrong, measurement, noise))
+    assert law_error_of(true, likelihood_of(true, measurement, noise))["force"] < 0.1 * noise["force"]
+    found = law_error_of(wrong, likelihood_of(wrong, measurement, noise))
     assert found["force"] == pytest.approx(constants.LAW_ERROR * 1.0, rel=0.05)
 
 
-def test_beside_a_large_misfit_quiet_samples_count_no_more_than_others():
+def test_where_laws_err_much_quiet_samples_count_no_more_than_others():
     measurement = prepare(record(truth(), seed=2))
     noise, jitter_s = noise_of(measurement), {"force": 0.1}
     plain = likelihood_of(truth(), measurement, noise, jitter_s)
-    compared = likelihood_of(truth(), measurement, noise, jitter_s, {"force": 100 * plain.floor["force"]})
+    compared = plain.with_law_error({"force": 100 * plain.floor["force"]})
     assert np.ptp(plain.weight["force"]) > 0.2
     assert np.ptp(compared.weight["force"]) < 0.1
     assert compared.weight["force"] == pytest.approx(1.0, abs=0.1)
