@@ -165,6 +165,13 @@ def drafted_folder(folder: Path) -> Iterator[Path]:
         shutil.rmtree(scratch, ignore_errors=True)
 
 
+def clear_drafts(folder: Path) -> None:
+    """Remove what a kill left of `drafted_folder` in `folder`: before its draft was made, in it, or after it was moved."""
+    for scratch in folder.glob(".*.*"):
+        if scratch.is_dir() and {path.name for path in scratch.iterdir()} <= {"campaign"}:
+            shutil.rmtree(scratch, ignore_errors=True)
+
+
 def _sibling(path: Path) -> Path:
     return path.parent / f".{path.name}.{secrets.token_hex(4)}{path.suffix}"
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import fcntl
 import os
-import shutil
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache
@@ -20,7 +19,7 @@ import numpy as np
 
 from gcode.support import strict
 from gcode.support.errors import UserError, first_problem
-from gcode.support.files import make_folder, sha256_of, write_text
+from gcode.support.files import clear_drafts, make_folder, sha256_of, write_text
 from testbench.campaigns.campaign import matches, simulate_campaign, vacant
 from testbench.campaigns.dataset_index import write_entries
 from testbench.campaigns.dataset_spec import MOST_CAMPAIGNS, DatasetSpec, TrajectoryWish
@@ -218,8 +217,7 @@ class OneAtATime:
         except OSError:
             os.close(self._handle)
             raise UserError(f"{self._out}: another `testbench dataset` is at work in this folder") from None
-        for draft in self._out.glob(".*.*/campaign"):
-            shutil.rmtree(draft.parent, ignore_errors=True)
+        clear_drafts(self._out)
         return self
 
     def __exit__(self, *_: object) -> None:

@@ -160,8 +160,10 @@ def test_a_second_command_in_the_same_folder_is_refused(tmp_path):
 
 def test_drafts_of_killed_workers_are_cleared_away(tmp_path):
     (tmp_path / ".knit-1.abc" / "campaign").mkdir(parents=True)
+    (tmp_path / ".knit-2.abc").mkdir()  # killed before its campaign was begun, or after it was moved into its place
+    (tmp_path / ".mine.abc" / "notes").mkdir(parents=True)
     with OneAtATime(tmp_path):
-        assert not (tmp_path / ".knit-1.abc").exists()
+        assert [path.name for path in tmp_path.iterdir() if path.is_dir()] == [".mine.abc"]
 
 
 def test_a_scheduler_that_is_not_there_is_said_in_a_sentence(tmp_path, capsys, monkeypatch):
