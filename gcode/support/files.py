@@ -166,7 +166,7 @@ def drafted_folder(folder: Path) -> Iterator[Path]:
 
 
 def clear_drafts(folder: Path) -> None:
-    """Remove what a kill left of `drafted_folder` in `folder`: before its draft was made, in it, or after it was moved."""
+    """Remove what kills left of `drafted_folder` there: before a draft was made, in it, or after it was moved."""
     for scratch in folder.glob(".*.*"):
         if scratch.is_dir() and {path.name for path in scratch.iterdir()} <= {"campaign"}:
             shutil.rmtree(scratch, ignore_errors=True)
