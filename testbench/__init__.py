@@ -54,6 +54,7 @@ if TYPE_CHECKING:
     from testbench.api.reporting import make_report as make_report
     from testbench.api.running import RunResult as RunResult
     from testbench.api.running import run as run
+    from testbench.api.serving import serve_rig as serve_rig
     from testbench.api.simulating import baseline as baseline
     from testbench.api.simulating import example as example
     from testbench.api.simulating import preset as preset
@@ -90,6 +91,7 @@ _HOMES = {
     "testbench.api.proposing": ["ProposalResult", "propose"],
     "testbench.api.reporting": ["ReportResult", "make_report"],
     "testbench.api.running": ["RunResult", "run"],
+    "testbench.api.serving": ["serve_rig"],
     "testbench.api.simulating": ["baseline", "example", "preset", "simulate"],
     "testbench.api.verifying": ["VerifyResult", "verify"],
     "testbench.design.protocols": ["Bounds"],

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 
+from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, bounds_of
 
 # What exists before a stage begins.
@@ -291,3 +292,11 @@ def check(effect: Effect) -> list[str]:
         if problem:
             problems.append(problem)
     return problems
+
+
+def checked(catalogue: Catalogue, name: str | None = None) -> Iterator[tuple[str, list[str]]]:
+    """The effect of this name, else each of the user's own, else each of the catalogue: its name and broken laws."""
+    known = load_catalogue().effects
+    own = [effect for effect in catalogue.effects if effect not in known]
+    for effect in [name] if name else own or catalogue.effects:
+        yield effect, check(catalogue[effect]())
