@@ -94,11 +94,6 @@ def scores_of(compensator: Compensator, tests: Sequence[Series]) -> list[float]:
     return [score.r2(part.truth, compensator.predict_series(part)) for part in tests]
 
 
-def predictions_of(compensators: Sequence[Compensator], tests: Sequence[Series]) -> tuple[FloatArray, ...]:
-    """What each compensator predicts: one array a recording, shape (compensators, n)."""
-    return tuple(np.array([one.predict_series(part) for one in compensators]) for part in tests)
-
-
 def intervals_of(compensator: Compensator, tests: Sequence[Series]) -> list[tuple[float, float]]:
     """95 % block-bootstrap interval of r2 on each recording."""
     return [score.block_interval(part.truth, compensator.predict_series(part), part.time_s) for part in tests]

@@ -316,8 +316,9 @@ def progress_in_words(job: Job) -> str:
     return " · ".join(part for part in (job.step, time, job.note) if part)
 
 
-def spark_line(name: str, values: Sequence[float], width: int = 260, height: int = 46) -> str:
+def spark_line(name: str, values: Sequence[float]) -> str:
     """A small curve of how a fit or a training gets on, as SVG."""
+    width, height = 260, 46
     low, high = min(values), max(values)
     step = width / max(len(values) - 1, 1)
     points = " ".join(

@@ -42,7 +42,7 @@ async def page(studio: Studio, c: str = "", show: str = "", start: str = "", end
     where = Address("/recording", c=c, show=show, start=start, end=end)
     campaign = studio.workspace.campaign(c)
     if is_under_way(studio, campaign):
-        under_way_card(campaign)
+        under_way_card()
     elif is_unfinished(campaign):
         unfinished_card(studio, campaign)
     problems = [] if campaign.status == IN_PROGRESS else await aside(studio.workspace.problems, c)
