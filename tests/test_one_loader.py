@@ -92,7 +92,7 @@ ALLOWED: dict[tuple[str, str], tuple[int, str]] = {
     ("testbench/rig/held.py", "os.open"): (1, LOCK),
     ("testbench/rig/resume.py", ".open"): (1, AFTER_CHECK),
     ("testbench/rig/serial_port.py", ".open"): (1, "a port"),
-    ("testbench/rig/signals.py", "os.open"): (1, "the terminal, of which only the foreground is asked"),
+    ("testbench/rig/stopping.py", "os.open"): (1, "the terminal, of which only the foreground is asked"),
     ("testbench/rig/sink.py", ".open"): (5, WRITES),
     ("testbench/studio/live.py", "os.fdopen"): (1, "what strict.open_plain opened"),
     ("testbench/studio/outliving.py", ".open"): (5, "written, locked, or what a job of ours says"),

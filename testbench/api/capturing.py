@@ -19,7 +19,7 @@ from testbench.rig.ports import stated_port
 from testbench.rig.progress import as_dict, as_text
 from testbench.rig.recorder import Limits, Status
 from testbench.rig.serial_port import SerialLink
-from testbench.rig.signals import stop_signals
+from testbench.rig.stopping import stop_signals
 
 BAUD = 115200
 GIVE_UP_S = 60.0

@@ -23,8 +23,8 @@ from testbench.rig.links import real_time as at_the_machines_pace
 from testbench.rig.motion import played
 from testbench.rig.past import DEFAULT_REST_S
 from testbench.rig.recorder import Status
-from testbench.rig.signals import stop_signals
 from testbench.rig.simulated import Motion
+from testbench.rig.stopping import stop_signals
 
 ENDED_WELL = ("complete", "interrupted")
 MODEL = "model"  # what a manifest calls a sensor that has no other name

@@ -72,7 +72,7 @@ def run(args: argparse.Namespace) -> int:
     from testbench.api.progress import clear_line
     from testbench.investigating.words import ending_words
     from testbench.rig.progress import terminal
-    from testbench.rig.signals import stop_signals
+    from testbench.rig.stopping import stop_signals
 
     check_place(args.json, "--json")
     to_stdout = args.json == "-"

@@ -31,7 +31,7 @@ def run(args: argparse.Namespace) -> int:
 
     from gcode.support.files import existing_file
     from testbench.api.serving import serve_rig
-    from testbench.rig.signals import what_ends_it
+    from testbench.rig.stopping import what_ends_it
 
     def announce(port: str) -> None:
         signal.signal(signal.SIGTERM, signal.default_int_handler)  # as Ctrl-C: the link must not stay behind

@@ -8,7 +8,7 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from testbench.importing.layout import Column
-from testbench.importing.words import ROLES, words_of
+from testbench.importing.roles import ROLES, words_of
 
 _TIME_WORDS = {"t", "time", "zeit", "timestamp", "s", "时间"}
 
