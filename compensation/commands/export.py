@@ -19,7 +19,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Write the file and say what it costs."""
     from compensation.commands.common import check_places
-    from compensation.export.export_c import c_header, code_bytes, cost
+    from compensation.export.chip_cost import code_bytes, cost
+    from compensation.export.export_c import c_header
     from compensation.model.files import load
     from gcode.support.files import write_text
 

@@ -19,7 +19,8 @@ from testbench.recordings.manifest import Campaign, origin_of, read_manifest, wr
 from testbench.recordings.recording import Recording
 from testbench.recordings.versions import software_versions
 from testbench.rig.at_once import at_once
-from testbench.rig.recorder import DISK_STATES, Part, Recorder, Status, counts, in_memory
+from testbench.rig.parts import Part, in_memory
+from testbench.rig.recorder import DISK_STATES, Recorder, Status, counts
 from testbench.rig.simulated import Motion
 from testbench.rig.sink import CSV, EVENTS, Sink
 from testbench.rig.stream import Intake

@@ -18,8 +18,9 @@ from testbench.recordings.versions import software_versions
 from testbench.rig.ending import EndOfMotion
 from testbench.rig.held import held
 from testbench.rig.motion import played
+from testbench.rig.parts import Part
 from testbench.rig.ports import remembered_port, stated_port
-from testbench.rig.recorder import PROGRESS_S, Follow, Limits, Part, Recorder, Status
+from testbench.rig.recorder import PROGRESS_S, Follow, Limits, Recorder, Status
 from testbench.rig.resume import continued, mend, watched
 from testbench.rig.serial_port import host_clock_s
 from testbench.rig.simulated import Motion

@@ -14,7 +14,7 @@ import numpy as np
 from gcode.support.arrays import IntArray
 from testbench.recordings.channels import TIME
 from testbench.rig import wire
-from testbench.rig.recorder import Accepted, End, Part, in_memory
+from testbench.rig.parts import Accepted, End, Part, in_memory
 from testbench.rig.simulated import Readings, SimulatedRig
 from testbench.rig.stream import GAP_US, Row, channels_of
 

@@ -12,9 +12,10 @@ from gcode.support.files import make_folder
 from testbench.fitting.model_file import about_model, same_source
 from testbench.report.words import spoken
 from testbench.studio.fields import check, number_field, typed
+from testbench.studio.job_card import job_card
 from testbench.studio.jobs import Commands, Job, State
 from testbench.studio.studio import Studio
-from testbench.studio.widgets import attempt, job_card, subheading
+from testbench.studio.widgets import attempt, subheading
 from testbench.studio.workspace import RESULTS, results_name
 
 LAST_THIRD = "the last third of this recording"

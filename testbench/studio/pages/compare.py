@@ -18,6 +18,7 @@ from testbench.report.document import Table
 from testbench.report.ladder_figures import UNITS
 from testbench.report.places import Spot, noise_reached
 from testbench.report.words import spoken
+from testbench.studio.address import Address, address, span_of
 from testbench.studio.beside import Beside, beside_choices, beside_of, side_by_side
 from testbench.studio.memory import stamp
 from testbench.studio.models import LAST_THIRD, PLAY, add_fit_form, held_out_of, model_path
@@ -25,15 +26,12 @@ from testbench.studio.picture import Span, ZoomingPlot, plot, zooming_plot
 from testbench.studio.studio import Studio
 from testbench.studio.widgets import (
     RESISTANCE,
-    Address,
-    address,
     aside,
     campaign_head,
     facts,
     guarded,
     later,
     quantity_toggle,
-    span_of,
     subheading,
     table,
     trouble,

@@ -14,11 +14,11 @@ from testbench.report.formula import formula_svg, lines_of
 from testbench.report.ladder_figures import UNITS
 from testbench.report.words import spoken
 from testbench.studio import models, proposed_law
+from testbench.studio.address import address
 from testbench.studio.fields import check, number_field
 from testbench.studio.pages.ladder import report_url
 from testbench.studio.studio import Studio
 from testbench.studio.widgets import (
-    address,
     aside,
     attempt,
     campaign_head,
