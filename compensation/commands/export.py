@@ -9,7 +9,6 @@ EXAMPLE = "compensation export pes.compensator.json --format c -o pes.h --name p
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     parser.add_argument("compensator", metavar="COMPENSATOR", help="file written by `compensation train`")
     parser.add_argument("--format", choices=("c", "onnx"), default="c", help="c: one header (default); onnx")
     parser.add_argument("-o", "--output", required=True, metavar="FILE", help="file to write")

@@ -9,7 +9,6 @@ EXAMPLE = "compensation table -o table-campaigns --seeds 10 --specimens 10 --eng
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     parser.add_argument("-o", "--output", required=True, metavar="DIR", help="campaigns are kept here and used again")
     parser.add_argument("--seeds", type=int, default=10, metavar="K", help="networks a row (default 10)")
     parser.add_argument(

@@ -20,7 +20,6 @@ OWN_CHOICES = ("hidden", "factors", "factor", "count", "l2", "restarts", "engine
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     add_recordings(parser)
     parser.add_argument("--target", choices=("force", "displacement"), required=True, help="what to predict")
     parser.add_argument("-o", "--output", required=True, metavar="FILE", help="compensator to write (JSON)")

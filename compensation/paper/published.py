@@ -60,12 +60,6 @@ TRAJECTORIES = {
 }
 
 
-def mean_of_tests(sensor: str, target: str) -> float:
-    """Mean compensated r2 over A and B."""
-    _, a, b = COMPENSATED[sensor, target]
-    return (a + b) / 2
-
-
 def criterion(sensor: str, target: str) -> float:
     """The paper's ``E = ((1 - r2_A)^2 + (1 - r2_B)^2) / 2`` of the published scores."""
     _, a, b = COMPENSATED[sensor, target]

@@ -15,7 +15,6 @@ EXAMPLE = "testbench add stress_relaxation --model model.json --fit campaign-1 -
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     parser.add_argument("effect", nargs="?", help="a name from `testbench effects`")
     parser.add_argument("--model", metavar="M", required=True, help="the model.json to start from")
     parser.add_argument("--fit", metavar="RECORDING", help="the recording to refit on")

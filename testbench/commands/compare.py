@@ -11,7 +11,6 @@ EXAMPLE = "testbench compare campaign-2 --model model.json --json"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     parser.add_argument("recording", help="a CSV, or a campaign folder")
     parser.add_argument("--model", metavar="M", required=True, help="a model.json")
     parser.add_argument("--gauge-length-mm", type=float, metavar="L", help="for a bare CSV (default: the model's)")

@@ -13,7 +13,6 @@ CANDIDATES_OF_A_ROUND, USUAL_ROUNDS = 12, 2  # refits of a round: the best mecha
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     add_recording(parser)
     parser.add_argument("--model", metavar="M", help="diagnose this model.json instead of the baseline")
     add_clamp_play(parser)

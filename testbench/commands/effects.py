@@ -15,7 +15,6 @@ EXAMPLE = "testbench effects stress_relaxation --plot relaxation.png"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     parser.add_argument("name", nargs="?", metavar="NAME", help="show the card of this effect")
     parser.add_argument(
         "--plot", nargs="?", const="", metavar="FILE.png", help="with NAME: draw data without and with it"

@@ -11,7 +11,6 @@ EXAMPLE = "testbench experiment creep.json relaxation.json --strain-max 30 -o ne
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     parser.add_argument("models", nargs="*", metavar="MODEL", help="two or more rival model.json")
     parser.add_argument("--diagnosis", metavar="JSON", help="instead: the tied effects of this diagnosis ...")
     parser.add_argument("--fit", metavar="RECORDING", help="... each put in and refitted on this recording")

@@ -11,7 +11,6 @@ EXAMPLE = "testbench fit campaign-1 --held-out campaign-2 -o model.json"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     add_recording(parser)
     parser.add_argument("--model", metavar="M", help="start from this model.json instead of the baseline")
     add_clamp_play(parser)

@@ -14,7 +14,6 @@ WORLDS_HELP = (
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the options of ``testbench hide``."""
     parser.add_argument(
         "--effect",
         metavar="NAME",

@@ -39,7 +39,6 @@ UNITS = (
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-
     parser.add_argument("file", metavar="FILE", help="text (CSV and the like), .xlsx or .tdms")
     parser.add_argument(
         "--gauge-length-mm", type=positive, metavar="L", help="length between the clamps at rest; needed for strain"
@@ -54,7 +53,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _add_columns(parser: argparse.ArgumentParser) -> None:
-
     group = parser.add_argument_group(
         "columns",
         "Found by name and unit. COL is a name, a number from 1, or none where there is no such column.",

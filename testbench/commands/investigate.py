@@ -17,8 +17,6 @@ EXAMPLE = (
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
-
     parser.add_argument(
         "sensor",
         nargs="?",

@@ -11,7 +11,6 @@ EXAMPLE = "testbench ladder model2.json"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     parser.add_argument("model", help="a model.json")
     add_effects(parser)
     parser.add_argument("--json", action="store_true", help="print the history as JSON")

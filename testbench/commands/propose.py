@@ -12,7 +12,6 @@ STEPS_OF_A_LAW = 10  # about as many of the progress line: the growth of the bea
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     add_recording(parser)
     parser.add_argument("--model", metavar="M", help="the best model.json so far (default: the baseline)")
     add_effects(parser)

@@ -11,7 +11,6 @@ EXAMPLE = "testbench report --recording campaign-1 --held-out campaign-2 --model
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     parser.add_argument(
         "--recording", action="append", default=[], metavar="R", help="a CSV or a campaign folder; may be repeated"
     )

@@ -12,7 +12,6 @@ EXAMPLE = "testbench rig --sensor pes --program program.tap --link /tmp/rig &\n 
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-
     add_sensor_arguments(parser)
     parser.add_argument("--program", required=True, metavar="FILE", help="Mach4 program that moves the stage")
     parser.add_argument(

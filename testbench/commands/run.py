@@ -13,7 +13,6 @@ EXAMPLE = "testbench run --sensor pes --program program.tap --seed 1 -o pes-1"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-
     add_sensor_arguments(parser)
     parser.add_argument("--program", required=True, metavar="FILE", help="Mach4 program that moves the stage")
     parser.add_argument(
