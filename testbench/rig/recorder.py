@@ -14,8 +14,8 @@ from testbench.rig.sink import Sink
 from testbench.rig.stream import Event, Intake, Item, Lines, Row
 from testbench.rig.watchdog import Watchdog
 
-PROGRESS_S = 0.5
-RATE_WINDOW_US = 5_000_000
+PROGRESS_S = 0.5  # from one report to the next
+RATE_WINDOW_US = 5_000_000  # over which the sampling rate is a mean
 DISK_STATES = ("disk full", "disk error")
 # Takes a row, gives what a compensator makes of the resistance so far, and its unit.
 Follow = Callable[[Row], tuple[float | None, str]]

@@ -19,15 +19,15 @@ from pathlib import Path
 from gcode.support import disk
 from gcode.support.errors import UserError
 from testbench.recordings.channels import TIME
+from testbench.recordings.manifest import CSV
 from testbench.rig.appender import Appender
 from testbench.rig.file_lines import bad_line, csv_line, event_line, header_line
 from testbench.rig.stream import Bad, Item, Lines, Row
 
-CSV, BAD, EVENTS = "recording.csv", "recording.bad", "events.jsonl"
-STAMPS = ("start", "reboot", "clock jump", "renumbered", "resume")
-ROOM = ".room"
-ROOM_BYTES = 256 << 10
-HURRY_S = 0.3
+BAD, EVENTS = "recording.bad", "events.jsonl"
+STAMPS = ("start", "reboot", "clock jump", "renumbered", "resume")  # events that alone tell the device's clock
+ROOM, ROOM_BYTES = ".room", 256 << 10
+HURRY_S = 0.3  # how long rows wait for the disk to keep such an event
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from nicegui import ui
 
 from testbench.comparing.numbers import plain
+from testbench.recordings.manifest import CSV
 from testbench.report import comparison_figures as figures
 from testbench.report import residual_figures
 from testbench.report.comparison_figures import Overlay
@@ -138,7 +139,7 @@ def view_of(studio: Studio, c: str, on: str, beside: str = "") -> View:
     UserError
         If there is no such second model.
     """
-    recording = studio.workspace.campaign(on).folder / "recording.csv"
+    recording = studio.workspace.campaign(on).folder / CSV
     second = beside_of(studio, c, beside) if beside else None
     files = stamp(model_path(studio, c), recording, studio.effects_file, second.path if second else None)
     return studio.memory.recall(("compare", c, on, beside, files), lambda: _compare(studio, c, on, second))
