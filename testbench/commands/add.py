@@ -6,6 +6,7 @@ import argparse
 from typing import TYPE_CHECKING
 
 from testbench.commands._arguments import add_effects, add_held_out
+from testbench.commands._output import show_notes
 
 if TYPE_CHECKING:
     from testbench.api.ladder import Ladder
@@ -42,8 +43,6 @@ def run(args: argparse.Namespace) -> int:
 
 def _added(args: argparse.Namespace) -> Ladder:
     """The ladder with the effect on it; notes and effects that no longer pay are told."""
-    import sys
-
     from testbench.api.adding import add, no_longer_pays
 
     found = add(
@@ -54,8 +53,7 @@ def _added(args: argparse.Namespace) -> Ladder:
         effects=args.effects,
         gauge_length_mm=args.gauge_length_mm,
     )
-    for note in found.notes:
-        print(f"note: {note}", file=sys.stderr)
+    show_notes(found)
     for name in no_longer_pays(found, args.effect):
         print(f"{name} no longer pays now that {args.effect} is in: without it the held-out error hardly rises")
     return found.ladder

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 
 from testbench.commands._arguments import add_clamp_play, add_effects
+from testbench.commands._output import show, show_notes
 
 SUMMARY = "show a model over a measurement and say where it fails"
 EXAMPLE = "testbench compare campaign-2 --model model.json --json"
@@ -21,9 +22,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Compare and print."""
-    import json
-    import sys
-
     from testbench.api.comparing import compare
 
     found = compare(
@@ -33,7 +31,6 @@ def run(args: argparse.Namespace) -> int:
         gauge_length_mm=args.gauge_length_mm,
         clamp_play_mm=args.clamp_play_mm,
     )
-    for note in found.notes:
-        print(f"note: {note}", file=sys.stderr)
-    print(json.dumps(found.to_dict(), indent=2) if args.json else found)
+    show_notes(found)
+    show(found, "-" if args.json else None)
     return 0

@@ -4,21 +4,15 @@ from __future__ import annotations
 
 import argparse
 
-from testbench.commands._arguments import natural, positive
-from testbench.commands._sensors import add_past_arguments, add_sensor_arguments, sensor_model
+from testbench.commands._arguments import positive
+from testbench.commands._sensors import add_simulation_arguments, sensor_model
 
 SUMMARY = "put the simulated rig behind a serial port (a pseudo-terminal) and print the port"
 EXAMPLE = "testbench rig --sensor pes --program program.tap --link /tmp/rig &\n  testbench record --port /tmp/rig ..."
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    add_sensor_arguments(parser)
-    parser.add_argument("--program", required=True, metavar="FILE", help="Mach4 program that moves the stage")
-    parser.add_argument(
-        "--seed", type=natural, default=1, metavar="N", help="of noise and sampling times (default 1)"
-    )
-    parser.add_argument("--gauge-length-mm", type=positive, metavar="L")
-    add_past_arguments(parser)
+    add_simulation_arguments(parser)
     parser.add_argument("--link", metavar="PATH", help="symbolic link to the port, for a name you know beforehand")
     parser.add_argument("--speed", type=positive, default=1.0, metavar="X", help="times faster than real (default 1)")
     parser.add_argument("--faults", type=float, default=0.0, metavar="SHARE", help="share of damaged lines, 0 to 1")

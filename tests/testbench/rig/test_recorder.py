@@ -157,7 +157,7 @@ class Stingy(Appender):
 
 @pytest.fixture
 def stingy(monkeypatch):
-    monkeypatch.setattr("testbench.rig.appender.Appender", Stingy)
+    monkeypatch.setattr("testbench.rig.sink.Appender", Stingy)
     Stingy.room = 3000
     return Stingy
 
