@@ -16,7 +16,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Write the file and say what it costs."""
     from compensation.commands.common import check_places
     from compensation.export.chip_cost import code_bytes, cost
     from compensation.export.export_c import c_header

@@ -25,7 +25,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Correct, save, and say what moved."""
     from compensation.commands.common import check_places
     from compensation.model.files import load, save
     from compensation.training.recalibration import LEAST_S, recalibrated

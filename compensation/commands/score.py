@@ -19,7 +19,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Score, print, and write what was asked for."""
     import json
 
     from compensation.commands.common import check_places, finish, read_all

@@ -44,7 +44,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Sweep, rank, print."""
     import json
     from dataclasses import asdict
     from pathlib import Path

@@ -22,7 +22,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Simulate what is missing, then print table after table."""
     from compensation.paper import tables
     from compensation.paper.paper_campaigns import RUNS, campaigns
     from gcode.support.console import Progress

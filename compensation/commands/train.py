@@ -64,7 +64,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Train, save, and show the score on the training recordings."""
     from compensation.commands.common import check_places, cross_validation_table, finish, read_all
     from compensation.model.files import save
     from compensation.scoring.scorecard import score_recordings

@@ -23,7 +23,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> None:
-    """Fit, print how near it came, and write the spec."""
     from gcode.support import files
     from gcode.support.console import Progress
     from gcode.trajectories.noise_fit import SHAPES, fit

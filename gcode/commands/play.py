@@ -27,7 +27,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> None:
-    """Play and write."""
     from gcode.mach4.controller import Machine, machine_for, play
     from gcode.mach4.reader import read_program, read_text
 

@@ -26,7 +26,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Add or undo, write, and show the ladder."""
     from gcode.support.errors import UserError
     from gcode.support.files import check_place
     from testbench.api.adding import undo

@@ -27,7 +27,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Diagnose, print, write."""
     from gcode.support.errors import UserError
     from gcode.support.files import check_place
     from testbench.api.diagnosing import diagnose

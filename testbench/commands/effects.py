@@ -29,7 +29,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """List, show, check or start."""
     if args.new:
         return _new(args.new, args.output or f"{args.new}.py")
     from testbench.knit import card

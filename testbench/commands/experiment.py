@@ -26,7 +26,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Weigh the protocols, print the ranking, write the winner."""
     from gcode.support.errors import UserError
     from gcode.support.files import check_place, write_json
     from testbench.api.designing import next_experiment

@@ -20,7 +20,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Fit, write, and say what was found."""
     from gcode.support.files import check_place
     from testbench.api.fitting import fit
 

@@ -18,7 +18,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Print the ladder."""
     from testbench.api.ladder import ladder
 
     show(ladder(args.model, args.effects), "-" if args.json else None)

@@ -33,7 +33,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Propose, print, write."""
     from gcode.support.errors import UserError
     from gcode.support.files import check_place
     from testbench.api.arguments import catalogue_of

@@ -35,7 +35,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Build the report and write it."""
     from gcode.support.files import check_place
     from testbench.api.reporting import make_report
 
