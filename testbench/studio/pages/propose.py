@@ -7,7 +7,7 @@ from html import escape
 
 from nicegui import ui
 
-from gcode.support.files import read_json
+from gcode.support.strict import read_json
 from testbench.comparing.numbers import in_words, plain, with_error
 from testbench.comparing.words import percent
 from testbench.report.formula import formula_svg, lines_of
