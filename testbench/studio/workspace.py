@@ -16,10 +16,10 @@ from gcode.support.files import make_folder, write_text
 from gcode.support.strict import read_json, read_text
 from testbench.recordings.files import read_recording
 from testbench.recordings.manifest import CSV, MOST_BYTES
+from testbench.recordings.manifest import NAME as MANIFEST
 from testbench.recordings.recording import Recording
 from testbench.studio.memory import Memory, stamp
 
-MANIFEST = "datapackage.json"
 RESULTS = "results"
 DELETED = "deleted"  # below results; until they are restored
 MAX_DEPTH = 4
