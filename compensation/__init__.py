@@ -4,29 +4,22 @@ Rooms, from the ground up: `memories`, `engines` and `series`; `model`; `trainin
 `export` and `scoring`; `commands`. What is named here is imported when it is first asked for.
 """
 
-from __future__ import annotations
+from typing import TYPE_CHECKING
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from gcode.support.lazy import lazy_exports
 
 if TYPE_CHECKING:
-    from compensation.estimators.regressor import Compensator
-    from compensation.model.files import load
-    from compensation.model.prediction import predicted
-    from compensation.model.streaming import CompensatorStream
-
-__all__ = ["Compensator", "CompensatorStream", "load", "predicted"]
+    from compensation.estimators.regressor import Compensator as Compensator
+    from compensation.model.files import load as load
+    from compensation.model.prediction import predicted as predicted
+    from compensation.model.streaming import CompensatorStream as CompensatorStream
 
 # scikit-learn is not needed by every command, and takes a second to import.
 _HOMES = {
-    "Compensator": "compensation.estimators.regressor",
-    "CompensatorStream": "compensation.model.streaming",
-    "load": "compensation.model.files",
-    "predicted": "compensation.model.prediction",
+    "compensation.estimators.regressor": ["Compensator"],
+    "compensation.model.files": ["load"],
+    "compensation.model.prediction": ["predicted"],
+    "compensation.model.streaming": ["CompensatorStream"],
 }
-
-
-def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
-        raise AttributeError(f"module 'compensation' has no attribute {name!r}")
-    return getattr(import_module(_HOMES[name]), name)
+__all__ = [name for names in _HOMES.values() for name in names]  # pyright: ignore[reportUnsupportedDunderAll]
+__getattr__, __dir__ = lazy_exports(__name__, _HOMES)

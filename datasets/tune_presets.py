@@ -25,7 +25,8 @@ from paper_figures import FAST_A, campaign, compensated, drift, quickly_compensa
 from scipy.optimize import least_squares
 
 from compensation.paper.published import COMPENSATED, RAW, TRANSFER
-from gcode.support.files import read_json, write_json
+from gcode.support.files import write_json
+from gcode.support.strict import read_json
 from testbench.knit.catalogue import load_catalogue, model_from_dict
 from testbench.knit.effect import FloatArray, bounds_of
 from testbench.knit.model import KnitModel

@@ -54,19 +54,20 @@ if TYPE_CHECKING:
     from testbench.api.reporting import make_report as make_report
     from testbench.api.running import RunResult as RunResult
     from testbench.api.running import run as run
-    from testbench.api.simulating import baseline as baseline
+    from testbench.api.serving import serve_rig as serve_rig
     from testbench.api.simulating import example as example
-    from testbench.api.simulating import preset as preset
     from testbench.api.simulating import simulate as simulate
     from testbench.api.verifying import VerifyResult as VerifyResult
     from testbench.api.verifying import verify as verify
     from testbench.design.protocols import Bounds as Bounds
     from testbench.importing.sheet import Hints as Hints
     from testbench.importing.wish import Wish as Wish
+    from testbench.knit.catalogue import baseline as baseline
     from testbench.knit.effect import Effect as Effect
     from testbench.knit.effect import Stage as Stage
     from testbench.knit.effect import parameter as parameter
     from testbench.knit.model import KnitModel as KnitModel
+    from testbench.knit.presets import preset as preset
     from testbench.recordings.instruments import Instruments as Instruments
     from testbench.recordings.recording import Recording as Recording
 
@@ -90,13 +91,16 @@ _HOMES = {
     "testbench.api.proposing": ["ProposalResult", "propose"],
     "testbench.api.reporting": ["ReportResult", "make_report"],
     "testbench.api.running": ["RunResult", "run"],
-    "testbench.api.simulating": ["baseline", "example", "preset", "simulate"],
+    "testbench.api.serving": ["serve_rig"],
+    "testbench.api.simulating": ["example", "simulate"],
     "testbench.api.verifying": ["VerifyResult", "verify"],
     "testbench.design.protocols": ["Bounds"],
     "testbench.importing.sheet": ["Hints"],
     "testbench.importing.wish": ["Wish"],
+    "testbench.knit.catalogue": ["baseline"],
     "testbench.knit.effect": ["Effect", "Stage", "parameter"],
     "testbench.knit.model": ["KnitModel"],
+    "testbench.knit.presets": ["preset"],
     "testbench.recordings.instruments": ["Instruments"],
     "testbench.recordings.recording": ["Recording"],
 }

@@ -106,9 +106,9 @@ def _taken(recipe: Mapping[str, Any], name: str) -> str:
     return f"  {100 * share:.0f} % of it" if share else ""
 
 
-def _short(source: str, width: int = 40) -> str:
+def _short(source: str) -> str:
     source = source.removesuffix("/recording.csv")
-    return source if len(source) <= width else "..." + source[-(width - 3) :]
+    return source if len(source) <= 40 else "..." + source[-37:]
 
 
 def parse_sizes(text: str) -> tuple[int, ...]:

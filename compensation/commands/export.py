@@ -9,7 +9,6 @@ EXAMPLE = "compensation export pes.compensator.json --format c -o pes.h --name p
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     parser.add_argument("compensator", metavar="COMPENSATOR", help="file written by `compensation train`")
     parser.add_argument("--format", choices=("c", "onnx"), default="c", help="c: one header (default); onnx")
     parser.add_argument("-o", "--output", required=True, metavar="FILE", help="file to write")
@@ -17,9 +16,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Write the file and say what it costs."""
     from compensation.commands.common import check_places
-    from compensation.export.export_c import c_header, code_bytes, cost
+    from compensation.export.chip_cost import code_bytes, cost
+    from compensation.export.export_c import c_header
     from compensation.model.files import load
     from gcode.support.files import write_text
 

@@ -16,7 +16,6 @@ EXAMPLE = "compensation predict worn.csv --compensator pes.compensator.json -o c
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     parser.add_argument("recording", metavar="RECORDING", help="campaign folder, or CSV with time_s,resistance_ohm")
     parser.add_argument("--compensator", required=True, metavar="C", help="file written by `compensation train`")
     parser.add_argument(
@@ -27,7 +26,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Predict, write, and say how much of it is good."""
     import numpy as np
     import pandas as pd
 

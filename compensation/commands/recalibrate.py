@@ -14,7 +14,6 @@ EXAMPLE = "compensation recalibrate pes.compensator.json today.csv --seconds 60 
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     parser.add_argument("compensator", metavar="COMPENSATOR", help="made by `compensation train`")
     parser.add_argument("recording", metavar="RECORDING", help="campaign folder or CSV with the reference")
     parser.add_argument("-o", "--output", required=True, metavar="FILE", help="compensator to write (JSON)")
@@ -26,7 +25,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Correct, save, and say what moved."""
     from compensation.commands.common import check_places
     from compensation.model.files import load, save
     from compensation.training.recalibration import LEAST_S, recalibrated

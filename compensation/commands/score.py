@@ -11,7 +11,6 @@ EXAMPLE = "compensation score pes.compensator.json campaigns/pes-A campaigns/pes
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     parser.add_argument("compensator", metavar="COMPENSATOR", help="file written by `compensation train`")
     add_recordings(parser)
     parser.add_argument("--json", action="store_true", help="print the whole score, traces included, as JSON")
@@ -20,7 +19,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Score, print, and write what was asked for."""
     import json
 
     from compensation.commands.common import check_places, finish, read_all

@@ -13,7 +13,6 @@ EXAMPLE = "compensation search campaigns/pes-T campaigns/pes-A campaigns/pes-B -
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     from compensation.search.candidates import PRESETS
 
     parser.add_argument("recordings", nargs="*", metavar="CAMPAIGN", help="training, test A and test B")
@@ -45,7 +44,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Sweep, rank, print."""
     import json
     from dataclasses import asdict
     from pathlib import Path

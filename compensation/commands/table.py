@@ -9,7 +9,6 @@ EXAMPLE = "compensation table -o table-campaigns --seeds 10 --specimens 10 --eng
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     parser.add_argument("-o", "--output", required=True, metavar="DIR", help="campaigns are kept here and used again")
     parser.add_argument("--seeds", type=int, default=10, metavar="K", help="networks a row (default 10)")
     parser.add_argument(
@@ -23,7 +22,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Simulate what is missing, then print table after table."""
     from compensation.paper import tables
     from compensation.paper.paper_campaigns import RUNS, campaigns
     from gcode.support.console import Progress

@@ -20,7 +20,6 @@ OWN_CHOICES = ("hidden", "factors", "factor", "count", "l2", "restarts", "engine
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     add_recordings(parser)
     parser.add_argument("--target", choices=("force", "displacement"), required=True, help="what to predict")
     parser.add_argument("-o", "--output", required=True, metavar="FILE", help="compensator to write (JSON)")
@@ -65,7 +64,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Train, save, and show the score on the training recordings."""
     from compensation.commands.common import check_places, cross_validation_table, finish, read_all
     from compensation.model.files import save
     from compensation.scoring.scorecard import score_recordings

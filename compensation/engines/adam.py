@@ -55,7 +55,6 @@ def train_adam(
     seed: int,
     l2: float,
     max_epochs: int,
-    start: Network | None = None,
     batch: int = BATCH,
     rate: float = LEARNING_RATE,
     averaging: float = 0.0,
@@ -65,8 +64,6 @@ def train_adam(
     Parameters
     ----------
     features, target : ndarray, shapes (n, k) and (n,)
-    start : Network, optional
-        Go on from this network instead of a random one.
     batch : int
         Rows a step; scikit-learn's is 200.
     rate : float
@@ -85,7 +82,7 @@ def train_adam(
     widths = (features.shape[1], *sizes, 1)
     widths_array = np.array(widths)
     rng = np.random.RandomState(seed)
-    flat = flatten(start or initial_network(widths, rng))
+    flat = flatten(initial_network(widths, rng))
     first, second = np.zeros_like(flat), np.zeros_like(flat)
     mean, curve = flat, list[float]()
     order, best, stale, steps = np.arange(len(features)), np.inf, 0, 0

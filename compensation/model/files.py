@@ -16,7 +16,8 @@ from compensation.model.compensator import Compensator, Scaling
 from compensation.model.ranges import Beginning, Seen
 from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError, first_problem
-from gcode.support.files import read_json, write_json
+from gcode.support.files import write_json
+from gcode.support.strict import read_json
 
 FORMAT, FORMAT_VERSION = "knitbench-compensator", 4
 # Version 2 has no `seen` and no `beginning`; version 3 no `settle_s`.

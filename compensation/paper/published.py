@@ -23,8 +23,6 @@ COMPENSATED = {
     ("lycra", "force"): (0.841, 0.830, 0.828),
     ("lycra", "displacement"): (0.687, 0.609, 0.669),
 }
-# Largest r2 of displacement that other hidden layers reached ("slightly improve test scores").
-BEST_DISPLACEMENT = 0.716
 
 
 @dataclass(frozen=True)
@@ -60,12 +58,6 @@ TRAJECTORIES = {
     "paper-3": ((4.039, 1.030, 0.644), (19.25, 1.546, 1.414)),
     "fast": ((14.0, 2.87, 2.06), (65.54, 9.27, 7.87)),
 }
-
-
-def mean_of_tests(sensor: str, target: str) -> float:
-    """Mean compensated r2 over A and B."""
-    _, a, b = COMPENSATED[sensor, target]
-    return (a + b) / 2
 
 
 def criterion(sensor: str, target: str) -> float:

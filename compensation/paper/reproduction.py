@@ -14,7 +14,7 @@ from compensation.series import score
 from compensation.series.preprocessing import Series, series_of
 from compensation.training.arrays import scaling_of_target, training_arrays, untrained
 from compensation.training.options import Options
-from compensation.training.tuning import choose, ensemble, tune
+from compensation.training.tuning import tune
 from gcode.support.arrays import FloatArray
 from testbench.recordings.recording import Recording
 
@@ -83,20 +83,9 @@ def tuned(training: Series, target: str, seed: int = 0) -> Compensator:
     return tune([training], target, replace(PUBLISHED, seed=seed))
 
 
-def tuned_seeds(training: Series, target: str, seeds: int) -> list[Compensator]:
-    """The better compensator from several seeds, none of which share a network."""
-    choice = choose([training], target, PUBLISHED)
-    return [ensemble([training], target, choice, 100 * number) for number in range(seeds)]
-
-
 def scores_of(compensator: Compensator, tests: Sequence[Series]) -> list[float]:
     """r2 on each recording."""
     return [score.r2(part.truth, compensator.predict_series(part)) for part in tests]
-
-
-def predictions_of(compensators: Sequence[Compensator], tests: Sequence[Series]) -> tuple[FloatArray, ...]:
-    """What each compensator predicts: one array a recording, shape (compensators, n)."""
-    return tuple(np.array([one.predict_series(part) for one in compensators]) for part in tests)
 
 
 def intervals_of(compensator: Compensator, tests: Sequence[Series]) -> list[tuple[float, float]]:

@@ -41,7 +41,7 @@ class Ranked:
     chance_first: float
 
 
-def rank(rows: Sequence[dict[str, Any]], seed: int = 0) -> list[Ranked]:
+def rank(rows: Sequence[dict[str, Any]]) -> list[Ranked]:
     """Candidates by mean E over live seeds, best first; those with no live seed last.
 
     The intervals come from a bootstrap over seeds: what the ranking would be, had other seeds been drawn.
@@ -49,7 +49,7 @@ def rank(rows: Sequence[dict[str, Any]], seed: int = 0) -> list[Ranked]:
     groups: dict[str, list[dict[str, Any]]] = defaultdict(list)
     for row in rows:
         groups[row["key"]].append(row)
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(0)
     live = {key: [row for row in group if not row["dead"]] or group for key, group in groups.items()}
     draws = np.array([_resampled([row["E"] for row in group], rng) for group in live.values()])
     places = draws.argsort(axis=0).argsort(axis=0) + 1

@@ -50,14 +50,12 @@ def error_of_two(r2_a: float, r2_b: float) -> float:
     return ((1.0 - r2_a) ** 2 + (1.0 - r2_b) ** 2) / 2.0
 
 
-def block_interval(
-    truth: FloatArray, prediction: FloatArray, time_s: FloatArray, draws: int = 1000, seed: int = 0
-) -> tuple[float, float]:
+def block_interval(truth: FloatArray, prediction: FloatArray, time_s: FloatArray) -> tuple[float, float]:
     """95 % interval of r2 from a bootstrap over blocks of 60 s.
 
     Neighbouring samples are alike, so a bootstrap over single samples gives intervals several times too narrow.
     """
-    low, high = np.quantile(block_draws(truth, prediction, time_s, draws, seed), [0.025, 0.975])
+    low, high = np.quantile(block_draws(truth, prediction, time_s), [0.025, 0.975])
     return float(low), float(high)
 
 

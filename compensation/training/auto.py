@@ -90,7 +90,7 @@ def train_automatically(
     residual = (truth - predictions[chosen]) * scale
     margins = margins_of(residual, folds, [len(part) for part in series], lambda: wander(compensator, series))
     promise = tried[chosen] | {
-        "r2_interval": list(_interval(truth, predictions[chosen], series, folds)),
+        "r2_interval": list(_interval(truth, predictions[chosen], series)),
         "raw_r2": float(np.mean([score.r2_before(p.truth, p.conductance_S, compensator.sign) for p in series])),
         "line_r2": tried["line"]["r2"],
         "folds": int(folds.max()) + 1,
@@ -214,9 +214,7 @@ def _scaled(network: Network, times: float) -> Network:
     )
 
 
-def _interval(
-    truth: FloatArray, prediction: FloatArray, series: Sequence[Series], folds: NDArray[np.int64]
-) -> tuple[float, float]:
+def _interval(truth: FloatArray, prediction: FloatArray, series: Sequence[Series]) -> tuple[float, float]:
     """95 % of r2: whole recordings drawn again where they are the folds, else blocks of 60 s."""
     if len(series) < GROUPS_FROM:
         step_s = sum(part.time_s[-1] - part.time_s[0] for part in series) / len(truth)

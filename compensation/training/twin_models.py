@@ -43,7 +43,7 @@ def with_memories(model: KnitModel) -> KnitModel:
     return model
 
 
-def plausible(model: KnitModel, recording: Recording, seed: int = 0) -> tuple[KnitModel, ...]:
+def plausible(model: KnitModel, recording: Recording) -> tuple[KnitModel, ...]:
     """Models that explain a short measurement: the fitted one first, then the best of a few draws about it.
 
     Parameters
@@ -51,8 +51,6 @@ def plausible(model: KnitModel, recording: Recording, seed: int = 0) -> tuple[Kn
     model : KnitModel
         Start of the fit; `with_memories` is applied to it.
     recording : Recording
-    seed : int
-        Of the draws.
 
     Returns
     -------
@@ -62,7 +60,7 @@ def plausible(model: KnitModel, recording: Recording, seed: int = 0) -> tuple[Kn
     measurement = coarser(prepare(recording), FIT_RATE_HZ)
     best = fit(with_memories(model), [measurement])
     # The posterior is a Gaussian only near its top: of the draws, those that still explain the measurement are kept.
-    kin = sorted(draws(best, DRAWS, seed), key=lambda one: _misfit(one, measurement, best))
+    kin = sorted(draws(best, DRAWS, seed=0), key=lambda one: _misfit(one, measurement, best))
     return (best.model, *kin[:KIN])
 
 

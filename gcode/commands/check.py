@@ -11,7 +11,6 @@ SHOWN = 20
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the options."""
     parser.add_argument("program", help="a Mach4 or plain RS274/NGC file")
     parser.add_argument("--v-max", type=float, required=True, metavar="MM/S", help="speed limit")
     parser.add_argument("--a-max", type=float, required=True, metavar="MM/S2", help="acceleration limit")

@@ -9,7 +9,6 @@ EXAMPLE = "gcode fit --v-mean 0.943 --v-sd 0.593 --a-mean 1.397 --a-sd 1.303 -o 
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the options."""
     parser.add_argument("--v-mean", type=float, required=True, metavar="MM/S", help="mean of |v|")
     parser.add_argument("--v-sd", type=float, required=True, metavar="MM/S", help="standard deviation of |v|")
     parser.add_argument("--a-mean", type=float, required=True, metavar="MM/S2", help="mean of |a|")
@@ -24,7 +23,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> None:
-    """Fit, print how near it came, and write the spec."""
     from gcode.support import files
     from gcode.support.console import Progress
     from gcode.trajectories.noise_fit import SHAPES, fit

@@ -9,7 +9,6 @@ EXAMPLE = "gcode generate --preset paper-1 --seed 51 --gauge-length-mm 25 -o run
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the options."""
     source = parser.add_mutually_exclusive_group(required=True)
     source.add_argument("--preset", help="paper-1, paper-2, paper-3 or fast")
     source.add_argument("--spec", metavar="TOML", help="a protocol file (see docs/gcode.md)")

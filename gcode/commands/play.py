@@ -9,7 +9,6 @@ EXAMPLE = "gcode play run-1/program.tap -o executed.csv --rate-hz 20"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the options."""
     parser.add_argument("program", help="a Mach4 or plain RS274/NGC file")
     parser.add_argument("-o", "--output", required=True, metavar="CSV", help="time_s,position_mm")
     parser.add_argument("--rate-hz", type=float, default=20.0, help="sample rate of the result (default 20)")
@@ -28,7 +27,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> None:
-    """Play and write."""
     from gcode.mach4.controller import Machine, machine_for, play
     from gcode.mach4.reader import read_program, read_text
 

@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from gcode.mach4.compensate import compensated_speeds, rounded_feeds
+from gcode.mach4.feeds import compensated_speeds, rounded_feeds
 from gcode.mach4.header import header_lines
 from gcode.mach4.reader import parse_program, read_program
 from gcode.mach4.seal import sealed

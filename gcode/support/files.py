@@ -181,13 +181,6 @@ def write_json(path: str | Path, data: Any) -> None:
     write_text(path, json.dumps(data, indent=2, allow_nan=False) + "\n")
 
 
-def read_json(path: str | Path, what: str = "file") -> Any:
-    """Read JSON; see `gcode.support.strict.read_json`."""
-    from gcode.support import strict
-
-    return strict.read_json(path, what)
-
-
 def make_folder(path: str | Path) -> Path:
     """Create a folder (and its parents); a refusal is a `UserError`."""
     path = Path(path)

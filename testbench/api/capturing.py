@@ -9,19 +9,17 @@ from pathlib import Path
 from typing import Any
 
 from gcode.support.files import existing_file
-from testbench.api.running import ENDED_WELL
+from testbench.api.running import CampaignResult
 from testbench.campaigns import record as campaigns
 from testbench.campaigns.campaign import vacant
 from testbench.campaigns.following import live_compensator
 from testbench.campaigns.record import Job, job_of
-from testbench.recordings.files import read_recording
-from testbench.recordings.recording import Recording
 from testbench.rig.motion import played
 from testbench.rig.ports import stated_port
 from testbench.rig.progress import as_dict, as_text
 from testbench.rig.recorder import Limits, Status
 from testbench.rig.serial_port import SerialLink
-from testbench.rig.signals import stop_signals
+from testbench.rig.stopping import stop_signals
 
 BAUD = 115200
 GIVE_UP_S = 60.0
@@ -29,8 +27,8 @@ Report = Callable[[Status], None]
 Stopped = Callable[[], bool]
 
 
-@dataclass(frozen=True)
-class RecordResult:
+@dataclass(frozen=True, repr=False)
+class RecordResult(CampaignResult):
     """A campaign that was recorded from a port.
 
     Attributes
@@ -41,21 +39,7 @@ class RecordResult:
         How it ended: its ``state`` is ``complete``, ``interrupted``, or names the trouble that ``message`` tells of.
     """
 
-    folder: Path
     status: Status
-
-    @property
-    def ended_well(self) -> bool:
-        """Whether it is complete, or was ended early because somebody asked for it."""
-        return self.status.state in ENDED_WELL
-
-    @property
-    def recording(self) -> Recording:
-        """What was recorded, read from the folder."""
-        return read_recording(self.folder)
-
-    def __repr__(self) -> str:
-        return f"<RecordResult {self}>"
 
     def __str__(self) -> str:
         return f"{self.folder}: {self.status.state}: {as_text(self.status)}"

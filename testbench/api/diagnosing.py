@@ -13,13 +13,12 @@ from gcode.support.figures import panels, picture
 from gcode.support.html import card, frame_table
 from testbench import diagnosis as core
 from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, recordings_for
-from testbench.api.ladder import Ladder
 from testbench.api.progress import Tell, telling
+from testbench.api.results import ModelResult
 from testbench.diagnosis.diagnosis import Diagnosis
 from testbench.diagnosis.words import diagnosis_table, first_line
 from testbench.fitting.model_file import ModelFile
 from testbench.fitting.results import checked_diagnosis, read_diagnosis
-from testbench.knit.model import KnitModel
 from testbench.report import style
 
 if TYPE_CHECKING:
@@ -31,7 +30,7 @@ MOST = 4  # effects that are looked for, one after the other
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class DiagnosisResult:
+class DiagnosisResult(ModelResult):
     """What a model is missing, how sure that is, and the model with it put in.
 
     Attributes
@@ -72,25 +71,11 @@ class DiagnosisResult:
         """The model with what was found put in and refitted, as ``model.json`` holds it."""
         return self.diagnosis.after
 
-    @property
-    def model(self) -> KnitModel:
-        """The model with what was found put in and refitted."""
-        return self.file.model
-
-    @property
-    def ladder(self) -> Ladder:
-        """The errors from the baseline to what was found."""
-        return Ladder(self.file)
-
     def __repr__(self) -> str:
         return f"<DiagnosisResult {self.words}>"
 
     def __str__(self) -> str:
         return diagnosis_table(self.diagnosis)
-
-    def save(self, path: str | Path) -> None:
-        """Write the model with what was found as ``model.json``."""
-        self.file.save(path)
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready form, the same as ``testbench diagnose --json``; documented in docs/diagnosis.md."""

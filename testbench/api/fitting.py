@@ -4,22 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gcode.support.figures import picture
 from gcode.support.html import card, frame_table
 from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, recordings_for
-from testbench.api.ladder import Ladder
 from testbench.api.overlay import plot_overlay
 from testbench.api.progress import Tell, telling
+from testbench.api.results import ModelResult
 from testbench.comparing.ladder import fitted_file
 from testbench.comparing.tables import errors_line, fit_table
 from testbench.fitting.baseline import starting_baseline
 from testbench.fitting.clamping import may_be_clamped_anew
 from testbench.fitting.measurement import Measurement, split
 from testbench.fitting.model_file import ModelFile
-from testbench.knit.model import KnitModel
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -29,7 +27,7 @@ BEYOND = 0.02  # of the calibrated range; less is noise
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class FitResult:
+class FitResult(ModelResult):
     """A fitted model, and how well it does.
 
     Attributes
@@ -45,19 +43,9 @@ class FitResult:
     held_out: Measurement
 
     @property
-    def model(self) -> KnitModel:
-        """The fitted model; ``fit.model + effect`` is another one, with an effect put in."""
-        return self.file.model
-
-    @property
     def parameters(self) -> pd.DataFrame:
         """A row a parameter, by address (``effect.parameter``): value, standard error, unit, note."""
         return self.to_frame()
-
-    @property
-    def ladder(self) -> Ladder:
-        """The errors of this model, and of those that it was made from."""
-        return Ladder(self.file)
 
     @property
     def errors(self) -> dict[str, dict[str, float]]:
@@ -79,10 +67,6 @@ class FitResult:
 
     def __str__(self) -> str:
         return f"{fit_table(self.file)}\n{errors_line(self.file.history[-1])}"
-
-    def save(self, path: str | Path) -> None:
-        """Write ``model.json``."""
-        self.file.save(path)
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready form: the model, its parameters with their errors, and the history of its errors."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from gcode.support.files import read_json
+from gcode.support.strict import read_json
 from testbench.recordings.channels import FORCE, RESISTANCE
 from testbench.recordings.files import read_recording
 from testbench.recordings.recording import Recording

@@ -13,11 +13,10 @@ from gcode.support.files import check_place, write_text
 from gcode.support.html import card, frame_table
 from testbench import proposing as core
 from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, recordings_for
-from testbench.api.ladder import Ladder
 from testbench.api.overlay import plot_overlay
 from testbench.api.progress import Tell, telling
+from testbench.api.results import ModelResult
 from testbench.fitting.model_file import ModelFile
-from testbench.knit.model import KnitModel
 from testbench.proposing.proposal import MOST_LAWS, Proposed
 from testbench.proposing.words import as_json, first_line, proposal_text, story
 from testbench.proposing.writing import check_name, file_text, free_path, in_words
@@ -30,7 +29,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ProposalResult:
+class ProposalResult(ModelResult):
     """A law that was found in what a model leaves, or why none is proposed.
 
     Attributes
@@ -66,16 +65,6 @@ class ProposalResult:
         """The model with the law put in and refitted, as ``model.json`` holds it."""
         return self.proposed.after
 
-    @property
-    def model(self) -> KnitModel:
-        """The model with the law put in and refitted."""
-        return self.file.model
-
-    @property
-    def ladder(self) -> Ladder:
-        """The errors from the baseline to the model with the law."""
-        return Ladder(self.file)
-
     def __repr__(self) -> str:
         return f"<ProposalResult {self.words}>"
 
@@ -108,10 +97,6 @@ class ProposalResult:
         write_text(effect, self._code(effect.name))
         write_figure(figure_of(self.proposed), drawn)
         return effect, drawn
-
-    def save(self, path: str | Path) -> None:
-        """Write the model with the law as ``model.json``."""
-        self.file.save(path)
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready form, the same as ``testbench propose --json``; documented in docs/propose.md."""

@@ -23,32 +23,30 @@ from testbench.rig.links import real_time as at_the_machines_pace
 from testbench.rig.motion import played
 from testbench.rig.past import DEFAULT_REST_S
 from testbench.rig.recorder import Status
-from testbench.rig.signals import stop_signals
 from testbench.rig.simulated import Motion
+from testbench.rig.stopping import stop_signals
 
 ENDED_WELL = ("complete", "interrupted")
 MODEL = "model"  # what a manifest calls a sensor that has no other name
 
 
 @dataclass(frozen=True)
-class RunResult:
-    """A simulated campaign on the disk.
+class CampaignResult:
+    """A campaign that was just recorded, of a real sensor or a simulated one, on the disk.
 
     Attributes
     ----------
     folder : Path
-        With the recording, the program and the manifest from which it can be made again.
-    sensor : str
-        What its manifest calls the sensor.
-    seed : int
+        With the recording, the program and the manifest.
     status : Status or None
         How the recording ended; None where the same campaign was there already, every byte of it.
     """
 
     folder: Path
-    sensor: str
-    seed: int
     status: Status | None
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self}>"
 
     @property
     def ended_well(self) -> bool:
@@ -60,8 +58,20 @@ class RunResult:
         """What was recorded, read from the folder."""
         return read_recording(self.folder)
 
-    def __repr__(self) -> str:
-        return f"<RunResult {self}>"
+
+@dataclass(frozen=True, repr=False)
+class RunResult(CampaignResult):
+    """A simulated campaign on the disk, from whose folder it can be made again.
+
+    Attributes
+    ----------
+    sensor : str
+        What its manifest calls the sensor.
+    seed : int
+    """
+
+    sensor: str
+    seed: int
 
     def __str__(self) -> str:
         if self.status is None:
@@ -151,7 +161,7 @@ def run(
     with program_file(program) as path:
         plan, motion = planned(knit, path, seed, gauge_length_mm, instruments, earlier, rest_s, name, own)
         if matches(folder, plan):
-            return RunResult(folder, name, seed, None)
+            return RunResult(folder, None, name, seed)
         if folder.resolve() in {source.resolve() for source in earlier}:
             raise UserError(f"{folder}: cannot replace a campaign that this one comes after; choose another with -o")
         vacant(folder, overwrite)
@@ -160,7 +170,7 @@ def run(
                 status = simulate_live(plan, folder, motion, report, at_the_machines_pace, stopped)
         else:
             status = simulate_campaign(plan, folder, motion, report)
-    return RunResult(folder, name, seed, status)
+    return RunResult(folder, status, name, seed)
 
 
 @contextlib.contextmanager

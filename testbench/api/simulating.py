@@ -14,7 +14,6 @@ from testbench.api.running import planned, program_file
 from testbench.campaigns.campaign import simulate_campaign
 from testbench.knit.catalogue import baseline
 from testbench.knit.effect import Effect
-from testbench.knit.presets import preset
 from testbench.recordings.files import read_recording
 from testbench.recordings.instruments import Instruments
 from testbench.recordings.recording import Recording
@@ -107,6 +106,3 @@ def example(*effects: Effect, seed: int = 1, duration_s: float = EXAMPLE_S) -> R
         model = model + effect
     program = generate("paper-1", seed=seed, duration_s=duration_s)
     return replace(simulate(model, program, seed=seed), source=f"example-{seed}")
-
-
-__all__ = ["baseline", "example", "preset", "simulate"]

@@ -22,7 +22,7 @@ from testbench.rig.simulated import Motion
 
 PLANNED = "displacement_planned_mm"
 GRID_HZ = 50.0
-WINDOW_S, REACH_S = 30.0, 2.0
+WINDOW_S, REACH_S = 30.0, 2.0  # length of a window; how far its lag may be from its neighbour's
 TRUSTED_CORRELATION = 0.8
 
 

@@ -15,13 +15,14 @@ from gcode.support.files import copy_file, drafted_folder, make_folder
 from testbench.campaigns.plan import EFFECTS, PROGRAM, Plan, past_names
 from testbench.recordings import manifest
 from testbench.recordings.files import write_recording_csv
-from testbench.recordings.manifest import Campaign, origin_of, read_manifest, write_manifest
+from testbench.recordings.manifest import CSV, Campaign, origin_of, read_manifest, write_manifest
 from testbench.recordings.recording import Recording
 from testbench.recordings.versions import software_versions
 from testbench.rig.at_once import at_once
-from testbench.rig.recorder import DISK_STATES, Part, Recorder, Status, counts, in_memory
+from testbench.rig.parts import Part, in_memory
+from testbench.rig.recorder import DISK_STATES, Recorder, Status, counts
 from testbench.rig.simulated import Motion
-from testbench.rig.sink import CSV, EVENTS, Sink
+from testbench.rig.sink import EVENTS, Sink
 from testbench.rig.stream import Intake
 
 COMPENSATED = "compensated.csv"  # what a compensator made of it while it was recorded

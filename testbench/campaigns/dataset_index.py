@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from gcode.support.errors import UserError
-from gcode.support.files import read_json, sha256_of, write_json
-from gcode.support.strict import validated
+from gcode.support.files import sha256_of, write_json
+from gcode.support.strict import read_json, validated
 from testbench.recordings import manifest
 from testbench.recordings.stored import StoredIndex
 

@@ -6,10 +6,10 @@ import re
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import Field, ValidationError, model_validator
 
 from gcode.support.errors import UserError, first_problem
-from gcode.support.strict import read_toml
+from gcode.support.strict import StrictModel, read_toml
 from testbench.recordings.instruments import Instruments
 from testbench.rig.past import DEFAULT_REST_S
 
@@ -20,11 +20,7 @@ Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Rest = Annotated[float, Field(ge=0, le=1e5, allow_inf_nan=False)]
 
 
-class _Strict(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
-
-class TrajectoryWish(_Strict):
+class TrajectoryWish(StrictModel):
     """Programs to be planned: a preset of `gcode` or a spec file, once for each seed."""
 
     preset: str | None = None
@@ -44,7 +40,7 @@ class TrajectoryWish(_Strict):
         return self
 
 
-class DatasetSpec(_Strict):
+class DatasetSpec(StrictModel):
     """What a data set holds.
 
     Attributes

@@ -20,6 +20,7 @@ from testbench.rig.simulated import GRID_HZ, Motion, SimulatedRig
 from testbench.trust import named_effects
 
 PROGRAM, EFFECTS = "program.tap", "effects.py"
+HOLD_S = 3.0  # the rig on a port stands still so long after its motion, for the recorder to see that it is over
 
 
 @dataclass(frozen=True)
@@ -76,6 +77,10 @@ class Plan:
         earlier = [_played(path, sha256_of(path), self.gauge_length_mm) for path in self.past]
         past_mm = past_displacement(earlier, self.rest_s)
         return SimulatedRig(self.model, motion, self.gauge_length_mm, self.seed, self.instruments, past_mm)
+
+    def wire_lines(self, motion: Motion) -> list[bytes]:
+        """All lines that the rig sends to a port while it plays this plan along `motion`, and then stands still."""
+        return list(self.rig(motion.held(HOLD_S)).lines())
 
     def copy_sources(self, folder: Path) -> None:
         """Put all files that the campaign is to be made from into its folder."""

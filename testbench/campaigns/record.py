@@ -13,17 +13,18 @@ from gcode.support.errors import UserError
 from gcode.support.files import copy_file, drafted_folder, sha256_of
 from testbench.campaigns.campaign import campaign_files, finish
 from testbench.campaigns.plan import PROGRAM
-from testbench.recordings.manifest import NAME, Campaign, read_manifest, write_manifest
+from testbench.recordings.manifest import CSV, IN_PROGRESS, NAME, Campaign, read_manifest, write_manifest
 from testbench.recordings.versions import software_versions
 from testbench.rig.ending import EndOfMotion
 from testbench.rig.held import held
 from testbench.rig.motion import played
+from testbench.rig.parts import Part
 from testbench.rig.ports import remembered_port, stated_port
-from testbench.rig.recorder import PROGRESS_S, Follow, Limits, Part, Recorder, Status
+from testbench.rig.recorder import PROGRESS_S, Follow, Limits, Recorder, Status
 from testbench.rig.resume import continued, mend, watched
 from testbench.rig.serial_port import host_clock_s
 from testbench.rig.simulated import Motion
-from testbench.rig.sink import CSV, EVENTS, ROOM_BYTES, Sink, Syncer
+from testbench.rig.sink import EVENTS, ROOM_BYTES, Sink, Syncer
 from testbench.rig.stream import Event, Intake
 
 
@@ -190,5 +191,5 @@ def _synced(sink: Sink, work: Callable[[], Status]) -> Status:
 
 
 def _mark_in_progress(folder: Path, gauge_length_mm: float, recipe: dict[str, Any]) -> None:
-    campaign = Campaign(gauge_length_mm, "recorded", "recording", recipe, {}, software_versions())
+    campaign = Campaign(gauge_length_mm, "recorded", IN_PROGRESS, recipe, {}, software_versions())
     write_manifest(folder, campaign, [CSV, EVENTS, *(name for name in campaign_files(folder) if name == PROGRAM)])

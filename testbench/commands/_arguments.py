@@ -39,6 +39,24 @@ def add_clamp_play(parser: argparse.ArgumentParser, of: str = "--held-out") -> N
     )
 
 
+def add_bounds(parser: argparse.ArgumentParser) -> None:
+    """--v-max, --a-max, --strain-max: what a designed motion keeps."""
+    parser.add_argument("--v-max", type=positive, default=10.0, metavar="MM/S", help="speed limit (default 10)")
+    parser.add_argument(
+        "--a-max", type=positive, default=20.0, metavar="MM/S2", help="acceleration limit (default 20)"
+    )
+    parser.add_argument("--strain-max", type=positive, default=30.0, metavar="%", help="largest strain (default 30)")
+
+
+def bounds_of(args: argparse.Namespace) -> dict[str, float]:
+    """What `add_bounds` declared, as the public functions take it."""
+    return {
+        "v_max_mm_per_s": args.v_max,
+        "a_max_mm_per_s2": args.a_max,
+        "strain_max_percent": args.strain_max,
+    }
+
+
 def positive(text: str) -> float:
     """argparse type: a positive, finite number."""
     value = float(text)

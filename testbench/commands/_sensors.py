@@ -1,4 +1,4 @@
-"""Arguments of the commands that simulate: which sensor, and what it went through before."""
+"""Arguments of the commands that simulate: which sensor, which program, and what it went through before."""
 
 from __future__ import annotations
 
@@ -6,24 +6,27 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from testbench.commands._arguments import add_effects, rest
+from testbench.commands._arguments import add_effects, natural, positive, rest
 
 if TYPE_CHECKING:
     from testbench.knit.model import KnitModel
 
 
-def add_sensor_arguments(parser: argparse.ArgumentParser) -> None:
-    """``--sensor``, ``--model`` and ``--effects``, the same for every command that simulates."""
+def add_simulation_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare which sensor it is, which program is played on it, and what it went through before."""
     which = parser.add_mutually_exclusive_group(required=True)
     which.add_argument(
         "--sensor", metavar="NAME", help="preset of a knit: pes or lycra; pes@3: the third specimen of its kind"
     )
     which.add_argument("--model", metavar="FILE", help="model.json to simulate in place of a preset")
     add_effects(parser)
-
-
-def add_past_arguments(parser: argparse.ArgumentParser) -> None:
-    """``--after`` and ``--rest-s``: what the sensor went through before."""
+    parser.add_argument("--program", required=True, metavar="FILE", help="Mach4 program that moves the stage")
+    parser.add_argument(
+        "--seed", type=natural, default=1, metavar="N", help="of noise and sampling times (default 1)"
+    )
+    parser.add_argument(
+        "--gauge-length-mm", type=positive, metavar="L", help="default: from the program's header, else 25"
+    )
     parser.add_argument(
         "--after",
         nargs="+",

@@ -6,6 +6,7 @@ import argparse
 from typing import TYPE_CHECKING
 
 from testbench.commands._arguments import add_effects, add_held_out
+from testbench.commands._output import show_notes
 
 if TYPE_CHECKING:
     from testbench.api.ladder import Ladder
@@ -15,7 +16,6 @@ EXAMPLE = "testbench add stress_relaxation --model model.json --fit campaign-1 -
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     parser.add_argument("effect", nargs="?", help="a name from `testbench effects`")
     parser.add_argument("--model", metavar="M", required=True, help="the model.json to start from")
     parser.add_argument("--fit", metavar="RECORDING", help="the recording to refit on")
@@ -26,7 +26,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Add or undo, write, and show the ladder."""
     from gcode.support.errors import UserError
     from gcode.support.files import check_place
     from testbench.api.adding import undo
@@ -43,8 +42,6 @@ def run(args: argparse.Namespace) -> int:
 
 def _added(args: argparse.Namespace) -> Ladder:
     """The ladder with the effect on it; notes and effects that no longer pay are told."""
-    import sys
-
     from testbench.api.adding import add, no_longer_pays
 
     found = add(
@@ -55,8 +52,7 @@ def _added(args: argparse.Namespace) -> Ladder:
         effects=args.effects,
         gauge_length_mm=args.gauge_length_mm,
     )
-    for note in found.notes:
-        print(f"note: {note}", file=sys.stderr)
+    show_notes(found)
     for name in no_longer_pays(found, args.effect):
         print(f"{name} no longer pays now that {args.effect} is in: without it the held-out error hardly rises")
     return found.ladder

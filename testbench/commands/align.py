@@ -11,7 +11,6 @@ EXAMPLE = "testbench align knit-7 -o knit-7-aligned"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-
     parser.add_argument("recording", metavar="RECORDING", help="campaign folder, or a CSV with --program")
     parser.add_argument("--program", metavar="FILE", help="default: the campaign's own")
     parser.add_argument("--gauge-length-mm", type=positive, metavar="L", help="of a bare CSV")

@@ -5,13 +5,13 @@ from __future__ import annotations
 import argparse
 
 from testbench.commands._arguments import add_clamp_play, add_effects
+from testbench.commands._output import show, show_notes
 
 SUMMARY = "show a model over a measurement and say where it fails"
 EXAMPLE = "testbench compare campaign-2 --model model.json --json"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     parser.add_argument("recording", help="a CSV, or a campaign folder")
     parser.add_argument("--model", metavar="M", required=True, help="a model.json")
     parser.add_argument("--gauge-length-mm", type=float, metavar="L", help="for a bare CSV (default: the model's)")
@@ -21,10 +21,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Compare and print."""
-    import json
-    import sys
-
     from testbench.api.comparing import compare
 
     found = compare(
@@ -34,7 +30,6 @@ def run(args: argparse.Namespace) -> int:
         gauge_length_mm=args.gauge_length_mm,
         clamp_play_mm=args.clamp_play_mm,
     )
-    for note in found.notes:
-        print(f"note: {note}", file=sys.stderr)
-    print(json.dumps(found.to_dict(), indent=2) if args.json else found)
+    show_notes(found)
+    show(found, "-" if args.json else None)
     return 0

@@ -6,6 +6,7 @@ import argparse
 
 from testbench.api.progress import Telling, clear_line
 from testbench.commands._arguments import add_clamp_play, add_effects, add_recording
+from testbench.commands._output import show
 
 SUMMARY = "say which physical effect the model is missing, with the evidence"
 EXAMPLE = "testbench diagnose campaign-1 --held-out campaign-2 --json diagnosis.json"
@@ -13,7 +14,6 @@ CANDIDATES_OF_A_ROUND, USUAL_ROUNDS = 12, 2  # refits of a round: the best mecha
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     add_recording(parser)
     parser.add_argument("--model", metavar="M", help="diagnose this model.json instead of the baseline")
     add_clamp_play(parser)
@@ -27,11 +27,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Diagnose, print, write."""
-    import json
-
     from gcode.support.errors import UserError
-    from gcode.support.files import check_place, write_json
+    from gcode.support.files import check_place
     from testbench.api.diagnosing import diagnose
 
     if args.repeat < 1:
@@ -53,12 +50,7 @@ def run(args: argparse.Namespace) -> int:
         clear_line()
     if args.output:
         found.save(args.output)
-    if args.json == "-":
-        print(json.dumps(found.to_dict(), indent=2))
-        return 0
-    if args.json:
-        write_json(args.json, found.to_dict())
-    print(found)
+    show(found, args.json)
     return 0
 
 

@@ -15,7 +15,6 @@ EXAMPLE = "testbench effects stress_relaxation --plot relaxation.png"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     parser.add_argument("name", nargs="?", metavar="NAME", help="show the card of this effect")
     parser.add_argument(
         "--plot", nargs="?", const="", metavar="FILE.png", help="with NAME: draw data without and with it"
@@ -30,7 +29,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """List, show, check or start."""
     if args.new:
         return _new(args.new, args.output or f"{args.new}.py")
     from testbench.knit import card
@@ -38,7 +36,7 @@ def run(args: argparse.Namespace) -> int:
 
     catalogue = load_catalogue(args.effects)
     if args.check:
-        return _check(catalogue, args)
+        return _check(catalogue, args.name)
     if args.name is None:
         print(card.catalogue_markdown(catalogue) if args.markdown else card.catalogue_text(catalogue))
         return 0
@@ -67,17 +65,11 @@ def _plot(catalogue: Catalogue, name: str, output: str) -> None:
     print(f"\npicture    {output}")
 
 
-def _check(catalogue: Catalogue, args: argparse.Namespace) -> int:
-    from testbench.knit.catalogue import load_catalogue
-    from testbench.knit.laws import check
+def _check(catalogue: Catalogue, name: str | None) -> int:
+    from testbench.knit.laws import checked
 
-    own = [name for name in catalogue.effects if name not in load_catalogue().effects]
-    names = [args.name] if args.name else own or list(catalogue.effects)
-    broken = 0
-    for name in names:
-        problems = check(catalogue[name]())
-        broken += bool(problems)
-        print(f"{name}: {'obeys all laws' if not problems else ''}".rstrip())
-        for problem in problems:
-            print(f"  {problem}")
-    return 1 if broken else 0
+    all_obey = True
+    for effect, problems in checked(catalogue, name):
+        all_obey &= not problems
+        print("\n  ".join([f"{effect}:", *problems]) if problems else f"{effect}: obeys all laws")
+    return 0 if all_obey else 1

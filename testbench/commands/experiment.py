@@ -4,22 +4,19 @@ from __future__ import annotations
 
 import argparse
 
-from testbench.commands._arguments import add_effects, add_held_out
+from testbench.commands._arguments import add_bounds, add_effects, add_held_out, bounds_of
 
 SUMMARY = "propose the next trajectory: the one that separates two rival models best"
 EXAMPLE = "testbench experiment creep.json relaxation.json --strain-max 30 -o next-run --plot next-run.png"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     parser.add_argument("models", nargs="*", metavar="MODEL", help="two or more rival model.json")
     parser.add_argument("--diagnosis", metavar="JSON", help="instead: the tied effects of this diagnosis ...")
     parser.add_argument("--fit", metavar="RECORDING", help="... each put in and refitted on this recording")
     add_held_out(parser)
     add_effects(parser)
-    parser.add_argument("--v-max", type=float, default=10.0, metavar="MM/S", help="speed limit (default: 10)")
-    parser.add_argument("--a-max", type=float, default=20.0, metavar="MM/S2", help="acceleration limit (default: 20)")
-    parser.add_argument("--strain-max", type=float, default=30.0, metavar="%", help="largest strain (default: 30)")
+    add_bounds(parser)
     parser.add_argument("--duration-s", type=float, default=600.0, metavar="S", help="length (default: 600)")
     parser.add_argument("--seed", type=int, default=1, help="of the random protocols (default: 1)")
     parser.add_argument("--temperature", action="store_true", help="the temperature will be measured too")
@@ -29,7 +26,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Weigh the protocols, print the ranking, write the winner."""
     from gcode.support.errors import UserError
     from gcode.support.files import check_place, write_json
     from testbench.api.designing import next_experiment
@@ -42,18 +38,12 @@ def run(args: argparse.Namespace) -> int:
         raise UserError("experiment: give two rival MODEL files, or --diagnosis JSON --fit RECORDING")
     check_place(args.json, "--json")
     check_place(args.plot, "--plot")
-    bounds = {
-        "v_max_mm_per_s": args.v_max,
-        "a_max_mm_per_s2": args.a_max,
-        "strain_max_percent": args.strain_max,
-        "duration_s": args.duration_s,
-    }
     tell = Telling("motion", len(MENU), "imitating on")
     found = next_experiment(
         args.diagnosis or args.models,
         args.fit if args.diagnosis else None,
         args.held_out if args.diagnosis else None,
-        bounds=bounds,
+        bounds={**bounds_of(args), "duration_s": args.duration_s},
         seed=args.seed,
         temperature=args.temperature,
         effects=args.effects,

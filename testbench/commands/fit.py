@@ -5,13 +5,13 @@ from __future__ import annotations
 import argparse
 
 from testbench.commands._arguments import add_clamp_play, add_effects, add_recording
+from testbench.commands._output import show_notes
 
 SUMMARY = "calibrate the baseline (or a given model) on a recording; write model.json"
 EXAMPLE = "testbench fit campaign-1 --held-out campaign-2 -o model.json"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     add_recording(parser)
     parser.add_argument("--model", metavar="M", help="start from this model.json instead of the baseline")
     add_clamp_play(parser)
@@ -20,9 +20,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Fit, write, and say what was found."""
-    import sys
-
     from gcode.support.files import check_place
     from testbench.api.fitting import fit
 
@@ -35,8 +32,7 @@ def run(args: argparse.Namespace) -> int:
         gauge_length_mm=args.gauge_length_mm,
         clamp_play_mm=args.clamp_play_mm,
     )
-    for note in found.notes:
-        print(f"note: {note}", file=sys.stderr)
+    show_notes(found)
     found.save(args.output)
     print(found)
     print(f"wrote {args.output}")

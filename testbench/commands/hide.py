@@ -14,7 +14,6 @@ WORLDS_HELP = (
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the options of ``testbench hide``."""
     parser.add_argument(
         "--effect",
         metavar="NAME",
@@ -41,7 +40,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> None:
-    """Make the case and write it, telling nothing of what is in it."""
     from testbench.api.hiding import hide
     from testbench.recordings.channels import FORCE, RESISTANCE
 

@@ -14,7 +14,7 @@ SUMMARY = "turn a file of a tester or logger (CSV, Excel, TDMS) into a recording
 EXAMPLE = """testbench import lab.csv --gauge-length-mm 40 -o lab
   testbench import raw.csv --time 3 --force 6 --force-unit N --time-unit s --displacement 4 --displacement-unit mm \\
       --gauge-length-mm 40 -o raw"""
-# Keys of testbench.importing.words.ROLES; that module is too heavy for --help.
+# Keys of testbench.importing.roles.ROLES; that module is too heavy for --help.
 COLUMNS = (
     ("time", "of the time"),
     ("displacement", ""),
@@ -39,7 +39,6 @@ UNITS = (
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-
     parser.add_argument("file", metavar="FILE", help="text (CSV and the like), .xlsx or .tdms")
     parser.add_argument(
         "--gauge-length-mm", type=positive, metavar="L", help="length between the clamps at rest; needed for strain"
@@ -54,7 +53,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _add_columns(parser: argparse.ArgumentParser) -> None:
-
     group = parser.add_argument_group(
         "columns",
         "Found by name and unit. COL is a name, a number from 1, or none where there is no such column.",

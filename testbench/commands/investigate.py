@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from testbench.commands._arguments import add_effects, natural, positive, rest
+from testbench.commands._arguments import add_bounds, add_effects, bounds_of, natural, positive, rest
 
 SUMMARY = "run experiments until it is sure what is missing: plan, run, diagnose, design the next motion"
 EXAMPLE = (
@@ -17,8 +17,6 @@ EXAMPLE = (
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
-
     parser.add_argument(
         "sensor",
         nargs="?",
@@ -43,11 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--sure", type=float, default=0.95, metavar="P", help="probability to end at (default 0.95)")
     parser.add_argument("--fresh", action="store_true", help="a fresh specimen for each run (default: one that ages)")
     parser.add_argument("--rest-s", type=rest, default=30.0, metavar="T", help="rest between runs (default 30)")
-    parser.add_argument("--v-max", type=positive, default=10.0, metavar="MM/S", help="speed limit (default 10)")
-    parser.add_argument(
-        "--a-max", type=positive, default=20.0, metavar="MM/S2", help="acceleration limit (default 20)"
-    )
-    parser.add_argument("--strain-max", type=positive, default=30.0, metavar="%", help="largest strain (default 30)")
+    add_bounds(parser)
     parser.add_argument("--max-force-n", type=positive, metavar="F", help="no motion that may need more force")
     parser.add_argument("--gauge-length-mm", type=positive, default=25.0, metavar="L", help="default 25")
     parser.add_argument(
@@ -63,7 +57,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Investigate, print each run, write."""
     import json
     import sys
 
@@ -72,7 +65,7 @@ def run(args: argparse.Namespace) -> int:
     from testbench.api.progress import clear_line
     from testbench.investigating.words import ending_words
     from testbench.rig.progress import terminal
-    from testbench.rig.signals import stop_signals
+    from testbench.rig.stopping import stop_signals
 
     check_place(args.json, "--json")
     to_stdout = args.json == "-"
@@ -109,11 +102,7 @@ def _asked(args: argparse.Namespace) -> dict[str, Any]:
     return {
         "port": args.port,
         "speed": args.speed,
-        "bounds": {
-            "v_max_mm_per_s": args.v_max,
-            "a_max_mm_per_s2": args.a_max,
-            "strain_max_percent": args.strain_max,
-        },
+        "bounds": bounds_of(args),
         "run_minutes": args.run_minutes,
         "budget_minutes": args.budget_minutes,
         "sure": args.sure,

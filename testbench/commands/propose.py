@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 
 from testbench.commands._arguments import add_effects, add_recording
+from testbench.commands._output import show
 
 SUMMARY = "when no effect fits: find a law in what the model leaves, and write it down as an effect"
 EXAMPLE = "testbench propose campaign-1 --held-out campaign-2 --model model.json -o my_effect.py"
@@ -12,7 +13,6 @@ STEPS_OF_A_LAW = 10  # about as many of the progress line: the growth of the bea
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     add_recording(parser)
     parser.add_argument("--model", metavar="M", help="the best model.json so far (default: the baseline)")
     add_effects(parser)
@@ -33,11 +33,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Propose, print, write."""
-    import json
-
     from gcode.support.errors import UserError
-    from gcode.support.files import check_place, write_json
+    from gcode.support.files import check_place
     from testbench.api.arguments import catalogue_of
     from testbench.api.progress import Counting, clear_line
     from testbench.api.proposing import check_effect_file, propose
@@ -61,15 +58,12 @@ def run(args: argparse.Namespace) -> int:
     )
     if tell:
         clear_line()
-    quiet = args.json == "-"
-    print(json.dumps(found.to_dict(), indent=2) if quiet else found)
-    if args.json and not quiet:
-        write_json(args.json, found.to_dict())
+    show(found, args.json)
     if found.is_proposed:
         found.write(output, picture)
         if args.save_model:
             found.save(args.save_model)
-        if not quiet:
+        if args.json != "-":
             print(f"\nwrote {output} and {picture}" + (f" and {args.save_model}" if args.save_model else ""))
             print(f"next: testbench effects --effects {output} --check")
     return 0

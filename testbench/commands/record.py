@@ -12,7 +12,6 @@ EXAMPLE = "testbench record --port /dev/ttyUSB0 --program program.tap -o knit-7"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-
     parser.add_argument(
         "--port", metavar="URL", help="device (/dev/ttyUSB0), socket://HOST:PORT or rfc2217://HOST:PORT"
     )

@@ -11,7 +11,6 @@ EXAMPLE = "testbench report --recording campaign-1 --held-out campaign-2 --model
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     parser.add_argument(
         "--recording", action="append", default=[], metavar="R", help="a CSV or a campaign folder; may be repeated"
     )
@@ -36,7 +35,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Build the report and write it."""
     from gcode.support.files import check_place
     from testbench.api.reporting import make_report
 

@@ -5,25 +5,16 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from testbench.commands._arguments import natural, positive
-from testbench.commands._sensors import add_past_arguments, add_sensor_arguments, sensor_model
+from testbench.commands._arguments import positive
+from testbench.commands._sensors import add_simulation_arguments, sensor_model
 
 SUMMARY = "run a program on the simulated rig and write a campaign folder"
 EXAMPLE = "testbench run --sensor pes --program program.tap --seed 1 -o pes-1"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-
-    add_sensor_arguments(parser)
-    parser.add_argument("--program", required=True, metavar="FILE", help="Mach4 program that moves the stage")
-    parser.add_argument(
-        "--seed", type=natural, default=1, metavar="N", help="of noise and sampling times (default 1)"
-    )
+    add_simulation_arguments(parser)
     parser.add_argument("-o", dest="campaign", required=True, metavar="CAMPAIGN", help="folder to write")
-    parser.add_argument(
-        "--gauge-length-mm", type=positive, metavar="L", help="default: from the program's header, else 25"
-    )
-    add_past_arguments(parser)
     parser.add_argument("--divider-ohm", type=positive, metavar="R", help="reference resistor (default 606000)")
     parser.add_argument("--rate-hz", type=positive, metavar="F", help="mean sampling rate (default 41.5)")
     parser.add_argument("--rate-sd-hz", type=positive, metavar="S", help="its spread (default 14.2)")

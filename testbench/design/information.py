@@ -14,7 +14,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import solve_triangular
-from scipy.special import logsumexp
 
 from testbench.knit.effect import FloatArray
 
@@ -71,20 +70,6 @@ def information(predictions: Sequence[Prediction], chances: Sequence[float]) -> 
     return Information(max(entropy - doubt, 0.0), max(entropy - least, 0.0), doubt)
 
 
-def sampled_information(
-    predictions: Sequence[Prediction], chances: Sequence[float], rng: np.random.Generator, draws: int = 2000
-) -> float:
-    """The same by simulation: readings are drawn, and the hypotheses weighed with each (nested Monte Carlo)."""
-    gaussians, weight = _spanned(predictions), _normalised(chances)
-    told = 0.0
-    for k, truth in enumerate(gaussians):
-        noise = rng.standard_normal((draws, len(truth.mean)))
-        readings = truth.mean + noise @ truth.root.T
-        log = np.array([one.log_density(readings) for one in gaussians])
-        told += weight[k] * float(np.mean(log[k] - logsumexp(log, axis=0, b=weight[:, None])))
-    return told
-
-
 @dataclass(frozen=True, eq=False)
 class _Gaussian:
     mean: FloatArray
@@ -97,10 +82,6 @@ class _Gaussian:
     def squares(self, readings: FloatArray) -> FloatArray:
         """Mahalanobis squares of rows, shape (m,)."""
         return np.sum(solve_triangular(self.root, (readings - self.mean).T, lower=True) ** 2, axis=0)
-
-    def log_density(self, readings: FloatArray) -> FloatArray:
-        """Logarithm of the density up to a constant that all hypotheses share, shape (m,)."""
-        return -0.5 * self.squares(readings) - self.half_log_det
 
 
 def _spanned(predictions: Sequence[Prediction]) -> list[_Gaussian]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from testbench.importing.layout import Column
-from testbench.importing.words import ROLES, words_of
+from testbench.importing.roles import words_of
 
 _TIME_WORDS = {"t", "time", "zeit", "timestamp", "s", "时间"}
 
@@ -34,7 +34,7 @@ def own_clocks(times: Sequence[Column], channels: Mapping[str, Column]) -> dict[
 
 def _by_name(times: Sequence[Column], role: str, channel: Column) -> Column | None:
     """The one time column whose other words are of the channel's name, or begin that of its role."""
-    names = {*words_of(channel.heading.whole), *(word for word in ROLES if word == role)}
+    names = {*words_of(channel.heading.whole), role}
     fitting = []
     for time in times:
         others = [word for word in words_of(time.heading.whole) if word not in _TIME_WORDS]

@@ -22,13 +22,13 @@ from testbench.importing.layout import Column, misfit
 from testbench.importing.notation import numbers
 from testbench.importing.opening import open_sheet
 from testbench.importing.repeats import repeats_of
+from testbench.importing.roles import STRETCH, counts_repeats, speaks_about
 from testbench.importing.rows import channels_of, check_change, in_order, usable
 from testbench.importing.sheet import Sheet
 from testbench.importing.signs import doubts, turned, zeroed
 from testbench.importing.trouble_words import in_words
 from testbench.importing.units import units_spelt
 from testbench.importing.wish import Wish
-from testbench.importing.words import STRETCH, counts_repeats, speaks_about
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE
 from testbench.recordings.recording import Recording
 

@@ -12,7 +12,6 @@ from testbench.importing.units import units_spelt
 Rows = Sequence[Sequence[str]]
 SHOWN = 60  # characters of a name in a message
 LOOK_UP = 8  # filled rows above the numbers in which names and units are looked for
-RUN = 3  # rows of numbers in a row that make a table
 
 
 def shortened(text: str) -> str:

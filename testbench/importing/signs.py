@@ -9,9 +9,9 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from testbench.importing.choice import Choice
+from testbench.importing.roles import STRETCH
 from testbench.importing.units import Unit, conversion, unit_of
 from testbench.importing.wish import Wish
-from testbench.importing.words import STRETCH
 from testbench.recordings.channels import DISPLACEMENT, FORCE
 
 SIGNED = ("displacement", "strain", "force")

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
 MOST_WORDS = 200  # of what npTDMS objects to
-FIRST_ROW = 3  # names and units stand above the numbers
 _UNIT_PROPERTIES = ("unit_string", "NI_UnitDescription", "Unit", "unit")
 
 

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from testbench.importing.choice import FLAGS, UNIT_FLAGS, Trouble, described
 from testbench.importing.layout import Column, Layout
+from testbench.importing.roles import ROLES
 from testbench.importing.units import symbols
-from testbench.importing.words import ROLES
 
 WORDS = {
     "relative": "relative resistance R/R0",

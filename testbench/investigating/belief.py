@@ -58,6 +58,11 @@ def judged(
 
     Parameters
     ----------
+    measurement : Measurement
+        Of all recordings so far, joined.
+    runs : int
+        How many recordings these are.
+    catalogue : Catalogue
     start : KnitModel, optional
         The model so far; default: the baseline.
     most : int

@@ -25,7 +25,6 @@ from testbench.rig.recorder import Limits, Status
 from testbench.rig.serial_port import SerialLink
 
 PATIENCE_S = 5.0  # for the rig to notice that nobody listens any more
-HOLD_S = 3.0  # the simulated rig stands still so long after its motion, for the recorder's end
 
 Report = Callable[[Status], None]
 
@@ -130,7 +129,7 @@ class PtyBench:
             return
         _remove_unfinished(order.folder)
         motion, _ = played(order.program, order.gauge_length_mm)
-        lines = list(self.simulated.plan(order).rig(motion.held(HOLD_S)).lines())
+        lines = self.simulated.plan(order).wire_lines(motion)
         port, heard = PtyPort(), threading.Event()
         wire = takewhile(lambda _line: not heard.is_set(), paced(lines, self.speed))
         worker = threading.Thread(target=lambda: serve(port, wire), daemon=True)

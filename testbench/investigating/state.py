@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -181,9 +180,3 @@ def program_folder(folder: Path, number: int) -> Path:
 def run_folder(folder: Path, number: int) -> Path:
     """The campaign of a run."""
     return folder / f"run-{number}"
-
-
-def run_numbers(folder: Path) -> list[int]:
-    """Runs whose campaign folders are there."""
-    found = (re.fullmatch(r"run-(\d{1,4})", one.name) for one in folder.iterdir() if one.is_dir())
-    return sorted(int(match.group(1)) for match in found if match)

@@ -17,9 +17,9 @@ def spoken(name: str) -> str:
     return SPOKEN.get(name, name.replace("_", " "))
 
 
-def most_probable(chances: Mapping[str, float], count: int = SHOWN) -> list[tuple[str, float]]:
+def most_probable(chances: Mapping[str, float]) -> list[tuple[str, float]]:
     """The hypotheses with the largest probabilities, those under a percent left out."""
-    ranked = sorted(chances.items(), key=lambda one: -one[1])[:count]
+    ranked = sorted(chances.items(), key=lambda one: -one[1])[:SHOWN]
     return [one for k, one in enumerate(ranked) if k == 0 or one[1] >= 0.01]
 
 

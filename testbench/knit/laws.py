@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 
+from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, bounds_of
 
 # What exists before a stage begins.
@@ -31,6 +32,7 @@ WRITABLE = {
     Stage.ELECTRICAL: {"conductance_S"},
     Stage.READOUT: {"force_N", "conductance_S"},
 }
+EXAMPLE_S = 60.0
 Law = Callable[[Effect], str]
 
 
@@ -50,9 +52,9 @@ class OnlyDeclared(Mapping[str, FloatArray]):
         return len(self._allowed)
 
 
-def example_signals(dt_s: float, duration_s: float = 60.0) -> dict[str, FloatArray]:
+def example_signals(dt_s: float) -> dict[str, FloatArray]:
     """Smooth, lively signals given by formulas, so that every sampling rate sees the same motion."""
-    t = np.arange(round(duration_s / dt_s) + 1) * dt_s
+    t = np.arange(round(EXAMPLE_S / dt_s) + 1) * dt_s
     strain = 0.16 + 0.1 * np.sin(1.3 * t - 1.5) + 0.06 * np.sin(0.37 * t - 1.5)
     force = 6 * strain + 15 * strain**2
     return {
@@ -291,3 +293,11 @@ def check(effect: Effect) -> list[str]:
         if problem:
             problems.append(problem)
     return problems
+
+
+def checked(catalogue: Catalogue, name: str | None = None) -> Iterator[tuple[str, list[str]]]:
+    """The effect of this name, else each of the user's own, else each of the catalogue: its name and broken laws."""
+    known = load_catalogue().effects
+    own = [effect for effect in catalogue.effects if effect not in known]
+    for effect in [name] if name else own or catalogue.effects:
+        yield effect, check(catalogue[effect]())

@@ -74,10 +74,10 @@ def verified(folder: Path) -> tuple[Path, Campaign]:
     UserError
         If it is not the file that the manifest describes. One that is still growing is not verified, which is said.
     """
-    from testbench.recordings.manifest import read_manifest
+    from testbench.recordings.manifest import CSV, read_manifest
 
     campaign, resources = read_manifest(folder)
-    path = folder / "recording.csv"
+    path = folder / CSV
     if not campaign.in_progress:
         _verify(folder, path, resources)
     elif not path.is_file():

@@ -10,9 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.random import Generator
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from gcode.support.arrays import FloatArray
+from gcode.support.strict import StrictModel
 
 
 class Truth(NamedTuple):
@@ -25,11 +26,7 @@ class Truth(NamedTuple):
     temperature_C: FloatArray | None = None
 
 
-class _Settings(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
-
-class SampleClock(_Settings):
+class SampleClock(StrictModel):
     """When the firmware's loop reads: instantaneous rates 1/dt are lognormal with the measured mean and SD."""
 
     rate_hz: float = Field(41.5, ge=0.01, le=1000, description="mean of 1/dt, measured on the paper's bench")
@@ -45,7 +42,7 @@ class SampleClock(_Settings):
         return times_s[times_s <= duration_s]
 
 
-class LoadCell(_Settings):
+class LoadCell(StrictModel):
     """10 kg bridge, 2 mV/V at 5 V, on a 24 bit ADS1231 with its fixed gain of 128 at 80 SPS.
 
     Source: Texas Instruments ADS1231 data sheet (SBAS414): input range +-19.5 mV = +-0.5 V_ref / 128, input noise
@@ -71,7 +68,7 @@ class LoadCell(_Settings):
         return codes[latest] * full_scale_V / 2**23 / volts_per_N
 
 
-class Divider(_Settings):
+class Divider(StrictModel):
     """Sensor in series with a reference resistor; the ADS1115 (16 bit, +-4.096 V) reads across the reference.
 
     G = V / (R_ref (V_supply - V)). Conversions at 128 SPS are averaged over the last 25 ms.
@@ -106,7 +103,7 @@ class Divider(_Settings):
         return (total[end] - total[start]) / (end - start)
 
 
-class Encoder(_Settings):
+class Encoder(StrictModel):
     """Quadrature encoder on a 5 mm pitch lead screw, 1000 lines: 4000 counts a turn, 1.25 um a count."""
 
     count_mm: float = Field(1.25e-3, gt=0)
@@ -116,7 +113,7 @@ class Encoder(_Settings):
         return np.rint(np.interp(times_s, truth.time_s, truth.displacement_mm) / self.count_mm) * self.count_mm
 
 
-class Room(_Settings):
+class Room(StrictModel):
     """The air around the bench, going up and down as a heating does, and a thermometer of 1/16 degree in it."""
 
     mean_C: float = 21.0
@@ -134,7 +131,7 @@ class Room(_Settings):
         return np.rint(np.interp(times_s, truth.time_s, truth.temperature_C) / self.step_C) * self.step_C
 
 
-class Instruments(_Settings):
+class Instruments(StrictModel):
     """All instruments of a rig, with the settings of the paper's bench; it had no thermometer (`room`)."""
 
     clock: SampleClock = SampleClock()

@@ -111,7 +111,7 @@ def overlay(
         titles += [CHANNEL_TITLES[channel], RESIDUAL_TITLES[channel]]
     axes = _uneven_axes(titles)
     shapes = [_floor_band(2 * row + 1, both.noise_floor.get(c, 0.0)) for row, c in enumerate(both.measured)]
-    shapes += _held_out_shade(both, [style.y_ref(row) for row in range(len(titles))], end_s)
+    shapes += _held_out_shade(both, end_s)
     return style.figure(traces, height=150 * len(titles) + 60, shapes=shapes, **axes)
 
 
@@ -159,7 +159,7 @@ def _floor_band(row: int, floor: float) -> dict[str, Any]:
     }
 
 
-def _held_out_shade(both: Overlay, rows: Sequence[str], end_s: float | None) -> list[dict[str, Any]]:
+def _held_out_shade(both: Overlay, end_s: float | None) -> list[dict[str, Any]]:
     if both.held_out_from_s is None or (end_s is not None and end_s < both.held_out_from_s):
         return []
     shade = {"type": "rect", "xref": "x", "yref": "paper", "y0": 0, "y1": 1, "fillcolor": style.SKY, "opacity": 0.12}

@@ -75,10 +75,10 @@ def in_cell(place: Mapping[str, Any], where: Mapping[str, FloatArray]) -> NDArra
     return inside & (where["direction"] == cell["direction"]) if cell["direction"] else inside
 
 
-def busiest(time_s: FloatArray, energy: FloatArray, length_s: float = LOOK_S) -> tuple[float, float]:
-    """The stretch of `length_s` (or of `LOOK_SAMPLES`) that holds most of `energy`."""
+def busiest(time_s: FloatArray, energy: FloatArray) -> tuple[float, float]:
+    """The stretch of `LOOK_S` (or of `LOOK_SAMPLES`) that holds most of `energy`."""
     step_s = float(np.median(np.diff(time_s)))
-    width = min(len(time_s), max(round(length_s / step_s), LOOK_SAMPLES))
+    width = min(len(time_s), max(round(LOOK_S / step_s), LOOK_SAMPLES))
     sums = np.concatenate([[0.0], np.cumsum(energy)])
     start = int(np.argmax(sums[width:] - sums[:-width]))
     return float(time_s[start]), float(time_s[start + width - 1])

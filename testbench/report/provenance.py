@@ -8,9 +8,9 @@ from pathlib import Path
 
 from gcode.support.files import sha256_of
 from gcode.support.strict import read_text
+from testbench.recordings.manifest import CSV
 from testbench.report.document import Item, Section, Table
 
-RECORDING = "recording.csv"
 MOST_BYTES = 1 << 20
 
 
@@ -29,7 +29,7 @@ def provenance(paths: Iterable[str], commands: str | None) -> Section:
     """
     rows = []
     for path in dict.fromkeys(paths):
-        file = Path(path) / RECORDING if Path(path).is_dir() else Path(path)
+        file = Path(path) / CSV if Path(path).is_dir() else Path(path)
         rows.append((str(file), sha256_of(file)))
     items: list[Item] = [Table(("File", "SHA-256"), rows)] if rows else []
     if commands:

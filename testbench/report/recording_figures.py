@@ -205,9 +205,9 @@ def speed_rate_hz(recording: Recording) -> float:
 THUMBNAIL_S, THUMBNAIL_SAMPLES = 60.0, 120
 
 
-def thumbnail(recording: Recording, width: int = 280, height: int = 66) -> str:
+def thumbnail(recording: Recording) -> str:
     """A small SVG for lists: a minute of strain (faint) and force on the left, the loops on the right."""
-    channels = channels_of(recording)
+    channels, width, height = channels_of(recording), 280, 66  # size in pixels
     middle_s = 0.5 * (recording.time_s[0] + recording.time_s[-1])
     shown_s = max(THUMBNAIL_S, THUMBNAIL_SAMPLES / recording.mean_rate_hz)
     rows = window(recording.time_s, middle_s - shown_s / 2, middle_s + shown_s / 2)

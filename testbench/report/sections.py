@@ -10,6 +10,7 @@ import numpy as np
 
 from testbench.comparing.numbers import plain
 from testbench.knit.model import KnitModel
+from testbench.recordings.manifest import CSV
 from testbench.recordings.recording import Recording
 from testbench.report import (
     comparison_figures,
@@ -196,7 +197,7 @@ def _score_caption(score: Mapping[str, Any]) -> str:
 def short_name(source: str) -> str:
     """A campaign's folder, or a file without its suffix."""
     path = Path(source)
-    return path.parent.name if path.name == "recording.csv" else path.stem
+    return path.parent.name if path.name == CSV else path.stem
 
 
 def diagnosis_section(diagnosis: Mapping[str, Any], title: str = "What is missing", tail: str = "") -> Section:

@@ -21,7 +21,7 @@ WIDTH_PX, DOTS_PER_INCH = 1000, 100
 RC: Any = {"font.family": "sans-serif", "font.size": 9, "svg.hashsalt": "knitbench"}
 
 
-def write_figure(figure: style.Figure, path: str | Path, width_px: int = WIDTH_PX, scale: float = 2.0) -> None:
+def write_figure(figure: style.Figure, path: str | Path) -> None:
     """Write one figure; the format follows the suffix of `path`.
 
     Parameters
@@ -30,10 +30,6 @@ def write_figure(figure: style.Figure, path: str | Path, width_px: int = WIDTH_P
         A Plotly figure as plain data.
     path : path
         ``.png``, ``.pdf`` or ``.svg``; written atomically.
-    width_px : int
-        Width in CSS pixels; the height is the figure's own.
-    scale : float
-        Pixels of a PNG for each CSS pixel.
 
     Raises
     ------
@@ -43,7 +39,7 @@ def write_figure(figure: style.Figure, path: str | Path, width_px: int = WIDTH_P
     suffix = Path(path).suffix.lstrip(".").lower()
     if suffix not in FORMATS:
         raise UserError(f"{path}: a figure is written as {', '.join(FORMATS)}; got {suffix or 'no suffix'!r}")
-    drawing = draw(figure, width_px)
+    drawing = draw(figure)
     # Fixed metadata: the same figure gives the same bytes.
     metadata: dict[str, Any] = {"png": {"Software": None}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}[
         suffix
@@ -54,7 +50,7 @@ def write_figure(figure: style.Figure, path: str | Path, width_px: int = WIDTH_P
         # Wide tick labels push the axis title out of the page: the page grows as far as needed.
         drawing.savefig(
             temporary,
-            dpi=DOTS_PER_INCH * scale,
+            dpi=2 * DOTS_PER_INCH,
             format=suffix,
             metadata=metadata,
             bbox_inches="tight",
@@ -62,7 +58,7 @@ def write_figure(figure: style.Figure, path: str | Path, width_px: int = WIDTH_P
         )
 
 
-def draw(figure: style.Figure, width_px: int = WIDTH_PX):
+def draw(figure: style.Figure):
     """Draw a figure with matplotlib.
 
     Returns
@@ -76,9 +72,9 @@ def draw(figure: style.Figure, width_px: int = WIDTH_PX):
     layout = figure["layout"]
     height_px = layout.get("height", 400)
     with rc_context(RC):
-        drawing = Figure(figsize=(width_px / DOTS_PER_INCH, height_px / DOTS_PER_INCH), facecolor=style.PAPER)
+        drawing = Figure(figsize=(WIDTH_PX / DOTS_PER_INCH, height_px / DOTS_PER_INCH), facecolor=style.PAPER)
         FigureCanvasAgg(drawing)
-        page = Page(drawing, layout, width_px, height_px)
+        page = Page(drawing, layout, WIDTH_PX, height_px)
         for trace in figure["data"]:
             DRAWERS[_known(trace)](page.axes_of(trace), trace, page)
         page.finish(figure["data"])

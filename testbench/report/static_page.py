@@ -64,9 +64,9 @@ class Page:
         if title:
             self.drawing.text(self.left, 0.985, title, ha="left", va="top", fontsize=11, color=style.INK)
         if self.layout.get("showlegend"):
-            self._legend(data)
+            self._legend()
 
-    def _legend(self, data: list[dict[str, Any]]) -> None:
+    def _legend(self) -> None:
         handles, names = [], []
         for axes in self._axes.values():
             found, labels = axes.get_legend_handles_labels()

@@ -10,12 +10,12 @@ from typing import Any
 Figure = dict[str, Any]  # a Plotly figure as plain data: {"data": [...], "layout": {...}}
 
 BLUE, VERMILION, GREEN, ORANGE = "#0072B2", "#D55E00", "#009E73", "#E69F00"
-SKY, PURPLE, BLACK = "#56B4E9", "#CC79A7", "#000000"
+SKY, PURPLE = "#56B4E9", "#CC79A7"
 
 INK, MUTED, FAINT, RULE = "#1d2733", "#5b6875", "#a9b3bd", "#e4e1da"
-PAPER, PAGE = "#ffffff", "#f7f5f1"  # card and page; the page is the off-white of undyed yarn
+PAPER = "#ffffff"
 
-MEASURED, MODELLED, RESIDUAL, FLOOR = INK, VERMILION, BLUE, FAINT
+MEASURED, FLOOR = INK, FAINT
 STRAIN, FORCE, CONDUCTANCE = PURPLE, BLUE, GREEN
 
 FONT_STACK = "Inter, 'Segoe UI', system-ui, -apple-system, 'DejaVu Sans', sans-serif"
@@ -65,7 +65,7 @@ def figure(data: list[dict[str, Any]], *, height: int, title: str = "", **layout
     return {"data": data, "layout": {**base, **layout}}
 
 
-def stacked_axes(titles: list[str], x_title: str, gap: float = 0.05, **x_more: Any) -> dict[str, Any]:
+def stacked_axes(titles: list[str], x_title: str, **x_more: Any) -> dict[str, Any]:
     """Axes of rows that share one horizontal axis, top row first: zooming in one zooms all.
 
     Returns
@@ -73,7 +73,7 @@ def stacked_axes(titles: list[str], x_title: str, gap: float = 0.05, **x_more: A
     dict
         ``xaxis``, ``yaxis``, ``yaxis2``, ...: trace number i goes to ``"x"`` and `y_ref(i)`.
     """
-    count = len(titles)
+    count, gap = len(titles), 0.05
     height = (1 - gap * (count - 1)) / count
     axes = {}
     for row, title in enumerate(titles):

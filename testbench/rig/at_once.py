@@ -12,11 +12,11 @@ from collections.abc import Iterator
 import numpy as np
 
 from gcode.support.arrays import IntArray
-from testbench.recordings.channels import TIME
 from testbench.rig import wire
-from testbench.rig.recorder import Accepted, End, Part, in_memory
+from testbench.rig.file_lines import header_line
+from testbench.rig.parts import Accepted, End, Part, in_memory
 from testbench.rig.simulated import Readings, SimulatedRig
-from testbench.rig.stream import GAP_US, Row, channels_of
+from testbench.rig.stream import GAP_US, Row
 
 BATCH = 512  # lines, as `in_memory` has them
 
@@ -28,7 +28,7 @@ def at_once(rig: SimulatedRig) -> Iterator[Part]:
         yield from in_memory(readings.lines())
         return
     time_us = np.concatenate([[0], np.cumsum(_steps_us(readings))])
-    header = ",".join((TIME, *channels_of(readings.sample(0)))) + "\n"
+    header = header_line(Row(0, readings.sample(0)))
     for start in range(0, len(time_us), BATCH):
         end = min(start + BATCH, len(time_us))
         first, last = (Row(int(time_us[number]), readings.sample(number)) for number in (start, end - 1))
@@ -60,7 +60,7 @@ def _steps_us(readings: Readings) -> IntArray:
 
 
 def csv_lines(readings: Readings, time_us: IntArray, rows: slice) -> str:
-    """Lines of ``recording.csv``, the same as `testbench.rig.sink.csv_line` makes of one row each."""
+    """Lines of ``recording.csv``, the same as `testbench.rig.file_lines.csv_line` makes of one row each."""
     columns = (
         (time_us, 1e6, "%.6f"),
         (readings.displacement_nm, 1e6, "%.6f"),

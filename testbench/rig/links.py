@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable, Iterator
 
-from testbench.rig.recorder import Chunk, End, Part
+from testbench.rig.parts import Chunk, End, Part
 from testbench.rig.wire import MICROS_WRAP, decode
 
 

@@ -57,10 +57,10 @@ def terminal(label: str, stream: TextIO | None = None) -> Report:
     return report
 
 
-def json_lines(stream: TextIO | None = None) -> Report:
+def json_lines() -> Report:
     """One JSON object a line on stdout, for a program that watches."""
 
     def report(status: Status) -> None:
-        print(json.dumps(as_dict(status)), file=stream or sys.stdout, flush=True)
+        print(json.dumps(as_dict(status)), flush=True)
 
     return report

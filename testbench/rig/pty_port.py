@@ -7,7 +7,7 @@ import os
 import select
 import time
 import tty
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from pathlib import Path
 
 from gcode.support.errors import UserError
@@ -46,10 +46,10 @@ class PtyPort:
         poll.register(self._master, 0)
         return not any(event & select.POLLHUP for _, event in poll.poll(0))
 
-    def wait_for_reader(self, wanted: bool = True, sleep: Callable[[float], None] = time.sleep) -> None:
+    def wait_for_reader(self, wanted: bool = True) -> None:
         """Return when somebody has opened the port (or, with ``wanted=False``, everybody has closed it)."""
         while self.has_reader() != wanted:
-            sleep(POLL_S)
+            time.sleep(POLL_S)
 
     def write(self, data: bytes) -> bool:
         """Send; bytes that nobody listens to are gone, as on a real wire. Whether somebody listened."""

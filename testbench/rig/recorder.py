@@ -8,57 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
-from itertools import islice
-from typing import NamedTuple
 
+from testbench.rig.parts import Accepted, Chunk, End, Lost, Part
 from testbench.rig.sink import Sink
 from testbench.rig.stream import Event, Intake, Item, Lines, Row
 from testbench.rig.watchdog import Watchdog
 
-PROGRESS_S = 0.5
-RATE_WINDOW_US = 5_000_000
+PROGRESS_S = 0.5  # from one report to the next
+RATE_WINDOW_US = 5_000_000  # over which the sampling rate is a mean
 DISK_STATES = ("disk full", "disk error")
-
-
-class Chunk(NamedTuple):
-    """Bytes that came at `host_s`."""
-
-    host_s: float
-    data: bytes
-
-
-class Accepted(NamedTuple):
-    """Samples without any fault, as lines of the file already. No limit looks at them, and nothing follows them."""
-
-    host_s: float
-    first: Row
-    last: Row
-    samples: int
-    text: str
-
-
-class Lost(NamedTuple):
-    """The port was lost at `host_s`; the link is trying to get it back."""
-
-    host_s: float
-    reason: str
-
-
-class Tick(NamedTuple):
-    """Nothing came; time goes on."""
-
-    host_s: float
-
-
-class End(NamedTuple):
-    """The link will deliver nothing more; `state` becomes the recording's."""
-
-    host_s: float
-    state: str = "complete"
-    message: str = ""
-
-
-Part = Chunk | Accepted | Lost | Tick | End
 # Takes a row, gives what a compensator makes of the resistance so far, and its unit.
 Follow = Callable[[Row], tuple[float | None, str]]
 
@@ -330,11 +288,3 @@ def counts(intake: Intake) -> dict[str, object]:
     """What the manifest says of the samples."""
     rejected = dict(sorted(intake.bad.items()))
     return {"samples": intake.accepted, "lost": intake.lost, "rejected": rejected}
-
-
-def in_memory(lines: Iterable[bytes], size: int = 512) -> Iterator[Part]:
-    """A link that delivers lines as fast as they are taken, on a host clock that stands still."""
-    iterator = iter(lines)
-    while chunk := b"".join(islice(iterator, size)):
-        yield Chunk(0.0, chunk)
-    yield End(0.0)

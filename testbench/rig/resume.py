@@ -14,9 +14,11 @@ from gcode.support.errors import UserError
 from gcode.support.files import write_bytes
 from gcode.support.strict import check_plain, json_of, read_bytes, validated
 from testbench.recordings.channels import DISPLACEMENT, TIME, UNITS
+from testbench.recordings.manifest import CSV
 from testbench.recordings.stored import StoredEvent
 from testbench.rig.ending import EndOfMotion
-from testbench.rig.sink import BAD, CSV, EVENTS, bad_line
+from testbench.rig.file_lines import bad_line
+from testbench.rig.sink import BAD, EVENTS
 from testbench.rig.stream import Anchor, Bad, Intake
 from testbench.rig.wire import MICROS_WRAP, SEQUENCE_WRAP
 

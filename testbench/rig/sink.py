@@ -10,9 +10,6 @@ from __future__ import annotations
 
 import contextlib
 import errno
-import fcntl
-import json
-import os
 import secrets
 import threading
 from collections.abc import Iterable
@@ -22,159 +19,16 @@ from pathlib import Path
 from gcode.support import disk
 from gcode.support.errors import UserError
 from testbench.recordings.channels import TIME
-from testbench.rig.stream import Bad, Event, Item, Lines, Row, channels_of
+from testbench.recordings.manifest import CSV
+from testbench.rig.appender import Appender
+from testbench.rig.file_lines import bad_line, csv_line, event_line, header_line
+from testbench.rig.stream import Bad, Item, Lines, Row
 
-CSV, BAD, EVENTS = "recording.csv", "recording.bad", "events.jsonl"
-STAMPS = ("start", "reboot", "clock jump", "renumbered", "resume")
-ROOM = ".room"
-ROOM_BYTES = 256 << 10
-TAIL_BYTES = 4096
-HURRY_S = 0.3
+BAD, EVENTS = "recording.bad", "events.jsonl"
+STAMPS = ("start", "reboot", "clock jump", "renumbered", "resume")  # events that alone tell the device's clock
+ROOM, ROOM_BYTES = ".room", 256 << 10
+HURRY_S = 0.3  # how long rows wait for the disk to keep such an event
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
-
-
-def seconds(time_us: int) -> str:
-    """Microseconds as exact decimal seconds."""
-    return f"{time_us // 1_000_000}.{time_us % 1_000_000:06d}"
-
-
-def csv_line(row: Row) -> str:
-    """One line of ``recording.csv``: every digit of the wire, nothing more."""
-    sample = row.sample
-    parts = [seconds(row.time_us), f"{sample.displacement_nm / 1e6:.6f}"]
-    if sample.force_uN is not None:
-        parts.append(f"{sample.force_uN / 1e6:.6f}")
-    if sample.resistance_mohm is not None:
-        parts.append(f"{sample.resistance_mohm / 1e3:.3f}")
-    if sample.temperature_mC is not None:
-        parts.append(f"{sample.temperature_mC / 1e3:.3f}")
-    return ",".join(parts) + "\n"
-
-
-def header_line(row: Row) -> str:
-    """Header of ``recording.csv``, pinned by the first accepted sample."""
-    return ",".join((TIME, *channels_of(row.sample))) + "\n"
-
-
-def event_line(event: Event) -> str:
-    """One event as a line of JSON."""
-    entry = {"event": event.kind, "time_s": event.time_us / 1e6, **event.details}
-    if "from_us" in entry:
-        entry["from_s"] = int(str(entry.pop("from_us"))) / 1e6
-    return json.dumps(entry) + "\n"
-
-
-def bad_line(bad: Bad) -> str:
-    """One rejected line: reason, tab, the bytes with everything unprintable escaped."""
-    text = bad.line.decode("latin-1").encode("unicode_escape").decode("ascii")
-    return f"{bad.reason}\t{text}\n"
-
-
-class Appender:
-    """Appends text to one file; what the disk refuses it keeps, and tries again with the next write.
-
-    Attributes
-    ----------
-    pending : bytes
-        What the disk has not taken yet.
-    refusal : OSError or None
-        Why it did not.
-    sync_failures : int
-        How often the disk said that it could not keep what it had taken.
-    """
-
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        self.pending = b""
-        self.refusal: OSError | None = None
-        self.sync_failures = 0
-        self._handle: int | None = None
-        self._named = False
-
-    def open(self) -> int:
-        """The open file, made if it is not there; its name is kept with the first sync."""
-        if self._handle is None:
-            self._handle = disk.open_growing(self.path)
-            self._named = False
-        return self._handle
-
-    def write(self, text: str) -> bool:
-        """Append; whether everything is written."""
-        self.pending += text.encode()
-        try:
-            while self.pending:
-                self.open()
-                self.pending = self.pending[self.take(self.pending) :]
-        except OSError as error:
-            self.refusal = error
-            return False
-        self.refusal = None
-        return True
-
-    def hold(self, text: str) -> None:
-        """Keep for the next write."""
-        self.pending += text.encode()
-
-    def lock(self) -> None:
-        """Refuse a second recorder on this file; the lock ends with this process, however it ends."""
-        try:
-            fcntl.flock(self.open(), fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            self._shut()
-            raise UserError(f"{self.path}: another recorder is writing this file; choose another with -o") from None
-
-    def sync(self) -> None:
-        """Have the disk keep what was written, and the file's name."""
-        if self._handle is None:
-            return
-        try:
-            disk.DISK.sync(self._handle)
-        except OSError:
-            self.sync_failures += 1
-        if not self._named:
-            disk.sync_quietly(self.path.parent)
-            self._named = True
-
-    def take(self, data: bytes) -> int:
-        """Give `data` to the operating system; how many bytes it took."""
-        return disk.DISK.write(self.open(), data)
-
-    @property
-    def empty(self) -> bool:
-        """Whether the file holds nothing."""
-        return os.fstat(self.open()).st_size == 0
-
-    def drop(self) -> bool:
-        """Forget what is pending and cut the line that it left half written; whether that could be done."""
-        self.pending, self.refusal = b"", None
-        if self._handle is None:
-            return True
-        try:
-            size = os.fstat(self._handle).st_size
-            tail = os.pread(self._handle, TAIL_BYTES, max(0, size - TAIL_BYTES))
-            disk.DISK.truncate(self._handle, size - (len(tail) - tail.rfind(b"\n") - 1))
-        except OSError as error:
-            self.refusal = error
-        return self.refusal is None
-
-    def close(self) -> bool:
-        """Write what is pending, sync and close. What the disk does not take is gone, but leaves no half line.
-
-        Returns
-        -------
-        bool
-            Whether the file ends with a whole line.
-        """
-        whole = self.write("") or self.drop()
-        self.sync()
-        self._shut()
-        return whole
-
-    def _shut(self) -> None:
-        if self._handle is not None:
-            with contextlib.suppress(OSError):
-                disk.DISK.close(self._handle)
-            self._handle = None
 
 
 class Syncer(threading.Thread):

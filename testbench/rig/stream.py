@@ -10,13 +10,13 @@ from typing import NamedTuple
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE
 from testbench.rig.wire import MICROS_WRAP, SEQUENCE_WRAP, BadLine, LineBuffer, Sample, decode, rescue
 
-GAP_US = 1_000_000
-REMEMBERED_LOSSES = 10_000
+GAP_US = 1_000_000  # a longer silence is a gap
+REMEMBERED_LOSSES = 10_000  # numbers that may still come, late
 HALF_WRAP_US = MICROS_WRAP // 2
 # By how much the device's clock may be ahead of the host's since the last sample: a sample does not come before it is
 # taken. After a resume the host's clock is that of file times, which another machine may have set.
 AHEAD_US, AHEAD_SHARE, AHEAD_RESUMED_US = 5_000_000, 0.1, 600_000_000
-RENUMBERED_LINES = 8
+RENUMBERED_LINES = 8  # so many old numbers in a row, and the device has begun to count anew
 MOST_LINES_PER_US = 1
 
 

@@ -10,9 +10,11 @@ from dataclasses import dataclass, field
 
 from testbench.rig.stream import Anchor, Event, Intake
 
-QUIET_S = 3.0
+QUIET_S = 3.0  # without a line, and a port is called silent
 QUIET_INTERVALS = 5.0  # a device of one line in ten seconds is not silent after three
+# Rejected lines are counted over so many seconds and lines at least, and told from this share on.
 WINDOW_S, WINDOW_LINES, MOSTLY = 3.0, 10, 0.9
+# The clocks of device and host are compared once a minute; told is what differs by 2 %, and by 2 s at least.
 CLOCK_S, CLOCK_SHARE, CLOCK_LEAST_S = 60.0, 0.02, 2.0
 HINTS = {
     "time stands still": "does the device's clock run?",

@@ -11,7 +11,7 @@ from nicegui.elements.mixins.value_element import ValueElement
 from nicegui.events import ValueChangeEventArguments
 
 from gcode.support.errors import UserError
-from testbench.studio.widgets import Address
+from testbench.studio.address import Address
 
 
 def number_field(

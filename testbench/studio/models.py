@@ -10,11 +10,13 @@ from nicegui import ui
 
 from gcode.support.files import make_folder
 from testbench.fitting.model_file import about_model, same_source
+from testbench.recordings.manifest import CSV
 from testbench.report.words import spoken
 from testbench.studio.fields import check, number_field, typed
+from testbench.studio.job_card import job_card
 from testbench.studio.jobs import Commands, Job, State
 from testbench.studio.studio import Studio
-from testbench.studio.widgets import attempt, job_card, subheading
+from testbench.studio.widgets import attempt, subheading
 from testbench.studio.workspace import RESULTS, results_name
 
 LAST_THIRD = "the last third of this recording"
@@ -59,7 +61,7 @@ def held_out_of(studio: Studio, c: str) -> str:
     """What the model of a campaign was judged on, so that its next step is judged on the same."""
     kept = str(about_model(model_path(studio, c)).get("held_out", ""))
     for name in held_out_choices(studio, c)[1:]:
-        if same_source(kept, str(studio.workspace.campaign(name).folder / "recording.csv")):
+        if same_source(kept, str(studio.workspace.campaign(name).folder / CSV)):
             return name
     return LAST_THIRD
 

@@ -6,9 +6,10 @@ import json
 
 from nicegui import ui
 
+from testbench.studio.address import address
+from testbench.studio.job_card import progress_in_words
 from testbench.studio.jobs import Job
 from testbench.studio.studio import Studio
-from testbench.studio.widgets import address, progress_in_words
 
 LOOK_S = 1.0
 PLACES = {

@@ -8,7 +8,7 @@ import threading
 
 from gcode.support.errors import UserError
 from gcode.support.files import make_folder
-from testbench.rig.signals import what_ends_it
+from testbench.rig.stopping import what_ends_it
 from testbench.studio.studio import KEY_RECORDING, RESULTS_URL, Studio
 from testbench.studio.workspace import RESULTS
 

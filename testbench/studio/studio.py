@@ -1,4 +1,7 @@
-"""What all tabs of one studio share: workspace, jobs, catalogue, memory. All else lives in the tab or in a file."""
+"""What all tabs of one studio share: workspace, jobs, catalogue, memory. All else lives in the tab or in a file.
+
+In the studio's functions `c` is the name of a campaign, as it stands in the addresses of the pages.
+"""
 
 from __future__ import annotations
 

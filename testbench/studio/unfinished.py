@@ -64,7 +64,7 @@ def unfinished_card(studio: Studio, campaign: Campaign) -> None:
             button.on_click(lambda: attempt(lambda: resume(studio, campaign, port.value or "")))
 
 
-def under_way_card(campaign: Campaign) -> None:
+def under_way_card() -> None:
     """Say that it is being recorded now."""
     with ui.row().classes("card items-center justify-between").props("role=status"):
         ui.label("This is being recorded now; what is on disk so far is shown below.")

@@ -15,11 +15,11 @@ from gcode.support.errors import UserError
 from gcode.support.files import make_folder, write_text
 from gcode.support.strict import read_json, read_text
 from testbench.recordings.files import read_recording
-from testbench.recordings.manifest import MOST_BYTES
+from testbench.recordings.manifest import CSV, MOST_BYTES
+from testbench.recordings.manifest import NAME as MANIFEST
 from testbench.recordings.recording import Recording
 from testbench.studio.memory import Memory, stamp
 
-MANIFEST = "datapackage.json"
 RESULTS = "results"
 DELETED = "deleted"  # below results; until they are restored
 MAX_DEPTH = 4
@@ -127,7 +127,7 @@ class Workspace:
     def recording(self, name: str) -> Recording:
         """The recording of a campaign, read once and kept until the file changes."""
         campaign = self.campaign(name)
-        path = campaign.folder / "recording.csv"
+        path = campaign.folder / CSV
         return self._recordings.recall(stamp(path), lambda: read_recording(campaign.folder))
 
     def problems(self, name: str) -> list[str]:

@@ -45,7 +45,7 @@ from testbench.importing.wish import Wish
 from testbench.knit.catalogue import baseline, load_catalogue
 from testbench.recordings.files import read_recording
 from testbench.recordings.manifest import NAME, problems, sealed
-from testbench.rig.recorder import Chunk, End
+from testbench.rig.parts import Chunk, End
 from testbench.rig.recorder import Limits as Alarms
 from testbench.rig.resume import continued, mend
 from testbench.rig.stream import Intake

@@ -12,23 +12,13 @@ from gcode.support.errors import UserError
 from testbench.recordings.channels import DISPLACEMENT
 from testbench.report.alignment_figures import alignment
 from testbench.report.words import clocks_in_words
+from testbench.studio.address import Address, address, span_of
+from testbench.studio.job_card import job_card
 from testbench.studio.jobs import Job, State
 from testbench.studio.memory import stamp
 from testbench.studio.picture import zooming_plot
 from testbench.studio.studio import Studio
-from testbench.studio.widgets import (
-    Address,
-    address,
-    aside,
-    attempt,
-    campaign_head,
-    facts,
-    guarded,
-    job_card,
-    span_of,
-    subheading,
-    working,
-)
+from testbench.studio.widgets import aside, attempt, campaign_head, facts, guarded, subheading, working
 
 if TYPE_CHECKING:
     from testbench.api.aligning import AlignmentResult

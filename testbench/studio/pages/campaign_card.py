@@ -15,12 +15,13 @@ from nicegui import ui
 from gcode.support.errors import UserError
 from testbench.recordings.manifest import IN_PROGRESS
 from testbench.report.recording_figures import summary, thumbnail
+from testbench.studio.address import address
 from testbench.studio.finding import STATES, Found
 from testbench.studio.memory import stamp
 from testbench.studio.notes import Note, tags_of
 from testbench.studio.studio import Studio
 from testbench.studio.unfinished import is_under_way, is_unfinished
-from testbench.studio.widgets import address, aside, attempt
+from testbench.studio.widgets import aside, attempt
 from testbench.studio.workspace import Campaign
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from nicegui import ui
 
 from testbench.comparing.numbers import plain
+from testbench.recordings.manifest import CSV
 from testbench.report import comparison_figures as figures
 from testbench.report import residual_figures
 from testbench.report.comparison_figures import Overlay
@@ -18,6 +19,7 @@ from testbench.report.document import Table
 from testbench.report.ladder_figures import UNITS
 from testbench.report.places import Spot, noise_reached
 from testbench.report.words import spoken
+from testbench.studio.address import Address, address, span_of
 from testbench.studio.beside import Beside, beside_choices, beside_of, side_by_side
 from testbench.studio.memory import stamp
 from testbench.studio.models import LAST_THIRD, PLAY, add_fit_form, held_out_of, model_path
@@ -25,15 +27,12 @@ from testbench.studio.picture import Span, ZoomingPlot, plot, zooming_plot
 from testbench.studio.studio import Studio
 from testbench.studio.widgets import (
     RESISTANCE,
-    Address,
-    address,
     aside,
     campaign_head,
     facts,
     guarded,
     later,
     quantity_toggle,
-    span_of,
     subheading,
     table,
     trouble,
@@ -140,7 +139,7 @@ def view_of(studio: Studio, c: str, on: str, beside: str = "") -> View:
     UserError
         If there is no such second model.
     """
-    recording = studio.workspace.campaign(on).folder / "recording.csv"
+    recording = studio.workspace.campaign(on).folder / CSV
     second = beside_of(studio, c, beside) if beside else None
     files = stamp(model_path(studio, c), recording, studio.effects_file, second.path if second else None)
     return studio.memory.recall(("compare", c, on, beside, files), lambda: _compare(studio, c, on, second))

@@ -13,11 +13,12 @@ from testbench.fitting.results import read_diagnosis, read_experiment
 from testbench.report import experiment_figures as figures
 from testbench.report.words import experiment_in_words, spoken
 from testbench.studio import models
+from testbench.studio.address import Address, address
 from testbench.studio.fields import asked, check, keep_in, number_field, typed
 from testbench.studio.pages.plan import PROGRAMS, program_downloads
 from testbench.studio.picture import plot
 from testbench.studio.studio import Studio
-from testbench.studio.widgets import Address, address, aside, attempt, campaign_head, guarded, subheading
+from testbench.studio.widgets import aside, attempt, campaign_head, guarded, subheading
 
 
 @guarded

@@ -15,6 +15,7 @@ from nicegui.elements.mixins.value_element import ValueElement
 
 from gcode.support.errors import UserError
 from testbench.importing.signs import SIGNED, TURNED
+from testbench.studio.address import Address, address
 from testbench.studio.import_form import NOT_THERE, Choices
 from testbench.studio.import_look import (
     DECIMALS,
@@ -31,17 +32,15 @@ from testbench.studio.import_look import (
     unit_options,
 )
 from testbench.studio.import_words import R0, TITLES, page_words
+from testbench.studio.job_card import job_card
 from testbench.studio.jobs import Job, State
 from testbench.studio.raw_lines import raw_table
 from testbench.studio.studio import Studio
 from testbench.studio.widgets import (
-    Address,
-    address,
     aside,
     attempt,
     guarded,
     heading,
-    job_card,
     later,
     name_in_page,
     subheading,

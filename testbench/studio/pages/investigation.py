@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 from nicegui import ui
 
 from gcode.support.errors import UserError
+from testbench.studio.address import address
 from testbench.studio.picture import plot
 from testbench.studio.studio import Studio
-from testbench.studio.widgets import address, aside, guarded, heading, invitation, table
+from testbench.studio.widgets import aside, guarded, heading, invitation, table
 from testbench.studio.workspace import MAX_DEPTH, RESULTS
 
 if TYPE_CHECKING:

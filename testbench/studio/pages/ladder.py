@@ -21,12 +21,11 @@ from testbench.report.parameters import parameter_table
 from testbench.report.sections import fall_in_words
 from testbench.report.words import ladder_notes, spoken, verdict_in_words
 from testbench.studio import models
+from testbench.studio.address import Address, address
 from testbench.studio.picture import plot
 from testbench.studio.studio import RESULTS_URL, Studio
 from testbench.studio.widgets import (
     RESISTANCE,
-    Address,
-    address,
     aside,
     attempt,
     campaign_head,

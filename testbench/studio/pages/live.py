@@ -15,12 +15,13 @@ from gcode.support.errors import UserError
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TIME
 from testbench.report import style
 from testbench.report.live_figures import LiveChannel, live
+from testbench.studio.address import address
 from testbench.studio.jobs import Job, State
 from testbench.studio.live import Follower
 from testbench.studio.picture import plot
 from testbench.studio.studio import KEY_RIG, Studio
 from testbench.studio.unfinished import is_unfinished, resume
-from testbench.studio.widgets import address, aside, attempt, trouble
+from testbench.studio.widgets import aside, attempt, trouble
 
 REFRESH_S = 0.5
 COMPENSATED = "compensated.csv"  # `testbench record --compensator` writes it beside the recording

@@ -22,21 +22,19 @@ from testbench.report.words import (
     with_probability,
 )
 from testbench.studio import models
+from testbench.studio.address import Address, address, span_of
 from testbench.studio.memory import stamp
 from testbench.studio.pages.effect_told import effect_told
 from testbench.studio.picture import Span, plot, zooming_plot
 from testbench.studio.studio import Studio
 from testbench.studio.widgets import (
     RESISTANCE,
-    Address,
-    address,
     aside,
     attempt,
     campaign_head,
     guarded,
     later,
     quantity_toggle,
-    span_of,
     subheading,
     trouble,
     working,

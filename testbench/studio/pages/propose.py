@@ -7,18 +7,18 @@ from html import escape
 
 from nicegui import ui
 
-from gcode.support.files import read_json
+from gcode.support.strict import read_json
 from testbench.comparing.numbers import in_words, plain, with_error
 from testbench.comparing.words import percent
 from testbench.report.formula import formula_svg, lines_of
 from testbench.report.ladder_figures import UNITS
 from testbench.report.words import spoken
-from testbench.studio import laws, models
+from testbench.studio import models, proposed_law
+from testbench.studio.address import address
 from testbench.studio.fields import check, number_field
 from testbench.studio.pages.ladder import report_url
 from testbench.studio.studio import Studio
 from testbench.studio.widgets import (
-    address,
     aside,
     attempt,
     campaign_head,
@@ -48,7 +48,7 @@ async def page(studio: Studio, c: str = "") -> None:
         models.add_fit_form(studio, c)
         return
     _ask(studio, c)
-    kept = await aside(laws.kept_proposal, studio, c)
+    kept = await aside(proposed_law.kept_proposal, studio, c)
     if kept is not None:
         await _answer(studio, c, kept)
 
@@ -62,7 +62,7 @@ def _ask(studio: Studio, c: str) -> None:
             "checked on the held-out samples. It takes about a minute.",
         )
         with ui.row().classes("items-start"):
-            name = ui.input("Name of the law", value=laws.free_law_name(studio, c))
+            name = ui.input("Name of the law", value=proposed_law.free_law_name(studio, c))
             name.props("outlined dense bottom-slots").style("min-width:220px")
             most = number_field("Laws at most", 1, whole=True)
             most.props(f"min=1 max={MOST_LAWS}")
@@ -76,14 +76,14 @@ def _ask(studio: Studio, c: str) -> None:
         check(most)
         wanted = min(max(int(most.value), 1), MOST_LAWS)
         with holder, working("Reading the library of laws"):
-            command = await aside(laws.propose_command, studio, c, (name.value or "").strip(), wanted)
+            command = await aside(proposed_law.propose_command, studio, c, (name.value or "").strip(), wanted)
         models.run_in_turn(studio, key, [command], holder, ui.navigate.reload)
 
     button.on_click(lambda: attempt(start))
     models.join_running(studio, key, holder, ui.navigate.reload)
 
 
-async def _answer(studio: Studio, c: str, kept: laws.Kept) -> None:
+async def _answer(studio: Studio, c: str, kept: proposed_law.Kept) -> None:
     found = kept.found
     with ui.column().classes("card gap-2"):
         ui.label(_verdict(found)).classes("verdict")
@@ -104,13 +104,13 @@ async def _answer(studio: Studio, c: str, kept: laws.Kept) -> None:
         ui.label(kept.code).classes("formula")
 
 
-def _verdict(found: laws.Proposal) -> str:
+def _verdict(found: proposed_law.Proposal) -> str:
     if found.verdict != "proposed":
         return VERDICTS[found.verdict]
     return f"Proposed: {'; then '.join(law.words for law in found.laws)}."
 
 
-def _errors(found: laws.Proposal) -> list[tuple[str, str]]:
+def _errors(found: proposed_law.Proposal) -> list[tuple[str, str]]:
     pairs = []
     for channel, before in found.error_before.items():
         after, floor, unit = found.error_after[channel], found.noise_floor[channel], UNITS[channel]
@@ -120,7 +120,7 @@ def _errors(found: laws.Proposal) -> list[tuple[str, str]]:
     return pairs
 
 
-def _adding(studio: Studio, c: str, kept: laws.Kept) -> None:
+def _adding(studio: Studio, c: str, kept: proposed_law.Kept) -> None:
     """The button that puts it to use, or why it cannot be."""
     if not kept.fresh:
         trouble("The model has changed since this was proposed.", "Look again to see what is missing now.")
@@ -128,7 +128,7 @@ def _adding(studio: Studio, c: str, kept: laws.Kept) -> None:
     names = " and ".join(spoken(law.effect) for law in kept.found.laws)
 
     def add() -> None:
-        laws.take(studio, c, kept)
+        proposed_law.take(studio, c, kept)
         ui.navigate.to(address("/ladder", c=c))
 
     with ui.row().classes("items-center"):
@@ -141,14 +141,14 @@ def _adding(studio: Studio, c: str, kept: laws.Kept) -> None:
         ui.label(words).classes("quiet text-sm")
 
 
-def _standard_errors(kept: laws.Kept) -> Mapping[str, float]:
+def _standard_errors(kept: proposed_law.Kept) -> Mapping[str, float]:
     """By address, from the model that was saved with the proposal."""
-    path = kept.folder / laws.MODEL
+    path = kept.folder / proposed_law.MODEL
     fit = read_json(path, "model").get("fit", {}) if path.is_file() else {}
     return {key: float(one["standard_error"]) for key, one in fit.get("parameters", {}).items()}
 
 
-async def _law(law: laws.FoundLaw, errors: Mapping[str, float]) -> None:
+async def _law(law: proposed_law.FoundLaw, errors: Mapping[str, float]) -> None:
     subheading(spoken(law.effect), f"{law.words}.")
     lines = lines_of(law.latex)
     drawn = [await aside(formula_svg, line) for line in lines]
@@ -175,13 +175,13 @@ def _formula(line: str, svg: str) -> None:
         ui.label(words).classes("formula")
 
 
-def _named(law: laws.FoundLaw, key: str) -> tuple[str, str]:
+def _named(law: proposed_law.FoundLaw, key: str) -> tuple[str, str]:
     """Symbol and meaning of a parameter."""
     symbol, _, meaning = law.meanings.get(key, "").partition(": ")
     return symbol or spoken(key), meaning
 
 
-def _value(law: laws.FoundLaw, key: str, errors: Mapping[str, float]) -> str:
+def _value(law: proposed_law.FoundLaw, key: str, errors: Mapping[str, float]) -> str:
     value, unit = law.parameters[key], law.units.get(key, "")
     stored = "gain_N" if key == "gain" and unit == "N" else key
     error = errors.get(f"{law.effect}.{stored}")
@@ -190,19 +190,19 @@ def _value(law: laws.FoundLaw, key: str, errors: Mapping[str, float]) -> str:
     return in_words(value, unit)
 
 
-def _evidence(law: laws.FoundLaw) -> str:
+def _evidence(law: proposed_law.FoundLaw) -> str:
     return (
         f"± is one standard error. Log evidence {law.log_evidence:+.1f} nats over the model without it; it gains in "
         f"{percent(law.gains_in)} of the resampled recordings and is the best in {percent(law.best_in)}."
     )
 
 
-def _against(other: laws.Option, law: laws.FoundLaw) -> str:
+def _against(other: proposed_law.Option, law: proposed_law.FoundLaw) -> str:
     tied = abs(other.log_evidence - law.log_evidence) < TIED
     return f"{other.log_evidence:+.1f} nats, {'cannot be told from it' if tied else 'less likely'}"
 
 
-def _picture(studio: Studio, kept: laws.Kept) -> None:
+def _picture(studio: Studio, kept: proposed_law.Kept) -> None:
     """What the channel lacks over the law's own coordinate, and the residual before and after."""
     assert kept.picture is not None
     url = report_url(studio, kept.picture)

@@ -14,25 +14,14 @@ from testbench.recordings.channels import RESISTANCE as RESISTANCE_CHANNEL
 from testbench.recordings.manifest import IN_PROGRESS
 from testbench.recordings.recording import Recording
 from testbench.report import recording_figures as figures
+from testbench.studio.address import Address, address, span_of
 from testbench.studio.models import LAST_THIRD, held_out_of, model_path
 from testbench.studio.pages.compare import view_of
 from testbench.studio.picture import plot, zooming_plot
 from testbench.studio.provenance import provenance
 from testbench.studio.studio import Studio
 from testbench.studio.unfinished import is_under_way, is_unfinished, under_way_card, unfinished_card
-from testbench.studio.widgets import (
-    RESISTANCE,
-    Address,
-    address,
-    aside,
-    campaign_head,
-    facts,
-    guarded,
-    later,
-    quantity_toggle,
-    span_of,
-    trouble,
-)
+from testbench.studio.widgets import RESISTANCE, aside, campaign_head, facts, guarded, later, quantity_toggle, trouble
 
 
 @guarded
@@ -42,7 +31,7 @@ async def page(studio: Studio, c: str = "", show: str = "", start: str = "", end
     where = Address("/recording", c=c, show=show, start=start, end=end)
     campaign = studio.workspace.campaign(c)
     if is_under_way(studio, campaign):
-        under_way_card(campaign)
+        under_way_card()
     elif is_unfinished(campaign):
         unfinished_card(studio, campaign)
     problems = [] if campaign.status == IN_PROGRESS else await aside(studio.workspace.problems, c)

@@ -18,10 +18,11 @@ from testbench.report.ladder_figures import UNITS
 from testbench.report.parameters import parameter_name
 from testbench.report.words import spoken, with_probability
 from testbench.studio import models
+from testbench.studio.address import Address, address
 from testbench.studio.beside import fitted_value
 from testbench.studio.picture import plot
 from testbench.studio.studio import Studio
-from testbench.studio.widgets import RESISTANCE, Address, address, aside, guarded, heading, quantity_toggle, table
+from testbench.studio.widgets import RESISTANCE, aside, guarded, heading, quantity_toggle, table
 
 
 @dataclass(frozen=True)

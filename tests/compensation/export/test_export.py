@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from compensation.cli import main
-from compensation.export.export_c import c_header, cost
+from compensation.export.chip_cost import cost
+from compensation.export.export_c import c_header
 from compensation.export.export_onnx import write_onnx
 from compensation.export.onnx_stream import OnnxStream
 from compensation.memories.ema import start_samples

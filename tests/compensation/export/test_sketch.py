@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from compensation.export.export_c import c_header, cost
+from compensation.export.chip_cost import cost
+from compensation.export.export_c import c_header
 from compensation.memories.history import History
 from compensation.model.runtime import Status
 from compensation.model.streaming import CompensatorStream

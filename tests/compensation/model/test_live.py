@@ -18,8 +18,9 @@ from testbench.campaigns.following import live_compensator
 from testbench.campaigns.record import Job, begin, record
 from testbench.commands import record as command
 from testbench.recordings.manifest import problems
+from testbench.rig.parts import Chunk, End
 from testbench.rig.progress import as_text
-from testbench.rig.recorder import Chunk, End, Limits, Recorder
+from testbench.rig.recorder import Limits, Recorder
 from testbench.rig.sink import Sink
 from testbench.rig.stream import Intake
 from testbench.rig.wire import Sample, encode

@@ -21,7 +21,8 @@ from compensation.model.streaming import CompensatorStream
 from compensation.training.options import Options
 from compensation.training.training import train
 from gcode.support.errors import UserError
-from gcode.support.files import read_json, write_json
+from gcode.support.files import write_json
+from gcode.support.strict import read_json
 from tests.compensation.conftest import simulated_recording
 
 needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc on this machine")

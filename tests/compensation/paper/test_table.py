@@ -20,8 +20,8 @@ def test_published_figures_agree_with_one_another():
     """E, the means over A and B, and the gains that the paper prints beside them."""
     assert published.criterion("pes", "force") == pytest.approx(0.0490, abs=1e-4)
     assert published.criterion("lycra", "force") == pytest.approx(0.0292, abs=1e-4)
-    assert published.mean_of_tests("pes", "displacement") == pytest.approx(0.667)
-    assert published.mean_of_tests("lycra", "displacement") == pytest.approx(0.639)
+    assert np.mean(published.COMPENSATED["pes", "displacement"][1:]) == pytest.approx(0.667)
+    assert np.mean(published.COMPENSATED["lycra", "displacement"][1:]) == pytest.approx(0.639)
     gains = {("pes", "force"): (85, 68, 46), ("lycra", "force"): (20, 24, 13)}
     for key, percents in gains.items():
         pairs = zip(published.RAW[key], published.COMPENSATED[key], strict=True)

@@ -24,7 +24,7 @@ def modules_after(code: str) -> set[str]:
     return set(done.stdout.split())
 
 
-@pytest.mark.parametrize("package", ["testbench", "gcode"])
+@pytest.mark.parametrize("package", ["testbench", "gcode", "compensation"])
 def test_importing_a_package_imports_no_heavy_library(package):
     assert not modules_after(f"import {package}") & set(HEAVY)
 
@@ -40,7 +40,7 @@ def test_the_studio_listens_before_it_imports_what_computes():
     assert not seen & {"scipy", "numba", "pandas", "matplotlib", "sklearn"}
 
 
-@pytest.mark.parametrize("package", ["testbench", "gcode"])
+@pytest.mark.parametrize("package", ["testbench", "gcode", "compensation"])
 def test_every_public_name_is_there(package):
     module = importlib.import_module(package)
     assert set(module.__all__) <= set(dir(module))
@@ -48,7 +48,7 @@ def test_every_public_name_is_there(package):
         assert getattr(module, name) is not None
 
 
-@pytest.mark.parametrize("package", ["testbench", "gcode"])
+@pytest.mark.parametrize("package", ["testbench", "gcode", "compensation"])
 def test_type_checkers_see_the_same_names_from_the_same_modules(package):
     module = importlib.import_module(package)
     seen = {

@@ -228,9 +228,9 @@ def _numbers_out(text):
 def served_rig(program):
     """The simulated rig behind a pseudo-terminal, many times faster than real; the name of its port."""
     motion, gauge_length_mm = played(program, None)
-    rig = Plan(program, tb.preset("pes"), gauge_length_mm, 1, "pes").rig(motion.held(3.0))
+    lines = Plan(program, tb.preset("pes"), gauge_length_mm, 1, "pes").wire_lines(motion)
     port = PtyPort()
-    worker = threading.Thread(target=lambda: serve(port, paced(list(rig.lines()), 200.0)))
+    worker = threading.Thread(target=lambda: serve(port, paced(lines, 200.0)))
     worker.start()
     yield port.name
     worker.join(10)

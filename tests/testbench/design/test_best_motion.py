@@ -15,10 +15,11 @@ from testbench.design.best_motion import best_motion, following
 from testbench.design.compositions import drawn, in_words, motion_of, varied
 from testbench.design.experiment import planned
 from testbench.design.forecast import Forecaster, Likely, Reading
-from testbench.design.information import information, sampled_information
+from testbench.design.information import information
 from testbench.design.protocols import NOISE, Bounds, menu
 from testbench.fitting.fit import fit
 from tests.testbench.builders import CATALOGUE, NOISE_LN, NOISE_N, truth
+from tests.testbench.design.monte_carlo import sampled_information
 
 READING = Reading({"force": NOISE_N, "conductance": NOISE_LN}, 30)
 BOUNDS = Bounds(duration_s=120)

@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from testbench.design.information import Prediction, information, sampled_information
+from testbench.design.information import Prediction, information
+from tests.testbench.design.monte_carlo import sampled_information
 
 NONE = np.zeros((1, 0))
 

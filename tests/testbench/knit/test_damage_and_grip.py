@@ -7,13 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from testbench.knit.damage import (
-    CyclicFatigue,
-    JammingStiffening,
-    MullinsSoftening,
-    MullinsSofteningDamage,
-    MullinsSofteningPower,
-)
+from testbench.knit.damage import CyclicFatigue, MullinsSoftening, MullinsSofteningDamage, MullinsSofteningPower
 from testbench.knit.grip import (
     ActuatorBacklash,
     ActuatorBacklashCompensated,
@@ -21,6 +15,7 @@ from testbench.knit.grip import (
     LeadscrewRipple,
     Slack,
 )
+from testbench.knit.jamming import JammingStiffening
 from testbench.knit.kernels import travelled
 from tests.testbench.knit.samples import UP, UP_DOWN_UP
 

@@ -7,6 +7,7 @@ import pytest
 
 from testbench.knit import spectra
 from testbench.knit.filters import hold_coefficients, lowpass, memory, rate
+from testbench.knit.rate_stiffening import ViscousRateStiffening, ViscousRateStiffeningEyring
 from testbench.knit.relaxation import (
     StressRelaxation,
     StressRelaxationLog,
@@ -15,8 +16,6 @@ from testbench.knit.relaxation import (
     StressRelaxationSeries,
     StressRelaxationSpectrum,
     StressRelaxationTwoTimes,
-    ViscousRateStiffening,
-    ViscousRateStiffeningEyring,
 )
 
 DT_S = 0.05

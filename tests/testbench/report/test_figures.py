@@ -9,7 +9,7 @@ import plotly.graph_objects
 import pytest
 
 import tests.testbench.report.samples as samples
-from compensation.paper.published import COMPENSATED, mean_of_tests
+from compensation.paper.published import COMPENSATED
 from testbench.report import (
     alignment_figures,
     comparison_figures,
@@ -271,9 +271,9 @@ def test_clocks_are_told_in_words() -> None:
 
 
 def test_the_papers_scores_are_those_of_the_compensation_package() -> None:
-    for knit, target in COMPENSATED:
+    for (knit, target), (_, a, b) in COMPENSATED.items():
         name = {"pes": "PES", "lycra": "Lycra"}[knit]
-        assert compensator_figures.PAPER[target][name] == pytest.approx(mean_of_tests(knit, target))
+        assert compensator_figures.PAPER[target][name] == pytest.approx((a + b) / 2)
 
 
 def test_a_base_that_misfits_is_said() -> None:

@@ -10,7 +10,8 @@ import pytest
 from testbench.knit.catalogue import baseline
 from testbench.recordings.instruments import Instruments, Room, SampleClock
 from testbench.rig.at_once import at_once, is_plain
-from testbench.rig.recorder import Accepted, Chunk, Recorder, in_memory
+from testbench.rig.parts import Accepted, Chunk, in_memory
+from testbench.rig.recorder import Recorder
 from testbench.rig.simulated import SimulatedRig
 from testbench.rig.sink import Sink
 from testbench.rig.stream import Intake

@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from testbench.rig.recorder import Chunk, End, Recorder, Tick
+from testbench.rig.parts import Chunk, End, Tick
+from testbench.rig.recorder import Recorder
 from testbench.rig.sink import Sink
 from testbench.rig.stream import Intake, Row
 from testbench.rig.watchdog import Watchdog

@@ -23,8 +23,9 @@ from testbench.fitting.model_file import ModelFile, load_model_file
 from testbench.knit.catalogue import baseline
 from testbench.recordings.files import read_recording, write_recording_csv
 from testbench.recordings.manifest import NAME, problems, read_manifest
-from testbench.rig.recorder import Chunk, End, Limits
-from testbench.rig.sink import csv_line
+from testbench.rig.file_lines import csv_line
+from testbench.rig.parts import Chunk, End
+from testbench.rig.recorder import Limits
 from testbench.rig.stream import Intake, Row
 from tests.faulty_disk import AFTER_A_CUT, FaultyDisk, PowerCut
 from tests.testbench.rig.rigs import plan, program, rig, triangle

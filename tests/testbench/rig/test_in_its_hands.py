@@ -15,8 +15,9 @@ from gcode.support.errors import UserError
 from testbench.campaigns.record import Job, begin, record
 from testbench.recordings.files import read_recording
 from testbench.recordings.manifest import problems
-from testbench.rig.recorder import Chunk, End, Limits
-from testbench.rig.sink import csv_line
+from testbench.rig.file_lines import csv_line
+from testbench.rig.parts import Chunk, End
+from testbench.rig.recorder import Limits
 from testbench.rig.stream import Intake, Row
 from tests.testbench.rig.rigs import program, rig
 

@@ -20,10 +20,11 @@ from testbench.knit.catalogue import baseline
 from testbench.recordings.files import read_recording
 from testbench.recordings.manifest import problems
 from testbench.rig.faults import faulty
+from testbench.rig.file_lines import csv_line
 from testbench.rig.pty_port import PtyPort
 from testbench.rig.recorder import Limits
 from testbench.rig.serial_port import SerialLink
-from testbench.rig.sink import Sink, csv_line
+from testbench.rig.sink import Sink
 from testbench.rig.stream import Row
 from testbench.rig.wire import MICROS_WRAP
 from tests.testbench.rig.devices import Device, Witness, command, forked_recorder, recorder, until

@@ -13,12 +13,14 @@ from gcode.support.errors import UserError
 from testbench.campaigns.record import Job, begin, job_of, record
 from testbench.knit.catalogue import baseline
 from testbench.recordings.files import read_recording
+from testbench.rig.appender import Appender
 from testbench.rig.ending import EndOfMotion
 from testbench.rig.motion import played
-from testbench.rig.recorder import Chunk, End, Limits, Lost, Recorder, Tick, in_memory
+from testbench.rig.parts import Chunk, End, Lost, Tick, in_memory
+from testbench.rig.recorder import Limits, Recorder
 from testbench.rig.resume import mend
 from testbench.rig.simulated import SimulatedRig
-from testbench.rig.sink import Appender, Sink
+from testbench.rig.sink import Sink
 from testbench.rig.stream import Intake
 from tests.testbench.rig.rigs import program, rig
 

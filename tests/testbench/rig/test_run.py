@@ -15,7 +15,7 @@ from testbench.recordings.files import read_recording
 from testbench.recordings.manifest import problems
 from testbench.rig.links import paced
 from testbench.rig.motion import played
-from testbench.rig.recorder import in_memory
+from testbench.rig.parts import in_memory
 from testbench.rig.wire import decode
 from tests.testbench.rig.rigs import plan, program, rig
 

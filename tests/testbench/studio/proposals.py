@@ -7,7 +7,7 @@ from pathlib import Path
 
 from testbench.knit.catalogue import baseline, load_catalogue
 from testbench.knit.template import write_template
-from testbench.studio import laws
+from testbench.studio import proposed_law
 
 FOUND = {
     "verdict": "proposed",
@@ -41,5 +41,5 @@ def write_proposal(folder: Path, model: Path) -> None:
     effect = load_catalogue(folder / "sleeve_law.py")["sleeve_law"]()
     after = {**before, **baseline().plus(effect, "sleeve_law").to_dict()}
     after["history"] = [*before["history"], {**before["history"][-1], "step": "+ sleeve_law"}]
-    (folder / laws.MODEL).write_text(json.dumps(after))
-    (folder / laws.JSON).write_text(json.dumps(FOUND))
+    (folder / proposed_law.MODEL).write_text(json.dumps(after))
+    (folder / proposed_law.JSON).write_text(json.dumps(FOUND))

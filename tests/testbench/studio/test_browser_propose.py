@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 
-from testbench.studio.laws import FOLDER
+from testbench.studio.proposed_law import FOLDER
 from tests.testbench.studio.browsing import IN_CHROMIUM, PHONE, browser, finished, full, page, running, screen, shot
 from tests.testbench.studio.proposals import write_proposal
 from tests.testbench.studio.seeing import nameless, unreadable

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from testbench.studio.job_card import progress_in_words
 from testbench.studio.jobs import Job, JobBoard, State, interpreter_argv
-from testbench.studio.widgets import progress_in_words
 
 
 async def ended(job: Job) -> Job:

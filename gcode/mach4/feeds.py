@@ -6,7 +6,7 @@ import numpy as np
 
 from gcode.motion.blocks import Blocks, block_ends
 
-ITERATIONS = 40
+ITERATIONS = 40  # each plays the whole program; the best one seen is taken
 _GAIN = 0.5  # part of a block's accumulated lateness that it tries to make up for
 
 _SETTLE = 12  # iterations that look at each block alone, before lateness is carried over
@@ -17,7 +17,6 @@ def compensated_speeds(
     duration_s: np.ndarray,
     acceleration_mm_per_s2: float,
     v_max_mm_per_s: float = np.inf,
-    iterations: int = ITERATIONS,
 ) -> np.ndarray:
     """Speeds (mm/s) with which a trapezoidal planner ends each block when it was planned to end.
 
@@ -31,15 +30,13 @@ def compensated_speeds(
         The controller's acceleration.
     v_max_mm_per_s : float
         No speed above this is chosen.
-    iterations : int
-        Each plays the whole program; the best one seen is returned.
     """
     distance, moving = np.abs(length_mm), length_mm != 0
     nominal = np.where(moving, distance / duration_s, 0.0)
     highest = np.minimum(4 * nominal + 0.5, v_max_mm_per_s)
     planned_end, dwell = np.cumsum(duration_s), np.where(moving, 0.0, duration_s)
     speed, best, least = nominal, nominal, np.inf
-    for turn in range(iterations):
+    for turn in range(ITERATIONS):
         ends = block_ends(Blocks(length_mm, speed, dwell), acceleration_mm_per_s2)
         late = ends - planned_end
         worst = float(np.abs(late).max())

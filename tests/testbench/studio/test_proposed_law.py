@@ -11,7 +11,7 @@ import pytest
 
 from gcode.support.errors import UserError
 from testbench.knit.template import write_template
-from testbench.studio import laws, models
+from testbench.studio import models, proposed_law
 from testbench.studio.studio import Studio
 from tests.testbench.studio.proposals import FOUND, write_proposal
 
@@ -20,38 +20,38 @@ from tests.testbench.studio.proposals import FOUND, write_proposal
 def proposed(studio: Studio, fitted_model: Path) -> Studio:
     """A studio with a model for ``sleeve`` and a law proposed for it."""
     shutil.copy(fitted_model, models.model_path(studio, "sleeve"))
-    write_proposal(laws.folder_of(studio, "sleeve"), models.model_path(studio, "sleeve"))
+    write_proposal(proposed_law.folder_of(studio, "sleeve"), models.model_path(studio, "sleeve"))
     return studio
 
 
-def kept(studio: Studio) -> laws.Kept:
-    found = laws.kept_proposal(studio, "sleeve")
+def kept(studio: Studio) -> proposed_law.Kept:
+    found = proposed_law.kept_proposal(studio, "sleeve")
     assert found is not None
     return found
 
 
 def test_a_law_that_is_added_joins_the_own_effects_and_the_ladder(proposed: Studio) -> None:
     assert proposed.runnable_effects is None
-    laws.take(proposed, "sleeve", kept(proposed))
+    proposed_law.take(proposed, "sleeve", kept(proposed))
     assert "sleeve_law" in proposed.catalogue().effects
     assert models.steps_in(proposed, "sleeve") == 2
-    assert laws.free_law_name(proposed, "sleeve") == "sleeve_law_2"
+    assert proposed_law.free_law_name(proposed, "sleeve") == "sleeve_law_2"
 
 
 def test_effects_that_are_there_already_stay_and_nothing_is_added_twice(proposed: Studio) -> None:
     write_template("mine", proposed.effects_path)
     proposed.agree_to_effects()
-    laws.take(proposed, "sleeve", kept(proposed))
+    proposed_law.take(proposed, "sleeve", kept(proposed))
     assert {"mine", "sleeve_law"} <= set(proposed.catalogue().effects)
     text = proposed.effects_path.read_text()
-    assert laws.with_law(text, kept(proposed)) == text
+    assert proposed_law.with_law(text, kept(proposed)) == text
 
 
 def test_a_strangers_effects_are_not_run_along_with_it(proposed: Studio) -> None:
     write_template("stranger", proposed.effects_path)
     before = proposed.effects_path.read_text()
     with pytest.raises(UserError, match="you have not agreed to run"):
-        laws.take(proposed, "sleeve", kept(proposed))
+        proposed_law.take(proposed, "sleeve", kept(proposed))
     assert proposed.runnable_effects is None
     assert proposed.effects_path.read_text() == before
 
@@ -61,7 +61,7 @@ def test_code_that_was_changed_after_it_was_shown_is_not_taken(proposed: Studio)
     path = shown.folder / "sleeve_law.py"
     path.write_text(path.read_text() + "\nprint('more')\n")
     with pytest.raises(UserError, match="has changed since"):
-        laws.take(proposed, "sleeve", shown)
+        proposed_law.take(proposed, "sleeve", shown)
     assert not proposed.effects_path.exists()
 
 
@@ -70,13 +70,13 @@ def test_another_effect_of_that_name_is_not_replaced(proposed: Studio) -> None:
     proposed.effects_path.write_text(proposed.effects_path.read_text().replace("gain", "share"))
     proposed.agree_to_effects()
     with pytest.raises(UserError, match="another effect called sleeve_law"):
-        laws.take(proposed, "sleeve", kept(proposed))
+        proposed_law.take(proposed, "sleeve", kept(proposed))
 
 
 def test_a_model_that_cannot_be_read_leaves_everything_as_it_was(proposed: Studio) -> None:
-    (laws.folder_of(proposed, "sleeve") / laws.MODEL).write_text("{}")
+    (proposed_law.folder_of(proposed, "sleeve") / proposed_law.MODEL).write_text("{}")
     with pytest.raises(UserError):
-        laws.take(proposed, "sleeve", kept(proposed))
+        proposed_law.take(proposed, "sleeve", kept(proposed))
     assert not proposed.effects_path.exists()
     assert models.steps_in(proposed, "sleeve") == 1
 
@@ -85,24 +85,24 @@ def test_a_model_that_cannot_be_read_leaves_everything_as_it_was(proposed: Studi
 def test_a_file_that_names_something_else_is_refused(proposed: Studio, name: str) -> None:
     bad = json.loads(json.dumps(FOUND))
     bad["laws"][0]["effect"] = name
-    (laws.folder_of(proposed, "sleeve") / laws.JSON).write_text(json.dumps(bad))
+    (proposed_law.folder_of(proposed, "sleeve") / proposed_law.JSON).write_text(json.dumps(bad))
     with pytest.raises(UserError, match="not a usable proposal"):
-        laws.kept_proposal(proposed, "sleeve")
+        proposed_law.kept_proposal(proposed, "sleeve")
 
 
 @pytest.mark.parametrize("name", ["stress_relaxation", "My Law", ""])
 def test_a_name_that_is_none_or_taken_is_refused_before_anything_runs(proposed: Studio, name: str) -> None:
     with pytest.raises(UserError):
-        laws.propose_command(proposed, "sleeve", name, 1)
-    assert laws.kept_proposal(proposed, "sleeve") is not None
+        proposed_law.propose_command(proposed, "sleeve", name, 1)
+    assert proposed_law.kept_proposal(proposed, "sleeve") is not None
 
 
 def test_the_command_is_one_that_can_be_typed(proposed: Studio) -> None:
-    title, argv = laws.propose_command(proposed, "sleeve", "my_law", 2)
+    title, argv = proposed_law.propose_command(proposed, "sleeve", "my_law", 2)
     assert "sleeve" in title
     assert argv[:2] == ["testbench", "propose"]
     assert argv[-1].endswith("my_law.py")
-    assert laws.kept_proposal(proposed, "sleeve") is None
+    assert proposed_law.kept_proposal(proposed, "sleeve") is None
 
 
 @pytest.mark.asyncio
@@ -118,7 +118,7 @@ async def test_the_page_tells_the_law_and_adds_it(user, proposed: Studio) -> Non
 
 @pytest.mark.asyncio
 async def test_a_law_for_a_model_that_has_changed_since_is_not_offered(user, proposed: Studio) -> None:
-    path = laws.folder_of(proposed, "sleeve") / laws.JSON
+    path = proposed_law.folder_of(proposed, "sleeve") / proposed_law.JSON
     os.utime(path, (1, 1))
     await user.open("/propose?c=sleeve")
     await user.should_see("The model has changed since this was proposed.", retries=50)

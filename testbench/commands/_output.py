@@ -1,0 +1,22 @@
+"""How commands say what was found: as text, as JSON, and what a reader should know of it on stderr."""
+
+from __future__ import annotations
+
+import json
+import sys
+from typing import Any
+
+
+def show(found: Any, place: str | None) -> None:
+    """Print a result as text, and write its JSON where a place is named; ``-`` prints the JSON instead."""
+    from gcode.support.files import write_json
+
+    print(json.dumps(found.to_dict(), indent=2) if place == "-" else found)
+    if place and place != "-":
+        write_json(place, found.to_dict())
+
+
+def show_notes(found: Any) -> None:
+    """Print what a reader should know of a result on stderr."""
+    for note in found.notes:
+        print(f"note: {note}", file=sys.stderr)

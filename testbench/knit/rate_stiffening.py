@@ -1,0 +1,191 @@
+"""Viscous stiffening: a faster stretch takes more force."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from testbench.knit.curves import LAW_TERMS, curve
+from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
+from testbench.knit.filters import rate
+
+REFERENCE_RATE_PER_S = 0.1
+PLATEAU = "rate below which the viscosity no longer grows"
+
+
+def _power_of_rate(strain: FloatArray, dt_s: float, exponent: float, rate0_per_s: float) -> FloatArray:
+    speed = rate(strain, dt_s) / REFERENCE_RATE_PER_S
+    return speed * (speed**2 + (rate0_per_s / REFERENCE_RATE_PER_S) ** 2) ** (0.5 * (exponent - 1))
+
+
+def _powers_of_rate(*exponents: float) -> list[dict[str, Any]]:
+    return [{"exponent": exponent, "rate0_per_s": rate0} for exponent in exponents for rate0 in (1e-4, 4e-3)]
+
+
+class RateLaw(Effect):
+    """Base of the laws of viscous stiffening: force that depends on how fast the knit is stretched."""
+
+    mechanism = "viscous_rate_stiffening"
+    stage = Stage.MECHANICS
+    reads, writes = ("strain", "force_N"), ("force_N",)
+    strength = "gain"
+
+
+class ViscousRateStiffening(RateLaw):
+    """A dashpot beside the knit: force grows with the rate of strain, by a power of it.
+
+    F += force * v (v^2 + v0^2)^((exponent - 1) / 2),   v = e' / 0.1 per s,   v0 = rate0 / 0.1 per s
+
+    `exponent` 1 is Newton's dashpot (Kelvin-Voigt); towards 0 it becomes dry friction. Below `rate0` it is Newton's.
+
+    Source: Ferry, Viscoelastic Properties of Polymers (1980), ch. 1 (Kelvin-Voigt element); power law after
+    Ostwald - de Waele, with the plateau of Carreau, Trans. Soc. Rheol. 16 (1972) 99.
+    Valid: rates within about two decades of each other.
+    """
+
+    name = "viscous_rate_stiffening"
+    strength = "force_at_rate_N"
+    look = "the faster the stretch the higher the force, the faster the release the lower"
+
+    force_at_rate_N: float = parameter(0.2, unit="N", low=0, high=100, doc="viscous force at 10 % strain per second")
+    exponent: float = parameter(1.0, unit="1", low=0.2, high=1.5, doc="1: linear dashpot; smaller: shear thinning")
+    rate0_per_s: float = parameter(1e-4, unit="1/s", low=1e-5, high=0.1, scale="log", doc=PLATEAU)
+
+    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+        return _powers_of_rate(0.3, 0.6, 1.0, 1.3)
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        viscous = _power_of_rate(signals["strain"], dt_s, self.exponent, self.rate0_per_s)
+        return {"force_N": signals["force_N"] + self.force_at_rate_N * viscous}
+
+
+class ViscousRateStiffeningEyring(RateLaw):
+    """Thermally activated sliding of chains: force grows with the logarithm of the rate.
+
+    F += force * asinh(e' / rate0)
+
+    Source: Eyring, J. Chem. Phys. 4 (1936) 283.
+    Valid: linear below rate0, logarithmic above.
+    """
+
+    name = "viscous_rate_stiffening_eyring"
+    strength = "force_per_efold_N"
+    look = "every tenfold speed adds the same force"
+
+    force_per_efold_N: float = parameter(0.05, unit="N", low=0, high=50, doc="force per e-fold of the rate")
+    rate0_per_s: float = parameter(0.01, unit="1/s", low=1e-5, high=1, scale="log", doc="rate where the log sets in")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        sliding = np.arcsinh(rate(signals["strain"], dt_s) / self.rate0_per_s)
+        return {"force_N": signals["force_N"] + self.force_per_efold_N * sliding}
+
+
+class ViscousRateStiffeningLog(RateLaw):
+    """All of the force grows with the logarithm of the rate's magnitude.
+
+    F *= 1 + gain * ln(1 + |e'| / rate0)
+
+    Source: Johnson & Cook, Proc. 7th Int. Symp. on Ballistics (1983) 541 (rate factor), smoothed at zero rate.
+    Valid: stretching and releasing alike.
+    """
+
+    name = "viscous_rate_stiffening_log"
+    look = "the knit is stiffer in fast motion, in both directions"
+
+    gain: float = parameter(0.02, unit="1", low=0, high=1, doc="relative gain of force per e-fold of the rate")
+    rate0_per_s: float = parameter(0.01, unit="1/s", low=1e-5, high=1, scale="log", doc="rate where it sets in")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        decades = np.log1p(np.abs(rate(signals["strain"], dt_s)) / self.rate0_per_s)
+        return {"force_N": signals["force_N"] * (1 + self.gain * decades)}
+
+
+class ViscousRateStiffeningPower(RateLaw):
+    """The whole force grows with a power of the strain rate.
+
+    F *= 1 + gain * v (v^2 + v0^2)^((exponent - 1) / 2),   v = e' / 0.1 per s,   v0 = rate0 / 0.1 per s
+
+    Source: Cowper & Symonds, Brown University Applied Mathematics Report 28 (1957); exponent = 1/q there.
+    Linear below `rate0`, as in Carreau, Trans. Soc. Rheol. 16 (1972) 99.
+    Valid: rates within a few decades; releasing lowers the force as stretching raises it.
+    """
+
+    name = "viscous_rate_stiffening_power"
+    look = "the faster, the stiffer, in proportion to the force; strongest change at slow rates"
+
+    gain: float = parameter(0.1, unit="1", low=0, high=3, doc="relative force added at a strain rate of 0.1 / s")
+    exponent: float = parameter(0.4, unit="1", low=0.1, high=1.5, scale="log", doc="power of the rate")
+    rate0_per_s: float = parameter(1e-4, unit="1/s", low=1e-5, high=0.1, scale="log", doc=PLATEAU)
+
+    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+        return _powers_of_rate(0.15, 0.35, 0.7, 1.1)
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        raised = _power_of_rate(signals["strain"], dt_s, self.exponent, self.rate0_per_s)
+        return {"force_N": signals["force_N"] * (1 + self.gain * raised)}
+
+
+class ViscousRateStiffeningMagnitude(RateLaw):
+    """The whole force grows with a power of the speed, whichever way the knit moves.
+
+    F *= 1 + gain * (|e'| / 0.1 per s)^exponent
+
+    Source: as `viscous_rate_stiffening_power`, written for the magnitude of the rate.
+    Valid: as there.
+    """
+
+    name = "viscous_rate_stiffening_magnitude"
+    look = "the faster, the stiffer, stretching and releasing alike"
+
+    gain: float = parameter(0.1, unit="1", low=0, high=3, doc="relative force added at a strain rate of 0.1 / s")
+    exponent: float = parameter(0.4, unit="1", low=0.1, high=1.5, scale="log", doc="power of the rate")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        speed = np.abs(rate(signals["strain"], dt_s)) / REFERENCE_RATE_PER_S
+        return {"force_N": signals["force_N"] * (1 + self.gain * speed**self.exponent)}
+
+
+class ViscousRateStiffeningRelative(RateLaw):
+    """A dashpot that stiffens with the load: viscous force in proportion to the elastic one.
+
+    F *= 1 + gain * e' / 0.1 per s
+
+    Source: Fung, Biomechanics (1993), section 7.6: the stiffness, hence the loss, of soft tissue grows with stress.
+    Valid: while the factor stays positive (it is kept at or above zero).
+    """
+
+    name = "viscous_rate_stiffening_relative"
+    look = "fast loops are wider than slow ones, the more so the further the knit is stretched"
+
+    gain: float = parameter(0.1, unit="1", low=0, high=2, doc="relative gain of force at 10 % strain per second")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        speed = rate(signals["strain"], dt_s) / REFERENCE_RATE_PER_S
+        return {"force_N": signals["force_N"] * np.maximum(1 + self.gain * speed, 0.0)}
+
+
+class ViscousRateStiffeningCurve(RateLaw):
+    """The whole force depends on the strain rate along a smooth curve of any form.
+
+    F *= exp( curve(v) ),   v = asinh(30 e' / reach) / (2 asinh(30)) + 1/2
+
+    Source: smoothing splines as a cosine series, Wahba, Spline Models for Observational Data (1990), ch. 2, over a
+    rate that is stretched around rest.
+    Valid: rates up to `reach_per_s`, the largest of the recording.
+    """
+
+    name = "viscous_rate_stiffening_curve"
+    strength = "weights"
+    look = "the force depends on how fast the knit moves, in each direction in its own way"
+
+    weights: tuple[float, ...] = parameter((0.0,) * LAW_TERMS, unit="1", low=-3, high=3, doc="weights of the curve")
+    reach_per_s: float = parameter(0.1, unit="1/s", low=1e-6, high=10, scale="log", doc="largest rate")
+
+    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+        strain, time_s = signals["strain"], signals["time_s"]
+        return [{"reach_per_s": float(np.max(np.abs(rate(strain, float(time_s[1] - time_s[0])))))}]
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        v = np.arcsinh(30 * rate(signals["strain"], dt_s) / self.reach_per_s) / (2 * np.arcsinh(30)) + 0.5
+        return {"force_N": signals["force_N"] * np.exp(curve(v, 0.0, 1.0, self.weights))}

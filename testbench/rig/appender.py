@@ -1,0 +1,120 @@
+"""One growing file: what the disk refuses is kept, and tried again with the next write."""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import os
+from pathlib import Path
+
+from gcode.support import disk
+from gcode.support.errors import UserError
+
+TAIL_BYTES = 4096  # longer than any line
+
+
+class Appender:
+    """Appends text to one file; what the disk refuses it keeps, and tries again with the next write.
+
+    Attributes
+    ----------
+    pending : bytes
+        What the disk has not taken yet.
+    refusal : OSError or None
+        Why it did not.
+    sync_failures : int
+        How often the disk said that it could not keep what it had taken.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.pending = b""
+        self.refusal: OSError | None = None
+        self.sync_failures = 0
+        self._handle: int | None = None
+        self._named = False
+
+    def open(self) -> int:
+        """The open file, made if it is not there; its name is kept with the first sync."""
+        if self._handle is None:
+            self._handle = disk.open_growing(self.path)
+            self._named = False
+        return self._handle
+
+    def write(self, text: str) -> bool:
+        """Append; whether everything is written."""
+        self.pending += text.encode()
+        try:
+            while self.pending:
+                self.open()
+                self.pending = self.pending[self.take(self.pending) :]
+        except OSError as error:
+            self.refusal = error
+            return False
+        self.refusal = None
+        return True
+
+    def hold(self, text: str) -> None:
+        """Keep for the next write."""
+        self.pending += text.encode()
+
+    def lock(self) -> None:
+        """Refuse a second recorder on this file; the lock ends with this process, however it ends."""
+        try:
+            fcntl.flock(self.open(), fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            self._shut()
+            raise UserError(f"{self.path}: another recorder is writing this file; choose another with -o") from None
+
+    def sync(self) -> None:
+        """Have the disk keep what was written, and the file's name."""
+        if self._handle is None:
+            return
+        try:
+            disk.DISK.sync(self._handle)
+        except OSError:
+            self.sync_failures += 1
+        if not self._named:
+            disk.sync_quietly(self.path.parent)
+            self._named = True
+
+    def take(self, data: bytes) -> int:
+        """Give `data` to the operating system; how many bytes it took."""
+        return disk.DISK.write(self.open(), data)
+
+    @property
+    def empty(self) -> bool:
+        """Whether the file holds nothing."""
+        return os.fstat(self.open()).st_size == 0
+
+    def drop(self) -> bool:
+        """Forget what is pending and cut the line that it left half written; whether that could be done."""
+        self.pending, self.refusal = b"", None
+        if self._handle is None:
+            return True
+        try:
+            size = os.fstat(self._handle).st_size
+            tail = os.pread(self._handle, TAIL_BYTES, max(0, size - TAIL_BYTES))
+            disk.DISK.truncate(self._handle, size - (len(tail) - tail.rfind(b"\n") - 1))
+        except OSError as error:
+            self.refusal = error
+        return self.refusal is None
+
+    def close(self) -> bool:
+        """Write what is pending, sync and close. What the disk does not take is gone, but leaves no half line.
+
+        Returns
+        -------
+        bool
+            Whether the file ends with a whole line.
+        """
+        whole = self.write("") or self.drop()
+        self.sync()
+        self._shut()
+        return whole
+
+    def _shut(self) -> None:
+        if self._handle is not None:
+            with contextlib.suppress(OSError):
+                disk.DISK.close(self._handle)
+            self._handle = None

@@ -1,0 +1,45 @@
+"""One line of each file of a recording: a sample, an event, a line that was rejected."""
+
+from __future__ import annotations
+
+import json
+
+from testbench.recordings.channels import TIME
+from testbench.rig.stream import Bad, Event, Row, channels_of
+
+
+def seconds(time_us: int) -> str:
+    """Microseconds as exact decimal seconds."""
+    return f"{time_us // 1_000_000}.{time_us % 1_000_000:06d}"
+
+
+def csv_line(row: Row) -> str:
+    """One line of ``recording.csv``: every digit of the wire, nothing more."""
+    sample = row.sample
+    parts = [seconds(row.time_us), f"{sample.displacement_nm / 1e6:.6f}"]
+    if sample.force_uN is not None:
+        parts.append(f"{sample.force_uN / 1e6:.6f}")
+    if sample.resistance_mohm is not None:
+        parts.append(f"{sample.resistance_mohm / 1e3:.3f}")
+    if sample.temperature_mC is not None:
+        parts.append(f"{sample.temperature_mC / 1e3:.3f}")
+    return ",".join(parts) + "\n"
+
+
+def header_line(row: Row) -> str:
+    """Header of ``recording.csv``, pinned by the first accepted sample."""
+    return ",".join((TIME, *channels_of(row.sample))) + "\n"
+
+
+def event_line(event: Event) -> str:
+    """One event as a line of JSON."""
+    entry = {"event": event.kind, "time_s": event.time_us / 1e6, **event.details}
+    if "from_us" in entry:
+        entry["from_s"] = int(str(entry.pop("from_us"))) / 1e6
+    return json.dumps(entry) + "\n"
+
+
+def bad_line(bad: Bad) -> str:
+    """One rejected line: reason, tab, the bytes with everything unprintable escaped."""
+    text = bad.line.decode("latin-1").encode("unicode_escape").decode("ascii")
+    return f"{bad.reason}\t{text}\n"

@@ -1,0 +1,58 @@
+"""What a link delivers, with the host's time: bytes, samples, silence, the loss of the port, the end."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from itertools import islice
+from typing import NamedTuple
+
+from testbench.rig.stream import Row
+
+
+class Chunk(NamedTuple):
+    """Bytes that came at `host_s`."""
+
+    host_s: float
+    data: bytes
+
+
+class Accepted(NamedTuple):
+    """Samples without any fault, as lines of the file already. No limit looks at them, and nothing follows them."""
+
+    host_s: float
+    first: Row
+    last: Row
+    samples: int
+    text: str
+
+
+class Lost(NamedTuple):
+    """The port was lost at `host_s`; the link is trying to get it back."""
+
+    host_s: float
+    reason: str
+
+
+class Tick(NamedTuple):
+    """Nothing came; time goes on."""
+
+    host_s: float
+
+
+class End(NamedTuple):
+    """The link will deliver nothing more; `state` becomes the recording's."""
+
+    host_s: float
+    state: str = "complete"
+    message: str = ""
+
+
+Part = Chunk | Accepted | Lost | Tick | End
+
+
+def in_memory(lines: Iterable[bytes], size: int = 512) -> Iterator[Part]:
+    """A link that delivers lines as fast as they are taken, on a host clock that stands still."""
+    iterator = iter(lines)
+    while chunk := b"".join(islice(iterator, size)):
+        yield Chunk(0.0, chunk)
+    yield End(0.0)
