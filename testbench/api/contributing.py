@@ -127,7 +127,7 @@ def contribution(
     >>> recording = tb.example(tb.effects.StressRelaxation(fraction=0.3), duration_s=90)
     >>> d = tb.diagnose(recording, most=1, progress=False)
     >>> tb.contribution(d, "stress_relaxation", recording)
-    <ContributionResult stress_relaxation_prony to force, conductance>
+    <ContributionResult stress_relaxation to force, conductance>
     """
     catalogue = catalogue_of(effects)
     data = diagnosis if isinstance(diagnosis, Mapping) else diagnosis_data(diagnosis)

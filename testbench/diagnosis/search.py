@@ -28,7 +28,14 @@ from testbench.diagnosis.likelihood import (
 from testbench.diagnosis.proposals import Proposal, Screen, laws_of
 from testbench.diagnosis.rounds import Entry, Round, excess, explained
 from testbench.diagnosis.starts import best_start
-from testbench.fitting.baseline import SHAPES, laws_that_may_act, starting_baseline, with_shapes, without_shapes
+from testbench.fitting.baseline import (
+    SHAPES,
+    framed,
+    laws_that_may_act,
+    starting_baseline,
+    with_shapes,
+    without_shapes,
+)
 from testbench.fitting.measurement import Measurement
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import Effect
@@ -122,15 +129,21 @@ class Search:
     def bases(self) -> list[Hypothesis]:
         """The best base, and others none of whose laws bends: the best of those, and the first.
 
-        All laws that a base may have are tried.
+        In each place, all laws that may stand there are tried beside the best of the others so far.
         """
-        model = without_shapes(self.baseline.model)
-        laws = [*self.other_laws(model), *laws_that_may_act(model, self.measurement, self.catalogue)]
-        started, *exchanged = self.pool.map(self.compare, [model, *(model.plus(law) for law in laws)])
-        stiff = sorted([started, *exchanged], key=_evidence)[-constants.BASES :]
+        first = best = self.compare(without_shapes(self.baseline.model))
+        tried, before = [first], None
+        while best is not before:
+            before = best
+            for place in first.model:
+                tried += self.pool.map(self.compare, self.exchanged(best.model, place))
+                best = max(tried, key=_evidence)
+        may_act = laws_that_may_act(best.model, self.measurement, self.catalogue)
+        tried += self.pool.map(self.compare, map(best.model.plus, may_act))
+        stiff = sorted(tried, key=_evidence)[-constants.BASES :]
         bent = self.pool.map(lambda h: self.compare(self.bent(h.model)), stiff)
         best = max(*bent, self.compare(self.flexible.model, self.flexible), key=_evidence)
-        return [best, *dict.fromkeys((stiff[-1], started))]
+        return [best, *dict.fromkeys((stiff[-1], first))]
 
     def about_to_bend(self, h: Hypothesis) -> Hypothesis:
         """A base as it is, its shapes there to be used.
@@ -206,15 +219,17 @@ class Search:
         proposals = tuple(Screen(h, self.compared).proposals(laws))
         return Ground(h, like, proposals)
 
-    def other_laws(self, model: KnitModel) -> list[Effect]:
-        """Laws that could take the place of one in the model, drawn to the data."""
-        present = {effect.mechanism: effect.name for effect in model.effects.values() if not effect.strength}
-        forms = [
-            form
-            for form in self.catalogue.effects.values()
-            if not form.strength and form.mechanism in present and form.name != present[form.mechanism]
-        ]
-        return [drawn_to_data(form(), self.measurement) for form in forms]
+    def exchanged(self, model: KnitModel, place: str) -> list[KnitModel]:
+        """The model with each other law of the catalogue that could stand in a place of it, drawn to the data."""
+        there = model[place]
+        forms = [law for law in self.catalogue.effects.values() if law.name != there.name]
+        forms = [law for law in forms if model.place_of(law) == place]
+        return [model.replacing(place, self.like(law, there, model)) for law in forms]
+
+    def like(self, law: type[Effect], other: Effect, model: KnitModel) -> Effect:
+        """A law that starts as another of its kind in what they share, and is drawn to the data in the rest."""
+        shared = {key: getattr(other, key) for key in law.model_fields if key in type(other).model_fields}
+        return framed(drawn_to_data(law().near(**shared), self.measurement), model, self.measurement)
 
     def contest(self, grounds: Sequence[Ground], mechanisms: Sequence[str]) -> list[Entry]:
         """Mechanisms refitted: all quickly, on the grounds that speak for them, then the best of each in full."""

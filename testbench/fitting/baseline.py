@@ -89,7 +89,10 @@ def framed(effect: Effect, model: KnitModel, measurement: Measurement) -> Effect
     if not fields:
         return effect
     frame = {"span": max(float(np.max(measurement.signals["strain_nominal"])) * 1.02, 1e-3)}
-    force = model.simulate(measurement.signals, measurement.dt_s).get("contact_force_N")
+    state = model.simulate(measurement.signals, measurement.dt_s)
+    if "force_N" in state:
+        frame["tension_N"] = max(float(np.max(state["force_N"])), 1e-3)
+    force = state.get("contact_force_N")
     if force is not None:
         low, high = float(np.min(force)), float(np.max(force))
         frame |= {"low_N": low, "span_N": max(high - low, 1e-3)}

@@ -12,7 +12,7 @@ from testbench.knit.effect import FloatArray, bounds_of
 from testbench.knit.model import KnitModel
 
 # Parameters that describe the data (their range, moments of events), not the sensor: set from them, never fitted.
-FRAME_PARAMETERS = frozenset({"span", "span_N", "low_N", "slip_times_s", "reach_per_s"})
+FRAME_PARAMETERS = frozenset({"span", "span_N", "low_N", "tension_N", "slip_times_s", "reach_per_s"})
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,8 @@ BUILT_IN = {
     "elasticity_cubic": "testbench.knit.elasticity:ElasticityCubic",
     "elasticity_ogden": "testbench.knit.elasticity:ElasticityOgden",
     "elasticity_two_slopes": "testbench.knit.elasticity:ElasticityTwoSlopes",
+    "elasticity_gent": "testbench.knit.elasticity:ElasticityGent",
+    "hysteresis_on_tension": "testbench.knit.hysteresis:HysteresisOnTension",
     "hysteresis_bouc_wen": "testbench.knit.hysteresis:HysteresisBoucWen",
     "drift_exponential": "testbench.knit.electrical:DriftExponential",
     "drift_power": "testbench.knit.electrical:DriftPower",

@@ -113,6 +113,8 @@ class Effect(BaseModel):
         try a grid of magnitudes instead of a finite difference at zero.
     per_recording : tuple of str
         Parameters that belong to one recording, not to the sensor (the phase of a hum): each has its own.
+    exclusive : bool
+        A model has one law of this mechanism, and another takes its place; so it is with laws that have no strength.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
@@ -127,6 +129,7 @@ class Effect(BaseModel):
     optional_reads: ClassVar[tuple[str, ...]] = ()
     nonlinear: ClassVar[bool] = False
     per_recording: ClassVar[tuple[str, ...]] = ()
+    exclusive: ClassVar[bool] = False
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)

@@ -10,6 +10,7 @@ import numpy as np
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 
 LEVELS = 50  # of the strain that count alike where a law is drawn to data
+NEAREST = 0.98  # to the end of its chains, where a law that locks is still looked at
 
 
 class ElasticLaw(Effect):
@@ -184,3 +185,36 @@ class ElasticityTwoSlopes(ElasticLaw):
 
     def curves(self, e: FloatArray) -> tuple[FloatArray, ...]:
         return np.ones_like(e), e, self.width * np.logaddexp(0.0, (e - self.knee) / self.width)
+
+
+class ElasticityGent(ElasticLaw):
+    """Rubber or loops that lock: Gent's law of chains that come to their end, and a straight line.
+
+    F(e) = offset + linear e + modulus (l - 1 / l^2) / (1 - J / J_m),   l = 1 + e,   J = l^2 + 2 / l - 3
+
+    J_m is J at the strain `locking`, where the force would be infinite.
+
+    Source: Gent, Rubber Chem. Technol. 69 (1996) 59 (incompressible, uniaxial).
+    Valid: e > -0.5 and below `locking`.
+    """
+
+    name = "elasticity_gent"
+    look = "force rises with strain ever more steeply, towards a strain that it cannot pass"
+    linear = ("offset_N", "modulus_N", "linear_N")
+    bends = tuple({"locking": float(locking)} for locking in np.geomspace(0.02, 4.0, 24))
+
+    modulus_N: float = parameter(1.0, unit="N", low=0, high=1e4, doc="force of the chains")
+    locking: float = parameter(0.5, unit="1", low=0.01, high=10, scale="log", doc="strain where it locks")
+    linear_N: float = parameter(3.0, unit="N", low=-1e4, high=1e4, doc="slope of the straight line")
+    offset_N: float = parameter(0.0, unit="N", low=-100, high=100, doc="force at zero strain (not tared)")
+
+    def curves(self, e: FloatArray) -> tuple[FloatArray, ...]:
+        stretch = 1 + np.maximum(e, -0.5)
+        share = _invariant(stretch) / _invariant(1 + self.locking)
+        chains = (stretch - stretch**-2) / (1 - np.minimum(np.where(e > 0, share, 0.0), NEAREST))
+        return np.ones_like(e), chains, e
+
+
+def _invariant(stretch: Any) -> Any:
+    """First invariant of the stretch, less that at rest."""
+    return stretch**2 + 2 / stretch - 3

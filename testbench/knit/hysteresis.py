@@ -9,6 +9,7 @@ from testbench.knit.effect import FloatArray, Signals, parameter
 
 # Relative break-away strains of the slip elements: a wide, fixed distribution whose scale is a parameter.
 SPREAD = np.geomspace(0.15, 2.5, 6)
+QUANTILES = np.array([-1.383, -0.674, -0.210, 0.210, 0.674, 1.383])  # of a normal law, in the middle of six parts
 
 
 def mean_slip(x: FloatArray, threshold: float) -> FloatArray:
@@ -23,6 +24,7 @@ class FrictionLaw(ForceLaw):
 
     mechanism = "hysteresis"
     strength = "friction_N"
+    exclusive = True
 
 
 class Hysteresis(FrictionLaw):
@@ -54,33 +56,75 @@ class Hysteresis(FrictionLaw):
         return self.friction_N * width * mean_slip(e, self.threshold)
 
 
-class HysteresisBoucWen(FrictionLaw):
-    """Friction between the yarns as one smooth hysteretic variable (Bouc-Wen, exponent 1).
+class PressedFriction(FrictionLaw):
+    """Base of the laws of friction that the tension presses on: the more a knit is loaded, the harder its yarns rub.
 
-    F += friction * (1 + growth e) * z
+    F += friction * (1 - pressed + pressed * max(F, 0) / tension) * z
+
+    Source: Euler's capstan equation; of yarn on yarn: Howell, J. Text. Inst. 44 (1953) T359.
+    """
+
+    friction_N: float = parameter(
+        0.3, unit="N", low=0, high=100, typical=0.05, doc="friction force at `tension_N`, when it slips"
+    )
+    pressed: float = parameter(
+        0.5, unit="1", low=0, high=1, doc="share of it that the tension presses on; the rest is there without load"
+    )
+    tension_N: float = parameter(3.0, unit="N", low=1e-3, high=1e4, doc="force at which the friction is given")
+    threshold: float = parameter(
+        0.02, unit="1", low=5e-4, high=0.5, scale="log", doc="strain after a reversal at which slip is under way"
+    )
+
+    def deflection(self, e: FloatArray) -> FloatArray:
+        """z, in [-1, 1], shape (n,): what part of the friction acts, and which way."""
+        raise NotImplementedError
+
+    def change(self, signals: Signals, dt_s: float) -> FloatArray:
+        load = np.maximum(signals["force_N"], 0.0) / self.tension_N
+        return self.friction_N * (1 - self.pressed + self.pressed * load) * self.deflection(signals["strain"])
+
+
+class HysteresisOnTension(PressedFriction):
+    """Friction that grows with the tension, of slip elements whose break-away strains differ as much as they do.
+
+    F += friction * (1 - pressed + pressed * max(F, 0) / tension) * mean_k( stop_k(e) / r_k )
+    r_k = threshold * exp(spread * q_k),   q_k: quantiles of a normal law in the middle of six equal parts
+
+    Source: Iwan, J. Appl. Mech. 33 (1966) 893 (break-away strains of any spread); tension as in `PressedFriction`.
+    Valid: slow, rate-independent friction.
+    """
+
+    name = "hysteresis_on_tension"
+    look = "force is higher while stretching than while releasing, the more the higher it is"
+
+    spread: float = parameter(
+        1.0, unit="1", low=0.05, high=3, scale="log", doc="how far the break-away strains differ, in their logarithm"
+    )
+
+    def deflection(self, e: FloatArray) -> FloatArray:
+        from testbench.knit.kernels import mean_stop
+
+        return mean_stop(e, self.threshold * np.exp(self.spread * QUANTILES))
+
+
+class HysteresisBoucWen(PressedFriction):
+    """Friction that grows with the tension, as one smooth hysteretic variable (Bouc-Wen, exponent 1).
+
+    F += friction * (1 - pressed + pressed * max(F, 0) / tension) * z
     dz/de = (1 - (1 - skew) sgn(de) z - skew |z|) / threshold
 
     `skew` 0 is Dahl's friction; 1 makes unloading elastic.
 
-    Source: Wen, J. Eng. Mech. Div. ASCE 102 (1976) 249.
+    Source: Wen, J. Eng. Mech. Div. ASCE 102 (1976) 249; the tension as in `PressedFriction`.
     Valid: slow, rate-independent friction.
     """
 
     name = "hysteresis_bouc_wen"
     look = "force is higher while stretching than while releasing, with smooth corners"
 
-    friction_N: float = parameter(0.3, unit="N", low=0, high=100, doc="friction force when fully slipping")
-    threshold: float = parameter(
-        0.02, unit="1", low=5e-4, high=0.5, scale="log", doc="strain in which the friction turns over"
-    )
     skew: float = parameter(0.3, unit="1", low=0, high=0.9, doc="how much stiffer unloading is than loading")
-    growth: float = parameter(
-        0.0, unit="1", low=-1, high=30, typical=2.0, doc="relative growth of friction per unit strain"
-    )
 
-    def change(self, signals: Signals, dt_s: float) -> FloatArray:
+    def deflection(self, e: FloatArray) -> FloatArray:
         from testbench.knit.kernels import bouc_wen
 
-        e = signals["strain"]
-        width = np.maximum(1 + self.growth * e, 0.0)
-        return self.friction_N * width * bouc_wen(e, self.threshold, self.skew)
+        return bouc_wen(e, self.threshold, self.skew)

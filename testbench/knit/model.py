@@ -53,7 +53,7 @@ class KnitModel:
 
     def plus(self, effect: Effect, name: str | None = None) -> KnitModel:
         """A model with `effect` at the end of its stage; a law takes the place of another of the same mechanism."""
-        place = "" if name else self._place_of_law(effect)
+        place = "" if name else self.place_of(type(effect))
         if place:
             return self.replacing(place, effect)
         name = name or self._free_name(effect.name)
@@ -64,11 +64,11 @@ class KnitModel:
 
     __add__ = plus
 
-    def _place_of_law(self, law: Effect) -> str:
-        """Name of the law, which cannot be absent as an effect can, whose place `law` takes; empty if none."""
-        if law.strength:
+    def place_of(self, law: type[Effect]) -> str:
+        """Name of the law whose place `law` takes, since a model has one of the kind; empty if there is none."""
+        if not _exclusive(law):
             return ""
-        laws = {name: effect for name, effect in self.effects.items() if not effect.strength}
+        laws = {name: effect for name, effect in self.effects.items() if _exclusive(type(effect))}
         return next((name for name, effect in laws.items() if effect.mechanism == law.mechanism), "")
 
     def _free_name(self, base: str) -> str:
@@ -211,3 +211,8 @@ def inputs(
     if temperature_C is not None:
         signals["temperature_C"] = np.asarray(temperature_C, dtype=np.float64)
     return signals
+
+
+def _exclusive(law: type[Effect]) -> bool:
+    """Whether a model has one law of this mechanism; one without a strength cannot be absent, nor be there twice."""
+    return law.exclusive or not law.strength

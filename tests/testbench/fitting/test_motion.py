@@ -106,7 +106,7 @@ def test_a_ramp_before_a_long_hold_is_no_coarse_step():
 def test_friction_keeps_its_force_in_a_hold_that_was_read_with_noise():
     strain = ramps_and_holds(TIME_S)
     reading = strain + noise(1e-4, seed=1)
-    friction = HysteresisBoucWen(friction_N=1.0, threshold=0.02, skew=0.0)
+    friction = HysteresisBoucWen(friction_N=1.0, pressed=0.0, threshold=0.02, skew=0.0)
     at_its_end = np.searchsorted(TIME_S, 29.0)
 
     def force_N(motion: np.ndarray) -> float:

@@ -6,7 +6,13 @@ import numpy as np
 import pytest
 
 from testbench.knit.catalogue import baseline, load_catalogue
-from testbench.knit.elasticity import ElasticityCubic, ElasticityOgden, ElasticityTwoSlopes, ElasticLaw
+from testbench.knit.elasticity import (
+    ElasticityCubic,
+    ElasticityGent,
+    ElasticityOgden,
+    ElasticityTwoSlopes,
+    ElasticLaw,
+)
 from testbench.knit.model import inputs
 
 CATALOGUE = load_catalogue()
@@ -16,6 +22,7 @@ LAWS = [
     ElasticityCubic(stiffness_N=9.0, square_N=-20.0, cube_N=150.0, offset_N=0.1),
     ElasticityOgden(modulus_N=0.8, power=12.0, linear_N=2.0, offset_N=-0.1),
     ElasticityTwoSlopes(stiffness_N=6.0, more_N=14.0, knee=0.15, width=0.02, offset_N=0.05),
+    ElasticityGent(modulus_N=2.0, locking=float(ElasticityGent.bends[14]["locking"]), linear_N=1.0, offset_N=0.1),
 ]
 
 
@@ -27,6 +34,25 @@ def test_ogden_of_power_two_is_the_neo_hookean_law():
     stretch = 1 + STRAIN
     law = ElasticityOgden(modulus_N=3.0, power=2.0, linear_N=0.0)
     np.testing.assert_allclose(force_N(law), 3.0 * (stretch - stretch**-2), rtol=1e-12)
+
+
+def test_gent_far_from_its_end_is_the_neo_hookean_law():
+    stretch = 1 + STRAIN
+    law = ElasticityGent(modulus_N=3.0, locking=10.0, linear_N=0.0)
+    np.testing.assert_allclose(force_N(law), 3.0 * (stretch - stretch**-2), rtol=2e-3)
+
+
+def test_gent_rises_without_end_towards_where_it_locks():
+    """Chains at half of J_m double the force of free ones; near the end it is fifty times theirs, and stays so."""
+    law = ElasticityGent(modulus_N=1.0, locking=0.3, linear_N=0.0)
+    free = (1 + STRAIN) - (1 + STRAIN) ** -2
+    invariant = (1 + STRAIN) ** 2 + 2 / (1 + STRAIN) - 3
+    with np.errstate(invalid="ignore"):
+        stiffening = force_N(law) / free
+    half = int(np.argmin(np.abs(invariant - 0.5 * invariant[-1])))
+    assert stiffening[half] == pytest.approx(2.0, rel=0.03)
+    assert stiffening[-1] == pytest.approx(50.0, rel=1e-6)
+    assert np.all(np.isfinite(force_N(law, np.linspace(-0.4, 2.0, 50))))
 
 
 def test_a_cubic_has_its_slope_at_zero():
@@ -88,8 +114,8 @@ def test_a_law_takes_the_place_of_another_of_its_mechanism():
 
 
 def test_an_effect_with_a_strength_stands_beside_another_of_its_mechanism():
-    model = baseline().plus(CATALOGUE["hysteresis"]())
-    assert [name for name in model if name.startswith("hysteresis")] == ["hysteresis", "hysteresis_2"]
+    model = baseline().plus(CATALOGUE["drift"]())
+    assert [name for name in model if name.startswith("drift")] == ["drift", "drift_2"]
 
 
 def test_every_elastic_law_of_the_catalogue_is_of_one_mechanism():

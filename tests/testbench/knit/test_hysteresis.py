@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from testbench.knit.catalogue import baseline
 from testbench.knit.grip import ActuatorBacklash
-from testbench.knit.hysteresis import Hysteresis, HysteresisBoucWen, mean_slip
+from testbench.knit.hysteresis import Hysteresis, HysteresisBoucWen, HysteresisOnTension, mean_slip
 from testbench.knit.kernels import bouc_wen, play
 
 # 0 -> 1 -> -1 -> 1
@@ -36,11 +37,46 @@ def test_backlash_of_a_gap_is_a_play_of_half_of_it() -> None:
     assert LOOP[500] - strain[500] == pytest.approx(0.05)
 
 
-@pytest.mark.parametrize("effect", [Hysteresis(friction_N=0.4, threshold=0.01), HysteresisBoucWen(friction_N=0.4)])
-def test_fully_slipping_friction_is_plus_and_minus_its_value(effect: Hysteresis | HysteresisBoucWen) -> None:
+LAWS = [
+    Hysteresis(friction_N=0.4, threshold=0.01),
+    HysteresisOnTension(friction_N=0.4, pressed=0.0, threshold=0.01),
+    HysteresisBoucWen(friction_N=0.4, pressed=0.0),
+]
+ON_TENSION = [
+    HysteresisOnTension(friction_N=0.4, pressed=0.75, tension_N=2.0, threshold=0.01),
+    HysteresisBoucWen(friction_N=0.4, pressed=0.75, tension_N=2.0),
+]
+
+
+@pytest.mark.parametrize("effect", LAWS, ids=lambda law: law.name)
+def test_fully_slipping_friction_is_plus_and_minus_its_value(effect) -> None:
     force = effect.apply({"strain": LOOP, "force_N": np.zeros_like(LOOP)}, 0.05)["force_N"]
     assert force[1500] == pytest.approx(-0.4, rel=1e-6)
     assert force[-1] == pytest.approx(0.4, rel=1e-6)
+
+
+@pytest.mark.parametrize("effect", ON_TENSION, ids=lambda law: law.name)
+@pytest.mark.parametrize(("tension_N", "friction_N"), [(2.0, 0.4), (4.0, 0.7), (0.0, 0.1), (-3.0, 0.1)])
+def test_friction_grows_with_the_tension_and_keeps_a_rest_without_it(effect, tension_N, friction_N) -> None:
+    """0.4 (1 - 0.75 + 0.75 F / 2): a quarter of it without load, and a compressed knit presses on nothing."""
+    force = effect.apply({"strain": LOOP, "force_N": np.full_like(LOOP, tension_N)}, 0.05)["force_N"]
+    assert force[1500] == pytest.approx(tension_N - friction_N, rel=1e-6)
+    assert force[-1] == pytest.approx(tension_N + friction_N, rel=1e-6)
+
+
+def test_break_away_strains_differ_by_the_spread() -> None:
+    """Elements of one threshold all slip after twice that travel; of a wide spread, some still stick."""
+    alike, spread = (HysteresisOnTension(threshold=0.1, spread=spread).deflection(LOOP) for spread in (0.05, 1.5))
+    back = 500 + round(0.23 / 0.002)  # 0.23 after the reversal: beyond twice 0.1 exp(0.05 * 1.4)
+    assert alike[back] == pytest.approx(-1.0)
+    assert spread[back] > -0.9
+
+
+def test_a_law_of_friction_takes_the_place_of_another() -> None:
+    """There is one friction in a knit; two would trade with each other."""
+    model = baseline().plus(HysteresisBoucWen())
+    assert list(model) == list(baseline())
+    assert model["hysteresis"] == HysteresisBoucWen()
 
 
 def test_friction_does_not_know_the_speed() -> None:
