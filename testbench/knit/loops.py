@@ -6,12 +6,14 @@ from collections.abc import Callable
 
 import numpy as np
 
+from testbench.knit.curves import curve
 from testbench.knit.effect import FloatArray
 
 # All in parts of the span of the strain.
 STOPS = tuple(np.geomspace(0.006, 1.0, 16))  # break-away
 SMOOTH = tuple(np.geomspace(0.01, 0.4, 4))  # travel over which a Bouc-Wen variable turns
 SKEWS = (0.0, 0.5)
+WAYS = (1, 2)  # which of the smooth ones tell the way out from the way back, where the two are curves of their own
 ONE_SIDED = ((0.05, 0.1), (0.1, 0.3), (0.1, 0.05), (0.3, 0.1))  # travel upwards, downwards
 LOOPS = len(STOPS) + len(SMOOTH) * len(SKEWS) + len(ONE_SIDED)
 
@@ -36,6 +38,23 @@ def loops(e: FloatArray, span: float, weights: tuple[float, ...], growth: tuple[
     if any(growth):
         linear, square = np.reshape(growth, (2, LOOPS)) @ _operators(e, span)
         total += (linear + square * (e / span)) * (e / span)
+    return total
+
+
+def two_ways(e: FloatArray, span: float, weights: tuple[float, ...]) -> FloatArray:
+    """One smooth curve over strain on the way out, another on the way back: half their difference, times the way.
+
+    Parameters
+    ----------
+    e : ndarray, shape (n,)
+        Strain.
+    weights : tuple of float, length ``len(WAYS) * LAW_TERMS``
+        Of `curve`, for each length of travel in which the knit goes over from one to the other.
+    """
+    total = np.zeros_like(e)
+    for way, own in zip(WAYS, np.reshape(weights, (len(WAYS), -1)), strict=True):
+        if own.any():
+            total += _operators(e, span)[len(STOPS) + way] * curve(e, 0.0, span, tuple(own))
     return total
 
 

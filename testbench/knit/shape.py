@@ -12,9 +12,9 @@ from functools import lru_cache
 import numpy as np
 
 from testbench.knit.additive import ConductanceLaw, ForceLaw
-from testbench.knit.curves import CURVE_TERMS, curve
+from testbench.knit.curves import CURVE_TERMS, LAW_TERMS, curve
 from testbench.knit.effect import FloatArray, Signals, Stage, parameter
-from testbench.knit.loops import LOOPS, loops
+from testbench.knit.loops import LOOPS, WAYS, loops, two_ways
 
 DRIFT_TAUS_S = (3.0, 30.0, 300.0)
 DRIFT_BUMPS = 6
@@ -174,9 +174,11 @@ class ContactDriftShape(ConductanceLaw):
 
 
 class ContactLoopsShape(ConductanceLaw):
-    """Rate-independent loops of ln G over strain of any width, sharp or smooth, that may widen or narrow with strain.
+    """Rate-independent loops of ln G over strain: of any width, sharp or smooth, or with two curves for the two ways.
 
-    ln G += sum_k (w_k + v_k e / span) z_k(e),   z_k as in `hysteresis_shape`
+    ln G += sum_k (w_k + v_k e / span) z_k(e) + sum_j z_j(e) curve_j(e / span),   z_k as in `hysteresis_shape`
+
+    z_j are Bouc-Wen variables, -1 on the way back and 1 on the way out; the curves are those of `elasticity_shape`.
 
     Source: as `hysteresis_shape`. Valid: rate-independent loops.
     """
@@ -190,7 +192,11 @@ class ContactLoopsShape(ConductanceLaw):
     growth: tuple[float, ...] = parameter(
         (0.0,) * (2 * LOOPS), unit="1", low=-3, high=3, doc="its growth over the strain span and its square"
     )
+    ways: tuple[float, ...] = parameter(
+        (0.0,) * (len(WAYS) * LAW_TERMS), unit="1", low=-3, high=3, doc="curve by which the two ways differ"
+    )
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain over which growth is counted")
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        return loops(signals["strain"], self.span, self.weights, self.growth)
+        e = signals["strain"]
+        return loops(e, self.span, self.weights, self.growth) + two_ways(e, self.span, self.ways)
