@@ -1,7 +1,7 @@
 """The numbers of the diagnosis that nothing else determines, each with its reason."""
 
 ETA = 0.05  # knowledge in a sample, in the last fit of a model: every model is a little wrong
-INDEPENDENT = 60  # pieces of a recording whose errors of a law are independent, about one a stroke
+INDEPENDENT = 120  # pieces of a recording whose errors of a law are independent, about two a stroke
 LEAST_MISFIT = 1.25  # noise floors: no law of a catalogue is nearer to a sensor, and instruments have slow noise, too
 LAW_ERROR = 0.2  # of what a law explains: how far the laws of the catalogue usually are from those of a sensor
 INEXACT = 0.05  # the same at least, however low the noise: what is nearer is no merit
