@@ -238,10 +238,23 @@ class Search:
         if not entries:
             return []
         entries = self.champions(entries)
-        best = max(entries, key=lambda e: e.log_z)
         tried = {p.law for _, p in chosen}
-        more = [one for one in _chances(grounds, best.mechanism) if one[1].law not in tried][:3]
-        return self.champions([*entries, *self.entered(more)])
+        likeliest = list(dict.fromkeys(e.mechanism for e in entries))[:2]
+        left = [[one for one in _chances(grounds, m) if one[1].law not in tried] for m in likeliest]
+        more = [one for own in left for one in own[:3]]
+        return self.on_one_base(self.champions([*entries, *self.entered(more)]))
+
+    def on_one_base(self, entries: Sequence[Entry]) -> list[Entry]:
+        """The best law of each other mechanism tried on the base of the best as well: it may not have met it."""
+        best, *others = _first_of_each([e for e in entries if e.is_settled], lambda e: e.mechanism)
+        found = list(self.pool.map(lambda e: self.in_place_of(best, e), others))
+        return _first_of_each(_best_first([*entries, *found]), lambda e: e.law)
+
+    def in_place_of(self, best: Entry, e: Entry) -> Entry:
+        """A law on the base of another."""
+        base = best.hypothesis.model.without(best.name)
+        h = self.compare(base.plus(e.hypothesis.model[e.name], e.name), best.hypothesis)
+        return replace(self.entry(e.mechanism, h, self.compared, e.law, e.name), is_settled=True)
 
     def champions(self, entries: Sequence[Entry]) -> list[Entry]:
         """The best law of the best mechanisms refitted in full, and all the others as they are, the best first."""
