@@ -5,6 +5,7 @@ Source: Kennedy & O'Hagan, J. R. Statist. Soc. B 63 (2001) 425 (a model beside i
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -47,6 +48,7 @@ class Map:
             precision += [hypothesis.evidence.sigma[c] ** -2.0] * count
             group += [first + place * len(names) + g for g in groups]
         normal = extended(hypothesis.pinned, base, rows, [0.0] * len(precision), precision, group)
+        normal = replace(normal, least=likelihood.misfit)  # what is nearer is no merit of a map, either
         scale = np.r_[opened(hypothesis.evidence.scale), np.full(len(names) * len(channels), 10.0)]
         found = maximised(normal, scale=scale, iterations=12, start=hypothesis.evidence)
         self.left, self.gains, tails = {}, {}, 0.0

@@ -30,7 +30,7 @@ class NormalEquations:
     share : float
         Independent samples that each sample in the products stands for.
     least : mapping of channel to float
-        Standard deviation that no residual may fall below: the noise of the reading.
+        Standard deviation that no residual may fall below: what is nearer is no merit.
     mean, precision : ndarray, shape (q - 1,)
         Prior of the coefficients.
     group : ndarray of int, shape (q - 1,)
@@ -104,11 +104,12 @@ def maximised(
             chol, failed = lapack.dpotrf(matrix, lower=1)
         x = lapack.dpotrs(chol, goal, lower=1)[0]
         vector = np.r_[1.0, -x]
-        squares = {c: max(float(vector @ g @ vector), 1e-300) * normal.share for c, g in gram.items()}
+        left = {c: max(float(vector @ g @ vector), 1e-300) * normal.share for c, g in gram.items()}
+        squares = {c: max(one, normal.count * normal.least[c] ** 2) for c, one in left.items()}
         before, value = value, _value(squares, sigma, normal.count, x, mean, precision, chol)
         inverse, _ = lapack.dpotri(chol, lower=1)
         variance = np.diag(inverse)
-        sigma = {c: max(np.sqrt(squares[c] / normal.count), normal.least[c]) for c in gram}
+        sigma = {c: np.sqrt(one / normal.count) for c, one in squares.items()}
         for g, where in enumerate(members):
             if len(where):
                 known = len(where) - float(precision[where] @ variance[where])

@@ -28,7 +28,7 @@ def linear(seed: int) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray], Nor
         {c: rows @ rows.T for c, rows in columns.items()},
         float(COUNT),
         1.0,
-        SIGMA,
+        dict.fromkeys(SIGMA, 0.0),
         mean,
         precision,
         np.full(WEIGHTS, -1),
@@ -65,6 +65,22 @@ def test_the_posterior_is_that_of_the_textbook(seed):
     goal = normal.precision * normal.mean + sum(designs[c] @ residuals[c] / SIGMA[c] ** 2 for c in SIGMA)
     np.testing.assert_allclose(found.coefficients, np.linalg.solve(precision, goal), rtol=1e-8, atol=1e-10)
     np.testing.assert_allclose(found.covariance, np.linalg.inv(precision), rtol=1e-8, atol=1e-10)
+
+
+def test_what_is_nearer_than_the_least_is_no_merit():
+    """Half of what no weight can explain is taken away: worth something, unless all of it was nearer already."""
+    residuals, designs, normal = linear(4)
+    nearer = {}
+    for c, residual in residuals.items():
+        explained = designs[c].T @ np.linalg.lstsq(designs[c].T, residual, rcond=None)[0]
+        rows = np.vstack([0.5 * (residual + explained), designs[c]])
+        nearer[c] = rows @ rows.T
+    closer = replace(normal, products=nearer)
+    assert maximised(closer).value > maximised(normal).value + 10
+    least = {c: 5 * sigma for c, sigma in SIGMA.items()}
+    one, other = (maximised(replace(problem, least=least)) for problem in (normal, closer))
+    assert other.value == pytest.approx(one.value, abs=1e-8)
+    assert other.sigma == pytest.approx(least)
 
 
 @given(st.permutations(range(WEIGHTS)))
