@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from testbench.design.information import Prediction
-from testbench.diagnosis.constants import ETA, GRID_HZ
+from testbench.diagnosis.constants import ALIKE_S
 from testbench.diagnosis.priors import priors_of
 from testbench.fitting.measurement import Measurement
 from testbench.fitting.responses import FORCE_CHANNEL
@@ -83,7 +83,7 @@ class Forecaster:
         self._parameters = [priors.parameters[k] for k in kept]
         width = (priors.precision[kept] * factor[kept]) ** -0.5
         # What is known of the parameters counts samples as the diagnosis does.
-        share = min(ETA * GRID_HZ * measurement.dt_s, 1.0)
+        share = min(measurement.dt_s / ALIKE_S, 1.0)
         _, rows, _ = self._linearised(measurement, share)
         rows = rows * width[:, None]
         value, vector = np.linalg.eigh(rows @ rows.T)

@@ -1,19 +1,19 @@
 """The numbers of the diagnosis that nothing else determines, each with its reason."""
 
-ETA = 0.05  # knowledge in a sample, in the last fit of a model: every model is a little wrong
+ALIKE_S = 1.6  # for so long what a model leaves repeats itself: samples closer than that share one piece of news
 INDEPENDENT = 120  # pieces of a recording whose errors of a law are independent, about two a stroke
 LEAST_MISFIT = 1.25  # noise floors: no law of a catalogue is nearer to a sensor, and instruments have slow noise, too
 LAW_ERROR = 0.2  # of what a law explains: how far the laws of the catalogue usually are from those of a sensor
 INEXACT = 0.05  # the same at least, however low the noise: what is nearer is no merit
-NOISE_SPREAD = 0.3  # of ln(what a complete model leaves / least misfit): how far the base is from other sensors
+NOISE_SPREAD = 0.2  # of ln(what a complete model leaves / least misfit): how far the base is from other sensors
 MOST_LEFT = 100.0  # least misfits that a model leaves at most, if something else is missing
 PRIOR_NOTHING = 0.5  # before seeing data, that nothing is missing
-PRIOR_UNKNOWN = 0.1  # before seeing data, that what is missing is in no catalogue
+PRIOR_UNKNOWN = 0.25  # before seeing data, that what is missing, if anything is, is in no catalogue
 MISLED = 0.2  # of sensors that nobody here simulated: evidence that seemed sure spoke for the wrong mechanism
 GRID_HZ = 12.5  # grid of the comparison: quicker than the motion, slower than most samplings
 GRID_POINTS = 30_000  # at most on that grid: coarser for recordings of more than 40 min, whose turns it keeps
 FINER = 4  # times as many for the last fits of the models that were chosen
-SAMPLES = 4_500  # samples of one channel that enter the normal equations; longer recordings are thinned
+SAMPLES = 2_400  # samples of one channel that enter the normal equations; longer recordings are thinned
 BASES = 2  # sets of base laws whose shapes are fitted
 BENDING = 4  # mechanisms refitted in a round of those that show beside bases that bend
 STIFF = 4  # and of those that show beside bases that do not

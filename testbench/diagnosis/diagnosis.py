@@ -13,7 +13,7 @@ from testbench.diagnosis import constants
 from testbench.diagnosis.discrepancy_map import Map
 from testbench.diagnosis.held_out import Interval, block_energies, gain_interval
 from testbench.diagnosis.laplace import Hypothesis
-from testbench.diagnosis.rounds import NOTHING, UNKNOWN, Entry, Round, Verdict, log_posterior_of
+from testbench.diagnosis.rounds import NOTHING, UNKNOWN, Entry, Round, Verdict, whole_of
 from testbench.diagnosis.search import Progress, Search, searched
 from testbench.fitting.baseline import SHAPES
 from testbench.fitting.errors import noise_floors
@@ -218,10 +218,10 @@ def _concluded(
     held: Measurement,
 ) -> Diagnosis:
     first, bare = rounds[0], rounds[0].before.hypothesis
-    verdict = first.verdict(log_posterior_of(rounds, put_in))
+    verdict = first.verdict(whole_of(rounds, put_in))
     if verdict != "missing":
         put_in = []
-    whole = log_posterior_of(rounds, put_in)
+    whole = whole_of(rounds, put_in)
     left = first.left(put_in[-1]) if put_in else 1.0
     after = _ladder(search, bare, put_in, before, calibration, held)
     chances = first.doubted(whole)
@@ -247,7 +247,7 @@ def _concluded(
 def _found(rounds: Sequence[Round], put_in: Sequence[Entry]) -> Found:
     """The first of what was put in, one in each of the rounds."""
     step, entry = rounds[0], put_in[0]
-    chance = step.doubted(log_posterior_of(rounds, put_in))[entry.mechanism]
+    chance = step.doubted(whole_of(rounds, put_in))[entry.mechanism]
     return Found(entry.mechanism, entry.law, chance, entry.log_z - step.before.log_z)
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from testbench.diagnosis.priors import Priors
 from testbench.knit.effect import FloatArray
 
-UNSEEN = 1e-2  # information over that of the prior; so much of ln Z is lost with each direction left out
+UNSEEN = 0.1  # information over that of the prior; so much of ln Z is lost with each direction left out
 
 
 @dataclass(frozen=True, eq=False)

@@ -35,6 +35,9 @@ class NormalEquations:
         Prior of the coefficients.
     group : ndarray of int, shape (q - 1,)
         Which group's scale a coefficient shares; -1: its precision is as declared.
+    typical : frozenset of int
+        Groups whose declared width is a typical size: their standard deviation has Cauchy's prior of that scale. The
+        size of the others is for the data to say.
     """
 
     products: Mapping[str, FloatArray]
@@ -44,6 +47,7 @@ class NormalEquations:
     mean: FloatArray
     precision: FloatArray
     group: np.ndarray
+    typical: frozenset[int] = frozenset()
 
 
 @dataclass(frozen=True)
@@ -107,6 +111,7 @@ def maximised(
         left = {c: max(float(vector @ g @ vector), 1e-300) * normal.share for c, g in gram.items()}
         squares = {c: max(one, normal.count * normal.least[c] ** 2) for c, one in left.items()}
         before, value = value, _value(squares, sigma, normal.count, x, mean, precision, chol)
+        value -= sum(float(np.log1p(1 / factor[g])) for g in normal.typical)
         inverse, _ = lapack.dpotri(chol, lower=1)
         variance = np.diag(inverse)
         sigma = {c: np.sqrt(one / normal.count) for c, one in squares.items()}
@@ -114,6 +119,7 @@ def maximised(
             if len(where):
                 known = len(where) - float(precision[where] @ variance[where])
                 size = float(declared[where] @ (x[where] - mean[where]) ** 2)
+                known += 2 / (1 + factor[g]) if g in normal.typical else 0.0
                 factor[g] = np.clip(max(known, 1e-3) / max(size, 1e-12), SMALLEST, LARGEST)
         if abs(value - before) < 0.05:
             break

@@ -26,7 +26,7 @@ FINAL_WEIGHTS = 3
 AGREED = 0.02  # relative change of the noise from one to the next
 PARTS = (1.0, 0.3, 0.0)  # of the last step, where the whole does not hold
 NARROWEST = 1e3  # factor on a group's precision: directions that a wider prior would show are kept
-AT_REST = 0.02  # nats gained in a step: along a valley the steps are short
+AT_REST = 0.05  # nats gained in a step: along a valley the steps are short
 HELD = 1e12  # precision of what is held at a bound
 
 
@@ -210,10 +210,10 @@ class _Search:
         held, self.held = self.held, at_bound
         for _ in range(FINAL_WEIGHTS):
             robust = self.robust(self.columns)
-            normal = self.all_normal(robust)
-            before, self.sigma = self.sigma, _rms(normal)
+            before, self.sigma = self.sigma, self.rms(robust)
             if all(abs(np.log(self.sigma[c] / before[c])) < AGREED for c in before):
                 break
+        normal = self.all_normal(robust)
         there = maximised(
             _pinned(normal, held), start=replace(evidence, sigma=self.sigma), scale=self.scale, iterations=1
         )
@@ -249,8 +249,18 @@ class _Search:
         )
         if found is None:
             return None, 1.0
-        self.go(self.x + found.step)
-        return cost - found.cost, max(found.damping / 10, 1e-3)
+        step, then = self.as_far_as_it_falls(found.step, found.cost)
+        self.go(self.x + step)
+        return cost - then, max(found.damping / 10, 1e-3)
+
+    def as_far_as_it_falls(self, step: FloatArray, cost: float) -> tuple[FloatArray, float]:
+        """A step doubled while the cost falls: a simulation is cheap beside new sensitivities."""
+        while True:
+            longer = np.clip(self.x + 2 * step, self.priors.low, self.priors.high) - self.x
+            then = self.cost_at(self.x + longer)
+            if not then < cost:
+                return step, cost
+            step, cost = longer, then
 
     def go(self, x: FloatArray) -> None:
         self.model = with_values(self.model, self.priors.parameters, x)
@@ -304,6 +314,11 @@ class _Search:
         z = {c: np.abs(values[0]) / self.sigma[c] for c, values in rows.items()}
         return {c: np.sqrt(huber_weight(one)) for c, one in z.items()}
 
+    def rms(self, robust: Mapping[str, FloatArray]) -> dict[str, float]:
+        """Noise that the point itself leaves, not a step that was not taken."""
+        left = {c: float(np.mean((rows[0] * robust[c]) ** 2)) ** 0.5 for c, rows in self.columns.items()}
+        return {c: max(one, self.likelihood.least[c]) for c, one in left.items()}
+
     def believed(self) -> tuple[FloatArray, FloatArray]:
         """Prior of the step from here; what is held makes none."""
         mean = np.where(self.held, 0.0, self.priors.mean - self.x)
@@ -316,7 +331,8 @@ class _Search:
     def equations(self, rows: Mapping[str, FloatArray], robust, mean, precision, group) -> NormalEquations:
         products = {c: _gram(values * robust[c]) for c, values in rows.items()}
         likelihood = self.likelihood
-        return NormalEquations(products, likelihood.count, likelihood.share, likelihood.least, mean, precision, group)
+        counts, typical = (likelihood.count, likelihood.share, likelihood.least), self.priors.typical
+        return NormalEquations(products, *counts, mean, precision, group, typical)
 
     def step(self, normal: NormalEquations, damping: float) -> FloatArray:
         """A step of all parameters, within their bounds."""

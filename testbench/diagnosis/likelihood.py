@@ -96,7 +96,7 @@ class Likelihood:
         The errors of a law go on for longer than those of a sample: a recording has `INDEPENDENT` pieces (a power
         posterior; Grunwald & van Ommen, Bayesian Anal. 12 (2017) 1069).
         """
-        return replace(self, share=min(self.pieces / len(self.rows), constants.ETA))
+        return replace(self, share=min(self.pieces / len(self.rows), self.share))
 
     def with_law_error(self, error: Mapping[str, float]) -> Likelihood:
         """The same where laws err, too: at all samples alike, however quiet they are.
@@ -210,8 +210,10 @@ def likelihood_of(
         See `noise_of` and `jitter_of`; without the latter there is no jitter.
     """
     counting = np.flatnonzero(measurement.counts)
-    thin = max(1, -(-len(counting) // constants.SAMPLES))
-    rows = counting[::thin]
+    rows = counting
+    if len(counting) > constants.SAMPLES:
+        rows = counting[np.linspace(0, len(counting) - 1, constants.SAMPLES).astype(int)]
+    share = min(len(counting) / len(rows) * measurement.dt_s / constants.ALIKE_S, 1.0)
     modelled = measurement.modelled(model)
     slope = _slopes(model, measurement, modelled)
     weight, floor = {}, {}
@@ -223,7 +225,7 @@ def likelihood_of(
         sd = np.hypot(sd, (jitter_s or {}).get(channel, 0.0) * speed)
         floor[channel] = float(np.mean(sd**-2.0) ** -0.5)
         weight[channel] = floor[channel] / sd
-    return Likelihood(measurement, rows, weight, floor, constants.ETA)
+    return Likelihood(measurement, rows, weight, floor, share)
 
 
 def _slopes(model: KnitModel, measurement: Measurement, modelled: Mapping[str, FloatArray]) -> dict[str, FloatArray]:

@@ -32,6 +32,8 @@ class Priors:
         Weights of one vector share a scale that the evidence finds; -1: as declared.
     groups : tuple of str
         Address of each group.
+    typical : frozenset of int
+        Groups of which an effect says how large they usually are.
     """
 
     parameters: tuple[FreeParameter, ...]
@@ -42,6 +44,7 @@ class Priors:
     high: FloatArray
     group: np.ndarray
     groups: tuple[str, ...]
+    typical: frozenset[int]
 
     @property
     def believed(self) -> dict[str, tuple[float, float]]:
@@ -91,7 +94,7 @@ def priors_of(
         if p.address in known:
             believed.append(known[p.address])
         elif index:
-            believed.append((0.0, p.width))
+            believed.append((0.0, _said(model, vector) or p.width))
         elif name in reference and _has_scale(type(model[name]), key):
             believed.append(declared(type(model[name]), key, scales))
         elif name in reference and type(reference[name]) is type(model[name]):
@@ -102,9 +105,15 @@ def priors_of(
         tails.append(is_strength and believed[-1][0] == 0)
     mean, width = np.array(believed).reshape(-1, 2).T
     low, high = (np.array([p.to_fit(getattr(p, side)) for p in parameters]) for side in ("low", "high"))
-    return Priors(
-        tuple(parameters), mean, width**-2.0, np.array(tails, bool), low, high, np.array(group, int), tuple(groups)
-    )
+    said = frozenset(g for g, vector in enumerate(groups) if _said(model, vector))
+    strengths, number = np.array(tails, bool), np.array(group, int)
+    return Priors(tuple(parameters), mean, width**-2.0, strengths, low, high, number, tuple(groups), said)
+
+
+def _said(model: KnitModel, address: str) -> float:
+    """Typical size of a parameter as its effect declares it; 0 where it does not."""
+    name, _, key = address.partition(".")
+    return float(bounds_of(type(model[name]).model_fields[key])["typical"] or 0.0)
 
 
 def with_tails(precision: FloatArray, off: FloatArray) -> FloatArray:

@@ -167,20 +167,30 @@ class Screen:
     def _vector(self, law: Law, rows: Rows) -> Proposal:
         """A law with a vector of weights: all its columns at once, their scale found by evidence."""
         first, count = law.candidates[0], len(law.candidates)
-        found = self.evidence(rows, 0.0, 1e-4, 0, iterations=12)
+        said = bounds_of(type(first.effect).model_fields[first.effect.strength])["typical"]
+        precision = (first.strength / said) ** 2 if said else 1e-4
+        found = self.evidence(rows, 0.0, precision, 0, iterations=12, typical=bool(said))
         weights = tuple(float(a) * first.strength for a in found.coefficients[-count:])
         effect = first.effect.near(**{first.effect.strength: weights})
         gain = found.value - self.plain.value
         return Proposal(law.mechanism, first.law, effect, gain, found.coefficients[:-count])
 
-    def evidence(self, rows: Rows, mean: float, precision: float, group: int, iterations: int = 6) -> LogEvidence:
-        """The model beside more columns of one prior; `group` 0: their scale is found by evidence."""
+    def evidence(
+        self, rows: Rows, mean: float, precision: float, group: int, iterations: int = 6, typical: bool = False
+    ) -> LogEvidence:
+        """The model beside more columns of one prior; `group` 0: their scale is found by evidence.
+
+        typical : bool
+            That scale has a prior: `precision` is of their typical size.
+        """
         count = len(next(iter(rows.values())))
         start = self.plain
         number = -1 if group < 0 else len(start.scale)
         bigger = extended(
             self.hypothesis.normal, self.base, rows, [mean] * count, [precision] * count, [number] * count
         )
+        if typical:
+            bigger = replace(bigger, typical=bigger.typical | {number})
         scale = start.scale if group < 0 else np.r_[opened(start.scale), 1.0]
         return maximised(bigger, scale=scale, iterations=iterations, start=start)
 

@@ -92,25 +92,38 @@ class Round:
         misfit = self.likelihood.misfit
         return all(sigma < 1.001 * misfit[c] for c, sigma in entry.hypothesis.evidence.sigma.items())
 
-    def probabilities(self, whole: float = -np.inf) -> dict[str, float]:
+    def probabilities(self, whole: Whole | None = None) -> dict[str, float]:
         """Of nothing, of unknown and of each mechanism to be what is missing most; they sum to 1.
 
         Parameters
         ----------
-        whole : float
-            Log posterior of all that was put in from here on, together; see `log_posterior_of`. Two effects of one
-            size leave each other's part, by which either alone is worse than a free-form map; together they are not.
+        whole : Whole, optional
+            All that was put in from here on, together. Two effects of one size leave each other's part, by which
+            either alone is worse than a free-form map; together they are not.
         """
         logs = {mechanism: self._log_posterior(mechanism) for mechanism in self.laws}
-        if self.candidate:
-            more = max(whole - logs[self.candidate.mechanism], 0.0)
+        if self.candidate and whole:
+            more = max(whole.log_posterior - logs[self.candidate.mechanism], 0.0)
             logs = {mechanism: value + more for mechanism, value in logs.items()}
-        for name, log_z in ((NOTHING, self.log_z_nothing), (UNKNOWN, self.log_z_unknown)):
-            logs[name] = np.log(self.prior[name]) + log_z
+        logs[NOTHING] = np.log(self.prior[NOTHING]) + self.log_z_nothing
+        logs[UNKNOWN] = np.log(self.prior[UNKNOWN]) + self._log_z_of_any(whole)
         total = logsumexp(list(logs.values()))
         return {name: float(np.exp(value - total)) for name, value in logs.items()}
 
-    def doubted(self, whole: float = -np.inf) -> dict[str, float]:
+    def _log_z_of_any(self, whole: Whole | None) -> float:
+        """Log evidence of an effect of no catalogue: noise to us, a free-form map, or in part like some law.
+
+        A law that resembles it is worth as much as if it were what is missing, but what it leaves may be of any size.
+        """
+        alike = [self.log_prior_alike(e.mechanism) + e.log_z for e in self.entries]
+        alike += [whole.log_prior_alike + whole.log_z] if whole else []
+        return float(np.logaddexp(np.log(2 / 3) + self.log_z_unknown, np.log(1 / 3) + logsumexp([-np.inf, *alike])))
+
+    def log_prior_alike(self, mechanism: str) -> float:
+        """Of one law of a mechanism, if it is one of the catalogue."""
+        return self.log_prior(mechanism) - float(np.log(1 - self.prior[NOTHING] - self.prior[UNKNOWN]))
+
+    def doubted(self, whole: Whole | None = None) -> dict[str, float]:
         """The probabilities as they are told: no evidence is surer than the laws that it was found with.
 
         In some sensors all laws of the right mechanism are so far from its own that another does better, however long
@@ -145,33 +158,53 @@ class Round:
             return None
         return max((e for e in self.entries if e.mechanism == mechanism), key=self.log_z_alone)
 
-    def verdict(self, whole: float = -np.inf) -> Verdict:
+    def verdict(self, whole: Whole | None = None) -> Verdict:
         """What is said of the model before this round; `whole` as in `probabilities`."""
         if self.is_named(whole):
             return "missing"
         chances = self.probabilities()
         return "nothing_missing" if chances[NOTHING] >= chances[UNKNOWN] else "unknown"
 
-    def is_named(self, whole: float = -np.inf) -> bool:
+    def is_named(self, whole: Whole | None = None) -> bool:
         """Whether some mechanism is more probable than nothing and unknown together."""
         chances = self.probabilities(whole)
         return self.candidate is not None and chances[NOTHING] + chances[UNKNOWN] < 0.5
 
 
-def log_posterior_of(rounds: Sequence[Round], put_in: Sequence[Entry]) -> float:
-    """Log prior and evidence of all that was put in together, one in each round; minus infinity if none was."""
+@dataclass(frozen=True)
+class Whole:
+    """All that was put in from one round on, together.
+
+    Attributes
+    ----------
+    log_posterior : float
+        Log prior and evidence, nothing else missing.
+    log_z : float
+        Log evidence, whatever it leaves.
+    log_prior_alike : float
+        Log prior of these laws among those of the catalogue.
+    """
+
+    log_posterior: float
+    log_z: float
+    log_prior_alike: float
+
+
+def whole_of(rounds: Sequence[Round], put_in: Sequence[Entry]) -> Whole | None:
+    """What was put in, one in each round; None if nothing was."""
     if not put_in:
-        return -np.inf
-    steps = rounds[: len(put_in)]
-    priors = sum(step.log_prior(e.mechanism) for step, e in zip(steps, put_in, strict=True))
-    return priors + steps[-1].log_z_alone(put_in[-1])
+        return None
+    steps, last = rounds[: len(put_in)], put_in[-1]
+    prior = sum(step.log_prior(e.mechanism) for step, e in zip(steps, put_in, strict=True))
+    alike = sum(step.log_prior_alike(e.mechanism) for step, e in zip(steps, put_in, strict=True))
+    return Whole(prior + steps[-1].log_z_alone(last), last.log_z, alike)
 
 
 def prior_of(mechanisms: Collection[str]) -> dict[str, float]:
     """Prior probabilities of nothing, of unknown and of each mechanism, all of which are alike; they sum to 1."""
-    nothing, unknown = constants.PRIOR_NOTHING, constants.PRIOR_UNKNOWN
-    shared = dict.fromkeys(mechanisms, (1 - nothing) / max(len(mechanisms), 1))
-    return {**shared, NOTHING: nothing * (1 - unknown), UNKNOWN: nothing * unknown}
+    missing, unknown = 1 - constants.PRIOR_NOTHING, constants.PRIOR_UNKNOWN
+    shared = dict.fromkeys(mechanisms, missing * (1 - unknown) / max(len(mechanisms), 1))
+    return {**shared, NOTHING: 1 - missing, UNKNOWN: missing * unknown}
 
 
 def explained(without: Hypothesis, with_it: Hypothesis) -> dict[str, float]:

@@ -153,8 +153,11 @@ class Search:
         return fitted(self.bent(h.model), self.compared, self.reference, iterations=0)
 
     def compare(self, model: KnitModel, like: Hypothesis | None = None) -> Hypothesis:
-        """A model fitted as models are compared."""
-        return fitted(model, self.compared, self.reference, like)
+        """A model fitted as models are compared; one that was already is never left worse than it was."""
+        found = fitted(model, self.compared, self.reference, like)
+        if like is None or like.model != model or like.weight is not self.compared.weight:
+            return found
+        return max(found, like, key=_evidence)
 
     def bent(self, model: KnitModel) -> KnitModel:
         """A model with base laws that may bend, but do not yet."""

@@ -11,7 +11,7 @@ from scipy.special import logsumexp
 from testbench.design.forecast import Likely, Reading
 from testbench.diagnosis import constants
 from testbench.diagnosis.laplace import Hypothesis
-from testbench.diagnosis.rounds import NOTHING, UNKNOWN, Round, Verdict, log_posterior_of, prior_of
+from testbench.diagnosis.rounds import NOTHING, UNKNOWN, Round, Verdict, prior_of, whole_of
 from testbench.diagnosis.search import searched
 from testbench.fitting.measurement import Measurement
 from testbench.knit.catalogue import Catalogue
@@ -70,7 +70,7 @@ def judged(
     """
     _, rounds, put_in = searched(measurement, catalogue, most, start, tell, constants.INDEPENDENT * runs)
     first = rounds[0]
-    whole = log_posterior_of(rounds, put_in)
+    whole = whole_of(rounds, put_in)
     verdict = first.verdict(whole)
     chances = first.probabilities(whole) if verdict == "missing" else first.probabilities()
     return Belief(chances, verdict, _likely(first, chances), Reading(_noise(first), constants.INDEPENDENT))

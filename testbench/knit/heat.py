@@ -18,6 +18,7 @@ def _coefficient(power: str) -> float:
 
 
 WANDER_BUMPS = 22
+ROOM_S = 60.0  # in which the air of a room, and a yarn in it, can follow a door or a heater
 HEATING_S = (3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
 
 
@@ -174,6 +175,7 @@ class TemperatureDrift(RoomLaw):
     name = "temperature_drift"
     optional_reads = ("temperature_C",)
     strength = "coefficient_per_K"
+    per_recording = ("phase_rad",)
     look = "conductance wanders slowly, with the room and not with the motion"
 
     coefficient_per_K: float = parameter(0.01, unit="1/K", low=-0.3, high=0.3, doc="change of ln G per kelvin")
@@ -218,8 +220,10 @@ class TemperatureDriftWander(RoomLaw):
 
     ln G += sum_j w_j B_j(t / duration)
 
+    The bumps are as far apart as the recording allows, but never closer than a minute: air and yarn warm no faster.
+
     Source: as `temperature_drift`; penalised splines, Eilers & Marx, Statist. Sci. 11 (1996) 89.
-    Valid: wandering slower than a twentieth of the recording. It can imitate any slow drift: measure the temperature.
+    Valid: wandering over minutes. It can imitate any slow drift: measure the temperature.
     """
 
     name = "temperature_drift_wander"
@@ -228,7 +232,7 @@ class TemperatureDriftWander(RoomLaw):
     look = "conductance wanders slowly, differently in every recording, whatever the motion"
 
     weights: tuple[float, ...] = parameter(
-        (0.0,) * WANDER_BUMPS, unit="1", low=-5, high=5, doc="height of each bump over time"
+        (0.0,) * WANDER_BUMPS, unit="1", low=-5, high=5, typical=0.02, doc="height of each bump over time"
     )
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
@@ -280,7 +284,7 @@ class ThermalSofteningWander(Effect):
     look = "the knit is now softer, now stiffer, differently in every recording, whatever the motion"
 
     weights: tuple[float, ...] = parameter(
-        (0.0,) * WANDER_BUMPS, unit="1", low=-2, high=2, doc="height of each bump of ln F over time"
+        (0.0,) * WANDER_BUMPS, unit="1", low=-2, high=2, typical=0.005, doc="height of each bump of ln F over time"
     )
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
@@ -288,7 +292,9 @@ class ThermalSofteningWander(Effect):
 
 
 def _wander(time_s: FloatArray, weights: tuple[float, ...], dt_s: float) -> FloatArray:
-    """A smooth curve over the whole time, of any form, shape (n,)."""
+    """A smooth curve over the whole time, shape (n,); bumps closer than a room can change stay unused."""
     from testbench.knit.kernels import bspline
 
-    return bspline(time_s / max(time_s[-1], dt_s), np.asarray(weights))
+    duration_s = max(time_s[-1], dt_s)
+    used = int(np.clip(3 + duration_s / ROOM_S, 4, len(weights)))  # cubic: three more bumps than spans
+    return bspline(time_s / duration_s, np.asarray(weights[:used]))

@@ -120,3 +120,22 @@ def test_the_scale_of_a_group_is_found_by_the_evidence():
     start = LogEvidence(0.0, np.zeros(count), {"force": 1e-3}, np.ones(1), np.eye(count))
     found = maximised(normal, start=start, iterations=40, scale=np.ones(1))
     assert found.scale[0] ** -0.5 == pytest.approx(size, rel=0.05)
+
+
+def test_the_scale_of_a_group_of_a_typical_size_is_the_maximum_with_cauchys_prior():
+    """On a grid of scales: ln Z of the Gaussian marginal minus ln(1 + tau^2), tau in typical sizes."""
+    _, _, normal = linear(5)
+    weights = {"mean": np.zeros(WEIGHTS), "precision": np.full(WEIGHTS, 25.0), "group": np.zeros(WEIGHTS, int)}
+    free, typical = replace(normal, **weights), replace(normal, **weights, typical=frozenset({0}))
+    said = maximised(typical, iterations=200, scale=np.ones(1))
+    noise = LogEvidence(0.0, said.coefficients, said.sigma, said.scale, said.covariance)
+
+    def at(one, factor):
+        return maximised(one, start=noise, iterations=1, scale=np.array([factor])).value
+
+    grid = np.geomspace(0.1, 10, 41) * said.scale[0]
+    for factor in grid:
+        assert at(typical, factor) == pytest.approx(at(free, factor) - np.log1p(1 / factor), abs=1e-9)
+    best = grid[np.argmax([at(typical, factor) for factor in grid])]
+    assert best == pytest.approx(said.scale[0], rel=0.13)
+    assert maximised(free, iterations=200, scale=np.ones(1)).scale[0] < said.scale[0]

@@ -17,10 +17,10 @@ def test_one_specimen_says_what_it_says():
 def test_a_specimen_that_says_nothing_new_changes_nothing():
     u = constants.PRIOR_UNKNOWN
     prior = {
-        "nothing": constants.PRIOR_NOTHING * (1 - u),
-        "unknown": constants.PRIOR_NOTHING * u,
-        "clamp_slip": 0.5 * (1 - constants.PRIOR_NOTHING),
-        "permanent_set": 0.5 * (1 - constants.PRIOR_NOTHING),
+        "nothing": constants.PRIOR_NOTHING,
+        "unknown": (1 - constants.PRIOR_NOTHING) * u,
+        "clamp_slip": 0.5 * (1 - constants.PRIOR_NOTHING) * (1 - u),
+        "permanent_set": 0.5 * (1 - constants.PRIOR_NOTHING) * (1 - u),
     }
     said = {"nothing": 0.1, "unknown": 0.1, "clamp_slip": 0.6, "permanent_set": 0.2}
     assert over_specimens([said, prior]) == pytest.approx(said)
@@ -38,7 +38,8 @@ SETS = {**SLIPS, "clamp_slip": 0.0, "permanent_set": 1.0}
 
 
 def test_one_recording_makes_nothing_sure_and_two_that_agree_do():
-    assert doubted([SLIPS])["clamp_slip"] == pytest.approx(1 - constants.MISLED * 0.75)
+    prior = 0.5 * (1 - constants.PRIOR_NOTHING) * (1 - constants.PRIOR_UNKNOWN)
+    assert doubted([SLIPS])["clamp_slip"] == pytest.approx(1 - constants.MISLED * (1 - prior))
     assert doubted([SLIPS, SLIPS])["clamp_slip"] > 0.95
     assert sum(doubted([SLIPS, SLIPS]).values()) == pytest.approx(1)
 

@@ -1,0 +1,69 @@
+"""What is said of one round: a law that explains all is named, one that explains a part speaks for *unknown*."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from testbench.diagnosis.likelihood import Likelihood
+from testbench.diagnosis.rounds import NOTHING, UNKNOWN, Entry, Round, whole_of
+
+FLOOR = {"force": 0.005, "conductance": 8e-4}
+BARE = 8.0  # noise floors that the base leaves in the force
+LAWS = {"stress_relaxation": 2, "clamp_slip": 1, "self_heating": 3}
+
+
+def entry(mechanism: str, floors: float, log_z: float) -> Entry:
+    """A law put in: what it leaves in the force, in noise floors; in the conductance nothing is missing."""
+    sigma = {"force": floors * FLOOR["force"], "conductance": 1.25 * FLOOR["conductance"]}
+    hypothesis = SimpleNamespace(evidence=SimpleNamespace(sigma=sigma))
+    return Entry(mechanism, mechanism, mechanism, hypothesis, log_z, excess=floors**2)  # type: ignore[arg-type]
+
+
+def a_round(before: Entry, *entries: Entry, unknown: float) -> Round:
+    likelihood = Likelihood(SimpleNamespace(), np.arange(10), {}, FLOOR, 1.0)  # type: ignore[arg-type]
+    return Round(before, unknown, entries, (), LAWS, likelihood)
+
+
+def test_a_law_that_leaves_noise_is_named():
+    found = a_round(entry("", BARE, 0.0), entry("stress_relaxation", 1.3, 100.0), unknown=50.0)
+    assert found.verdict() == "missing"
+    assert found.probabilities()["stress_relaxation"] > 0.99
+
+
+def test_a_law_of_the_same_evidence_that_leaves_much_speaks_for_an_unknown_effect():
+    found = a_round(entry("", BARE, 0.0), entry("stress_relaxation", 0.7 * BARE, 100.0), unknown=50.0)
+    assert found.verdict() == "unknown"
+    assert found.probabilities()[UNKNOWN] > 0.9
+
+
+def test_where_the_base_leaves_much_and_no_law_helps_it_is_unknown():
+    found = a_round(entry("", 5.0, 0.0), entry("self_heating", 5.0, 0.5), unknown=0.0)
+    assert found.verdict() == "unknown"
+
+
+def test_where_the_base_leaves_noise_nothing_is_missing():
+    found = a_round(entry("", 1.25, 0.0), entry("self_heating", 1.25, 2.0), unknown=0.0)
+    assert found.verdict() == "nothing_missing"
+    assert found.probabilities()[NOTHING] > 0.5
+
+
+def test_two_effects_that_leave_each_others_part_are_named_together():
+    first = entry("stress_relaxation", 0.7 * BARE, 60.0)
+    second = entry("clamp_slip", 1.3, 160.0)
+    rounds = [
+        a_round(entry("", BARE, 0.0), first, unknown=50.0),
+        a_round(first, second, unknown=70.0),
+    ]
+    assert rounds[0].verdict() == "unknown"
+    assert rounds[0].verdict(whole_of(rounds, [first, second])) == "missing"
+    assert rounds[0].verdict(whole_of(rounds[:1], [first])) == "unknown"
+
+
+def test_probabilities_and_what_is_told_of_them_sum_to_one():
+    found = a_round(entry("", BARE, 0.0), entry("stress_relaxation", 2.0, 10.0), unknown=5.0)
+    for chances in (found.probabilities(), found.doubted()):
+        assert sum(chances.values()) == pytest.approx(1.0)
+        assert set(chances) == {*LAWS, NOTHING, UNKNOWN}
