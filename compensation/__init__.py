@@ -10,6 +10,8 @@ from gcode.support.lazy import lazy_exports
 
 if TYPE_CHECKING:
     from compensation.estimators.regressor import Compensator as Compensator
+    from compensation.export.export_c import c_header as c_header
+    from compensation.export.export_onnx import write_onnx as write_onnx
     from compensation.model.files import load as load
     from compensation.model.prediction import predicted as predicted
     from compensation.model.streaming import CompensatorStream as CompensatorStream
@@ -17,6 +19,8 @@ if TYPE_CHECKING:
 # scikit-learn is not needed by every command, and takes a second to import.
 _HOMES = {
     "compensation.estimators.regressor": ["Compensator"],
+    "compensation.export.export_c": ["c_header"],
+    "compensation.export.export_onnx": ["write_onnx"],
     "compensation.model.files": ["load"],
     "compensation.model.prediction": ["predicted"],
     "compensation.model.streaming": ["CompensatorStream"],

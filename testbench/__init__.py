@@ -44,8 +44,8 @@ if TYPE_CHECKING:
     from testbench.api.hiding import hide as hide
     from testbench.api.importing import ImportResult as ImportResult
     from testbench.api.importing import import_file as import_file
-    from testbench.api.investigating import InvestigationResult as InvestigationResult
     from testbench.api.investigating import investigate as investigate
+    from testbench.api.investigation import InvestigationResult as InvestigationResult
     from testbench.api.ladder import Ladder as Ladder
     from testbench.api.ladder import ladder as ladder
     from testbench.api.proposing import ProposalResult as ProposalResult
@@ -86,7 +86,8 @@ _HOMES = {
     "testbench.api.fitting": ["FitResult", "fit"],
     "testbench.api.hiding": ["HiddenCase", "hide"],
     "testbench.api.importing": ["ImportResult", "import_file"],
-    "testbench.api.investigating": ["InvestigationResult", "investigate"],
+    "testbench.api.investigating": ["investigate"],
+    "testbench.api.investigation": ["InvestigationResult"],
     "testbench.api.ladder": ["Ladder", "ladder"],
     "testbench.api.proposing": ["ProposalResult", "propose"],
     "testbench.api.reporting": ["ReportResult", "make_report"],

@@ -34,15 +34,12 @@ def lazy_exports(
         if name not in home_of:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
         home = home_of[name]
-        found = importlib.import_module(f"{package}.{name}") if home == package else _of(home, name)
+        inside = home == package
+        found = importlib.import_module(f"{home}.{name}") if inside else getattr(importlib.import_module(home), name)
         setattr(sys.modules[package], name, found)
         return found
 
     def names() -> list[str]:
-        return sorted({*vars(sys.modules[package]), *home_of})
+        return sorted(home_of)
 
     return get, names
-
-
-def _of(module: str, name: str) -> Any:
-    return getattr(importlib.import_module(module), name)

@@ -40,8 +40,8 @@ def simulate(
 
     Parameters
     ----------
-    model : KnitModel, result or path
-        The sensor; `testbench.preset` has two that behave like published ones.
+    model : KnitModel, result, path or name of a preset
+        The sensor; the presets ``"pes"`` and ``"lycra"`` behave like published ones.
     program : Made or path
         From `gcode.generate`, or a Mach4 program.
     seed : int
@@ -71,7 +71,7 @@ def simulate(
     --------
     >>> import gcode
     >>> import testbench as tb
-    >>> tb.simulate(tb.preset("pes"), gcode.generate("paper-1", seed=3, duration_s=60)).has("resistance_ohm")
+    >>> tb.simulate("pes", gcode.generate("paper-1", seed=3, duration_s=60)).has("resistance_ohm")
     True
     """
     sensor = model_file_of(model, catalogue_of(effects)).model

@@ -13,8 +13,8 @@ from testbench.recordings.channels import DISPLACEMENT
 from testbench.report.alignment_figures import alignment
 from testbench.report.words import clocks_in_words
 from testbench.studio.address import Address, address, span_of
+from testbench.studio.job import Job, State
 from testbench.studio.job_card import job_card
-from testbench.studio.jobs import Job, State
 from testbench.studio.memory import stamp
 from testbench.studio.picture import zooming_plot
 from testbench.studio.studio import Studio

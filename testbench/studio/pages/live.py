@@ -16,7 +16,7 @@ from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TIME
 from testbench.report import style
 from testbench.report.live_figures import LiveChannel, live
 from testbench.studio.address import address
-from testbench.studio.jobs import Job, State
+from testbench.studio.job import Job, State
 from testbench.studio.live import Follower
 from testbench.studio.picture import plot
 from testbench.studio.studio import KEY_RIG, Studio
