@@ -11,8 +11,8 @@ from gcode.mach4.controller import play as played
 from gcode.mach4.program import Program
 from gcode.mach4.reader import parse_program, read_program, read_text
 from gcode.mach4.writer import FeedMode
+from gcode.programs.made_again import check_file
 from gcode.programs.make import Made, make
-from gcode.programs.provenance import check_file
 from gcode.programs.request import changed
 from gcode.support.errors import UserError, first_problem
 from gcode.trajectories.bounds import Limits
@@ -102,7 +102,7 @@ def check(program: str | Path | Program, limits: Limits | None = None, **options
     limits : Limits, optional
         Of speed, acceleration, jerk and travel; default: `gcode.Limits()`.
     **options
-        As `gcode.programs.provenance.check_file`: ``rate_hz``, ``machine``, ``rapid_mm_per_s``, ``longest_dwell_s``;
+        As `gcode.programs.made_again.check_file`: ``rate_hz``, ``machine``, ``rapid_mm_per_s``, ``longest_dwell_s``;
         for a text or a file also ``as_foreign``.
 
     Returns

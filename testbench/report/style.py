@@ -1,7 +1,4 @@
-"""The house style of every figure and page: colours, type, axes. One place, so that all pictures are of one family.
-
-Colours of data are Okabe and Ito's, which stay apart for colour-blind readers and in grey print.
-"""
+"""The house style of every figure and page, in one place: colours, type, axes."""
 
 from __future__ import annotations
 
@@ -9,10 +6,11 @@ from typing import Any
 
 import numpy as np
 
-Figure = dict[str, Any]  # a Plotly figure as plain data: {"data": [...], "layout": {...}}
+from gcode.support.colours import BLUE, GREEN, PURPLE, VERMILION
+from gcode.support.colours import ORANGE as ORANGE
+from gcode.support.colours import SKY as SKY
 
-BLUE, VERMILION, GREEN, ORANGE = "#0072B2", "#D55E00", "#009E73", "#E69F00"
-SKY, PURPLE = "#56B4E9", "#CC79A7"
+Figure = dict[str, Any]  # a Plotly figure as plain data: {"data": [...], "layout": {...}}
 
 INK, MUTED, FAINT, RULE = "#1d2733", "#5b6875", "#a9b3bd", "#e4e1da"
 PAPER = "#ffffff"

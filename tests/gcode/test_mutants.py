@@ -15,7 +15,7 @@ import pytest
 
 from gcode.mach4.controller import play
 from gcode.mach4.reader import read_program
-from gcode.programs.provenance import check_file
+from gcode.programs.made_again import check_file
 from gcode.support.errors import UserError
 from gcode.trajectories.bounds import Limits
 from tests.gcode.test_provenance import TEXT, resealed

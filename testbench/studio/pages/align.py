@@ -23,8 +23,6 @@ from testbench.studio.widgets import aside, attempt, campaign_head, facts, guard
 if TYPE_CHECKING:
     from testbench.api.aligning import AlignmentResult
 
-PROGRAM = "program.tap"
-
 
 @guarded
 async def page(studio: Studio, c: str = "", start: str = "", end: str = "") -> None:
@@ -59,6 +57,8 @@ async def page(studio: Studio, c: str = "", start: str = "", end: str = "") -> N
 
 def program_of(studio: Studio, c: str) -> Path:
     """The program that a campaign keeps beside its recording."""
+    from testbench.campaigns.plan import PROGRAM
+
     return studio.workspace.campaign(c).folder / PROGRAM
 
 
