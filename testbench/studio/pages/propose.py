@@ -31,6 +31,7 @@ from testbench.studio.widgets import (
 )
 
 MOST_ASKED = 4
+TIED = 3.0  # nats, as in docs/propose.md
 SHOWN = 4
 VERDICTS = {
     "nothing_left": "Nothing is left above the noise, so no law is proposed.",
@@ -197,8 +198,6 @@ def _evidence(law: proposed_law.FoundLaw) -> str:
 
 
 def _against(other: proposed_law.Option, law: proposed_law.FoundLaw) -> str:
-    from testbench.proposing.proposal import TIED
-
     tied = abs(other.log_evidence - law.log_evidence) < TIED
     return f"{other.log_evidence:+.1f} nats, {'cannot be told from it' if tied else 'less likely'}"
 
