@@ -80,8 +80,8 @@ def simulate(
         plan, motion = planned(sensor, path, seed, gauge_length_mm, instruments, earlier, rest_s)
         simulate_campaign(plan, Path(temporary) / "campaign", motion)
         recording = read_recording(Path(temporary) / "campaign")
-    name = program.spec.name if isinstance(program, Made) else Path(program).name
-    return replace(recording, source=f"simulated {name}, seed {seed}")
+    name = f"{program.spec.name}-{program.seed}" if isinstance(program, Made) else Path(program).name
+    return replace(recording, source=f"simulated {name}, seed of noise {seed}")
 
 
 def example(*effects: Effect, seed: int = 1, duration_s: float = EXAMPLE_S) -> Recording:
