@@ -6,20 +6,14 @@ Rooms, from the ground up: `memories`, `engines` and `series`; `model`; `trainin
 
 from typing import TYPE_CHECKING
 
-from gcode.support.lazy import lazy_exports
+from gcode.support.lazy import exported, lazy_exports
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # imported when they are first asked for
     from compensation.estimators.regressor import Compensator as Compensator
+    from compensation.export.export_c import c_header as c_header
+    from compensation.export.export_onnx import write_onnx as write_onnx
     from compensation.model.files import load as load
     from compensation.model.prediction import predicted as predicted
     from compensation.model.streaming import CompensatorStream as CompensatorStream
 
-# scikit-learn is not needed by every command, and takes a second to import.
-_HOMES = {
-    "compensation.estimators.regressor": ["Compensator"],
-    "compensation.model.files": ["load"],
-    "compensation.model.prediction": ["predicted"],
-    "compensation.model.streaming": ["CompensatorStream"],
-}
-__all__ = [name for names in _HOMES.values() for name in names]  # pyright: ignore[reportUnsupportedDunderAll]
-__getattr__, __dir__ = lazy_exports(__name__, _HOMES)
+__all__, __getattr__, __dir__ = lazy_exports(__name__, exported(__file__))

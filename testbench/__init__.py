@@ -15,9 +15,9 @@ Examples
 
 from typing import TYPE_CHECKING
 
-from gcode.support.lazy import lazy_exports
+from gcode.support.lazy import exported, lazy_exports
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # imported when they are first asked for
     from gcode.support.errors import UserError as UserError
     from testbench import effects as effects
     from testbench.api.adding import add as add
@@ -44,8 +44,8 @@ if TYPE_CHECKING:
     from testbench.api.hiding import hide as hide
     from testbench.api.importing import ImportResult as ImportResult
     from testbench.api.importing import import_file as import_file
-    from testbench.api.investigating import InvestigationResult as InvestigationResult
     from testbench.api.investigating import investigate as investigate
+    from testbench.api.investigation import InvestigationResult as InvestigationResult
     from testbench.api.ladder import Ladder as Ladder
     from testbench.api.ladder import ladder as ladder
     from testbench.api.proposing import ProposalResult as ProposalResult
@@ -71,38 +71,4 @@ if TYPE_CHECKING:
     from testbench.recordings.instruments import Instruments as Instruments
     from testbench.recordings.recording import Recording as Recording
 
-_HOMES = {
-    "gcode.support.errors": ["UserError"],
-    "testbench": ["effects"],
-    "testbench.api.adding": ["add", "undo"],
-    "testbench.api.aligning": ["AlignmentResult", "align"],
-    "testbench.api.arguments": ["read"],
-    "testbench.api.capturing": ["RecordResult", "record", "resume_recording"],
-    "testbench.api.comparing": ["ComparisonResult", "compare"],
-    "testbench.api.contributing": ["ContributionResult", "contribution"],
-    "testbench.api.datasets": ["DatasetResult", "dataset"],
-    "testbench.api.designing": ["NextExperiment", "next_experiment"],
-    "testbench.api.diagnosing": ["DiagnosisResult", "diagnose"],
-    "testbench.api.fitting": ["FitResult", "fit"],
-    "testbench.api.hiding": ["HiddenCase", "hide"],
-    "testbench.api.importing": ["ImportResult", "import_file"],
-    "testbench.api.investigating": ["InvestigationResult", "investigate"],
-    "testbench.api.ladder": ["Ladder", "ladder"],
-    "testbench.api.proposing": ["ProposalResult", "propose"],
-    "testbench.api.reporting": ["ReportResult", "make_report"],
-    "testbench.api.running": ["RunResult", "run"],
-    "testbench.api.serving": ["serve_rig"],
-    "testbench.api.simulating": ["example", "simulate"],
-    "testbench.api.verifying": ["VerifyResult", "verify"],
-    "testbench.design.protocols": ["Bounds"],
-    "testbench.importing.sheet": ["Hints"],
-    "testbench.importing.wish": ["Wish"],
-    "testbench.knit.catalogue": ["baseline"],
-    "testbench.knit.effect": ["Effect", "Stage", "parameter"],
-    "testbench.knit.model": ["KnitModel"],
-    "testbench.knit.presets": ["preset"],
-    "testbench.recordings.instruments": ["Instruments"],
-    "testbench.recordings.recording": ["Recording"],
-}
-__all__ = [name for names in _HOMES.values() for name in names]  # pyright: ignore[reportUnsupportedDunderAll]
-__getattr__, __dir__ = lazy_exports(__name__, _HOMES)
+__all__, __getattr__, __dir__ = lazy_exports(__name__, exported(__file__))

@@ -25,7 +25,7 @@ def _homes() -> dict[str, list[str]]:
     return homes
 
 
-_get, _names = lazy_exports(__name__, _homes())
+__all__, _get, __dir__ = lazy_exports(__name__, _homes())
 
 
 def __getattr__(name: str) -> Any:
@@ -33,7 +33,3 @@ def __getattr__(name: str) -> Any:
         return _get(name)
     except AttributeError as error:
         raise AttributeError(f"{error}; `testbench effects` lists them all") from None
-
-
-def __dir__() -> list[str]:
-    return _names()

@@ -55,7 +55,7 @@ def test_a_file_and_a_new_name_are_let_through(places):
 @pytest.mark.parametrize("name", ["pipe", "folder", "link to it"])
 def test_what_is_no_file_is_never_replaced(places, name):
     before = places[name].lstat()
-    with pytest.raises(UserError):
+    with pytest.raises(UserError, match=r"it is a (device or a pipe|folder); give the name of a file"):
         write_text(places[name], "new")
     assert os.path.samestat(before, places[name].lstat())
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from gcode.support.colours import BLACK, BLUE, ORANGE
 from gcode.support.files import atomic_path
 
-TRUTH, RAW, PREDICTION = "#000000", "#E69F00", "#0072B2"
+TRUTH, RAW, PREDICTION = BLACK, ORANGE, BLUE
 SYMBOL = {"force": "F", "displacement": "d"}
 
 

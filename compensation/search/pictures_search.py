@@ -7,9 +7,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from compensation.search.ranking import Ranked
+from gcode.support.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from gcode.support.files import atomic_path
 
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#E69F00", "#56B4E9", "#CC79A7", "#000000", "#999999")
+COLOURS = (BLUE, VERMILION, GREEN, ORANGE, SKY, PURPLE, BLACK, GREY)
 # Ticks in a decade, for axes whose ends differ by more and more.
 NARROW, MIDDLE, WIDE = (1, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9), (1, 2, 3, 5, 7), (1, 3)
 PUBLISHED = "2.5^7 4-2-2"

@@ -38,7 +38,7 @@ def run(args: argparse.Namespace) -> int:
 
     from gcode.mach4.controller import Machine
     from gcode.mach4.reader import read_text
-    from gcode.programs.provenance import check_file
+    from gcode.programs.made_again import check_file
     from gcode.support.console import printable
     from gcode.trajectories.trajectory import Limits
 

@@ -3,9 +3,17 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 
 SUMMARY = "plan a trajectory and write trajectory.csv, program.tap and trajectory.json"
 EXAMPLE = "gcode generate --preset paper-1 --seed 51 --gauge-length-mm 25 -o run-1"
+LIMITS = {
+    "v_max": "v_max_mm_per_s",
+    "a_max": "a_max_mm_per_s2",
+    "j_max": "j_max_mm_per_s3",
+    "x_min": "x_min_mm",
+    "x_max": "x_max_mm",
+}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -30,8 +38,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> None:
     """Make, check and write; nothing is written when the check fails."""
     from gcode.mach4.reader import read_program, read_text
-    from gcode.programs.make import make, make_again
-    from gcode.programs.request import spec_from
+    from gcode.programs.api import generate
+    from gcode.programs.make import make_again
     from gcode.support.errors import UserError
 
     if args.again:
@@ -41,7 +49,15 @@ def run(args: argparse.Namespace) -> None:
     else:
         if args.seed is None or args.gauge_length_mm is None:
             raise UserError("--seed and --gauge-length-mm are needed, e.g. --seed 51 --gauge-length-mm 25")
-        made = make(spec_from(args), args.seed, args.gauge_length_mm, args.feed_mode or "G94")
+        made = generate(
+            args.preset or Path(args.spec),
+            args.seed,
+            args.gauge_length_mm,
+            duration_s=args.duration_s,
+            feed_mode=args.feed_mode or "G94",
+            machine_acceleration_mm_per_s2=args.machine_acceleration,
+            **{field: value for option, field in LIMITS.items() if (value := getattr(args, option)) is not None},
+        )
     paths = made.write(args.output)
     if args.plot:
         from gcode.programs.plot import write_plot

@@ -71,7 +71,7 @@ def check_program(
         Speed of G0 moves. None: unknown, so G0 moves are refused.
     longest_dwell_s : float or None
         None: 120 s. A program of ours that was made again from its recipe may dwell as long as it likes; see
-        `gcode.programs.provenance`.
+        `gcode.programs.made_again`.
 
     Raises
     ------

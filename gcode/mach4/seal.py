@@ -1,7 +1,7 @@
 """The seal of a program: a header comment with the SHA-256 of everything else in the file.
 
 It finds a line that was lost, swapped or changed on the way to the machine. Line ends do not count: Mach4 runs on
-Windows, and a file may come there with others. It is no signature; `gcode.programs.provenance` makes the program
+Windows, and a file may come there with others. It is no signature; `gcode.programs.made_again` makes the program
 again from its recipe.
 """
 

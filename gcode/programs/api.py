@@ -11,10 +11,9 @@ from gcode.mach4.controller import play as played
 from gcode.mach4.program import Program
 from gcode.mach4.reader import parse_program, read_program, read_text
 from gcode.mach4.writer import FeedMode
+from gcode.programs.made_again import check_file
 from gcode.programs.make import Made, make
-from gcode.programs.provenance import check_file
 from gcode.programs.request import changed
-from gcode.support.errors import UserError, first_problem
 from gcode.trajectories.bounds import Limits
 from gcode.trajectories.pieces import Piece, Protocol
 from gcode.trajectories.presets import preset
@@ -72,12 +71,7 @@ def generate(
     >>> round(gcode.generate(triangles, seed=0).statistics.x_max_mm, 1)
     5.0
     """
-    try:
-        wanted = changed(_spec(spec), limits, duration_s, machine_acceleration_mm_per_s2)
-    except UserError:
-        raise
-    except ValueError as error:
-        raise UserError(f"generate: {first_problem(error)}") from None
+    wanted = changed(_spec(spec), limits, duration_s, machine_acceleration_mm_per_s2)
     return make(wanted, seed, gauge_length_mm, feed_mode)
 
 
@@ -102,7 +96,7 @@ def check(program: str | Path | Program, limits: Limits | None = None, **options
     limits : Limits, optional
         Of speed, acceleration, jerk and travel; default: `gcode.Limits()`.
     **options
-        As `gcode.programs.provenance.check_file`: ``rate_hz``, ``machine``, ``rapid_mm_per_s``, ``longest_dwell_s``;
+        As `gcode.programs.made_again.check_file`: ``rate_hz``, ``machine``, ``rapid_mm_per_s``, ``longest_dwell_s``;
         for a text or a file also ``as_foreign``.
 
     Returns

@@ -49,7 +49,7 @@ class Made:
 
     def __repr__(self) -> str:
         found = self.statistics
-        moved = f"{found.x_min_mm + 0.0:.3g} to {found.x_max_mm:.3g} mm"
+        moved = f"{round(found.x_min_mm, 6) + 0.0:.3g} to {found.x_max_mm:.3g} mm"
         return f"<Made {self.spec.name}, seed {self.seed}: {found.duration_s:.1f} s, {moved}>"
 
     def _repr_html_(self) -> str:

@@ -10,8 +10,8 @@ import numpy as np
 from gcode.motion.statistics import accelerations, speeds
 from gcode.programs.make import Made, executed
 from gcode.support import files
+from gcode.support.colours import BLUE, GREY, VERMILION
 
-BLUE, VERMILION, GREY = "#0072B2", "#D55E00", "#777777"
 _CLOSE_UP_S = 12.0
 
 

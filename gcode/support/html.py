@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gcode.support.colours import BLUE
+
 if TYPE_CHECKING:
     import pandas as pd
 
@@ -45,7 +47,7 @@ def strips(x: np.ndarray, signals: Mapping[str, np.ndarray]) -> str:
         across = WIDTH * (x - x[0]) / max(float(x[-1] - x[0]), 1e-300)
         down = HEIGHT - 4 - (HEIGHT - 8) * (y - low) / max(high - low, 1e-300)
         points = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(across, down, strict=True))
-        curve = f'<polyline points="{points}" fill="none" stroke="#0072B2" stroke-width="1"/>'
+        curve = f'<polyline points="{points}" fill="none" stroke="{BLUE}" stroke-width="1"/>'
         drawn = f'<svg width="{WIDTH}" height="{HEIGHT}" viewBox="0 0 {WIDTH} {HEIGHT}">{curve}</svg>'
         rows.append(f"<div>{escape(title)}: {low:.4g} to {high:.4g}</div>{drawn}")
     return "".join(rows)

@@ -2,16 +2,38 @@
 
 from __future__ import annotations
 
+import ast
 import importlib
 import sys
 from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
 from typing import Any
+
+
+def exported(file: str) -> dict[str, list[str]]:
+    """What a package imports for type checkers, as ``from module import name as name``, and so exports.
+
+    Parameters
+    ----------
+    file : str
+        ``__file__`` of the package.
+
+    Returns
+    -------
+    dict of str to list of str
+        Module -> names.
+    """
+    homes: dict[str, list[str]] = {}
+    for node in ast.walk(ast.parse(Path(file).read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and node.module:
+            homes.setdefault(node.module, []).extend(one.name for one in node.names if one.asname == one.name)
+    return homes
 
 
 def lazy_exports(
     package: str, homes: Mapping[str, Iterable[str]]
-) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
-    """``__getattr__`` and ``__dir__`` of a package whose names live in modules that are slow to import (PEP 562).
+) -> tuple[list[str], Callable[[str], Any], Callable[[], list[str]]]:
+    """``__all__``, ``__getattr__`` and ``__dir__`` of a package whose names live in slow modules (PEP 562).
 
     Parameters
     ----------
@@ -22,9 +44,9 @@ def lazy_exports(
 
     Examples
     --------
-    >>> get, names = lazy_exports("gcode", {"gcode.trajectories.presets": ["preset"]})
-    >>> "preset" in names()
-    True
+    >>> names, get, _ = lazy_exports("gcode", {"gcode.trajectories.presets": ["preset"]})
+    >>> names
+    ['preset']
     >>> get("preset")("paper-1").name
     'paper-1'
     """
@@ -34,15 +56,9 @@ def lazy_exports(
         if name not in home_of:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
         home = home_of[name]
-        found = importlib.import_module(f"{package}.{name}") if home == package else _of(home, name)
+        inside = home == package
+        found = importlib.import_module(f"{home}.{name}") if inside else getattr(importlib.import_module(home), name)
         setattr(sys.modules[package], name, found)
         return found
 
-    def names() -> list[str]:
-        return sorted({*vars(sys.modules[package]), *home_of})
-
-    return get, names
-
-
-def _of(module: str, name: str) -> Any:
-    return getattr(importlib.import_module(module), name)
+    return list(home_of), get, lambda: sorted(home_of)

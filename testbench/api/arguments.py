@@ -17,6 +17,8 @@ from testbench.fitting.model_file import ModelFile, check_same_set_up, load_mode
 from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
+from testbench.knit.presets import names as preset_names
+from testbench.knit.presets import preset
 from testbench.recordings.channels import TIME
 from testbench.recordings.doubts import check_gap, check_grid, say_sign
 from testbench.recordings.files import read_recording
@@ -82,8 +84,13 @@ def recording_of(source: Source, gauge_length_mm: float | None = None) -> Record
     Raises
     ------
     UserError
-        If it has no displacement, or is nearly nothing but one gap.
+        If it is no recording, has no displacement, or is nearly nothing but one gap.
     """
+    if not isinstance(source, Recording | str | Path):
+        raise UserError(
+            f"recording: must be a Recording, a CSV or a campaign folder, got {type(source).__name__}; "
+            "testbench.read makes a Recording of a data frame"
+        )
     recording = source if isinstance(source, Recording) else read_recording(source, gauge_length_mm)
     recording.needs_displacement()
     check_gap(recording)
@@ -144,14 +151,34 @@ def catalogue_of(effects: Effects) -> Catalogue:
 
 
 def model_file_of(model: AnyModel, catalogue: Catalogue) -> ModelFile:
-    """A model with what is known of it; of a bare one nothing is."""
-    if isinstance(model, ModelFile):
-        return model
-    if isinstance(model, KnitModel):
-        return ModelFile(model, 0.0)
+    """A model with what is known of it; of a bare one, or a preset, nothing is.
+
+    Raises
+    ------
+    UserError
+        If it is no model, the file of one, or the name of a preset.
+    """
     if isinstance(model, str | Path):
+        if is_preset(model):
+            return ModelFile(preset(str(model)), 0.0)
+        if not Path(model).exists():
+            raise UserError(f"{model}: no such model.json, and no preset; presets are {', '.join(preset_names())}")
         return load_model_file(model, catalogue)
-    file = getattr(model, "file", None)
+    file = ModelFile(model, 0.0) if isinstance(model, KnitModel) else getattr(model, "file", model)
     if not isinstance(file, ModelFile):
-        raise UserError(f"model: must be a KnitModel, a result of fit or diagnose, or a model.json; got {model!r}")
+        raise UserError(
+            f"model: must be a KnitModel, a result of fit or diagnose, a model.json or a preset; got {model!r}"
+        )
     return file
+
+
+def is_preset(model: AnyModel) -> bool:
+    """Whether a model is named as a preset is: ``pes``, or ``pes@3`` for the third specimen of its kind."""
+    return isinstance(model, str) and model.partition("@")[0] in preset_names()
+
+
+def model_name(model: AnyModel) -> str:
+    """What a manifest calls a sensor: its preset, or the name of its file; ``model`` where it has none."""
+    if is_preset(model):
+        return str(model)
+    return Path(model).name if isinstance(model, str | Path) else "model"

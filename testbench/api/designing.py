@@ -189,8 +189,9 @@ def next_experiment(
 def _fitted(
     rivals: Sequence[AnyModel] | Mapping[str, AnyModel], catalogue: Catalogue
 ) -> tuple[list[Rival], dict[str, float], float]:
-    if len(rivals) < 2:
-        raise UserError(f"next_experiment: give two or more rival models, got {len(rivals)}")
+    given = len(rivals) if isinstance(rivals, Sequence | Mapping) else repr(rivals)
+    if isinstance(given, str) or given < 2:
+        raise UserError(f"next_experiment: give two or more rival models, got {given}")
     if not isinstance(rivals, Mapping):
         names = [str(one) if isinstance(one, str | Path) else f"model {n}" for n, one in enumerate(rivals, 1)]
         unique = names if len(set(names)) == len(names) else [f"{name} ({n})" for n, name in enumerate(names, 1)]

@@ -13,8 +13,8 @@ from gcode.support.figures import panels, picture
 from gcode.support.html import card, frame_table
 from testbench import diagnosis as core
 from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, recordings_for
+from testbench.api.model_result import ModelResult
 from testbench.api.progress import Tell, telling
-from testbench.api.results import ModelResult
 from testbench.diagnosis.diagnosis import Diagnosis
 from testbench.diagnosis.words import diagnosis_table, first_line
 from testbench.fitting.model_file import ModelFile

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 from gcode.support.figures import picture
 from gcode.support.html import card, frame_table
 from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, recordings_for
+from testbench.api.model_result import ModelResult
 from testbench.api.overlay import plot_overlay
 from testbench.api.progress import Tell, telling
-from testbench.api.results import ModelResult
 from testbench.comparing.ladder import fitted_file
 from testbench.comparing.tables import errors_line, fit_table
 from testbench.fitting.baseline import starting_baseline

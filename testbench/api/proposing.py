@@ -13,9 +13,9 @@ from gcode.support.files import check_place, write_text
 from gcode.support.html import card, frame_table
 from testbench import proposing as core
 from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, recordings_for
+from testbench.api.model_result import ModelResult
 from testbench.api.overlay import plot_overlay
 from testbench.api.progress import Tell, telling
-from testbench.api.results import ModelResult
 from testbench.fitting.model_file import ModelFile
 from testbench.proposing.proposal import MOST_LAWS, Proposed
 from testbench.proposing.words import as_json, first_line, proposal_text, story

@@ -12,7 +12,7 @@ from typing import Any
 from gcode.programs.make import Made
 from gcode.support.errors import UserError
 from gcode.support.files import write_text
-from testbench.api.arguments import AnyModel, catalogue_of, model_file_of
+from testbench.api.arguments import AnyModel, catalogue_of, model_file_of, model_name
 from testbench.campaigns.campaign import matches, simulate_campaign, simulate_live, vacant
 from testbench.campaigns.plan import Plan, programs_before
 from testbench.knit.model import KnitModel
@@ -27,7 +27,6 @@ from testbench.rig.simulated import Motion
 from testbench.rig.stopping import stop_signals
 
 ENDED_WELL = ("complete", "interrupted")
-MODEL = "model"  # what a manifest calls a sensor that has no other name
 
 
 @dataclass(frozen=True)
@@ -96,7 +95,6 @@ def run(
     after: Iterable[str | Path] = (),
     rest_s: float = DEFAULT_REST_S,
     effects: str | Path | None = None,
-    sensor: str | None = None,
     overwrite: bool = False,
     real_time: bool = False,
     report: Callable[[Status], None] = lambda status: None,
@@ -108,8 +106,8 @@ def run(
 
     Parameters
     ----------
-    model : KnitModel, result or path
-        The sensor.
+    model : KnitModel, result, path or name of a preset
+        The sensor: ``"pes"``, or ``"pes@3"`` for the third specimen of its kind, are presets.
     program : Made or path
         From `gcode.generate`, or a Mach4 program.
     folder : path
@@ -126,8 +124,6 @@ def run(
         Rest after each of these, in s.
     effects : path, optional
         The file with the user's own effects that the model uses; a copy of it is kept in the folder.
-    sensor : str, optional
-        What the manifest calls the sensor; default: the name of the model's file, or ``model``.
     overwrite : bool
         Replace another simulated campaign in `folder`; a measured one never is.
     real_time : bool
@@ -151,12 +147,12 @@ def run(
     >>> import gcode
     >>> import testbench as tb
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     made = tb.run(tb.preset("pes"), gcode.generate("paper-1", seed=1, duration_s=60), folder)
+    ...     made = tb.run("pes", gcode.generate("paper-1", seed=1, duration_s=60), folder)
     ...     made.recording.gauge_length_mm
     25.0
     """
     folder, earlier, own = Path(folder), [Path(one) for one in after], Path(effects) if effects else None
-    name = sensor or (Path(model).name if isinstance(model, str | Path) else MODEL)
+    name = model_name(model)
     knit = model_file_of(model, catalogue_of(own)).model
     with program_file(program) as path:
         plan, motion = planned(knit, path, seed, gauge_length_mm, instruments, earlier, rest_s, name, own)
@@ -193,7 +189,7 @@ def planned(
     instruments: Instruments | None,
     after: Iterable[Path],
     rest_s: float,
-    sensor: str = MODEL,
+    sensor: str = "model",
     effects: Path | None = None,
 ) -> tuple[Plan, Motion]:
     """Everything that a simulated campaign depends on, and the motion of its program; parameters as in `run`."""

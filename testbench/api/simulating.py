@@ -40,8 +40,8 @@ def simulate(
 
     Parameters
     ----------
-    model : KnitModel, result or path
-        The sensor; `testbench.preset` has two that behave like published ones.
+    model : KnitModel, result, path or name of a preset
+        The sensor; the presets ``"pes"`` and ``"lycra"`` behave like published ones.
     program : Made or path
         From `gcode.generate`, or a Mach4 program.
     seed : int
@@ -71,7 +71,7 @@ def simulate(
     --------
     >>> import gcode
     >>> import testbench as tb
-    >>> tb.simulate(tb.preset("pes"), gcode.generate("paper-1", seed=3, duration_s=60)).has("resistance_ohm")
+    >>> tb.simulate("pes", gcode.generate("paper-1", seed=3, duration_s=60)).has("resistance_ohm")
     True
     """
     sensor = model_file_of(model, catalogue_of(effects)).model
@@ -80,8 +80,8 @@ def simulate(
         plan, motion = planned(sensor, path, seed, gauge_length_mm, instruments, earlier, rest_s)
         simulate_campaign(plan, Path(temporary) / "campaign", motion)
         recording = read_recording(Path(temporary) / "campaign")
-    name = program.spec.name if isinstance(program, Made) else Path(program).name
-    return replace(recording, source=f"simulated {name}, seed {seed}")
+    name = f"{program.spec.name}-{program.seed}" if isinstance(program, Made) else Path(program).name
+    return replace(recording, source=f"simulated {name}, seed of noise {seed}")
 
 
 def example(*effects: Effect, seed: int = 1, duration_s: float = EXAMPLE_S) -> Recording:

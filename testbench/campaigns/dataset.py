@@ -270,17 +270,12 @@ def _planned(spec: DatasetSpec, base: Path, out: Path) -> list[Path]:
 
 def _programs(wish: TrajectoryWish, gauge_length_mm: float, base: Path, folder: Path) -> Iterator[Path]:
     from gcode.programs.make import make as make_program
+    from gcode.programs.request import changed
     from gcode.trajectories.presets import preset as motion_preset
     from gcode.trajectories.toml_spec import read_spec
 
-    source = motion_preset(wish.preset) if wish.preset else read_spec(base / str(wish.spec))
-    if wish.duration_s is not None:
-        data = source.model_dump()
-        noises = [piece for piece in data["pieces"] if piece["kind"] == "noise"]
-        if len(noises) != 1:
-            raise UserError(f"trajectory: duration_s needs a spec with one noise piece, this one has {len(noises)}")
-        noises[0]["duration_s"] = wish.duration_s
-        source = type(source).model_validate(data)
+    given = motion_preset(wish.preset) if wish.preset else read_spec(base / str(wish.spec))
+    source = changed(given, {}, wish.duration_s)
     for seed in wish.seeds:
         path = folder / f"{source.name}-{seed:05d}.tap"
         text = make_program(source, seed, gauge_length_mm).program

@@ -3,13 +3,8 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
-from typing import TYPE_CHECKING
 
 from testbench.commands._arguments import add_effects, natural, positive, rest
-
-if TYPE_CHECKING:
-    from testbench.knit.model import KnitModel
 
 
 def add_simulation_arguments(parser: argparse.ArgumentParser) -> None:
@@ -35,20 +30,3 @@ def add_simulation_arguments(parser: argparse.ArgumentParser) -> None:
         help="earlier campaigns or programs of this sensor, which remembers them (default: never stretched before)",
     )
     parser.add_argument("--rest-s", type=rest, default=600.0, metavar="T", help="rest after each (default 600)")
-
-
-def sensor_model(args: argparse.Namespace) -> tuple[KnitModel, str]:
-    """The model that ``--sensor`` or ``--model`` names, and its name.
-
-    Raises
-    ------
-    UserError
-        If there is no such preset, or the file holds no model.
-    """
-    from testbench.knit.catalogue import load_catalogue, model_from_dict
-    from testbench.knit.presets import preset
-    from testbench.recordings.stored import read_model
-
-    if args.sensor:
-        return preset(args.sensor), args.sensor
-    return model_from_dict(read_model(args.model), load_catalogue(args.effects), args.model), Path(args.model).name

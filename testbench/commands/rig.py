@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from testbench.commands._arguments import positive
-from testbench.commands._sensors import add_simulation_arguments, sensor_model
+from testbench.commands._sensors import add_simulation_arguments
 
 SUMMARY = "put the simulated rig behind a serial port (a pseudo-terminal) and print the port"
 EXAMPLE = "testbench rig --sensor pes --program program.tap --link /tmp/rig &\n  testbench record --port /tmp/rig ..."
@@ -31,9 +31,8 @@ def run(args: argparse.Namespace) -> int:
         print(port, flush=True)
         print(f"rig: the motion starts when the port is opened; {what_ends_it()} ends the rig", file=sys.stderr)
 
-    model, _ = sensor_model(args)
     unheard = serve_rig(
-        model,
+        args.sensor or args.model,
         existing_file(args.program, "program"),
         seed=args.seed,
         gauge_length_mm=args.gauge_length_mm,

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from testbench.commands._arguments import positive
-from testbench.commands._sensors import add_simulation_arguments, sensor_model
+from testbench.commands._sensors import add_simulation_arguments
 
 SUMMARY = "run a program on the simulated rig and write a campaign folder"
 EXAMPLE = "testbench run --sensor pes --program program.tap --seed 1 -o pes-1"
@@ -37,9 +37,8 @@ def run(args: argparse.Namespace) -> int:
     from testbench.rig.progress import json_lines, terminal
 
     program = existing_file(args.program, "program; make one with `gcode generate`")
-    model, sensor = sensor_model(args)
     done = run_campaign(
-        model,
+        args.sensor or args.model,
         program,
         args.campaign,
         seed=args.seed,
@@ -48,7 +47,6 @@ def run(args: argparse.Namespace) -> int:
         after=args.after,
         rest_s=args.rest_s,
         effects=args.effects,
-        sensor=sensor,
         overwrite=args.overwrite,
         real_time=args.real_time,
         report=json_lines() if args.progress_json else terminal(f"run {Path(args.campaign).name}"),

@@ -26,7 +26,7 @@ def plain(value: float, digits: int = 3) -> str:
 
 def _fixed(value: float, decimals: int) -> str:
     """Rounded to so many decimals; to tens or hundreds where `decimals` is negative."""
-    return f"{round(value, decimals):.{max(decimals, 0)}f}"
+    return f"{round(value, decimals) + 0.0:.{max(decimals, 0)}f}"  # and no "-0.0"
 
 
 def span(low: float, high: float, unit: str = "", digits: int = 3) -> str:

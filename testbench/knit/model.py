@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from gcode.support.errors import UserError
+from gcode.support.html import table
 from testbench.knit.additive import AdditiveLaw
 from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage
@@ -62,7 +63,8 @@ class KnitModel:
         items = [*self.effects.items(), (name, effect)]
         return KnitModel(dict(sorted(items, key=lambda item: item[1].stage)))  # sorted() is stable
 
-    __add__ = plus
+    def __add__(self, effect: Effect) -> KnitModel:
+        return self.plus(effect) if isinstance(effect, Effect) else NotImplemented
 
     def place_of(self, law: type[Effect]) -> str:
         """Name of the law whose place `law` takes, since a model has one of the kind; empty if there is none."""
@@ -144,6 +146,14 @@ class KnitModel:
             for name, effect in self.effects.items()
         ]
         return {"format": FORMAT, "version": FORMAT_VERSION, "effects": effects}
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (name, key, f"{value:.6g}" if isinstance(value, float) else f"{len(value)} weights")
+            for name, effect in self.effects.items()
+            for key, value in effect.model_dump().items()
+        ]
+        return table(("effect", "parameter", "value"), rows)
 
 
 def check_wiring(name: str, effect: Effect, state: Mapping[str, FloatArray]) -> None:

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import numpy as np
 
+from gcode.support.colours import BLUE, GREY
 from gcode.support.files import atomic_path
 from testbench.knit.catalogue import baseline
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, bounds_of
 from testbench.knit.model import KnitModel, inputs
 
 DT_S = 0.05
-GREY, BLUE = "#8A8A8A", "#0072B2"
 VISIBLE = 0.15  # wanted change of the curve, as a share of its span
 
 

@@ -56,7 +56,9 @@ def read_recording(path: str | Path, gauge_length_mm: float | None = None) -> Re
         raise UserError(f"{path}: no such recording; give a CSV or a campaign folder")
     columns = read_columns(path)
     if gauge_length_mm is None and DISPLACEMENT in columns:
-        raise UserError(f"{path}: a bare CSV does not know its gauge length; add --gauge-length-mm")
+        raise UserError(
+            f"{path}: a bare CSV does not know its gauge length; give --gauge-length-mm (in Python: gauge_length_mm)"
+        )
     return _recording(path, columns, gauge_length_mm)
 
 

@@ -116,6 +116,9 @@ class Recording:
             have = ", ".join(self.channels)
             raise UserError(f"{self.source}: no channel {name}; it has {have}") from None
 
+    def __contains__(self, name: object) -> bool:
+        return name in self.channels
+
     def has(self, name: str) -> bool:
         """Whether the channel `name` was recorded."""
         return name in self.channels

@@ -144,18 +144,14 @@ def _uneven_axes(titles: list[str]) -> dict[str, Any]:
 
 def _floor_band(row: int, floor: float) -> dict[str, Any]:
     """A band of plus and minus two noise floors: what no model can explain."""
+    where = {"xref": "paper", "yref": style.y_ref(row), "x0": 0, "x1": 1, "y0": -2 * floor, "y1": 2 * floor}
     return {
         "type": "rect",
-        "xref": "paper",
-        "yref": style.y_ref(row),
-        "x0": 0,
-        "x1": 1,
-        "y0": -2 * floor,
-        "y1": 2 * floor,
         "fillcolor": style.FLOOR,
         "opacity": 0.35,
         "line": {"width": 0},
         "layer": "below",
+        **where,
     }
 
 
@@ -185,8 +181,7 @@ def modelled_loops(both: Overlay) -> style.Figure:
                     "x": _broken(100 * both.strain, rows),
                     "y": _broken(values, rows),
                     "line": {"color": colour, "width": 1.3},
-                    "xaxis": style.x_ref(column),
-                    "yaxis": style.y_ref(column),
+                    **style.place(column),
                     "hovertemplate": "%{y:.4g} at %{x:.2f} %",
                     "showlegend": column == 0,
                 }

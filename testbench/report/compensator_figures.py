@@ -69,15 +69,10 @@ def scatter(row: Mapping[str, Any], target: str) -> style.Figure:
     ]
     traces: list[dict[str, Any]] = []
     for column, (key, colour, _) in enumerate(panels):
-        place = {"xaxis": style.x_ref(column), "yaxis": style.y_ref(column), "hoverinfo": "skip"}
-        dots = {"size": 3, "color": colour}
-        traces.append(
-            {"type": "scatter", "mode": "markers", "x": truth, "y": np.asarray(row["trace"][key]), "marker": dots,
-             "opacity": 0.5, **place}
-        )  # fmt: skip
-        traces.append(
-            {"type": "scatter", "mode": "lines", "x": ends, "y": ends, "line": {"color": TRUTH, "width": 1}, **place}
-        )
+        place = {"type": "scatter", **style.place(column), "hoverinfo": "skip"}
+        dots = {"mode": "markers", "marker": {"size": 3, "color": colour}, "opacity": 0.5}
+        traces.append({**place, **dots, "x": truth, "y": np.asarray(row["trace"][key])})
+        traces.append({**place, "mode": "lines", "x": ends, "y": ends, "line": {"color": TRUTH, "width": 1}})
     quantity, unit = TITLES[target].split(" / ")
     titles = [
         (f"Measured {quantity.lower()} / {unit}", f"{name} / {unit}")
@@ -96,24 +91,18 @@ def before_and_after(rows: Sequence[Mapping[str, Any]], names: Sequence[str], ta
     places = np.arange(len(rows))
     after = np.array([row["r2_after"] for row in rows])
     span = np.array([row["r2_after_interval"] for row in rows])
+    up, down = span[:, 1] - after, after - span[:, 0]
+    whiskers = {"array": up, "arrayminus": down, "symmetric": False, "color": TRUTH}
     bars = [
         _bars(places - 0.2, [row["r2_before"] for row in rows], RAW, "raw conductance"),
-        _bars(places + 0.2, after, PREDICTION, "compensated")
-        | {
-            "error_y": {
-                "array": span[:, 1] - after,
-                "arrayminus": after - span[:, 0],
-                "symmetric": False,
-                "color": TRUTH,
-            }
-        },
+        _bars(places + 0.2, after, PREDICTION, "compensated") | {"error_y": whiskers},
     ]
     ticks = {"tickvals": list(range(len(rows))), "ticktext": list(names), "showgrid": False}
     axes: dict[str, Any] = {
         "xaxis": style.axis("", **ticks),
         "yaxis": style.axis("r²", range=[min(0.0, float(span.min())), 1.02]),
     }
-    lines = [_paper_line(value) for value in PAPER[target].values()]
+    lines = [style.level(value, style.MUTED, dash="dot") for value in PAPER[target].values()]
     words = [_paper_words(knit, value, value == max(PAPER[target].values())) for knit, value in PAPER[target].items()]
     margin = {"l": 64, "r": 120, "t": 30, "b": 44}
     return style.figure(bars, height=300, bargap=0.3, shapes=lines, annotations=words, margin=margin, **axes)
@@ -122,11 +111,6 @@ def before_and_after(rows: Sequence[Mapping[str, Any]], names: Sequence[str], ta
 def _paper_words(knit: str, value: float, upper: bool) -> dict[str, Any]:
     place = {"yref": "y", "xanchor": "left", "yanchor": "bottom" if upper else "top"}  # the two lie close together
     return style.note(f"paper, {knit} {value:.2f}", 1.01, value, font={"size": 11, "color": style.MUTED}, **place)
-
-
-def _paper_line(value: float) -> dict[str, Any]:
-    place = {"xref": "paper", "x0": 0, "x1": 1, "yref": "y", "y0": value, "y1": value}
-    return {"type": "line", "line": {"color": style.MUTED, "width": 1, "dash": "dot"}, **place}
 
 
 def _bars(places: np.ndarray, heights: Sequence[float] | np.ndarray, colour: str, name: str) -> dict[str, Any]:

@@ -39,17 +39,11 @@ def candidates(diagnosis: Mapping[str, Any]) -> style.Figure:
     names = [with_probability(diagnosis, entry["effect"]) for entry in ranking]
     axes: dict[str, Any] = {
         "xaxis": style.axis("Error removed / %", range=[0, 104]),
-        "yaxis": style.axis(
-            "", tickvals=list(range(len(names))), ticktext=names, range=[len(names) - 0.5, -0.5], showgrid=False
-        ),
+        "yaxis": style.names_of_bars(names),
+        "margin": {"l": 230, "r": 20, "t": 16, "b": 44},
     }
-    return style.figure(
-        [_measured(diagnosis, ranking)],
-        height=70 + 34 * max(len(ranking), 2),
-        margin={"l": 230, "r": 20, "t": 16, "b": 44},
-        annotations=notes,
-        **axes,
-    )
+    height = 70 + 34 * max(len(ranking), 2)
+    return style.figure([_measured(diagnosis, ranking)], height=height, annotations=notes, **axes)
 
 
 def _measured(diagnosis: Mapping[str, Any], ranking: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
@@ -57,35 +51,21 @@ def _measured(diagnosis: Mapping[str, Any], ranking: Sequence[Mapping[str, Any]]
     places = [place for place, entry in enumerate(ranking) if entry.get("held_out_gain")]
     gains = [ranking[place]["held_out_gain"] for place in places]
     ends = np.array([[removed_percent(gain) for gain in one] for one in gains]).reshape(-1, 3)
-    return {
-        "type": "bar",
-        "orientation": "h",
-        "x": np.maximum(ends[:, 0], 0.0),
-        "y": np.array(places, dtype=float),
-        "width": 0.62,
-        "marker": {"color": [_colour(diagnosis, place) for place in places]},
-        "error_x": {
-            "array": np.maximum(ends[:, 2] - ends[:, 0], 0.0),
-            "arrayminus": np.clip(ends[:, 0] - ends[:, 1], 0.0, np.maximum(ends[:, 0], 0.0)),
-            "symmetric": False,
-            "color": style.INK,
-        },
-        "hovertemplate": "with it refitted: %{x:.0f} % of the held-out error is gone<extra></extra>",
+    shown = np.maximum(ends[:, 0], 0.0)
+    whiskers = {
+        "array": np.maximum(ends[:, 2] - ends[:, 0], 0.0),
+        "arrayminus": np.clip(ends[:, 0] - ends[:, 1], 0.0, shown),
+        "symmetric": False,
+        "color": style.INK,
     }
+    colours = [_colour(diagnosis, place) for place in places]
+    hover = "with it refitted: %{x:.0f} % of the held-out error is gone"
+    return style.bars(shown, colours, hover, y=np.array(places, dtype=float), error_x=whiskers)
 
 
 def _untried(place: int) -> dict[str, Any]:
-    look = {"size": 11, "color": style.MUTED}
-    return {
-        "text": "not worth a refit",
-        "x": 1.0,
-        "y": place,
-        "xref": "x",
-        "yref": "y",
-        "xanchor": "left",
-        "showarrow": False,
-        "font": look,
-    }
+    look: dict[str, Any] = {"font": {"size": 11, "color": style.MUTED}, "xanchor": "left"}
+    return style.note("not worth a refit", 1.0, place, xref="x", yref="y", **look)
 
 
 def _colour(diagnosis: Mapping[str, Any], number: int) -> str:
@@ -103,24 +83,13 @@ def dependence(diagnosis: Mapping[str, Any]) -> style.Figure | None:
         return None
     names = [f"{entry['channel']} on {spoken(entry['coordinate'])}" for entry in found]
     colours = [style.BLUE if entry["channel"] == "force" else style.GREEN for entry in found]
-    bar = {
-        "type": "bar",
-        "orientation": "h",
-        "x": np.array([100 * entry["gain"] for entry in found]),
-        "y": np.arange(len(found)),
-        "width": 0.62,
-        "marker": {"color": colours},
-        "hovertemplate": "%{x:.1f} %<extra></extra>",
-    }
+    bars = style.bars(np.array([100 * entry["gain"] for entry in found]), colours, "%{x:.1f} %")
     axes: dict[str, Any] = {
         "xaxis": style.axis("Share of its squares that a free-form map explains / %", rangemode="tozero"),
-        "yaxis": style.axis(
-            "", tickvals=list(range(len(names))), ticktext=names, range=[len(names) - 0.5, -0.5], showgrid=False
-        ),
+        "yaxis": style.names_of_bars(names),
+        "margin": {"l": 250, "r": 20, "t": 16, "b": 44},
     }
-    return style.figure(
-        [bar], height=70 + 30 * max(len(found), 2), margin={"l": 250, "r": 20, "t": 16, "b": 44}, **axes
-    )
+    return style.figure([bars], height=70 + 30 * max(len(found), 2), **axes)
 
 
 def prediction(
@@ -163,13 +132,10 @@ def slope(residual: Mapping[str, FloatArray], contribution: Mapping[str, FloatAr
     for column, channel in enumerate(channels):
         x, y = _binned(contribution[channel], residual[channel])
         ends = np.array([x.min(), x.max()])
-        place = {"xaxis": style.x_ref(column), "yaxis": style.y_ref(column)}
-        dots = {"size": 7, "color": style.VERMILION}
-        traces.append({"type": "scatter", "mode": "markers", "x": x, "y": y, "marker": dots, **place})
-        one = {"color": style.INK, "width": 1, "dash": "dash"}
-        traces.append(
-            {"type": "scatter", "mode": "lines", "x": ends, "y": ends, "line": one, "hoverinfo": "skip", **place}
-        )
+        place = {"type": "scatter", **style.place(column)}
+        dots, one = {"size": 7, "color": style.VERMILION}, {"color": style.INK, "width": 1, "dash": "dash"}
+        traces.append({**place, "mode": "markers", "x": x, "y": y, "marker": dots})
+        traces.append({**place, "mode": "lines", "x": ends, "y": ends, "line": one, "hoverinfo": "skip"})
     titles: Sequence[tuple[str, str]] = [
         (RESIDUAL_TITLES[channel].replace("Residual", f"Predicted {channel}"), RESIDUAL_TITLES[channel])
         for channel in channels

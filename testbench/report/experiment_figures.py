@@ -56,8 +56,10 @@ def experiment(
         trace["showlegend"] = True
     legend = {"orientation": "h", "x": 1, "xanchor": "right", "y": 0.44, "yanchor": "bottom"}
     words = style.note("decisive", float(np.log10(DECISIVE)), 1.0, xref="x", xanchor="left", yanchor="bottom")
+    lengths = np.maximum([value for _, value in evidence], LEAST)
+    bars = style.bars(lengths, [style.BLUE] + [style.FAINT] * (len(evidence) - 1), "%{x:.3g}")
     return style.figure(
-        [_bars(evidence), motion, *misfits],
+        [bars, motion, *misfits],
         height=760,
         margin={"l": 130, "r": 20, "t": 26, "b": 44},
         annotations=[words],
@@ -65,19 +67,6 @@ def experiment(
         legend=legend,
         **_axes(evidence),
     )
-
-
-def _bars(evidence: Sequence[tuple[str, float]]) -> dict[str, Any]:
-    """A bar for each protocol; the best one has a colour."""
-    return {
-        "type": "bar",
-        "orientation": "h",
-        "x": [max(value, LEAST) for _, value in evidence],
-        "y": np.arange(len(evidence)),
-        "width": 0.62,
-        "marker": {"color": [style.BLUE] + [style.FAINT] * (len(evidence) - 1)},
-        "hovertemplate": "%{x:.3g}<extra></extra>",
-    }
 
 
 def _axes(evidence: Sequence[tuple[str, float]]) -> dict[str, Any]:
@@ -92,15 +81,7 @@ def _axes(evidence: Sequence[tuple[str, float]]) -> dict[str, Any]:
             anchor="y",
             range=[float(np.log10(LEAST)), float(np.log10(top * 1.5))],
         ),
-        "yaxis": style.axis(
-            "",
-            anchor="x",
-            domain=[0.56, 1.0],
-            tickvals=list(range(len(names))),
-            ticktext=names,
-            range=[len(names) - 0.5, -0.5],
-            showgrid=False,
-        ),
+        "yaxis": style.names_of_bars(names, anchor="x", domain=[0.56, 1.0]),
         "xaxis2": style.axis("Time / s", anchor="y3"),
         "yaxis2": style.axis("Strain / %", anchor="x2", domain=[0.25, 0.44]),
         "yaxis3": style.axis("Left over / noise", anchor="x2", domain=[0.0, 0.21]),
@@ -109,13 +90,6 @@ def _axes(evidence: Sequence[tuple[str, float]]) -> dict[str, Any]:
 
 def _decisive() -> dict[str, Any]:
     """The line beyond which the evidence decides."""
-    return {
-        "type": "line",
-        "xref": "x",
-        "yref": "paper",
-        "x0": DECISIVE,
-        "x1": DECISIVE,
-        "y0": 0.56,
-        "y1": 1,
-        "line": {"color": style.VERMILION, "width": 1, "dash": "dash"},
-    }
+    look = {"color": style.VERMILION, "width": 1, "dash": "dash"}
+    where = {"xref": "x", "yref": "paper", "x0": DECISIVE, "x1": DECISIVE, "y0": 0.56, "y1": 1}
+    return {"type": "line", "line": look, **where}

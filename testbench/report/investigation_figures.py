@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -37,19 +37,10 @@ def investigation(state: Investigation, motions: Sequence[tuple[FloatArray, Floa
     ends_min = np.cumsum([run.seconds for run in judged]) / 60
     traces: list[dict[str, Any]] = []
     for colour, name in zip(COLOURS, hypotheses(state), strict=False):
-        chances = [100 * _chance(run.belief.probabilities, name) for run in judged if run.belief is not None]
-        traces.append(
-            {
-                "type": "scatter",
-                "mode": "lines+markers",
-                "x": ends_min,
-                "y": np.array(chances),
-                "name": spoken(name),
-                "line": {"color": colour, "width": 2},
-                "marker": {"color": colour, "size": 7},
-                "showlegend": True,
-            }
-        )
+        chances = [100 * run.belief.probabilities.get(name, 0.0) for run in judged if run.belief is not None]
+        look = {"line": {"color": colour, "width": 2}, "marker": {"color": colour, "size": 7}, "showlegend": True}
+        points = {"type": "scatter", "mode": "lines+markers", "x": ends_min, "y": np.array(chances)}
+        traces.append({**points, **look, "name": spoken(name)})
     start_min = 0.0
     for time_s, strain_percent in motions:
         drawn = line(start_min + time_s / 60, strain_percent, style.STRAIN, "strain", 1)
@@ -58,19 +49,5 @@ def investigation(state: Investigation, motions: Sequence[tuple[FloatArray, Floa
     axes = style.stacked_axes(["Probability / %", "Strain / %"], "Time of motion / min")
     axes["yaxis"] = style.axis("Probability / %", domain=[0.42, 1.0], anchor="x", range=[-3, 103])
     axes["yaxis2"] = style.axis("Strain / %", domain=[0.0, 0.34], anchor="x")
-    limit = 100 * state.settings.sure
-    sure = {
-        "type": "line",
-        "xref": "paper",
-        "yref": "y",
-        "x0": 0,
-        "x1": 1,
-        "y0": limit,
-        "y1": limit,
-        "line": {"color": style.FAINT, "width": 1, "dash": "dash"},
-    }
+    sure = style.level(100 * state.settings.sure, style.FAINT)
     return style.figure(traces, height=520, shapes=[sure], **axes)
-
-
-def _chance(chances: Mapping[str, float], name: str) -> float:
-    return chances.get(name, 0.0)

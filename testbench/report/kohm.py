@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from gcode.support.arrays import FloatArray
 from testbench.report.comparison_figures import resistance_kohm
+
+if TYPE_CHECKING:
+    from testbench.fitting.contribution import Contribution
 
 
 def residuals_kohm(
@@ -29,3 +35,13 @@ def residuals_kohm(
     measured_kohm = resistance_kohm(measured_ln_S)
     modelled_kohm = measured_kohm * np.exp(left_ln_S)
     return measured_kohm - modelled_kohm, modelled_kohm * np.expm1(-added_ln_S)
+
+
+def contribution_kohm(found: Contribution, measured_ln_S: FloatArray) -> Contribution:
+    """What a model leaves and an effect would add, with the resistance in kΩ instead of ln G."""
+    left, added = residuals_kohm(measured_ln_S, found.residual["conductance"], found.added["conductance"])
+    return replace(found, residual=_with(found.residual, left), added=_with(found.added, added))
+
+
+def _with(signals: dict[str, FloatArray], kohm: FloatArray) -> dict[str, FloatArray]:
+    return {**{name: values for name, values in signals.items() if name != "conductance"}, "resistance": kohm}

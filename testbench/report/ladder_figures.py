@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -53,16 +53,9 @@ def ladder(steps: Sequence[Step], current: int | None = None) -> style.Figure:
     for column, channel in enumerate(channels):
         _label_steps(axes, column, steps)
         axes[style.axis_key("yaxis", column)]["range"] = [0, 1.15 * max(step.errors[channel] for step in steps)]
-    floors = [_floor(column, steps[-1].noise_floor.get(channel, 0.0)) for column, channel in enumerate(channels)]
-    notes = [_floor_note(column, channel, steps) for column, channel in enumerate(channels)]
-    return style.figure(
-        traces,
-        height=320,
-        margin={"l": 64, "r": 20, "t": 26, "b": 60},
-        shapes=floors,
-        annotations=notes,
-        **axes,
-    )
+    floors, notes = _floors(channels, steps, range(len(channels)))
+    margin = {"l": 64, "r": 20, "t": 26, "b": 60}
+    return style.figure(traces, height=320, margin=margin, shapes=floors, annotations=notes, **axes)
 
 
 def _rungs(steps: Sequence[Step], channel: str, column: int, current: int) -> list[dict[str, Any]]:
@@ -82,8 +75,7 @@ def _rungs(steps: Sequence[Step], channel: str, column: int, current: int) -> li
             "cliponaxis": False,
             "hovertext": [step.label for step in steps],
             "hovertemplate": "%{hovertext}: %{y:.4g}<extra></extra>",
-            "xaxis": style.x_ref(column),
-            "yaxis": style.y_ref(column),
+            **style.place(column),
         }
     ]
 
@@ -107,32 +99,18 @@ def _wrapped(label: str) -> str:
     return " ".join(words[:half]) + "<br>" + " ".join(words[half:])
 
 
-def _floor(column: int, floor: float) -> dict[str, Any]:
-    return {
-        "type": "line",
-        "xref": f"{style.x_ref(column)} domain",
-        "yref": style.y_ref(column),
-        "x0": 0,
-        "x1": 1,
-        "y0": floor,
-        "y1": floor,
-        "line": {"color": style.INK, "width": 1.4, "dash": "dash"},
-    }
-
-
-def _floor_note(column: int, channel: str, steps: Sequence[Step]) -> dict[str, Any]:
-    floor = steps[-1].noise_floor.get(channel, 0.0)
-    return {
-        "text": f"- - -  noise floor {plain(floor, 2)} {UNITS[channel]}",
-        "xref": f"{style.x_ref(column)} domain",
-        "yref": f"{style.y_ref(column)} domain",
-        "x": 1,
-        "y": 1,
-        "xanchor": "right",
-        "yanchor": "top",
-        "showarrow": False,
-        "font": {"size": 11, "color": style.INK},
-    }
+def _floors(
+    channels: Sequence[str], steps: Sequence[Step], places: Iterable[int]
+) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+    """The noise floor of each channel in its panel, and its number in words."""
+    lines, words = [], []
+    for channel, index in zip(channels, places, strict=True):
+        floor = steps[-1].noise_floor.get(channel, 0.0)
+        lines.append(style.level(floor, style.INK, index, 1.4))
+        look: dict[str, Any] = {"font": {"size": 11, "color": style.INK}, "xanchor": "right", "yanchor": "top"}
+        where = {"xref": f"{style.x_ref(index)} domain", "yref": f"{style.y_ref(index)} domain"}
+        words.append(style.note(f"- - -  noise floor {plain(floor, 2)} {UNITS[channel]}", 1, 1, **look, **where))
+    return lines, words
 
 
 def at_a_glance(both: Overlay, steps: Sequence[Step], span_s: tuple[float, float]) -> style.Figure:
@@ -151,18 +129,14 @@ def at_a_glance(both: Overlay, steps: Sequence[Step], span_s: tuple[float, float
     traces: list[dict[str, Any]] = []
     axes: dict[str, Any] = {}
     gap = 0.15  # room for names of steps on two lines
-    height = (1 - gap * (len(channels) - 1)) / len(channels)
-    for row, channel in enumerate(channels):
-        top = 1 - row * (height + gap)
-        domain = [max(top - height, 0.0), max(top, 0.0)]
+    for row, (channel, domain) in enumerate(zip(channels, style.rows(len(channels), gap), strict=True)):
         left, right = 2 * row, 2 * row + 1
         traces += _measured_against_modelled(both, channel, rows, left)
-        traces += _falling(steps, channel, right)
+        traces += _rungs(steps, channel, right, len(steps) - 1)
         last = row == len(channels) - 1
         axes |= _glance_axes(channel, domain, left, right, last, steps)
         axes[style.axis_key("xaxis", left)]["range"] = list(span_s)
-    shapes = [_floor(2 * row + 1, steps[-1].noise_floor.get(c, 0.0)) for row, c in enumerate(channels)]
-    notes = [_floor_note(2 * row + 1, c, steps) for row, c in enumerate(channels)]
+    shapes, notes = _floors(channels, steps, range(1, 2 * len(channels), 2))
     notes.append(style.note("<b>Held-out error</b>", 0.68, 1.0, xanchor="left", yanchor="bottom"))
     return style.figure(traces, height=240 * len(channels) + 60, shapes=shapes, annotations=notes, **axes)
 
@@ -176,10 +150,6 @@ def _measured_against_modelled(both: Overlay, channel: str, rows: slice, axis: i
         traces.append(line(time_s, signals[channel][rows], colour, label, axis, **place))
     traces[0]["line"]["width"] = 2.0
     return traces
-
-
-def _falling(steps: Sequence[Step], channel: str, axis: int) -> list[dict[str, Any]]:
-    return _rungs(steps, channel, axis, len(steps) - 1)
 
 
 def _glance_axes(

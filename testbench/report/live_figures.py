@@ -45,16 +45,13 @@ def live(channels: Sequence[LiveChannel]) -> style.Figure:
     traces: list[dict[str, Any]] = []
     axes: dict[str, Any] = {}
     shapes: list[dict[str, Any]] = []
-    height = (1 - 0.06 * (len(channels) - 1)) / max(len(channels), 1)
-    for row, channel in enumerate(channels):
-        top = 1 - row * (height + 0.06)
-        domain = [max(top - height, 0.0), max(top, 0.0)]
+    for row, (channel, domain) in enumerate(zip(channels, style.rows(len(channels), 0.06), strict=True)):
         for side in (0, 1):
             index = 2 * row + side
             traces += [_trace(one, side, index) for one in (channel, channel.beside) if one is not None]
             axes |= _axes(index, side, domain, channel.title, row == len(channels) - 1)
             if channel.limit is not None and np.isfinite(channel.limit):
-                shapes.append(_limit(index, channel.limit))
+                shapes.append(style.level(channel.limit, style.VERMILION, index, 1.3))
     return style.figure(traces, height=150 * max(len(channels), 1) + 80, shapes=shapes, **axes)
 
 
@@ -71,17 +68,4 @@ def _axes(index: int, side: int, domain: list[float], title: str, last: bool) ->
         style.axis_key("yaxis", index): style.axis(
             title if side == 0 else "", domain=domain, anchor=style.x_ref(index)
         ),
-    }
-
-
-def _limit(index: int, value: float) -> dict[str, Any]:
-    return {
-        "type": "line",
-        "xref": f"{style.x_ref(index)} domain",
-        "yref": style.y_ref(index),
-        "x0": 0,
-        "x1": 1,
-        "y0": value,
-        "y1": value,
-        "line": {"color": style.VERMILION, "width": 1.3, "dash": "dash"},
     }

@@ -19,8 +19,8 @@ from testbench.knit.catalogue import Catalogue, model_from_dict
 from testbench.knit.model import KnitModel
 from testbench.report.comparison_figures import Overlay
 from testbench.report.ladder_figures import Step
-from testbench.report.places import Spot, spots
 from testbench.report.words import spoken
+from testbench.report.worst_places import Spot, spots
 
 
 def zero_in_words(file: ModelFile) -> str:

@@ -57,7 +57,7 @@ def _dependence(step: Step, index: int) -> list[dict[str, Any]]:
     """Residual without the law over z, its mean in bins with two standard errors, and what is left with it."""
     z, without, left = step.dependence
     every = max(1, len(z) // DOTS)
-    axes = {"xaxis": style.x_ref(index), "yaxis": style.y_ref(index)}
+    axes = style.place(index)
     dots: dict[str, Any] = {
         "type": "scatter", "mode": "markers", "x": z[::every], "y": without[::every],
         "marker": {"size": 3, "color": style.FAINT}, **axes,
@@ -97,7 +97,7 @@ def _residuals(model: KnitModel, held: Measurement) -> dict[str, FloatArray]:
 def _over_time(before: FloatArray, after: FloatArray, held: Measurement, index: int) -> list[dict[str, Any]]:
     rows = np.flatnonzero(held.counts)
     rows = rows[:: max(1, len(rows) // POINTS)]
-    axes = {"xaxis": style.x_ref(index), "yaxis": style.y_ref(index)}
+    axes = style.place(index)
     both = ((before, style.VERMILION), (after, style.BLUE))
     return [
         {"type": "scatter", "mode": "lines", "x": held.grid_s[rows], "y": values[rows],
@@ -108,14 +108,9 @@ def _over_time(before: FloatArray, after: FloatArray, held: Measurement, index: 
 
 def _rows(panels: list[tuple[str, str]]) -> tuple[dict[str, Any], list[float]]:
     """Axes of panels below each other, each with an axis of its own, and where their tops are."""
-    gap, whole = 0.32 / len(panels), 1 - LEGEND_PX / (ROW_PX * len(panels))
     axes: dict[str, Any] = {}
-    tops: list[float] = []
-    height = (whole - gap * (len(panels) - 1)) / len(panels)
-    for index, (x_title, y_title) in enumerate(panels):
-        top = whole - index * (height + gap)
-        tops.append(top)
-        domain = [max(top - height, 0.0), min(top, 1.0)]
+    domains = style.rows(len(panels), 0.32 / len(panels), 1 - LEGEND_PX / (ROW_PX * len(panels)))
+    for index, ((x_title, y_title), domain) in enumerate(zip(panels, domains, strict=True)):
         axes[style.axis_key("xaxis", index)] = style.axis(x_title, anchor=style.y_ref(index))
         axes[style.axis_key("yaxis", index)] = style.axis(y_title, domain=domain, anchor=style.x_ref(index))
-    return axes, tops
+    return axes, [top for _, top in domains]

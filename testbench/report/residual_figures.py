@@ -66,8 +66,7 @@ def _profile(cells: Sequence[Mapping[str, Any]], coordinate: str, index: int) ->
                 "error_y": {"array": np.array([2 * cell["standard_error"] for cell in mine]), "color": colour},
                 "marker": {"size": 6, "symbol": symbol, "color": colour},
                 "line": {"width": 1, "color": colour},
-                "xaxis": style.x_ref(index),
-                "yaxis": style.y_ref(index),
+                **style.place(index),
                 "hovertemplate": "%{y:.3g} at %{x:.3g}",
                 "showlegend": True,
             }
@@ -91,20 +90,17 @@ def _legend_once(traces: list[dict[str, Any]]) -> list[dict[str, Any]]:
 
 
 def _grid_axes(coordinates: list[str], columns: int, channel: str) -> dict[str, Any]:
-    rows = max(-(-len(coordinates) // columns), 1)
-    width, height = (1 - 0.07 * (columns - 1)) / columns, (1 - 0.2 * (rows - 1)) / rows
+    across, down = style.parts(columns, 0.07), style.rows(-(-len(coordinates) // columns), 0.2)
     axes = {}
     for index, coordinate in enumerate(coordinates):
         row, column = divmod(index, columns)
-        left, top = column * (width + 0.07), 1 - row * (height + 0.2)
-        x_domain, y_domain = [left, min(left + width, 1.0)], [max(top - height, 0.0), max(top, 0.0)]
         kind = {"type": "log", "dtick": 1} if coordinate in LOG_COORDINATES else {}
         axes[style.axis_key("xaxis", index)] = style.axis(
-            COORDINATE_TITLES[coordinate], domain=x_domain, anchor=style.y_ref(index), **kind
+            COORDINATE_TITLES[coordinate], domain=across[column], anchor=style.y_ref(index), **kind
         )
         axes[style.axis_key("yaxis", index)] = style.axis(
             RESIDUAL_TITLES[channel] if column == 0 else "",
-            domain=y_domain,
+            domain=down[row],
             anchor=style.x_ref(index),
             zeroline=True,
             zerolinecolor=style.FAINT,
@@ -131,8 +127,7 @@ def heat_maps(both: Overlay, label: str | None = None) -> style.Figure:
                 "zmin": -size,
                 "zmax": size,
                 "colorscale": style.DIVERGING,
-                "xaxis": style.x_ref(column),
-                "yaxis": style.y_ref(column),
+                **style.place(column),
                 "colorbar": {
                     "title": {"text": RESIDUAL_TITLES[channel].rpartition(" / ")[2]},
                     "thickness": 10,

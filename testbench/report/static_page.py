@@ -8,7 +8,7 @@ import numpy as np
 
 from testbench.report import style
 
-DASHES = {"dash": "--", "dot": ":", "dashdot": "-.", "solid": "-"}
+DASHES = {"dash": "--", "dot": ":", "solid": "-"}
 
 
 class Page:
@@ -55,14 +55,11 @@ class Page:
         return self.layout.get(f"{name[0]}axis{name[1:]}", {})
 
     def finish(self, data: list[dict[str, Any]]) -> None:
-        """Title, legend, shapes and annotations."""
+        """Legend, shapes and annotations."""
         for shape in self.layout.get("shapes", []):
             self._shape(shape)
         for item in self.layout.get("annotations", []):
             self._annotation(item)
-        title = self.layout.get("title", {}).get("text")
-        if title:
-            self.drawing.text(self.left, 0.985, title, ha="left", va="top", fontsize=11, color=style.INK)
         if self.layout.get("showlegend"):
             self._legend()
 
@@ -91,28 +88,16 @@ class Page:
         )
 
     def _shape(self, shape: dict[str, Any]) -> None:
-        line = shape.get("line", {})
-        look = {"color": line.get("color", style.INK), "linewidth": line.get("width", 1)}
+        """A band or a line across the whole page or a panel, upright where its vertical axis is the paper."""
+        line, upright = shape["line"], shape["yref"] == "paper"
         for axes in self._shape_axes(shape):
-            if shape["type"] == "rect" and shape.get("yref", "").endswith(("paper", "domain")):
-                axes.axvspan(
-                    shape["x0"], shape["x1"], color=shape["fillcolor"], alpha=shape.get("opacity", 1), lw=0, zorder=0
-                )
-            elif shape["type"] == "rect":
-                axes.axhspan(
-                    shape["y0"], shape["y1"], color=shape["fillcolor"], alpha=shape.get("opacity", 1), lw=0, zorder=0
-                )
-            elif shape.get("xref", "x").endswith(("paper", "domain")):
-                axes.axhline(shape["y0"], linestyle=DASHES[line.get("dash", "solid")], **look)
-            elif shape.get("yref", "y").endswith(("paper", "domain")):
-                axes.axvline(shape["x0"], linestyle=DASHES[line.get("dash", "solid")], **look)
+            if shape["type"] == "rect":
+                look = {"color": shape["fillcolor"], "alpha": shape["opacity"], "lw": 0, "zorder": 0}
+                span = (axes.axvspan, "x0", "x1") if upright else (axes.axhspan, "y0", "y1")
+                span[0](shape[span[1]], shape[span[2]], **look)
             else:
-                axes.plot(
-                    [shape["x0"], shape["x1"]],
-                    [shape["y0"], shape["y1"]],
-                    linestyle=DASHES[line.get("dash", "solid")],
-                    **look,
-                )
+                look = {"color": line["color"], "linewidth": line["width"], "linestyle": DASHES[line["dash"]]}
+                (axes.axvline if upright else axes.axhline)(shape["x0" if upright else "y0"], **look)
 
     def _shape_axes(self, shape: dict[str, Any]) -> list[Any]:
         if shape.get("yref") == "paper":
@@ -135,10 +120,9 @@ class Page:
         axes = self._target(item)
         coords = ("axes fraction" if item.get("xref", "x").endswith(("paper", "domain")) else "data",
                   "axes fraction" if item.get("yref", "y").endswith(("paper", "domain")) else "data")  # fmt: skip
-        offset = (item.get("xshift", 0) * 0.72, item.get("yshift", 0) * 0.72)
         # On a logarithmic axis Plotly counts an annotation's place in decades.
         x = 10 ** item["x"] if coords[0] == "data" and axes.get_xscale() == "log" else item["x"]
-        axes.annotate(text, (x, item["y"]), xycoords=coords, xytext=offset, textcoords="offset points", **look)
+        axes.annotate(text, (x, item["y"]), xycoords=coords, xytext=(0, 0), textcoords="offset points", **look)
 
 
 def plain(text: str) -> str:
@@ -157,11 +141,7 @@ def _dress(axis, set_scale, set_limits, settings: dict[str, Any]) -> None:
     if "range" in settings:
         limits = [float(value) for value in settings["range"]]
         set_limits(*(10 ** np.array(limits) if log else limits))
-    elif settings.get("autorange") == "reversed":
-        axis.set_inverted(True)
     if "tickvals" in settings:
         axis.set_ticks(settings["tickvals"], [plain(str(label)) for label in settings["ticktext"]])
     if not settings.get("showgrid", True):
         axis.grid(False)
-    if not settings.get("showticklabels", True):
-        axis.set_ticklabels([])

@@ -9,14 +9,7 @@ import numpy as np
 from testbench.report import style
 from testbench.report.static_page import DASHES, Page, plain
 
-SYMBOLS = {"circle": "o", "square": "s", "diamond": "D", "x": "x", "triangle-up": "^", "cross": "P"}
-
-
-def _colours(values: Any, marker: dict[str, Any]):
-    """Single colours pass through; numbers are mapped by the trace's colour scale."""
-    if isinstance(values, str | type(None)) or isinstance(values[0], str):
-        return {"color": values or style.BLUE}
-    return {"c": values, "cmap": _colour_map(marker["colorscale"])}
+SYMBOLS = {"circle": "o", "diamond": "D", "triangle-up": "^"}
 
 
 def _colour_map(scale: list[list[Any]]):
@@ -30,47 +23,23 @@ def _scatter(axes, trace: dict[str, Any], page: Page) -> None:
     mode, line, marker = trace.get("mode", "lines"), trace.get("line", {}), trace.get("marker", {})
     label = trace.get("name") if trace.get("showlegend") else None
     alpha = trace.get("opacity", 1)
-    if trace.get("fill") == "toself":
-        axes.fill(x, y, color=trace["fillcolor"], alpha=alpha, lw=0, label=label)
-        return
     if "lines" in mode:
-        drawstyle = "steps-post" if line.get("shape") == "hv" else "default"
         axes.plot(
             x,
             y,
             color=line.get("color", style.BLUE),
             lw=line.get("width", 1.2) * 0.8,
             ls=DASHES[line.get("dash", "solid")],
-            drawstyle=drawstyle,
             alpha=alpha,
             label=label,
         )
         label = None
     if "markers" in mode:
-        _markers(axes, x, y, marker, label, alpha, page)
+        size, symbol = marker.get("size", 6) * 0.72, SYMBOLS[marker.get("symbol", "circle")]
+        look = {"marker": symbol, "color": marker.get("color", style.BLUE), "alpha": alpha, "label": label}
+        axes.scatter(x, y, s=size**2, zorder=3, linewidths=0, edgecolors="none", **look)
     if "error_x" in trace or "error_y" in trace:
         _error_bars(axes, trace, x, y)
-    if "text" in mode:
-        for place, text in zip(zip(x, y, strict=True), trace["text"], strict=True):
-            offset = {"top": (0, 6), "bottom": (0, -12), "middle": (0, 0)}[
-                trace.get("textposition", "top").split()[0]
-            ]
-            axes.annotate(plain(str(text)), place, xytext=offset, textcoords="offset points", ha="center", fontsize=8)
-
-
-def _markers(axes, x, y, marker: dict[str, Any], label: str | None, alpha: float, page: Page) -> None:
-    size = marker.get("size", 6) * 0.72
-    symbol = SYMBOLS[marker.get("symbol", "circle")]
-    look = _colours(marker.get("color"), marker)
-    if marker.get("cmin") is not None:
-        look |= {"vmin": marker["cmin"], "vmax": marker["cmax"]}
-    edge = marker.get("line", {})
-    points = axes.scatter(
-        x, y, s=size**2, marker=symbol, label=label, alpha=alpha, zorder=3,
-        linewidths=edge.get("width", 0), edgecolors=edge.get("color", "none") if symbol != "x" else None, **look,
-    )  # fmt: skip
-    if marker.get("showscale"):
-        _colour_bar(axes, points, marker.get("colorbar", {}), page)
 
 
 def _colour_bar(axes, mappable, settings: dict[str, Any], page: Page) -> None:
@@ -102,14 +71,12 @@ def _bar(axes, trace: dict[str, Any], page: Page) -> None:
     }
     width = trace.get("width", 0.8)
     along, length = np.asarray(along), np.asarray(length)
-    along = along + trace.get("offset", -width / 2) + width / 2 if along.dtype.kind in "fiu" else along
     (axes.barh if flat else axes.bar)(along, length, width, **look)
     if "error_x" in trace or "error_y" in trace:
         _error_bars(axes, trace, *((length, along) if flat else (along, length)))
     for place, end, text in zip(along, length, trace.get("text", []), strict=False):
-        spot, ha, va = ((end, place), "left", "center") if flat else ((place, end), "center", "bottom")
-        offset = (4, 0) if flat else (0, 2)
-        axes.annotate(plain(str(text)), spot, xytext=offset, textcoords="offset points", ha=ha, va=va, fontsize=8)
+        look = {"xytext": (0, 2), "textcoords": "offset points", "ha": "center", "va": "bottom", "fontsize": 8}
+        axes.annotate(plain(str(text)), (place, end), **look)
 
 
 def _heatmap(axes, trace: dict[str, Any], page: Page) -> None:
@@ -118,8 +85,7 @@ def _heatmap(axes, trace: dict[str, Any], page: Page) -> None:
     cells = axes.pcolormesh(
         _edges(trace["x"]), _edges(trace["y"]), z, cmap=_colour_map(trace["colorscale"]), rasterized=True, **limits
     )
-    if trace.get("showscale", True):
-        _colour_bar(axes, cells, trace.get("colorbar", {}), page)
+    _colour_bar(axes, cells, trace["colorbar"], page)
 
 
 def _edges(centres: Any) -> np.ndarray:

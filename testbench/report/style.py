@@ -1,16 +1,16 @@
-"""The house style of every figure and page: colours, type, axes. One place, so that all pictures are of one family.
-
-Colours of data are Okabe and Ito's, which stay apart for colour-blind readers and in grey print.
-"""
+"""The house style of every figure and page, in one place: colours, type, axes."""
 
 from __future__ import annotations
 
 from typing import Any
 
-Figure = dict[str, Any]  # a Plotly figure as plain data: {"data": [...], "layout": {...}}
+import numpy as np
 
-BLUE, VERMILION, GREEN, ORANGE = "#0072B2", "#D55E00", "#009E73", "#E69F00"
-SKY, PURPLE = "#56B4E9", "#CC79A7"
+from gcode.support.colours import BLUE, GREEN, PURPLE, VERMILION
+from gcode.support.colours import ORANGE as ORANGE
+from gcode.support.colours import SKY as SKY
+
+Figure = dict[str, Any]  # a Plotly figure as plain data: {"data": [...], "layout": {...}}
 
 INK, MUTED, FAINT, RULE = "#1d2733", "#5b6875", "#a9b3bd", "#e4e1da"
 PAPER = "#ffffff"
@@ -43,7 +43,7 @@ def axis(title: str = "", **more: Any) -> dict[str, Any]:
     }
 
 
-def figure(data: list[dict[str, Any]], *, height: int, title: str = "", **layout: Any) -> Figure:
+def figure(data: list[dict[str, Any]], *, height: int, **layout: Any) -> Figure:
     """A figure in the house style; `layout` adds axes and whatever else this one needs.
 
     A trace enters the legend only when it says so.
@@ -51,7 +51,7 @@ def figure(data: list[dict[str, Any]], *, height: int, title: str = "", **layout
     data = [{"showlegend": False, **trace} for trace in data]
     base: dict[str, Any] = {
         "height": height,
-        "margin": {"l": 64, "r": 20, "t": 44 if title else 30, "b": 44},
+        "margin": {"l": 64, "r": 20, "t": 30, "b": 44},
         "paper_bgcolor": PAPER,
         "plot_bgcolor": PAPER,
         "font": {"family": FONT_STACK, "size": 12, "color": INK},
@@ -60,8 +60,6 @@ def figure(data: list[dict[str, Any]], *, height: int, title: str = "", **layout
         "showlegend": any(trace.get("showlegend") for trace in data),
         "dragmode": "zoom",
     }
-    if title:
-        base["title"] = {"text": title, "x": 0, "xref": "paper", "font": {"size": 14, "color": INK}}
     return {"data": data, "layout": {**base, **layout}}
 
 
@@ -73,27 +71,32 @@ def stacked_axes(titles: list[str], x_title: str, **x_more: Any) -> dict[str, An
     dict
         ``xaxis``, ``yaxis``, ``yaxis2``, ...: trace number i goes to ``"x"`` and `y_ref(i)`.
     """
-    count, gap = len(titles), 0.05
-    height = (1 - gap * (count - 1)) / count
-    axes = {}
-    for row, title in enumerate(titles):
-        top = 1 - row * (height + gap)
-        low = 0.0 if row == count - 1 else top - height
-        axes[axis_key("yaxis", row)] = axis(title, domain=[max(low, 0.0), top], anchor="x")
-    axes["xaxis"] = axis(x_title, anchor=y_ref(count - 1), **x_more)
+    axes = {
+        axis_key("yaxis", row): axis(title, domain=domain, anchor="x")
+        for row, (title, domain) in enumerate(zip(titles, rows(len(titles), 0.05), strict=True))
+    }
+    axes["xaxis"] = axis(x_title, anchor=y_ref(len(titles) - 1), **x_more)
     return axes
 
 
 def side_by_side_axes(panels: list[tuple[str, str]], gap: float = 0.09) -> dict[str, Any]:
     """Axes of panels in one row, each ``(x title, y title)``; trace number i goes to `x_ref(i)`, `y_ref(i)`."""
-    count = len(panels)
-    width = (1 - gap * (count - 1)) / count
     axes = {}
-    for column, (x_title, y_title) in enumerate(panels):
-        left = column * (width + gap)
-        axes[axis_key("xaxis", column)] = axis(x_title, domain=[left, min(left + width, 1.0)], anchor=y_ref(column))
+    for column, ((x_title, y_title), domain) in enumerate(zip(panels, parts(len(panels), gap), strict=True)):
+        axes[axis_key("xaxis", column)] = axis(x_title, domain=domain, anchor=y_ref(column))
         axes[axis_key("yaxis", column)] = axis(y_title, anchor=x_ref(column))
     return axes
+
+
+def parts(count: int, gap: float, whole: float = 1.0) -> list[list[float]]:
+    """From 0 to `whole` in `count` equal parts, `gap` apart: where each begins and ends."""
+    size = (whole - gap * (count - 1)) / max(count, 1)
+    return [[n * (size + gap), min(n * (size + gap) + size, 1.0)] for n in range(count)]
+
+
+def rows(count: int, gap: float, whole: float = 1.0) -> list[list[float]]:
+    """As `parts`, the top one first."""
+    return parts(count, gap, whole)[::-1]
 
 
 def axis_key(kind: str, index: int) -> str:
@@ -109,6 +112,38 @@ def x_ref(index: int) -> str:
 def y_ref(index: int) -> str:
     """How a trace names vertical axis number `index`."""
     return axis_key("y", index)
+
+
+def place(index: int) -> dict[str, str]:
+    """Both axes of a trace that lies in panel number `index`."""
+    return {"xaxis": x_ref(index), "yaxis": y_ref(index)}
+
+
+def level(value: float, colour: str, index: int = 0, width: float = 1.0, dash: str = "dash") -> dict[str, Any]:
+    """A line across panel number `index` at a height: a limit, a noise floor."""
+    look = {"color": colour, "width": width, "dash": dash}
+    where = {"xref": f"{x_ref(index)} domain", "yref": y_ref(index), "x0": 0, "x1": 1, "y0": value, "y1": value}
+    return {"type": "line", "line": look, **where}
+
+
+def bars(lengths: Any, colours: list[str], hover: str, **more: Any) -> dict[str, Any]:
+    """Bars that lie below each other, the first on top; see `names_of_bars`."""
+    return {
+        "type": "bar",
+        "orientation": "h",
+        "x": lengths,
+        "y": np.arange(len(lengths)),
+        "width": 0.62,
+        "marker": {"color": colours},
+        "hovertemplate": f"{hover}<extra></extra>",
+        **more,
+    }
+
+
+def names_of_bars(names: list[str], **more: Any) -> dict[str, Any]:
+    """The axis on which `bars` have their names."""
+    ticks: dict[str, Any] = {"tickvals": list(range(len(names))), "ticktext": names}
+    return axis(range=[len(names) - 0.5, -0.5], showgrid=False, **ticks, **more)
 
 
 def note(text: str, x: float, y: float, **more: Any) -> dict[str, Any]:

@@ -35,23 +35,10 @@ def motion(
         line(time_s[1:-1], acceleration, style.GREEN, "acceleration", 2, points),
     ]
     shapes = [
-        _limit(row, sign * limit)
+        style.level(sign * limit, style.VERMILION, row) | {"xref": "paper"}
         for row, limit in ((1, v_max_mm_per_s), (2, a_max_mm_per_s2))
         if limit
         for sign in (1, -1)
     ]
     axes = style.stacked_axes(["Position / mm", "Speed / mm/s", "Acceleration / mm/s²"], "Time / s")
     return style.figure(traces, height=520, shapes=shapes, **axes)
-
-
-def _limit(row: int, value: float) -> dict:
-    return {
-        "type": "line",
-        "xref": "paper",
-        "yref": style.y_ref(row),
-        "x0": 0,
-        "x1": 1,
-        "y0": value,
-        "y1": value,
-        "line": {"color": style.VERMILION, "width": 1, "dash": "dash"},
-    }

@@ -11,6 +11,8 @@ if TYPE_CHECKING:
     from testbench.importing.choice import Choice
     from testbench.importing.sheet import Sheet
 
+Seen = tuple["Sheet", "Choice", dict[str, str]]  # a file, what its columns mean, one value by role
+
 SEPARATORS = {"": "found", ",": "comma", ";": "semicolon", "\t": "tab", "|": "bar", " ": "blanks"}
 DECIMALS = {"": "found", ".": "point", ",": "comma"}
 THOUSANDS = {"": "found", ",": "comma", ".": "point", "'": "apostrophe"}
@@ -22,7 +24,7 @@ def known(options: dict[str, str], chosen: object) -> str:
     return str(chosen) if str(chosen) in options else ""
 
 
-def look_at(choices: Choices) -> tuple[Sheet, Choice, dict[str, str]]:
+def look_at(choices: Choices) -> Seen:
     """The file, what its columns would be taken for, and by role one value as it would be read."""
     from testbench.importing.columns import previewed
     from testbench.importing.from_file import look

@@ -10,7 +10,7 @@ from html import escape
 from nicegui import ui
 
 from testbench.comparing.numbers import plain
-from testbench.studio.jobs import Job, State
+from testbench.studio.job import Job, State
 from testbench.studio.pace import duration_in_words
 from testbench.studio.studio import Studio
 

@@ -26,7 +26,7 @@ from testbench.studio.pages import (
     side,
 )
 from testbench.studio.picture import load_plotly
-from testbench.studio.running import running_now
+from testbench.studio.running_jobs import running_now
 from testbench.studio.studio import Studio
 
 NAVIGATION = (

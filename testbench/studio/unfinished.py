@@ -10,7 +10,7 @@ from nicegui import ui
 
 from gcode.support.errors import UserError
 from testbench.recordings.manifest import IN_PROGRESS, read_manifest
-from testbench.studio.jobs import Job
+from testbench.studio.job import Job
 from testbench.studio.studio import KEY_RECORDING, KEY_RIG, Studio
 from testbench.studio.widgets import attempt
 from testbench.studio.workspace import Campaign

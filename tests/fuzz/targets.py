@@ -24,8 +24,8 @@ from compensation.training.options import Options
 from compensation.training.training import train
 from gcode.mach4.controller import play
 from gcode.mach4.reader import parse_program, read_program, read_text
+from gcode.programs.made_again import check_file
 from gcode.programs.make import make
-from gcode.programs.provenance import check_file
 from gcode.support.errors import UserError
 from gcode.trajectories.bounds import Limits
 from gcode.trajectories.designed import Hold, Ramp, ReturnToZero

@@ -15,10 +15,10 @@ import pytest
 
 from gcode.mach4.controller import play
 from gcode.mach4.reader import read_program
-from gcode.programs.provenance import check_file
+from gcode.programs.made_again import check_file
 from gcode.support.errors import UserError
 from gcode.trajectories.bounds import Limits
-from tests.gcode.test_provenance import TEXT, resealed
+from tests.gcode.test_made_again import TEXT, resealed
 
 LIMITS = Limits(v_max_mm_per_s=5, a_max_mm_per_s2=20, x_min_mm=-1, x_max_mm=10)
 # What nobody made: no recipe in its header, so that only its execution can be judged.

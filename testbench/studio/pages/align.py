@@ -13,8 +13,8 @@ from testbench.recordings.channels import DISPLACEMENT
 from testbench.report.alignment_figures import alignment
 from testbench.report.words import clocks_in_words
 from testbench.studio.address import Address, address, span_of
+from testbench.studio.job import Job, State
 from testbench.studio.job_card import job_card
-from testbench.studio.jobs import Job, State
 from testbench.studio.memory import stamp
 from testbench.studio.picture import zooming_plot
 from testbench.studio.studio import Studio
@@ -22,8 +22,6 @@ from testbench.studio.widgets import aside, attempt, campaign_head, facts, guard
 
 if TYPE_CHECKING:
     from testbench.api.aligning import AlignmentResult
-
-PROGRAM = "program.tap"
 
 
 @guarded
@@ -59,6 +57,8 @@ async def page(studio: Studio, c: str = "", start: str = "", end: str = "") -> N
 
 def program_of(studio: Studio, c: str) -> Path:
     """The program that a campaign keeps beside its recording."""
+    from testbench.campaigns.plan import PROGRAM
+
     return studio.workspace.campaign(c).folder / PROGRAM
 
 

@@ -17,8 +17,8 @@ from testbench.report import residual_figures
 from testbench.report.comparison_figures import Overlay
 from testbench.report.document import Table
 from testbench.report.ladder_figures import UNITS
-from testbench.report.places import Spot, noise_reached
 from testbench.report.words import spoken
+from testbench.report.worst_places import Spot, noise_reached
 from testbench.studio.address import Address, address, span_of
 from testbench.studio.beside import Beside, beside_choices, beside_of, side_by_side
 from testbench.studio.memory import stamp

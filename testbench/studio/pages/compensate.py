@@ -14,8 +14,8 @@ from testbench.fitting.results import read_score
 from testbench.report import compensator_figures as figures
 from testbench.report.sections import short_name
 from testbench.studio.address import address
+from testbench.studio.job import State
 from testbench.studio.job_card import job_card
-from testbench.studio.jobs import State
 from testbench.studio.models import companions, join_running, run_in_turn
 from testbench.studio.picture import plot
 from testbench.studio.studio import Studio

@@ -11,8 +11,8 @@ from nicegui import ui
 from gcode.support.errors import UserError
 from gcode.support.files import write_text
 from gcode.support.strict import read_text
+from testbench.studio.job import Job, State
 from testbench.studio.job_card import job_card
-from testbench.studio.jobs import Job, State
 from testbench.studio.studio import OWN_EFFECTS, Studio
 from testbench.studio.widgets import attempt, guarded, heading, name_in_page
 

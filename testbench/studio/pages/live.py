@@ -16,7 +16,7 @@ from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TIME
 from testbench.report import style
 from testbench.report.live_figures import LiveChannel, live
 from testbench.studio.address import address
-from testbench.studio.jobs import Job, State
+from testbench.studio.job import Job, State
 from testbench.studio.live import Follower
 from testbench.studio.picture import plot
 from testbench.studio.studio import KEY_RIG, Studio
@@ -24,7 +24,6 @@ from testbench.studio.unfinished import is_unfinished, resume
 from testbench.studio.widgets import aside, attempt, trouble
 
 REFRESH_S = 0.5
-COMPENSATED = "compensated.csv"  # `testbench record --compensator` writes it beside the recording
 CAPTION = "Left: the last minute, every sample. Right: all so far. Dashed: your limits."
 BESIDE = " Orange-red: what the compensator makes of the resistance alone."
 ENDS = {"interrupted": "stopped by you, every sample is on disk", "alarm": "stopped by a limit"}
@@ -34,6 +33,8 @@ class Live:
     """A recording job in one tab."""
 
     def __init__(self, studio: Studio, job: Job) -> None:
+        from testbench.campaigns.campaign import COMPENSATED
+
         self.studio, self.job = studio, job
         self.folder = Path(job.argv[-1])
         self.follower = Follower(self.folder / "recording.csv")

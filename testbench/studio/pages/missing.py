@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from nicegui import ui
 
-from gcode.support.arrays import FloatArray
 from testbench.fitting.results import read_diagnosis
 from testbench.report import diagnosis_figures as figures
-from testbench.report.kohm import residuals_kohm
+from testbench.report.kohm import contribution_kohm
 from testbench.report.words import (
     base_in_words,
     error_left,
@@ -39,6 +37,9 @@ from testbench.studio.widgets import (
     trouble,
     working,
 )
+
+if TYPE_CHECKING:
+    from testbench.api.contributing import ContributionResult
 
 SHOWN = 8
 
@@ -187,11 +188,13 @@ class _Candidates:
         self.detail.clear()
         with self.detail, working("Working out what it would add"):
             shown = await aside(self._predicted, entry)
-        shown = shown.in_resistance() if self.where.query["show"] == RESISTANCE else shown
+        found = shown.contribution
+        if self.where.query["show"] == RESISTANCE and shown.ln_S is not None:
+            found = contribution_kohm(found, shown.ln_S)
         self.detail.clear()
         with self.detail:
             with ui.row().classes("items-center justify-between w-full"):
-                subheading(spoken(entry["law"]), shown.look)
+                subheading(spoken(entry["law"]), shown.effect.look)
                 if self.diagnosis["verdict"] != "nothing_missing":
                     add = ui.button(f"Add {spoken(entry['law'])}", icon="add").props("unelevated color=accent")
                     add.on_click(lambda: attempt(lambda: self._add(entry)))
@@ -202,17 +205,17 @@ class _Candidates:
                 "Held-out samples, without what the base laws could take up: what the model leaves, and what "
                 "this effect would add."
             )
-            drawn = partial(figures.prediction, shown.time_s, shown.residual, shown.added)
-            zooming_plot(drawn, caption, shown.time_s, self.span, self._zoomed)
+            drawn = partial(figures.prediction, found.time_s, found.residual, found.added)
+            zooming_plot(drawn, caption, found.time_s, self.span, self._zoomed)
             caption = "An effect that is really there predicts its own size: its points lie on the dashed line."
-            plot(figures.slope(shown.residual, shown.added), caption)
+            plot(figures.slope(found.residual, found.added), caption)
             effect_told(self.diagnosis, entry, self.studio.catalogue())
 
     def _zoomed(self, span: Span) -> None:
         self.span = span  # another candidate is looked at over the same stretch
         self.where.note_span(span)
 
-    def _predicted(self, entry: Mapping[str, Any]) -> Shown:
+    def _predicted(self, entry: Mapping[str, Any]) -> ContributionResult:
         studio, c = self.studio, self.c
         files = stamp(models.diagnosis_path(studio, c), models.model_path(studio, c), studio.effects_file)
         make = partial(predicted, studio, c, self.diagnosis, entry)
@@ -244,44 +247,7 @@ class _Candidates:
         return models.diagnosed_path(self.studio, self.c).is_file() and models.is_fresh(self.studio, self.c)
 
 
-@dataclass(frozen=True, eq=False)
-class Shown:
-    """What a candidate would add on the held-out samples.
-
-    Attributes
-    ----------
-    look : str
-        What it looks like in data.
-    time_s : ndarray, shape (n,)
-    residual, added : mapping of channel to ndarray, shape (n,)
-        As in `testbench.fitting.contribution.Contribution`.
-    ln_S : ndarray, shape (n,), or None
-        The measured ln (G / S); None where none was recorded.
-    """
-
-    look: str
-    time_s: FloatArray
-    residual: Mapping[str, FloatArray]
-    added: Mapping[str, FloatArray]
-    ln_S: FloatArray | None
-
-    def in_resistance(self) -> Shown:
-        """The same with the resistance in kΩ instead of ln G."""
-        if self.ln_S is None:
-            return self
-        left, added = residuals_kohm(self.ln_S, self.residual["conductance"], self.added["conductance"])
-        return replace(
-            self,
-            residual={**_others(self.residual), RESISTANCE: left},
-            added={**_others(self.added), RESISTANCE: added},
-        )
-
-
-def _others(signals: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-    return {channel: values for channel, values in signals.items() if channel != "conductance"}
-
-
-def predicted(studio: Studio, c: str, diagnosis: Mapping[str, Any], entry: Mapping[str, Any]) -> Shown:
+def predicted(studio: Studio, c: str, diagnosis: Mapping[str, Any], entry: Mapping[str, Any]) -> ContributionResult:
     """What a candidate looks like in data, and what it would add on the held-out samples.
 
     Raises
@@ -294,6 +260,4 @@ def predicted(studio: Studio, c: str, diagnosis: Mapping[str, Any], entry: Mappi
     held = models.held_out_of(studio, c)
     other = None if held == models.LAST_THIRD else studio.workspace.recording(held)
     recording = studio.workspace.recording(c)
-    shown = contribution(diagnosis, entry["law"], recording, other, effects=studio.catalogue())
-    found = shown.contribution
-    return Shown(shown.effect.look, found.time_s, found.residual, found.added, shown.ln_S)
+    return contribution(diagnosis, entry["law"], recording, other, effects=studio.catalogue())

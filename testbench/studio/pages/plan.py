@@ -14,8 +14,8 @@ from gcode.support.errors import UserError
 from testbench.report.trajectory_figures import motion
 from testbench.studio.address import Address, address
 from testbench.studio.fields import asked, check, keep_in, number_field, typed
+from testbench.studio.job import Job, State
 from testbench.studio.job_card import job_card
-from testbench.studio.jobs import Job, State
 from testbench.studio.picture import plot
 from testbench.studio.studio import Studio
 from testbench.studio.widgets import aside, attempt, facts, guarded, heading, subheading

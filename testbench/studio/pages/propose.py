@@ -30,7 +30,7 @@ from testbench.studio.widgets import (
     working,
 )
 
-MOST_LAWS = 4
+MOST_ASKED = 4
 TIED = 3.0  # nats, as in docs/propose.md
 SHOWN = 4
 VERDICTS = {
@@ -65,7 +65,7 @@ def _ask(studio: Studio, c: str) -> None:
             name = ui.input("Name of the law", value=proposed_law.free_law_name(studio, c))
             name.props("outlined dense bottom-slots").style("min-width:220px")
             most = number_field("Laws at most", 1, whole=True)
-            most.props(f"min=1 max={MOST_LAWS}")
+            most.props(f"min=1 max={MOST_ASKED}")
         button = ui.button("Look for a law", icon="auto_awesome").props("unelevated")
         holder = ui.column().classes("w-full")
 
@@ -74,7 +74,7 @@ def _ask(studio: Studio, c: str) -> None:
         if running is not None and running.running:
             return
         check(most)
-        wanted = min(max(int(most.value), 1), MOST_LAWS)
+        wanted = min(max(int(most.value), 1), MOST_ASKED)
         with holder, working("Reading the library of laws"):
             command = await aside(proposed_law.propose_command, studio, c, (name.value or "").strip(), wanted)
         models.run_in_turn(studio, key, [command], holder, ui.navigate.reload)

@@ -129,6 +129,14 @@ def test_mistakes_are_one_sentence():
         tb.next_experiment([fitted(), fitted()], bounds={"speed": 3})
     with pytest.raises(tb.UserError, match="give two or more rival models, got 1"):
         tb.next_experiment([fitted()])
+    with pytest.raises(tb.UserError, match="give two or more rival models, got 3"):
+        tb.next_experiment(3)  # type: ignore[arg-type]
+    with pytest.raises(tb.UserError, match="must be a Recording, a CSV or a campaign folder, got dict"):
+        tb.fit({"force_N": [1, 2]})  # type: ignore[arg-type]
+    with pytest.raises(tb.UserError, match=r"no such model\.json, and no preset; presets are lycra, pes"):
+        tb.simulate("pess", gcode.generate("paper-1", seed=1, duration_s=20))
+    with pytest.raises(TypeError, match="unsupported operand"):
+        tb.baseline() + "stress_relaxation"  # type: ignore[operator]
     with pytest.raises(tb.UserError, match="has no history"):
         tb.ladder(tb.baseline())
     with pytest.raises(tb.UserError, match="preset must be one of"):

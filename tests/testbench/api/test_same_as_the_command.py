@@ -103,12 +103,12 @@ def test_run_keeps_the_bytes_that_the_command_keeps_and_makes_them_once(tmp_path
     ]
     assert main([*words, "-o", str(theirs)]) == 0
     tools = tb.Instruments(room={"swing_C": 2.0})
-    mine = tb.run(tb.preset("pes@2"), program, tmp_path / "mine", seed=7, instruments=tools, sensor="pes@2")
+    mine = tb.run("pes@2", program, tmp_path / "mine", seed=7, instruments=tools)
     assert capsys.readouterr().out == f"{mine}\n".replace("mine", "theirs")
     names = sorted(path.name for path in theirs.iterdir())
     assert names == sorted(path.name for path in mine.folder.iterdir())
     assert all((theirs / name).read_bytes() == (mine.folder / name).read_bytes() for name in names)
-    again = tb.run(tb.preset("pes@2"), program, theirs, seed=7, instruments=tools, sensor="pes@2")
+    again = tb.run("pes@2", program, theirs, seed=7, instruments=tools)
     assert again.status is None
     assert again.ended_well
 

@@ -13,7 +13,7 @@ import tests.testbench.report.samples as samples
 from testbench.comparing.numbers import allowed, plain, span, with_error
 from testbench.knit.catalogue import baseline
 from testbench.report.parameters import parameter_table
-from testbench.report.places import beyond_noise, busiest, spots
+from testbench.report.worst_places import beyond_noise, busiest, spots
 
 
 @pytest.mark.parametrize(

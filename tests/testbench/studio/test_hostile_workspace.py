@@ -64,7 +64,7 @@ def test_what_is_broken_has_a_sentence(hostile):
     with no_hang():
         for name in (*BROKEN, "a\nb\x1b[31m<script>"):
             assert workspace.problems(name), name
-            with pytest.raises(UserError):
+            with pytest.raises(UserError, match=r"not a (campaign manifest|knitbench campaign)|not text"):
                 workspace.recording(name)
 
 
@@ -135,7 +135,7 @@ def test_a_manifest_that_names_a_file_elsewhere_is_refused(hostile):
     (hostile / "good" / "recording.csv").symlink_to(secret)
     workspace = Workspace(hostile)
     assert workspace.problems("good")
-    with pytest.raises(UserError):
+    with pytest.raises(UserError, match="31 bytes, the manifest says"):
         workspace.recording("good")
 
 

@@ -9,8 +9,9 @@ from pathlib import Path
 
 import pytest
 
+from testbench.studio.job import Job, State
 from testbench.studio.job_card import progress_in_words
-from testbench.studio.jobs import Job, JobBoard, State, interpreter_argv
+from testbench.studio.jobs import JobBoard, interpreter_argv
 
 
 async def ended(job: Job) -> Job:

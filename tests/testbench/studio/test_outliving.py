@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 from gcode.cli import main as gcode
-from testbench.studio.jobs import Job, JobBoard, State
+from testbench.studio.job import Job, State
+from testbench.studio.jobs import JobBoard
 from testbench.studio.outliving import CAUGHT_UP_BYTES, Tail
 
 RIG = "rig"

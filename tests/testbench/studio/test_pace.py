@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from testbench.commands.diagnose import CANDIDATES_OF_A_ROUND, Refits
+from testbench.studio.job import Job
 from testbench.studio.job_card import progress_in_words, spark_line
-from testbench.studio.jobs import Job
 from testbench.studio.pace import Pace, Paces, Profile, duration_in_words, kind_of
 
 DURATIONS = st.lists(st.floats(0.05, 20), min_size=3, max_size=60)

@@ -8,8 +8,8 @@ import pytest
 
 from gcode.cli import main
 from gcode.mach4.seal import seal_problem, sealed
+from gcode.programs.made_again import check_file
 from gcode.programs.make import make
-from gcode.programs.provenance import check_file
 from gcode.trajectories.bounds import Limits
 from gcode.trajectories.designed import Hold, Ramp, ReturnToZero
 from gcode.trajectories.natural import Noise

@@ -7,8 +7,8 @@ import json
 from nicegui import ui
 
 from testbench.studio.address import address
+from testbench.studio.job import Job
 from testbench.studio.job_card import progress_in_words
-from testbench.studio.jobs import Job
 from testbench.studio.studio import Studio
 
 LOOK_S = 1.0

@@ -1,13 +1,15 @@
-"""The pictures of docs/studio.md, all but that of a proposed law, drawn from the demo's sensor.
+"""The pictures of README, tutorial and docs/studio.md, all but that of a proposed law.
 
-python benchmarks/studio_pictures.py WORKSPACE [-o docs/images]
+python benchmarks/docs_pictures.py WORKSPACE [-o docs/images]
 
-What is not in the workspace yet (recordings, baseline, diagnosis) is made; that takes some minutes, the pictures one.
+What is not beside the workspace yet (recordings, models, diagnoses) is made; that takes some minutes, the pictures
+one.
 """
 
 from __future__ import annotations
 
 import argparse
+import shutil
 from pathlib import Path
 
 from playwright.sync_api import Page, sync_playwright
@@ -21,6 +23,29 @@ C = NAMES[0]
 SIMULATED = {"pes-1": ("paper-1", 51), "pes-2": ("paper-2", 52)}  # one sensor, two motions
 RECORDED_S = 40  # of the recording that is drawn while it runs
 WIDTH, HEIGHT = 1280, 800
+# What a report on each hidden case draws for README and tutorial: its figure, and the picture in the docs.
+REPORTED = {
+    "hidden-effect": (HIDDEN, {"at-a-glance": "at-a-glance"}),
+    "tutorial": (("--seed", "3"), {"candidates": "tutorial-candidates", "ladder": "tutorial-ladder"}),
+}
+
+
+def reported(beside: Path, out: Path) -> None:
+    """The figures of README and tutorial, as a report draws them."""
+    gauge = ("--gauge-length-mm", GAUGE_LENGTH_MM)
+    for name, (hidden, wanted) in REPORTED.items():
+        case = beside / name
+        if not case.exists():
+            do("testbench", "hide", *hidden, "-o", case)
+        first, held = (case / "recordings" / f"{each}.csv" for each in NAMES)
+        pair = (first, "--held-out", held)
+        diagnosis, model = case / "diagnosis.json", case / "model.json"
+        if not diagnosis.exists():
+            do("testbench", "diagnose", *pair, *gauge, "--json", diagnosis, "-o", model)
+        told = ("--recording", *pair, *gauge, "--model", model, "--diagnosis", diagnosis)
+        do("testbench", "report", *told, "--figures", case / "figures", "-o", case / "report.html")
+        for figure, picture in wanted.items():
+            shutil.copyfile(case / "figures" / f"{figure}.png", out / f"{picture}.png")
 
 
 def made(root: Path) -> None:
@@ -116,6 +141,7 @@ def main() -> None:
     parser.add_argument("-o", "--output", type=Path, default=Path("docs/images"))
     args = parser.parse_args()
     root = args.workspace.resolve()
+    reported(root.parent, args.output)
     made(root)
     with served(root) as studio, sync_playwright() as play:
         browser = play.chromium.launch(executable_path=str(CHROMIUM), args=["--no-sandbox"])
