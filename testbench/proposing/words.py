@@ -13,7 +13,7 @@ from testbench.fitting.errors import channel_name
 from testbench.fitting.responses import UNIT_OF
 from testbench.knit.effect import bounds_of
 from testbench.proposing.law import Law
-from testbench.proposing.proposal import Option, Proposed, Step, numbered
+from testbench.proposing.results import Option, Proposed, Step, numbered
 from testbench.proposing.writing import effect_class, in_words, latex_of, plain
 
 SHOWN = 4

@@ -11,9 +11,10 @@ import pytest
 
 from testbench.proposing.beam import Beam, Found
 from testbench.proposing.grids import DAMPINGS
+from testbench.proposing.hunt import finalists
 from testbench.proposing.law import Term
 from testbench.proposing.operators import OPERATORS
-from testbench.proposing.proposal import finalists, holds
+from testbench.proposing.proposal import holds
 from testbench.proposing.screening import at_bounds
 from testbench.proposing.stability import SURE, stability
 from tests.testbench.proposing.test_library import DT_S, GRID, SIGNALS, law_of
