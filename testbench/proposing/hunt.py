@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from testbench.diagnosis.laplace import Hypothesis, fitted
+from testbench.diagnosis.laplace import Hypothesis
 from testbench.diagnosis.rounds import excess
 from testbench.diagnosis.search import Progress, Search
 from testbench.fitting.baseline import with_shapes
@@ -25,7 +25,6 @@ from testbench.proposing.trial import Bench, Trial
 from testbench.proposing.writing import effect_class
 
 NOTHING_LEFT = 0.3  # squared noise floors above the noise, all channels: the floors themselves are known to a tenth
-MUCH = 3.0  # squared noise floors above the noise: then a fit is worth another start
 LEAST_GAIN = 10.0  # nats: about ln of the number of laws that are tried
 LEAST_SHARE = 0.1  # of the squared error above the noise that a law takes off
 FINALISTS, OF_ONE_PLACE, OF_ONE_FAMILY, SETTLED = 6, 3, 2, 2
@@ -120,18 +119,18 @@ class Hunt:
         )
 
     def carried(self, trial: Trial) -> Trial:
-        """A refit carried to its end; where much is left, also from the base as it was started from the data."""
+        """A refit carried to its end, and beside bases that never bent to take the law in: stiff, and free to bend.
+
+        A base that has done so has moved its other parameters along, and may not find back beside the law; and what
+        it was bent by may not be needed any more.
+        """
         done = self.sharpened(self.bench.settled(trial))
-        if excess(done.hypothesis, self.likelihood) < MUCH:
-            return done
-        effects = {n: e for n, e in done.hypothesis.model.effects.items() if n.startswith(self.name)}
-        anew = with_shapes(self.search.reference, self.measurement, self.catalogue)
-        for key, effect in effects.items():
-            anew = anew.plus(effect, key)
-        again = self.bench.trial(
-            trial.law, trial.name, fitted(anew, self.likelihood, self.search.reference, iterations=16)
-        )
-        return max(done, again, key=lambda one: one.log_z)
+        model = self.search.reference
+        for key, effect in done.hypothesis.model.effects.items():
+            model = model.plus(effect, key) if key.startswith(self.name) else model
+        stiff = self.bench.anew(trial, model, done.hypothesis)
+        free = with_shapes(stiff.hypothesis.model, self.measurement, self.catalogue)
+        return max(done, stiff, self.bench.anew(trial, free, done.hypothesis), key=lambda one: one.log_z)
 
     def sharpened(self, trial: Trial) -> Trial:
         """A law whose numbers were sought once more beside the base that was refitted with it.

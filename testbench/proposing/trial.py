@@ -79,6 +79,11 @@ class Bench:
         h = fitted(trial.hypothesis.model, self.likelihood, self.reference, trial.hypothesis)
         return self.trial(trial.law, trial.name, h)
 
+    def anew(self, trial: Trial, model: KnitModel, like: Hypothesis) -> Trial:
+        """A law in another model, what is believed of its numbers as in `like`."""
+        h = fitted(model, self.likelihood, self.reference, believed=like.priors.believed)
+        return self.trial(trial.law, trial.name, h)
+
     def moved(self, trial: Trial, law: Law) -> Trial:
         """The same with other numbers of its law, the base as it is."""
         h, effect = trial.hypothesis, effect_class(law, trial.name, self.grid)()
