@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from testbench.knit.laws import check
 from testbench.proposing.beam import Beam, Found
 from testbench.proposing.chain import OpenChain
 from testbench.proposing.grids import Grid, rounded
+from testbench.proposing.law import Law
 from testbench.proposing.results import Option, Step, numbered
 from testbench.proposing.screening import Projector
 from testbench.proposing.stability import SURE, stability
@@ -29,7 +30,14 @@ LEAST_GAIN = 10.0  # nats: about ln of the number of laws that are tried
 LEAST_SHARE = 0.1  # of the squared error above the noise that a law takes off
 FINALISTS, OF_ONE_PLACE, OF_ONE_FAMILY, SETTLED = 6, 3, 2, 2
 TIED = 3.0  # nats
-WORTH_A_REFIT = 1.0  # nats to first order
+
+
+@dataclass(frozen=True, eq=False)
+class Ground:
+    """A base without the law that is sought, and laws to first order beside it."""
+
+    hypothesis: Hypothesis
+    projector: Projector
 
 
 class Hunt:
@@ -65,47 +73,55 @@ class Hunt:
         return steps
 
     def round(self, current: Hypothesis, name: str) -> tuple[Step, Hypothesis] | None:
-        """The best law beside a model, if one gains."""
-        projector = Projector(current, self.likelihood, OpenChain(current.model, self.measurement))
-        found = Beam(projector, self.grid_for(current), self.tell, self.pool).run()
-        chosen = finalists([one for one in found if one.gain > LEAST_GAIN / 2])
-        if not chosen:
+        """The best law beside a model, if one gains.
+
+        It is sought twice: a base that has bent to take part of a law in makes another law of it. The second time
+        the base is where the best of the first look, refitted with it, has taken it to.
+        """
+        trials = self.look(self.ground(current), name)
+        if not trials:
             return None
-
-        def refit(one: Found) -> Trial:
-            self.tell(f"refitting with {one.law.key}")
-            return self.bench.tried(one, name, current, projector.law_prior_sd(one.law))
-
-        trials = list(self.pool.map(refit, chosen))
-        order = sorted(range(len(trials)), key=lambda k: -trials[k].log_z)
-        for k, trial in zip(order, self.pool.map(self.carried, [trials[k] for k in order[:SETTLED]]), strict=False):
-            trials[k] = trial
-        order.sort(key=lambda k: -trials[k].log_z)
+        first = self.bench.settled(max(trials, key=_evidence))
+        ground = self.ground(self.bench.bare(first))
+        trials = _best_of_each([first, *trials, *self.look(ground, name)])
+        trials = _best_of_each([*self.pool.map(self.carried, trials[:SETTLED]), *trials])
         holds, wins = stability(current, [t.hypothesis for t in trials], self.likelihood)
         options = [
             Option(t.law, t.log_z - current.log_z, float(holds[k]), float(wins[k])) for k, t in enumerate(trials)
         ]
-        paying = [k for k in order if self.pays(options[k], trials[k], current)]
-        if not paying:
+        best = next((k for k, o in enumerate(options) if self.pays(o, trials[k], current)), None)
+        if best is None:
             return None
-        best = paying[0]  # the evidence has taken off what its numbers cost
-        rest = tuple(options[k] for k in order if k != best)
+        rest = tuple(one for k, one in enumerate(options) if k != best)
         tied = sum(abs(one.log_evidence - options[best].log_evidence) < TIED for one in rest)
-        won = self.simpler(trials[best], current, projector)
-        h, option = won.hypothesis, replace(options[best], law=won.law, log_evidence=won.log_z - current.log_z)
-        return Step(option, rest, tied, self.dependence(won)), h
+        won = self.simpler(trials[best], ground)
+        option = replace(options[best], law=won.law, log_evidence=won.log_z - current.log_z)
+        return Step(option, rest, tied, self.dependence(won)), won.hypothesis
 
-    def simpler(self, trial: Trial, current: Hypothesis, projector: Projector) -> Trial:
-        """A law without those of its bends and factors that the evidence does not ask for."""
+    def ground(self, h: Hypothesis) -> Ground:
+        """Where laws are sought."""
+        return Ground(h, Projector(h, self.likelihood, OpenChain(h.model, self.measurement)))
+
+    def look(self, ground: Ground, name: str) -> list[Trial]:
+        """The best laws beside a base, refitted with it, quickly."""
+        found = Beam(ground.projector, self.grid_for(ground.hypothesis), self.tell, self.pool).run()
+        chosen = finalists([one for one in found if one.gain > LEAST_GAIN / 2])
+        return list(self.pool.map(lambda one: self.refitted(one.law, ground, name), chosen))
+
+    def refitted(self, law: Law, ground: Ground, name: str) -> Trial:
+        """A law refitted with its base, quickly."""
+        self.tell(f"refitting with {law.key}")
+        return self.bench.tried(law, name, ground.hypothesis, ground.projector.law_prior_sd(law))
+
+    def simpler(self, trial: Trial, ground: Ground) -> Trial:
+        """A law without those of its pieces that the evidence does not ask for."""
         best = trial
         for at in reversed(range(len(trial.law.term.operators))):
-            if best.law.term.operators[at].kind == "memory":
-                continue
-            less = best.law.without(at)
-            less = replace(less, strength=projector.of_law(less).strength)
-            self.tell(f"refitting with {less.key}")
-            quick = self.bench.tried(Found(less, 0.0), trial.name, current, projector.law_prior_sd(less))
-            best = max(best, self.bench.settled(quick), key=lambda one: one.log_z)
+            less, scores = best.law.without(at), ground.projector
+            score = scores.of_law(less)
+            if score.gain > scores.of_law(best.law).gain - LEAST_GAIN:
+                quick = self.refitted(replace(less, strength=score.strength), ground, trial.name)
+                best = max(best, self.bench.settled(quick), key=_evidence)
         return best
 
     def pays(self, option: Option, trial: Trial, current: Hypothesis) -> bool:
@@ -124,27 +140,13 @@ class Hunt:
         A base that has done so has moved its other parameters along, and may not find back beside the law; and what
         it was bent by may not be needed any more.
         """
-        done = self.sharpened(self.bench.settled(trial))
+        done = self.bench.settled(trial)
         model = self.search.reference
         for key, effect in done.hypothesis.model.effects.items():
             model = model.plus(effect, key) if key.startswith(self.name) else model
         stiff = self.bench.anew(trial, model, done.hypothesis)
         free = with_shapes(stiff.hypothesis.model, self.measurement, self.catalogue)
-        return max(done, stiff, self.bench.anew(trial, free, done.hypothesis), key=lambda one: one.log_z)
-
-    def sharpened(self, trial: Trial) -> Trial:
-        """A law whose numbers were sought once more beside the base that was refitted with it.
-
-        What switches has no derivative, so no refit moves it; and beside the first base, which had taken in part of
-        the law, it was best elsewhere.
-        """
-        chain = OpenChain(trial.hypothesis.model.without(trial.name), self.measurement)
-        beam = Beam(Projector(trial.hypothesis, self.likelihood, chain), self.grid, self.tell, self.pool)
-        now = beam.at(trial.law.place, trial.law.term, trial.law.values)
-        then = beam.polish(now)
-        if then.gain < now.gain + WORTH_A_REFIT:
-            return trial
-        return max(trial, self.bench.settled(self.bench.moved(trial, then.law)), key=lambda one: one.log_z)
+        return max(done, stiff, self.bench.anew(trial, free, done.hypothesis), key=_evidence)
 
     def dependence(self, trial: Trial) -> tuple[FloatArray, FloatArray, FloatArray]:
         """z of a law, and what the channel lacks without and with it, at samples that count."""
@@ -166,3 +168,15 @@ def finalists(found: Sequence[Found]) -> list[Found]:
         if len(kept) == FINALISTS:
             break
     return kept
+
+
+def _evidence(trial: Trial) -> float:
+    return trial.log_z
+
+
+def _best_of_each(trials: Sequence[Trial]) -> list[Trial]:
+    """The best trial of each structure, the best first: its numbers are those of the base that it met."""
+    best: dict[str, Trial] = {}
+    for one in sorted(trials, key=_evidence, reverse=True):
+        best.setdefault(one.law.key, one)
+    return list(best.values())
