@@ -20,6 +20,7 @@ from testbench.proposing.places import Place
 MOST_ROWS = 1800  # samples of a channel that the search looks at; a refit looks at all
 MOST = 3.0  # typical corrections: what is larger than that is no effect beside a base law, but the base law itself
 ABSORBED = 1e-3  # of a trace's squares: a base that can do all but this of a law cannot be told from it
+SLIGHT = 1.0  # nats: so little is the same with the noise as it was
 IDLE = 1e-3  # share of a direction's variance that the base knows: below, it takes nothing off
 
 
@@ -31,13 +32,43 @@ class Score:
     strength: float
 
 
+@dataclass(frozen=True)
+class Part:
+    """What a law is weighed on: the channels that it reaches, in one row.
+
+    Attributes
+    ----------
+    base : ndarray, shape (d, k)
+        Directions in which the base may give way.
+    residual : ndarray, shape (k,)
+        Over the noise as it was.
+    squares, least : ndarray, shape (channels,)
+        Of the residual; the least that can be expected of it.
+    """
+
+    base: FloatArray
+    residual: FloatArray
+    squares: FloatArray
+    least: FloatArray
+
+    def gain(self, change: FloatArray, explained: float, count: float) -> float:
+        """Of a law that changes the residual so, the noise of each channel found anew.
+
+        The noise of the channels together would hide a law of one of them behind the other, which is noise already.
+        """
+        left = _squares(self.residual - change, len(self.squares))
+        believed = explained - float(self.squares.sum() - left.sum())  # what the base pays for where it goes
+        return 0.5 * (count * float(np.sum(np.log(self.squares / np.maximum(left, self.least)))) + believed)
+
+
 class Projector:
     """Laws against one fitted model.
 
     A trace f that is added with an amount a to a model whose other coefficients are free again gains
     ``(f.r)^2 / 2 (f.f - f.J C J'.f + 1/s^2)`` less half the logarithm of what the data know of a; r is the residual,
-    J the sensitivities, C their covariance and s the typical amount. That is at the noise as it was; with the noise
-    found anew it is half of the count of samples times the logarithm of what the squares fall by.
+    J the sensitivities, C their covariance and s the typical amount. That is at the noise as it was. With the noise
+    of each channel found anew, the count of its samples times half the logarithm of what its squares fall by takes
+    their place; what the base pays for where it goes stays.
     """
 
     def __init__(self, hypothesis: Hypothesis, likelihood: Likelihood, chain: OpenChain) -> None:
@@ -76,15 +107,20 @@ class Projector:
         scales = shape_scales(measurement)
         self.typical = {c: scales["N" if c == FORCE_CHANNEL else "1"] for c in self.channels}
         self.slopes = {p.name: {c: s[self.rows] for c, s in chain.slopes(p).items()} for p in chain.places}
-        # A law of one channel is weighed on its samples alone.
-        count, self.parts = len(self.rows), dict[str, tuple[FloatArray, FloatArray, float]]()
-        for place in chain.places:
-            own = [k for k, c in enumerate(self.channels) if c in self.slopes[place.name]]
-            picked = np.concatenate([np.arange(k * count, (k + 1) * count) for k in own])
-            residual = self.residual[picked]
-            self.parts[place.name] = np.ascontiguousarray(self.base[:, picked]), residual, float(residual @ residual)
-        floors = sum((likelihood.least[c] / evidence.sigma[c]) ** 2 for c in self.channels)
-        self.least = floors / len(self.channels)
+        self.count = len(self.rows) * every * hypothesis.normal.share
+        least = {c: self.count * (likelihood.least[c] / evidence.sigma[c]) ** 2 for c in self.channels}
+        self.parts = {place.name: self._part(self.slopes[place.name], least) for place in chain.places}
+
+    def _part(self, slopes: Mapping[str, FloatArray], least: Mapping[str, float]) -> Part:
+        """A law is weighed on the samples of the channels that it reaches alone."""
+        own = [c for c in self.channels if c in slopes]
+        count = len(self.rows)
+        at = [self.channels.index(c) for c in own]
+        picked = np.concatenate([np.arange(k * count, (k + 1) * count) for k in at])
+        residual = self.residual[picked]
+        squares = _squares(residual, len(own))
+        floors = np.minimum([least[c] for c in own], squares)
+        return Part(np.ascontiguousarray(self.base[:, picked]), residual, squares, floors)
 
     def trace(self, place: Place, z: FloatArray) -> FloatArray:
         """What z changes at a place, over the noise, its channels in one row; z at the rows of the search."""
@@ -106,14 +142,15 @@ class Projector:
         f = self.trace(place, picked)
         sd = self.prior_sd(place, picked)
         size = float(f @ f)
-        base, residual, squares = self.parts[place.name]
-        absorbed = base @ f
+        part = self.parts[place.name]
+        absorbed = part.base @ f
         left = max(size - float(absorbed @ absorbed), ABSORBED * size) + sd**-2
-        goal = float(f @ residual)
+        goal = float(f @ part.residual)
         amount = float(np.clip(goal / left, -MOST * sd, MOST * sd))
-        # The noise is found anew with each law: one that leaves half as much is worth as much again.
         explained = 2 * goal * amount - left * amount**2
-        gain = -0.5 * squares * np.log(max(1 - explained / squares, self.least))
+        gain = 0.5 * explained
+        if gain > SLIGHT:
+            gain = part.gain(amount * (f - absorbed @ part.base), explained, self.count)
         return Score(float(gain - 0.5 * np.log(left * sd**2)), amount)
 
     def of_term(self, place: Place, term: Term, values: Mapping[str, float]) -> Score:
@@ -134,6 +171,11 @@ class Projector:
 def at_bounds(h: Hypothesis) -> np.ndarray:
     """Parameters that lie at a bound, shape (p,): the base cannot give way there, whatever its tangents promise."""
     return (h.vector <= h.priors.low) | (h.vector >= h.priors.high)
+
+
+def _squares(row: FloatArray, channels: int) -> FloatArray:
+    """Of each channel of a row."""
+    return np.sum(row.reshape(channels, -1) ** 2, axis=1)
 
 
 def _spread(x: FloatArray) -> float:

@@ -13,7 +13,7 @@ from testbench.diagnosis.proposals import Proposal, Screen
 from testbench.diagnosis.starts import best_start
 from testbench.knit.effect import Effect, bounds_of
 from testbench.knit.model import KnitModel
-from testbench.proposing.beam import PRICE_OF_PIECE, Found
+from testbench.proposing.beam import PRICE_OF_PIECE
 from testbench.proposing.grids import Grid
 from testbench.proposing.law import Law
 from testbench.proposing.writing import effect_class, strength_key
@@ -49,9 +49,8 @@ class Bench:
     def __init__(self, likelihood: Likelihood, reference: KnitModel, grid: Grid) -> None:
         self.likelihood, self.reference, self.grid = likelihood, reference, grid
 
-    def tried(self, found: Found, name: str, current: Hypothesis, prior_sd: float) -> Trial:
-        """A law refitted quickly beside a fitted model."""
-        law = found.law
+    def tried(self, law: Law, name: str, current: Hypothesis, prior_sd: float) -> Trial:
+        """A law refitted quickly beside a model."""
         effect = effect_class(law, name, self.grid)()
         model = self.start(current, effect, name, prior_sd)
         believed = self.believed(law, effect, name, prior_sd)
@@ -79,10 +78,15 @@ class Bench:
         h = fitted(trial.hypothesis.model, self.likelihood, self.reference, trial.hypothesis)
         return self.trial(trial.law, trial.name, h)
 
-    def moved(self, trial: Trial, law: Law) -> Trial:
-        """The same with other numbers of its law, the base as it is."""
-        h, effect = trial.hypothesis, effect_class(law, trial.name, self.grid)()
-        return replace(trial, law=law, hypothesis=replace(h, model=h.model.replacing(trial.name, effect)))
+    def anew(self, trial: Trial, model: KnitModel, like: Hypothesis) -> Trial:
+        """A law in another model, what is believed of its numbers as in `like`."""
+        h = fitted(model, self.likelihood, self.reference, believed=like.priors.believed)
+        return self.trial(trial.law, trial.name, h)
+
+    def bare(self, trial: Trial) -> Hypothesis:
+        """The base as it was refitted with a law, without it."""
+        h = trial.hypothesis
+        return fitted(h.model.without(trial.name), self.likelihood, self.reference, h, iterations=0)
 
     def trial(self, law: Law, name: str, h: Hypothesis) -> Trial:
         """A law with the numbers that it has in a fitted model."""

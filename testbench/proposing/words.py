@@ -7,13 +7,15 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from testbench.comparing.tables import ladder_table
 from testbench.comparing.words import percent
 from testbench.fitting.errors import channel_name
 from testbench.fitting.responses import UNIT_OF
 from testbench.knit.effect import bounds_of
 from testbench.proposing.law import Law
-from testbench.proposing.proposal import Option, Proposed, Step, numbered
+from testbench.proposing.results import Option, Proposed, Step, numbered
 from testbench.proposing.writing import effect_class, in_words, latex_of, plain
 
 SHOWN = 4
@@ -69,25 +71,40 @@ def _law(proposed: Proposed, step: Step, index: int) -> Iterator[str]:
 
 
 def _parameters(proposed: Proposed, law: Law, name: str) -> Iterator[str]:
-    errors = proposed.after.fit.get("parameters", {})
     effect = effect_class(law, name, proposed.grid)
-    for key, field in effect.model_fields.items():
-        value, unit = float(field.default), bounds_of(field)["unit"]
+    for key, number in numbers(proposed, law, name).items():
+        yield f"    {key:<10} = {number} - {effect.model_fields[key].description}"
+
+
+def numbers(proposed: Proposed, law: Law, name: str) -> dict[str, str]:
+    """The parameters of a law with their standard errors and units, in words."""
+    errors, found = proposed.after.fit.get("parameters", {}), {}
+    for key, field in effect_class(law, name, proposed.grid).model_fields.items():
         error = errors.get(f"{name}.{key}", {}).get("standard_error")
         around = f" ± {error:.2g}" if error is not None else ""
-        yield f"    {key:<10} = {value:.4g}{around} {'' if unit == '1' else unit + ' '}- {field.description}"
+        unit = bounds_of(field)["unit"]
+        found[key] = f"{float(field.default):.4g}{around}{'' if unit == '1' else ' ' + unit}"
+    return found
 
 
 def story(proposed: Proposed) -> str:
-    """Where the law comes from, for the head of the file."""
+    """Where the laws come from, for the head of the file."""
     parts = []
     for c, before in proposed.error_before.items():
         unit, after, floor = UNIT_OF[c], proposed.error_after[c], proposed.noise_floor[c]
         parts.append(f"{channel_name(c)} {before:.3g} -> {after:.3g} {unit} (noise floor {floor:.2g})")
-    found = (
-        f"Found on {_safe(proposed.calibration.recording.source)}, judged on {_safe(proposed.held.recording.source)}"
+    signals = proposed.calibration.signals
+    speed = float(np.quantile(np.abs(np.gradient(signals["strain"], signals["time_s"])), 0.99))
+    said = [
+        f"Found on {_safe(proposed.calibration.recording.source)} ({signals['time_s'][-1]:.0f} s, strain up to "
+        f"{np.max(signals['strain']):.2g}, speed up to {speed:.2g} 1/s)",
+        f"judged on {_safe(proposed.held.recording.source)}: held-out error of {', '.join(parts)}",
+    ]
+    every = "; ".join(
+        f"{name}: {', '.join(f'{key} {number}' for key, number in numbers(proposed, law, name).items())}"
+        for law, name in proposed.laws
     )
-    return f"{found}: held-out error of {', '.join(parts)}."
+    return f"{', '.join(said)}. Numbers with standard errors: {every}."
 
 
 def _safe(source: str) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import keyword
+import re
 import textwrap
 from collections.abc import Collection, Sequence
 from pathlib import Path
@@ -16,12 +17,14 @@ from testbench.proposing.law import NAMES, SINCE_START, STRENGTH, TOOLS, Law
 
 MODULE = "knitbench_proposed"
 REACH = 30  # bounds of the strength, over what was found
+FRACTION = re.compile(r"\\t?frac\{([^{}]*)\}\{([^{}]*)\}")
 HEAD = '''"""{title}
 
 {story}
 
 Try it:  testbench effects --effects {file} --check
-Use it:  testbench diagnose A --effects {file};  testbench add {name} --model M --fit A --effects {file} -o M2
+Use it:  testbench diagnose A --effects {file}
+         testbench add {name} --model M --fit A --effects {file} -o M2
 """
 
 '''
@@ -32,11 +35,11 @@ class {cls}(Effect):
 
     {formula}
 {definitions}
+    {symbols}
     In LaTeX:  {latex}
 
-    Source: proposed by `testbench propose` from what a model left of a recording; no theory
-    stands behind it.
-    Valid: inside the strain, the speed and the duration of that recording.
+    Source: proposed by `testbench propose` from what a model left of a recording; no theory stands behind it.
+    Valid: where it was found, at strains up to {span:g} and within {duration_s:.0f} s; beyond that nobody has looked.
     """
 
     name = "{name}"
@@ -89,7 +92,6 @@ def file_text(laws: Sequence[tuple[Law, str]], grid: Grid, story: str, file: str
 
 def _imports(code: str) -> str:
     """Only what the code uses."""
-    import re
 
     def used(names: Sequence[str]) -> list[str]:
         return sorted(name for name in names if re.search(rf"(?<![.\w]){name}\(", code))
@@ -107,7 +109,7 @@ def _imports(code: str) -> str:
 def class_text(law: Law, name: str, grid: Grid) -> str:
     """One class."""
     term, place = law.term, law.place
-    reads = tuple(dict.fromkeys([*(r for r in term.reads if r != "temperature_C"), place.writes]))
+    reads = tuple(dict.fromkeys([*term.reads, place.writes]))
     definitions = "".join(f"    {plain(line)}\n" for line in term.definitions)
     optional = '    optional_reads = ("temperature_C",)\n' if "temperature_C" in term.reads else ""
     optional += "    nonlinear = True\n" if any(o.name == "dead band" for o in term.operators) else ""
@@ -118,10 +120,13 @@ def class_text(law: Law, name: str, grid: Grid) -> str:
         summary=_folded(_sentence(in_words(law)), 4),
         formula=f"{plain(place.latex)} += a * z,   z = {plain(term.latex)}",
         definitions=definitions,
+        symbols=_folded(f"Here {', '.join(SYMBOLS[name] for name in SYMBOLS if name in reads)}.", 4),
         latex=escaped(latex_of(law)),
+        span=grid.span,
+        duration_s=grid.duration_s,
         name=name,
         stage=place.stage.name,
-        reads=_tuple(reads),
+        reads=_tuple([name for name in reads if name != "temperature_C"]),
         writes=_tuple((place.writes,)),
         strength=strength_key(law),
         look=_sentence(f"the misfit of {place.words.removeprefix('the ')} follows {term.words}")[:160].rstrip("."),
@@ -152,8 +157,6 @@ def _body(law: Law) -> list[str]:
 
 
 def _mentions(code: str, name: str) -> bool:
-    import re
-
     return re.search(rf"(?<![.\w\"]){name}(?![\w(\"])", code) is not None
 
 
@@ -204,10 +207,6 @@ def latex_of(law: Law) -> str:
 
 
 PLAIN = {
-    r"\ln\frac{G}{G_0}": "ln(G/G0)",
-    r"\tfrac{G}{G_0}": "G/G0",
-    r"\frac": "",
-    r"\text": "",
     r"\left": "",
     r"\right": "",
     r"\dot e": "e'",
@@ -215,34 +214,46 @@ PLAIN = {
     r"\dot y": "y'",
     r"\dot n": "n'",
     r"\ddot y": "y''",
-    r"\tau": "tau",
     r"\,": " ",
-    r"\int": "int",
-    r"\Delta": "Delta",
-    r"\sigma": "s",
-    r"\delta": "delta",
+    r"\int": "int ",
     r"\varphi": "phi",
-    r"\zeta": "zeta",
-    r"\lambda": "lambda",
-    r"\pi": "pi",
+    r"\sigma": "s",
     r"\pm": "+-",
-    r"\exp": "exp",
-    r"\ln": "ln",
-    r"\sin": "sin",
     r"\tanh": "tanh ",
-    r"e_{\max}": "e_max",
+    r"\ln": "ln ",
+}
+SYMBOLS = {
+    "strain": "e is the strain",
+    "force_N": "F the force in N",
+    "contact_force_N": "P the force on the contacts in N",
+    "conductance_S": "G the conductance in S, G_0 at the start",
+    "time_s": "t the time in s",
+    "temperature_C": "Delta T the change of temperature in K",
 }
 
 
 def plain(latex: str) -> str:
     """A formula that is read without a typesetter."""
-    import re
-
-    text = re.sub(r"\\frac\{((?:[^{}]|\{[^{}]*\})*)\}\{((?:[^{}]|\{[^{}]*\})*)\}", r"(\1) / (\2)", latex)
-    for sign, word in sorted(PLAIN.items(), key=lambda item: -len(item[0])):
+    text = latex
+    for sign, word in PLAIN.items():
         text = text.replace(sign, word)
+    text = re.sub(r"\\(?:text|mathrm)\{([^{}]*)\}", r"\1 ", text)
+    text = re.sub(r"_\{\\?([^{}]*)\}", r"_\1", text)
     text = re.sub(r"\^\{([^{}]*)\}", r"^(\1)", text)
-    return re.sub(r"\s+", " ", text.replace("{", "").replace("}", "").replace("\\", "")).strip()
+    while (simpler := FRACTION.sub(_fraction, text)) != text:
+        text = simpler
+    text = re.sub(r"\\([a-zA-Z]+)(?=\\)", r"\1 ", text).replace("{", "").replace("}", "").replace("\\", "")
+    text = re.sub(r"\s+", " ", text).replace(" ^", "^").replace(" )", ")").strip()
+    return re.sub(r"\(\(([^()]*)\)\)", r"(\1)", text).replace("ln (", "ln(").replace("tanh (", "tanh(")
+
+
+def _fraction(found: re.Match[str]) -> str:
+    """A fraction in one line; what is a sum or a product is bracketed."""
+    parts = []
+    for part in found.groups():
+        outside = re.sub(r"\([^()]*\)|\|[^|]*\|", "x", re.sub(r"\([^()]*\)", "x", part))
+        parts.append(f"({part})" if re.search(r"\S\s+\S", outside) else part)
+    return f"({parts[0]} / {parts[1]})"
 
 
 def escaped(text: str) -> str:

@@ -12,7 +12,7 @@ from testbench.fitting.measurement import Measurement
 from testbench.fitting.remounting import brought_together
 from testbench.fitting.responses import UNIT_OF
 from testbench.knit.model import KnitModel
-from testbench.proposing.proposal import Proposed, Step, numbered
+from testbench.proposing.results import Proposed, Step, numbered
 from testbench.proposing.writing import in_words, plain
 from testbench.report import style
 

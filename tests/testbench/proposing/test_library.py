@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
@@ -94,7 +96,21 @@ def test_the_file_does_what_the_search_has_tried(law: Law):
 def test_a_formula_is_written_for_readers_with_and_without_a_typesetter():
     law = law_of("conductance", "state that forms with time and is wiped out by motion")
     assert r"\dot n = \frac{1}{\tau_1}\,(1 - n) - \frac{|\dot e|}{l_2}\,n" in latex_of(law)
-    assert plain(law.term.definitions[0]) == "n' = (1) / (tau_1) (1 - n) - (|e'|) / (l_2) n"
+    assert plain(law.term.definitions[0]) == "n' = (1 / tau_1) (1 - n) - (|e'| / l_2) n"
+
+
+@pytest.mark.parametrize("name", [*EVERY, *OPERATORS])
+def test_a_plain_formula_holds_nothing_of_the_typesetter(name: str):
+    law = law_of("conductance", name) if name in EVERY else law_of("conductance", "speed", name)
+    for line in (law.term.latex, *law.term.definitions):
+        assert not set("{}\\") & set(plain(line))
+        assert not re.search("frac|text|left|right|mathrm", plain(line))
+
+
+def test_the_file_says_what_its_symbols_are_and_where_it_is_valid():
+    doc = str(effect_class(law_of("conductance", "force", "lag"), "my_law", GRID).__doc__)
+    assert "Here F the force in N, G the conductance in S, G_0 at the start." in doc
+    assert "strains up to 0.3 and within 60 s" in doc
 
 
 def test_no_law_of_the_library_has_a_name_for_two_numbers():

@@ -94,7 +94,7 @@ def test_the_file_obeys_the_laws_and_joins_the_catalogue(tmp_path: Path):
 def test_the_words_say_what_it_is_and_what_could_not_be_judged():
     text = proposal_text(found())
     assert text.startswith("proposed: the conductance rises with a state that forms with time and is wiped out")
-    for part in ("n' = (1) / (tau_1) (1 - n)", "LaTeX:", "+ my_effect", "no temperature was recorded"):
+    for part in ("n' = (1 / tau_1) (1 - n)", "LaTeX:", "+ my_effect", "no temperature was recorded"):
         assert part in text
 
 

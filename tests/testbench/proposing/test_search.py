@@ -11,10 +11,11 @@ import pytest
 
 from testbench.proposing.beam import Beam, Found
 from testbench.proposing.grids import DAMPINGS
+from testbench.proposing.hunt import finalists
 from testbench.proposing.law import Term
 from testbench.proposing.operators import OPERATORS
-from testbench.proposing.proposal import finalists, holds
-from testbench.proposing.screening import at_bounds
+from testbench.proposing.proposal import holds
+from testbench.proposing.screening import Part, at_bounds
 from testbench.proposing.stability import SURE, stability
 from tests.testbench.proposing.test_library import DT_S, GRID, SIGNALS, law_of
 
@@ -58,6 +59,17 @@ def test_bends_of_one_law_do_not_crowd_out_another_memory():
     kept = finalists([Found(law, 9.0 - k) for k, law in enumerate([*bends, ringing])])
     assert ringing.key in [one.law.key for one in kept]
     assert len([one for one in kept if not one.law.term.memory]) == 2
+
+
+def test_a_channel_at_its_noise_does_not_hide_what_a_law_does_to_the_other():
+    rng = np.random.default_rng(0)
+    count, misfit, noise = 400, rng.standard_normal(400), rng.standard_normal(400)
+    residual = np.concatenate([misfit, noise])
+    part = Part(np.zeros((1, 800)), residual, np.array([misfit @ misfit, noise @ noise]), np.array([0.01, 100.0]))
+    for share in (0.9, 0.99):  # of the misfit, which is all that is left of its channel
+        change = np.concatenate([share * misfit, np.zeros(400)])
+        explained = (1 - (1 - share) ** 2) * misfit @ misfit
+        assert part.gain(change, explained, count) == pytest.approx(-count * np.log(1 - share))
 
 
 def test_what_lies_at_a_bound_cannot_give_way():

@@ -1,0 +1,182 @@
+"""Laws found one after the other: searched, refitted, and judged by their evidence."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from testbench.diagnosis.laplace import Hypothesis
+from testbench.diagnosis.rounds import excess
+from testbench.diagnosis.search import Progress, Search
+from testbench.fitting.baseline import with_shapes
+from testbench.knit.catalogue import Catalogue
+from testbench.knit.effect import FloatArray
+from testbench.knit.laws import check
+from testbench.proposing.beam import Beam, Found
+from testbench.proposing.chain import OpenChain
+from testbench.proposing.grids import Grid, rounded
+from testbench.proposing.law import Law
+from testbench.proposing.results import Option, Step, numbered
+from testbench.proposing.screening import Projector
+from testbench.proposing.stability import SURE, stability
+from testbench.proposing.trial import Bench, Trial
+from testbench.proposing.writing import effect_class
+
+NOTHING_LEFT = 0.3  # squared noise floors above the noise, all channels: the floors themselves are known to a tenth
+LEAST_GAIN = 10.0  # nats: about ln of the number of laws that are tried
+LEAST_SHARE = 0.1  # of the squared error above the noise that a law takes off
+FINALISTS, OF_ONE_PLACE, OF_ONE_FAMILY, SETTLED = 6, 3, 2, 2
+TIED = 3.0  # nats
+
+
+@dataclass(frozen=True, eq=False)
+class Ground:
+    """A base without the law that is sought, and laws to first order beside it."""
+
+    hypothesis: Hypothesis
+    projector: Projector
+
+
+class Hunt:
+    """Laws found one after the other."""
+
+    def __init__(
+        self, search: Search, catalogue: Catalogue, tell: Progress, pool: ThreadPoolExecutor, name: str
+    ) -> None:
+        self.search, self.catalogue, self.tell, self.pool, self.name = search, catalogue, tell, pool, name
+        self.measurement, self.likelihood = search.measurement, search.likelihood
+        self.base = search.flexible
+        self.said_nothing_left = excess(self.base, self.likelihood) < NOTHING_LEFT
+        self.grid = self.grid_for(self.base)
+        self.bench = Bench(self.likelihood, search.reference, self.grid)
+
+    def grid_for(self, h: Hypothesis) -> Grid:
+        """Start values of the parameters, from this recording and what a model leaves of it."""
+        m = self.measurement
+        span = rounded(float(np.max(m.signals["strain"])))
+        residual = [values[m.counts] for values in m.residual(h.model).values()]
+        return Grid(max(span, 1e-3), m.dt_s, float(m.signals["time_s"][-1]), residual)
+
+    def run(self, most: int) -> list[tuple[Step, Hypothesis]]:
+        """Laws that each gain, with the model that has them all so far."""
+        current = self.base
+        steps: list[tuple[Step, Hypothesis]] = []
+        while len(steps) < most and excess(current, self.likelihood) >= NOTHING_LEFT:
+            found = self.round(current, numbered(self.name, len(steps)))
+            if found is None:
+                break
+            steps.append(found)
+            current = found[1]
+        return steps
+
+    def round(self, current: Hypothesis, name: str) -> tuple[Step, Hypothesis] | None:
+        """The best law beside a model, if one gains.
+
+        It is sought twice: a base that has bent to take part of a law in makes another law of it. The second time
+        the base is where the best of the first look, refitted with it, has taken it to.
+        """
+        trials = self.look(self.ground(current), name)
+        if not trials:
+            return None
+        first = self.bench.settled(max(trials, key=_evidence))
+        ground = self.ground(self.bench.bare(first))
+        trials = _best_of_each([first, *trials, *self.look(ground, name)])
+        trials = _best_of_each([*self.pool.map(self.carried, trials[:SETTLED]), *trials])
+        holds, wins = stability(current, [t.hypothesis for t in trials], self.likelihood)
+        options = [
+            Option(t.law, t.log_z - current.log_z, float(holds[k]), float(wins[k])) for k, t in enumerate(trials)
+        ]
+        best = next((k for k, o in enumerate(options) if self.pays(o, trials[k], current)), None)
+        if best is None:
+            return None
+        rest = tuple(one for k, one in enumerate(options) if k != best)
+        tied = sum(abs(one.log_evidence - options[best].log_evidence) < TIED for one in rest)
+        won = self.simpler(trials[best], ground)
+        option = replace(options[best], law=won.law, log_evidence=won.log_z - current.log_z)
+        return Step(option, rest, tied, self.dependence(won)), won.hypothesis
+
+    def ground(self, h: Hypothesis) -> Ground:
+        """Where laws are sought."""
+        return Ground(h, Projector(h, self.likelihood, OpenChain(h.model, self.measurement)))
+
+    def look(self, ground: Ground, name: str) -> list[Trial]:
+        """The best laws beside a base, refitted with it, quickly."""
+        found = Beam(ground.projector, self.grid_for(ground.hypothesis), self.tell, self.pool).run()
+        chosen = finalists([one for one in found if one.gain > LEAST_GAIN / 2])
+        return list(self.pool.map(lambda one: self.refitted(one.law, ground, name), chosen))
+
+    def refitted(self, law: Law, ground: Ground, name: str) -> Trial:
+        """A law refitted with its base, quickly."""
+        self.tell(f"refitting with {law.key}")
+        return self.bench.tried(law, name, ground.hypothesis, ground.projector.law_prior_sd(law))
+
+    def simpler(self, trial: Trial, ground: Ground) -> Trial:
+        """A law without those of its pieces that the evidence does not ask for."""
+        best = trial
+        for at in reversed(range(len(trial.law.term.operators))):
+            less, scores = best.law.without(at), ground.projector
+            score = scores.of_law(less)
+            if score.gain > scores.of_law(best.law).gain - LEAST_GAIN:
+                quick = self.refitted(replace(less, strength=score.strength), ground, trial.name)
+                best = max(best, self.bench.settled(quick), key=_evidence)
+        return best
+
+    def pays(self, option: Option, trial: Trial, current: Hypothesis) -> bool:
+        """Whether a law gains in evidence and in error, on nearly every part, and obeys the laws of all effects."""
+        before, after = excess(current, self.likelihood), excess(trial.hypothesis, self.likelihood)
+        return (
+            option.log_evidence > LEAST_GAIN
+            and option.holds >= SURE
+            and after < (1 - LEAST_SHARE) * before
+            and not check(effect_class(option.law, trial.name, self.grid)())
+        )
+
+    def carried(self, trial: Trial) -> Trial:
+        """A refit carried to its end, and beside bases that never bent to take the law in: stiff, and free to bend.
+
+        A base that has done so has moved its other parameters along, and may not find back beside the law; and what
+        it was bent by may not be needed any more.
+        """
+        done = self.bench.settled(trial)
+        model = self.search.reference
+        for key, effect in done.hypothesis.model.effects.items():
+            model = model.plus(effect, key) if key.startswith(self.name) else model
+        stiff = self.bench.anew(trial, model, done.hypothesis)
+        free = with_shapes(stiff.hypothesis.model, self.measurement, self.catalogue)
+        return max(done, stiff, self.bench.anew(trial, free, done.hypothesis), key=_evidence)
+
+    def dependence(self, trial: Trial) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """z of a law, and what the channel lacks without and with it, at samples that count."""
+        m, rows, law, model = self.measurement, self.likelihood.rows, trial.law, trial.hypothesis.model
+        z = law.term.evaluated(OpenChain(model, m).readable(law.place), law.values, m.dt_s)[rows]
+        channel = law.place.channel if law.place.channel in m.channels else m.channels[0]
+        without = m.residual(model.without(trial.name))[channel][rows]
+        return z, without - np.median(without), m.residual(model)[channel][rows]
+
+
+def finalists(found: Sequence[Found]) -> list[Found]:
+    """The best, few of one place and family: first order cannot tell them, and some are artefacts of it."""
+    kept: list[Found] = []
+    for one in found:
+        same = [k for k in kept if k.law.place == one.law.place]
+        alike = [k for k in same if k.law.family == one.law.family]
+        if len(same) < OF_ONE_PLACE and len(alike) < OF_ONE_FAMILY:
+            kept.append(one)
+        if len(kept) == FINALISTS:
+            break
+    return kept
+
+
+def _evidence(trial: Trial) -> float:
+    return trial.log_z
+
+
+def _best_of_each(trials: Sequence[Trial]) -> list[Trial]:
+    """The best trial of each structure, the best first: its numbers are those of the base that it met."""
+    best: dict[str, Trial] = {}
+    for one in sorted(trials, key=_evidence, reverse=True):
+        best.setdefault(one.law.key, one)
+    return list(best.values())
