@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from compensation.model.compensator import Compensator
     from testbench.recordings.recording import Recording
 
 PICTURES = (".png", ".pdf", ".svg")
@@ -33,6 +34,17 @@ def read_all(args: argparse.Namespace) -> list[Recording]:
     for recording in recordings:
         check_tared(recording)
     return recordings
+
+
+def check_long_enough(source: str, compensator: Compensator, duration_s: float) -> None:
+    """Refuse a recording shorter than the slowest memory: it is all beginning."""
+    from gcode.support.errors import UserError
+
+    if duration_s < compensator.slowest_s:
+        raise UserError(
+            f"{source}: {duration_s:.1f} s long, the compensator's slowest memory has {compensator.slowest_s:.0f} s; "
+            "give a longer recording, or train with a smaller --factor or --count"
+        )
 
 
 def check_places(output: str | None, picture: str | None) -> None:
