@@ -26,7 +26,7 @@ def run(args: argparse.Namespace) -> int:
     from compensation.scoring.scorecard import score_recordings
     from gcode.support.files import write_text
 
-    check_places(args.output, args.plot)
+    check_places(args.output, args.plot, [args.compensator, *args.recordings])
     compensator, recordings = load(args.compensator), read_all(args)
     for recording in recordings:
         check_long_enough(recording.source, compensator, recording.duration_s)

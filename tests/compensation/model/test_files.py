@@ -66,3 +66,23 @@ def test_what_is_honest_is_read_as_it_was_written(place):
     read = files.load(place / "c.json")
     files.save(place / "again.json", read)
     assert json.loads((place / "again.json").read_text()) == json.loads((place / "c.json").read_text())
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["predict", "r.csv", "--compensator", "c.json", "-o", "r.csv"],
+        ["predict", "r.csv", "--compensator", "c.json", "-o", "c.json"],
+        ["recalibrate", "c.json", "r.csv", "-o", "r.csv"],
+        ["train", "r.csv", "--target", "force", "-o", "r.csv"],
+        ["score", "c.json", "r.csv", "-o", "r.csv"],
+        ["export", "c.json", "-o", "c.json"],
+    ],
+    ids=lambda words: f"{words[0]}-{words[-1]}",
+)
+def test_what_is_read_is_never_replaced(place, capsys, monkeypatch, words):
+    monkeypatch.chdir(place)
+    before = {name: (place / name).read_bytes() for name in ("c.json", "r.csv")}
+    assert main(words) == 2
+    assert f"-o {words[-1]} would replace what is read" in capsys.readouterr().err
+    assert {name: (place / name).read_bytes() for name in before} == before
