@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from compensation.model.compensator import Compensator
     from testbench.recordings.recording import Recording
 
 PICTURES = (".png", ".pdf", ".svg")
@@ -35,8 +36,19 @@ def read_all(args: argparse.Namespace) -> list[Recording]:
     return recordings
 
 
-def check_places(output: str | None, picture: str | None) -> None:
-    """Refuse a file that cannot be written before the work that would go into it."""
+def check_long_enough(source: str, compensator: Compensator, duration_s: float) -> None:
+    """Refuse a recording shorter than the slowest memory: it is all beginning."""
+    from gcode.support.errors import UserError
+
+    if duration_s < compensator.slowest_s:
+        raise UserError(
+            f"{source}: {duration_s:.1f} s long, the compensator's slowest memory has {compensator.slowest_s:.0f} s; "
+            "give a longer recording, or train with a smaller --factor or --count"
+        )
+
+
+def check_places(output: str | None, picture: str | None, read: Sequence[str] = ()) -> None:
+    """Refuse a file that cannot be written, or that would replace one of those to `read`, before the work."""
     from pathlib import Path
 
     from gcode.support.errors import UserError
@@ -44,8 +56,12 @@ def check_places(output: str | None, picture: str | None) -> None:
 
     if picture and Path(picture).suffix.lower() not in PICTURES:
         raise UserError(f"--plot must end in {', '.join(PICTURES)}, got {picture}")
-    check_place(output or None)
-    check_place(picture or None, "--plot")
+    for flag, place in (("-o", output), ("--plot", picture)):
+        check_place(place or None, flag)
+        for source in read:
+            held = Path(source) / "recording.csv" if Path(source).is_dir() else Path(source)
+            if place and held.exists() and Path(place).exists() and held.samefile(place):
+                raise UserError(f"{flag} {place} would replace what is read, {source}; choose another place")
 
 
 def score_table(scores: dict[str, Any]) -> str:

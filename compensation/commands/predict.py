@@ -6,9 +6,6 @@ import argparse
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from compensation.model.compensator import Compensator
 
 SUMMARY = "Apply a compensator to a recording of resistance; no reference is needed."
@@ -29,18 +26,19 @@ def run(args: argparse.Namespace) -> int:
     import numpy as np
     import pandas as pd
 
-    from compensation.commands.common import check_places
+    from compensation.commands.common import check_long_enough, check_places
     from compensation.model.files import load
     from compensation.model.prediction import predicted, read_samples
     from compensation.model.runtime import Status
     from compensation.series.preprocessing import TARGETS
     from gcode.support.files import atomic_path
 
-    check_places(args.output, None)
+    check_places(args.output, None, [args.compensator, args.recording])
     compensator = load(args.compensator)
     _check_target(args, compensator)
     time_s, resistance_ohm = read_samples(args.recording)
-    _check_long_enough(args.recording, compensator, time_s[np.isfinite(time_s)])
+    known_s = time_s[np.isfinite(time_s)]
+    check_long_enough(args.recording, compensator, float(np.ptp(known_s)) if len(known_s) else 0.0)
     found = predicted(compensator, time_s, resistance_ohm)
     name, unit = TARGETS[compensator.target]
     frame = pd.DataFrame(
@@ -75,21 +73,9 @@ def _check_target(args: argparse.Namespace, compensator: Compensator) -> None:
             )
 
 
-def _check_long_enough(path: str, compensator: Compensator, time_s: NDArray[np.float64]) -> None:
-    """A recording shorter than the slowest memory is all beginning."""
-    from gcode.support.errors import UserError
-
-    duration_s = float(time_s.max() - time_s.min()) if len(time_s) else 0.0
-    if duration_s < compensator.slowest_s:
-        raise UserError(
-            f"{path}: {duration_s:.1f} s long, the compensator's slowest memory has {compensator.slowest_s:.0f} s; "
-            "give a longer recording, or train with a smaller --factor or --count"
-        )
-
-
 WORDS = {
     "BAD_READING": "with a resistance that is no positive number: the last value is repeated",
-    "BAD_STEP": "with a time that does not increase: the last value is repeated",
+    "BAD_STEP": "with a time that is out of order: the last value is repeated",
     "UNSEEN_READING": "with a conductance that the training did not have: do not rely on them",
     "UNSEEN_HISTORY": "after a history that the training did not have, if only by a little",
 }

@@ -32,7 +32,7 @@ def run(args: argparse.Namespace) -> int:
 
     if not LEAST_S <= args.seconds < float("inf"):
         raise UserError(f"--seconds must be a number from {LEAST_S:g} on, got {args.seconds:g}")
-    check_places(args.output, None)
+    check_places(args.output, None, [args.recording])
     compensator = load(args.compensator)
     found = recalibrated(compensator, _reference(args, compensator))
     save(args.output, found)

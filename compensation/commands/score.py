@@ -21,13 +21,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     import json
 
-    from compensation.commands.common import check_places, finish, read_all
+    from compensation.commands.common import check_long_enough, check_places, finish, read_all
     from compensation.model.files import load
     from compensation.scoring.scorecard import score_recordings
     from gcode.support.files import write_text
 
-    check_places(args.output, args.plot)
-    scores = score_recordings(load(args.compensator), read_all(args))
+    check_places(args.output, args.plot, [args.compensator, *args.recordings])
+    compensator, recordings = load(args.compensator), read_all(args)
+    for recording in recordings:
+        check_long_enough(recording.source, compensator, recording.duration_s)
+    scores = score_recordings(compensator, recordings)
     scores["compensator"]["file"] = args.compensator
     if args.output:
         write_text(args.output, json.dumps(scores, allow_nan=False) + "\n")

@@ -70,7 +70,7 @@ def run(args: argparse.Namespace) -> int:
     from compensation.series.reading import check_distinct
 
     options = _options(args)
-    check_places(args.output, args.plot)
+    check_places(args.output, args.plot, args.recordings)
     recordings = read_all(args)
     check_distinct(recordings)
     args.method = args.method or _implied(args)

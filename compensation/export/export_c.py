@@ -67,6 +67,7 @@ def c_header(compensator: Compensator, name: str = "knitbench") -> str:
         begin_gain=_numbers(begin.gain[:filters]),
         begin_offset=_numbers(begin.offset[:filters]),
         flags=_flags(name.upper()),
+        margins=_margins(name.upper(), compensator.margins),
         shortest=_number(SHORTEST_STEP_S),
         longest=_number(LONGEST_STEP_S),
         smallest=_number(SMALLEST_CONDUCTANCE_S),
@@ -128,6 +129,16 @@ def _flags(prefix: str) -> str:
     return "\n".join(f"#define {prefix}_{flag.name} {int(flag)}u /* {text} */" for flag, text in comments.items())
 
 
+def _margins(prefix: str, margins: tuple[float, float] | None) -> str:
+    if margins is None:
+        return ""
+    low, high = map(_number, margins)
+    return (
+        "/* Added to a value: the ends of the interval that holds 90 % of the errors to be expected. */\n"
+        f"#define {prefix}_MARGIN_LOW ({low})\n#define {prefix}_MARGIN_HIGH ({high})\n"
+    )
+
+
 def _number(value: float) -> str:
     text = repr(float(np.float32(value)))
     return f"{text}f"
@@ -165,7 +176,7 @@ TEMPLATE = """\
 #define {NAME}_INPUTS {inputs}u
 #define {NAME}_WIDEST {widest}u
 #define {NAME}_RATE_HZ {rate}
-
+{margins}
 typedef struct {{
     float forced[{NAME}_FILTERS]; /* response from a zero state */
     float lost[{NAME}_FILTERS];   /* what rounding has taken from it so far */

@@ -114,7 +114,10 @@ def _model(compensator: Compensator) -> Any:
     body = helper.make_graph(graph.nodes, "compensator_step", inputs, outputs, graph.constants)
     # IR 8 goes with opset 17: older runtimes on small boards read it.
     model = helper.make_model(body, opset_imports=[helper.make_opsetid("", OPSET)], ir_version=8)
-    helper.set_model_props(model, {"rate_hz": repr(compensator.rate_hz), "unit": compensator.unit})
+    properties = {"rate_hz": repr(compensator.rate_hz), "unit": compensator.unit}
+    if compensator.margins is not None:
+        properties["margins"] = " ".join(map(repr, compensator.margins))
+    helper.set_model_props(model, properties)
     return model
 
 

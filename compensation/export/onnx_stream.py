@@ -26,6 +26,8 @@ class OnnxStream:
         Of the last sample.
     unit : str
         "N" or "mm".
+    margins : tuple of float, optional
+        Added to a value: the ends of the interval that holds 90 % of the errors to be expected.
 
     Raises
     ------
@@ -42,6 +44,8 @@ class OnnxStream:
             self._session = onnxruntime.InferenceSession(str(path), providers=["CPUExecutionProvider"])
             properties = self._session.get_modelmeta().custom_metadata_map
             self.rate_hz, self.unit = float(properties["rate_hz"]), properties["unit"]
+            ends = [float(end) for end in properties.get("margins", "").split()]
+            self.margins = (ends[0], ends[1]) if ends else None
         except Exception as error:  # onnxruntime's exceptions share no base class
             raise UserError(
                 f"{path}: not a compensator in ONNX ({type(error).__name__}); write one with `compensation export`"

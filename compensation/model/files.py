@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, PositiveFloat
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
 from compensation.engines.network import Network
+from compensation.memories.ema import SMALLEST_ALPHA
 from compensation.memories.history import SETTLE_S, History
 from compensation.model.compensator import Compensator, Scaling
 from compensation.model.ranges import Beginning, Seen
@@ -24,36 +26,69 @@ FORMAT, FORMAT_VERSION = "knitbench-compensator", 4
 READABLE = (2, 3, 4)
 
 
+# What a chip's float32 and products of a few of them can hold.
+LARGEST, SMALLEST = 1e12, 1e-30
+_Number = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
+_Positive = Annotated[float, Field(ge=SMALLEST, le=LARGEST)]
+# A second, and a rate, within six orders of magnitude of one.
+_Human = Annotated[float, Field(ge=1e-6, le=1e6)]
+
+
 class _Strict(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True)
 
 
 class _Scaling(_Strict):
-    mean: FiniteFloat
-    scale: PositiveFloat
+    mean: _Number
+    scale: _Positive
 
 
 class _Network(_Strict):
-    weights: list[list[list[FiniteFloat]]]
-    biases: list[list[FiniteFloat]]
+    weights: list[list[list[_Number]]]
+    biases: list[list[_Number]]
 
 
 class _History(_Strict):
-    motion_taus_s: list[Annotated[FiniteFloat, Field(gt=0)]]
-    play_radii: list[Annotated[FiniteFloat, Field(gt=0)]]
-    settle_s: PositiveFloat = SETTLE_S
+    motion_taus_s: list[_Human]
+    play_radii: list[_Positive]
+    settle_s: _Human = SETTLE_S
+
+
+def _ordered(ends: Sequence[float]) -> Sequence[float]:
+    if ends[0] > ends[1]:
+        raise ValueError(f"the lower end {ends[0]:g} lies above the upper one {ends[1]:g}")
+    return ends
 
 
 class _Seen(_Strict):
-    low: FiniteFloat
-    high: FiniteFloat
-    inputs_low: list[FiniteFloat]
-    inputs_high: list[FiniteFloat]
+    low: _Number
+    high: _Number
+    inputs_low: list[_Number]
+    inputs_high: list[_Number]
+
+    @model_validator(mode="after")
+    def _not_upside_down(self) -> Self:
+        for ends in ((self.low, self.high), *zip(self.inputs_low, self.inputs_high, strict=False)):
+            _ordered(ends)
+        return self
 
 
 class _Beginning(_Strict):
-    gain: list[FiniteFloat]
-    offset: list[FiniteFloat]
+    gain: list[_Number]
+    offset: list[_Number]
+
+
+class _Promise(BaseModel):
+    model_config = ConfigDict(extra="allow", strict=True)
+    r2: float
+
+
+class _Recipe(BaseModel):
+    """Of how it was trained, what `score` and `recalibrate` read; the rest is for people."""
+
+    model_config = ConfigDict(extra="allow", strict=True)
+    trained_on: list[str] = []
+    cross_validated: _Promise | None = None
 
 
 class _File(_Strict):
@@ -61,20 +96,20 @@ class _File(_Strict):
     version: int
     knitbench: str
     target: str = Field(pattern="^(force|displacement)$")
-    rate_hz: PositiveFloat
-    alphas: list[FiniteFloat] = Field(min_length=1)
+    rate_hz: _Human
+    alphas: list[Annotated[float, Field(ge=SMALLEST_ALPHA, le=1)]] = Field(min_length=1)
     start: str = Field(pattern="^(paper|causal)$")
     irregular: bool
     per_recording: bool
-    sign: float
+    sign: Annotated[float, Field(ge=-1, le=1)]
     history: _History
     scaling_in: _Scaling
     scaling_out: _Scaling
     networks: list[_Network] = Field(min_length=1)
     seen: _Seen | None = None
     beginning: _Beginning | None = None
-    margins: list[FiniteFloat] | None = Field(default=None, min_length=2, max_length=2)
-    recipe: dict[str, Any]
+    margins: Annotated[list[_Number], Field(min_length=2, max_length=2), AfterValidator(_ordered)] | None = None
+    recipe: _Recipe
     sha256: str
 
 
@@ -127,8 +162,6 @@ def load(path: str | Path) -> Compensator:
     inputs = len(checked.alphas) + len(checked.history.motion_taus_s) + len(checked.history.play_radii)
     if any(len(net.weights[0]) != inputs for net in networks):
         raise UserError(f"{path}: not a usable compensator: its network does not take {inputs} inputs")
-    if not all(0 < alpha <= 1 for alpha in checked.alphas):
-        raise UserError(f"{path}: not a usable compensator: each smoothing factor must be in (0, 1]")
     _check_runtime(path, checked, inputs)
     if _digest({key: value for key, value in data.items() if key != "sha256"}) != checked.sha256:
         raise UserError(f"{path}: the file was changed after it was saved (its checksum is wrong); train it again")
@@ -139,8 +172,6 @@ def _check_runtime(path: str | Path, checked: _File, inputs: int) -> None:
     vectors: list[list[float]] = []
     if checked.seen:
         vectors += [checked.seen.inputs_low, checked.seen.inputs_high]
-        if checked.seen.low > checked.seen.high:
-            raise UserError(f"{path}: not a usable compensator: the range seen in training is upside down")
     if checked.beginning:
         vectors += [checked.beginning.gain, checked.beginning.offset]
     if any(len(vector) != inputs for vector in vectors):
@@ -180,7 +211,7 @@ def _build(checked: _File, networks: tuple[Network, ...]) -> Compensator:
         history=History(
             tuple(checked.history.motion_taus_s), tuple(checked.history.play_radii), checked.history.settle_s
         ),
-        recipe=checked.recipe,
+        recipe=checked.recipe.model_dump(exclude_unset=True),
         seen=Seen(**_arrays(checked.seen)) if checked.seen else None,
         beginning=Beginning(**_arrays(checked.beginning)) if checked.beginning else None,
         margins=(checked.margins[0], checked.margins[1]) if checked.margins else None,

@@ -8,7 +8,7 @@ import os
 from pathlib import Path
 
 from compensation.model.files import load
-from compensation.model.runtime import Status
+from compensation.model.runtime import LONGEST_STEP_S, SHORTEST_STEP_S, Status
 from compensation.model.streaming import CompensatorStream
 from compensation.series.preprocessing import TARGETS
 from gcode.support import disk
@@ -46,6 +46,7 @@ class LiveCompensator:
         self._folder, self._refused = Path(folder), False
         self._file: int | None = None
         self._last_us: int | None = None
+        self._odd_us: int | None = None
 
     def take(self, time_us: int, resistance_mohm: int | None) -> float:
         """Feed one sample: recording time in microseconds, resistance in milliohm (None: no reading).
@@ -56,12 +57,25 @@ class LiveCompensator:
             In `unit`.
         """
         conductance_S = 1e3 / resistance_mohm if resistance_mohm else 0.0
-        step_s = None if self._last_us is None else (time_us - self._last_us) * 1e-6
-        value = self._stream.update(conductance_S, step_s)
+        value = self._stream.update(conductance_S, self._step_s(time_us))
         if not self._stream.status & (Status.BAD_READING | Status.BAD_STEP):
             self._last_us = time_us
         self._keep(f"{time_us // 1_000_000}.{time_us % 1_000_000:06d},{value:.6f},{int(self._stream.status)}\n")
         return value
+
+    def _step_s(self, time_us: int) -> float | None:
+        """Time since the last good sample; None where the stream begins, or begins anew.
+
+        One time out of order is a slip of the clock; a second that follows it says that the clock has moved: after
+        a pause of more than an hour, or a restart of the rig, what the memories hold means nothing.
+        """
+        steps_s = [(time_us - before) * 1e-6 for before in (self._last_us, self._odd_us) if before is not None]
+        fits = [SHORTEST_STEP_S <= step_s <= LONGEST_STEP_S for step_s in steps_s]
+        self._odd_us = None if any(fits) or self._last_us is None else time_us
+        if fits[1:] == [True] and not fits[0]:
+            self._stream.reset()
+            return None
+        return steps_s[0] if self._last_us is not None else None
 
     def close(self) -> None:
         """Close the file."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -50,12 +51,15 @@ class Prediction:
 def predicted(compensator: Compensator, time_s: FloatArray, resistance_ohm: FloatArray) -> Prediction:
     """What `Compensator.stream` gives when it is fed these samples, all at once.
 
+    With one advantage: where two times contradict each other, the rest of the recording says which is wrong, so that
+    a clock which jumps ahead for one sample does not make all the others look late.
+
     Parameters
     ----------
     compensator : Compensator
     time_s, resistance_ohm : ndarray, each shape (n,)
-        As sampled; a resistance or time that is no number, or time that stands still or goes back, marks a faulty
-        sample. After a gap of more than an hour it starts anew.
+        As sampled; a resistance or time that is no number, or a time out of order, marks a faulty sample. After a gap
+        of more than an hour it starts anew.
 
     Raises
     ------
@@ -85,13 +89,31 @@ def _faults(time_s: FloatArray, conductance_S: FloatArray) -> NDArray[np.int64]:
     wrong = ~((conductance_S >= SMALLEST_CONDUCTANCE_S) & (conductance_S <= LARGEST_CONDUCTANCE_S))
     status = np.where(wrong, int(Status.BAD_READING), 0)
     # A step is counted from the last good sample, so this cannot be done at once.
-    last = None
+    last, in_order = None, _in_order(time_s)
     for row, (now, fault) in enumerate(zip(time_s, wrong, strict=True)):
-        if not np.isfinite(now) or (last is not None and not now - last >= SHORTEST_STEP_S):
+        if not in_order[row] or (last is not None and not now - last >= SHORTEST_STEP_S):
             status[row] |= int(Status.BAD_STEP)
         elif not fault:
             last = now
     return status
+
+
+def _in_order(time_s: FloatArray) -> NDArray[np.bool_]:
+    """The largest set of samples whose times increase; of equal times the first (patience sorting)."""
+    ends: list[float] = []
+    rows: list[int] = []
+    before = [-1] * len(time_s)
+    for row in np.flatnonzero(np.isfinite(time_s)).tolist():
+        place = bisect_left(ends, time_s[row])
+        if place < len(ends) and ends[place] == time_s[row]:
+            continue
+        ends[place : place + 1], rows[place : place + 1] = [time_s[row]], [row]
+        before[row] = rows[place - 1] if place else -1
+    kept = np.zeros(len(time_s), dtype=bool)
+    row = rows[-1] if rows else -1
+    while row >= 0:
+        kept[row], row = True, before[row]
+    return kept
 
 
 def _run(compensator: Compensator, time_s: FloatArray, conductance_S: FloatArray) -> tuple[FloatArray, NDArray]:

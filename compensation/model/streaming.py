@@ -24,6 +24,8 @@ class CompensatorStream:
         The last prediction, in N or mm; before the first one the mean of the training.
     status : Status
         Of the last sample.
+    margins : tuple of float, optional
+        Added to a value: the ends of the interval that holds 90 % of the errors to be expected.
 
     Raises
     ------
@@ -34,7 +36,7 @@ class CompensatorStream:
     def __init__(self, compensator: Compensator) -> None:
         if compensator.per_recording:
             raise UserError("a compensator trained with --per-recording needs the whole recording; train without it")
-        self._compensator = compensator
+        self._compensator, self.margins = compensator, compensator.margins
         self._log_keep = np.log1p(-np.minimum(compensator.alphas, 1 - 1e-16))
         self._lengths = start_samples(compensator.alphas, compensator.rate_hz)
         self._seen_in_training, self._beginning = ranges_of(compensator), beginning_of(compensator)

@@ -59,9 +59,11 @@ def check(task: Task) -> None:
 def _series(task: Task) -> list[Any]:
     from compensation.memories.ema import PAPER_RATE_HZ
     from compensation.series.preprocessing import series_of
-    from testbench.recordings.files import read_recording
+    from compensation.series.reading import check_tared, read_signals
 
-    recordings = (read_recording(path, task.gauge_length_mm) for path in task.recordings)
+    recordings = [read_signals(path, task.gauge_length_mm) for path in task.recordings]
+    for recording in recordings:
+        check_tared(recording)
     return [series_of(recording, task.target, PAPER_RATE_HZ) for recording in recordings]
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from compensation.engines.engine import Fit
+from compensation.engines.network import Network
 from compensation.model.compensator import Compensator, Scaling
 from compensation.series.preprocessing import Series
 from compensation.training.options import Options
@@ -44,8 +44,10 @@ def scaling_of_target(blank: Compensator, part: Series) -> Scaling:
     return Scaling.of(part.truth) if blank.per_recording else blank.scaling_out
 
 
-def describe(series: Sequence[Series], options: Options, fits: Sequence[Fit], features: FloatArray) -> dict[str, Any]:
-    """What a reader of the saved file wants to know."""
+def describe(
+    series: Sequence[Series], options: Options, networks: Sequence[Network], features: FloatArray
+) -> dict[str, Any]:
+    """What a reader of the saved file wants to know; `networks` are all that were tried, dead ones among them."""
     return {
         "method": "paper",
         "trained_on": [part.source for part in series],
@@ -55,7 +57,7 @@ def describe(series: Sequence[Series], options: Options, fits: Sequence[Fit], fe
         "count": options.count,
         "alphas": options.bank.tolist(),
         "l2": options.l2,
-        "restarts": len(fits),
-        "dead_networks": sum(fit.network.is_dead(features) for fit in fits),
+        "restarts": len(networks),
+        "dead_networks": sum(network.is_dead(features) for network in networks),
         "engine": options.engine,
     }

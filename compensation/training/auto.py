@@ -26,7 +26,6 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from compensation.engines.engine import Fit
 from compensation.engines.network import Network
 from compensation.model.compensator import Compensator
 from compensation.model.runtime import ready_for_use
@@ -42,8 +41,6 @@ from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
 
 SURE = 1.0
-
-
 LEARNERS: tuple[type[Learner], ...] = (Line, Ridge, Paper, Networks)
 STACK, STACKED = "stack", ("ridge", "paper", "networks")
 
@@ -76,14 +73,16 @@ def train_automatically(
             "--method auto learns for use, where no recording's own mean is known; leave --per-recording out"
         )
     folds = folds_of(series)
-    learners = [learner(series, target, options) for learner in LEARNERS]
-    at_all_paces = {learner.name: _cross_validated(learner, folds, progress) for learner in learners}
-    truth = learners[0].lessons.truth
+    learners: dict[str, Learner] = {}
+    for kind in LEARNERS:
+        learners[kind.name] = kind(series, target, options, like=next(reversed(learners.values()), None))
+    at_all_paces = {name: _cross_validated(learner, folds, progress) for name, learner in learners.items()}
+    truth, block_rows = learners["line"].lessons.truth, learners["line"].lessons.block_rows
     predictions = {name: values[0] for name, values in at_all_paces.items()}
     predictions[STACK] = stacked(at_all_paces, truth, folds)
-    chosen = choose(predictions, truth, learners[0].lessons.block_rows)
+    chosen = choose(predictions, truth, block_rows)
     weights = weights_of(at_all_paces, truth) if chosen == STACK else {"line": 1.0}
-    compensator = _trained(weights, {learner.name: learner for learner in learners}, series, options)
+    compensator = _trained(weights, learners, series, options)
     progress(f"trained {chosen} on everything")
     scale = compensator.scaling_out.scale
     tried = {name: figures(truth, values, scale) for name, values in predictions.items()}
@@ -183,26 +182,25 @@ def _cross_validated(learner: Learner, folds: NDArray[np.int64], progress: Calla
 def _trained(
     weights: Mapping[str, float], learners: Mapping[str, Learner], series: Sequence[Series], options: Options
 ) -> Compensator:
-    everything = np.ones(len(learners["line"].lessons.truth), dtype=bool)
-    names = list(weights)
-    parts = [learners[name].fit(everything) for name in names]
-    learner = learners[names[-1]]
-    lesson, count = learner.lessons, sum(len(part.networks) for part in parts)
+    """The weighted parts, fitted on everything, as networks whose mean is the answer."""
+    last = learners[list(weights)[-1]]
+    lesson, everything = last.lessons, np.ones(len(last.features), dtype=bool)
+    parts = {name: learners[name].fit(everything) for name in weights}
+    count = sum(len(part.networks) for part in parts.values())
     networks = [
-        _scaled(network, count * weight / len(part.networks)).absorbing(lesson.shift, lesson.scale)
-        for weight, part in zip(weights.values(), parts, strict=True)
+        _scaled(network, count * weights[name] / len(part.networks)).absorbing(lesson.shift, lesson.scale)
+        for name, part in parts.items()
         for network in part.networks
     ]
-    settings = dict(parts[-1].settings)
-    fits = [Fit(network, np.empty(0)) for network in networks]
-    own = replace(learner.options, l2=settings["l2"])
-    recipe = describe(series, own, fits[:0], np.empty((len(everything), 0))) | {
+    learned = parts[last.name]
+    restarts = learned.settings.get("restarts", 1)
+    recipe = describe(series, replace(last.options, l2=learned.settings["l2"]), (), last.features) | {
         "method": "auto",
         "engine": "fast",
         "seed": options.seed,
-        "restarts": settings.get("restarts", 1),
-        "dead_networks": settings.get("restarts", 1) - len(parts[-1].networks) if names[-1] == "networks" else 0,
-        "settings": settings,
+        "restarts": restarts,
+        "dead_networks": restarts - len(learned.networks) if last.name == Networks.name else 0,
+        "settings": dict(learned.settings),
     }
     return ready_for_use(replace(lesson.blank, networks=tuple(networks), recipe=recipe), series)
 

@@ -55,14 +55,27 @@ class Learned:
 
 
 class Learner:
-    """One rival on one set of recordings: fits on the rows that are kept, predicts all of them."""
+    """One rival on one set of recordings: fits on the rows that are kept, predicts all of them.
+
+    Parameters
+    ----------
+    series, target, options
+        As for `compensation.training.auto.train_automatically`.
+    like : Learner, optional
+        Another one on the same recordings: features of the same memories are its own, not made again.
+    """
 
     name = ""
     options = Options()
+    lessons: Lessons
+    fresh: list[FloatArray]
 
-    def __init__(self, series: Sequence[Series], target: str, options: Options) -> None:
+    def __init__(self, series: Sequence[Series], target: str, options: Options, like: Learner | None = None) -> None:
         self.options = replace(self.options, rate_hz=options.rate_hz, irregular=options.irregular, seed=options.seed)
-        self.lessons: Lessons = lessons(series, target, self.options, starts=True, shift=STATE_SHIFT, paces=PACES[1:])
+        if like is not None and _memories(like.options) == _memories(self.options):
+            self.lessons, self.fresh = like.lessons, like.fresh
+            return
+        self.lessons = lessons(series, target, self.options, starts=True, shift=STATE_SHIFT, paces=PACES[1:])
         # Each fold is predicted as a recording of its own, from its first sample on.
         parts = cut(series, folds_of(series))
         self.fresh = [
@@ -181,6 +194,10 @@ class Networks(Learner):
 def linear(weights: FloatArray, bias: float) -> Network:
     """A network without a hidden layer."""
     return Network((weights[:, None],), (np.array([bias]),))
+
+
+def _memories(options: Options) -> tuple[Any, ...]:
+    return options.factor, options.count, options.alphas, options.history
 
 
 def _without_history(lesson: Lessons, filters: int) -> Lessons:

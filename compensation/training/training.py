@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from compensation.engines.engine import Fit, engine
+from compensation.engines.engine import engine
+from compensation.engines.network import Network
 from compensation.model.compensator import Compensator
 from compensation.model.runtime import ready_for_use
 from compensation.series.preprocessing import Series, series_of
@@ -55,14 +56,20 @@ def train_on_series(
     """As `train`, on prepared series."""
     blank = untrained(series, target, options)
     features, truth = training_arrays(blank, series)
-    fits: list[Fit] = []
+    networks: list[Network] = []
     # One start is the publication's, dead or not; where several are asked for, one that lives is looked for.
     tries = options.restarts if options.restarts < 2 else MORE_STARTS * options.restarts
-    while len(fits) < options.restarts or (len(fits) < tries and all(f.network.is_dead(features) for f in fits)):
-        seed = options.seed + len(fits)
-        fits.append(engine(options.engine)(features, truth, options.sizes, seed, options.l2))
-        progress(f"seed {seed}: training r2 {r2(truth, fits[-1].network(features)):.4f}")
-    scores = [r2(truth, fit.network(features)) for fit in fits]
+    scores: list[float] = []
+    while len(networks) < options.restarts or (
+        len(networks) < tries and all(network.is_dead(features) for network in networks)
+    ):
+        seed = options.seed + len(networks)
+        networks.append(engine(options.engine)(features, truth, options.sizes, seed, options.l2).network)
+        scores.append(r2(truth, networks[-1](features)))
+        progress(f"seed {seed}: training r2 {scores[-1]:.4f}")
     best = int(np.argmax(scores))
-    recipe = describe(series, options, fits, features) | {"seed": options.seed + best, "training_r2": scores[best]}
-    return ready_for_use(replace(blank, networks=(fits[best].network,), recipe=recipe), series)
+    recipe = describe(series, options, networks, features) | {
+        "seed": options.seed + best,
+        "training_r2": scores[best],
+    }
+    return ready_for_use(replace(blank, networks=(networks[best],), recipe=recipe), series)

@@ -21,7 +21,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from compensation.engines.engine import Fit
 from compensation.engines.network import Network
 from compensation.memories.history import NO_HISTORY, History
 from compensation.model.compensator import Compensator
@@ -190,8 +189,7 @@ def ensemble(
         progress(f"network {seed + number}")
     live = [network for network in networks if not network.is_dead(features)] or networks
     prediction = np.mean([network(features) for network in live], axis=0)
-    fits = [Fit(network, np.empty(0)) for network in networks]
-    recipe = describe(series, best.options, fits, features) | {
+    recipe = describe(series, best.options, networks, features) | {
         "method": "tuned",
         "engine": "fast",
         "restarts": ENSEMBLE,

@@ -13,7 +13,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from compensation.engines.engine import Fit
 from compensation.memories.history import History
 from compensation.model.compensator import Compensator
 from compensation.model.runtime import ready_for_use
@@ -126,7 +125,7 @@ def learned(
     features, truth = training_arrays(learning.blank, [measured])
     live = tuple(network for network in networks if not network.is_dead(features)) or tuple(networks[:1])
     prediction = np.mean([network(features) for network in live], axis=0)
-    recipe = describe([measured], options, [Fit(network, np.empty(0)) for network in networks], features) | {
+    recipe = describe([measured], options, networks, features) | {
         "method": "twin",
         "engine": "fast",
         "restarts": NETWORKS,

@@ -157,3 +157,16 @@ def test_a_place_that_cannot_be_written_is_said_before_the_work(compensator, tmp
     assert said in error
     assert "Traceback" not in error
     assert [path.name for path in tmp_path.iterdir()] == ["c.json"]
+
+
+def test_every_runtime_knows_the_interval(compensator, tmp_path):
+    pytest.importorskip("onnxruntime")
+    known = replace(compensator, margins=(-0.25, 0.5))
+    assert CompensatorStream(known).margins == (-0.25, 0.5)
+    header = c_header(known, "pes")
+    assert "#define PES_MARGIN_LOW (-0.25f)" in header
+    assert "#define PES_MARGIN_HIGH (0.5f)" in header
+    assert "MARGIN" not in c_header(compensator, "pes")
+    for one in (known, compensator):
+        write_onnx(one, tmp_path / "c.onnx")
+        assert OnnxStream(tmp_path / "c.onnx").margins == one.margins

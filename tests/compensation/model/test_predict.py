@@ -48,6 +48,18 @@ def test_a_long_pause_starts_anew(compensator, recordings):
     np.testing.assert_allclose(found.value[len(part) :], found.value[: len(part)], atol=1e-7)
 
 
+@pytest.mark.parametrize("jump_s", [1e9, 500.0, -500.0])
+def test_a_clock_that_jumps_for_one_sample_spoils_that_one_alone(compensator, recordings, jump_s):
+    part = recordings[1].between(0, 60)
+    time_s = part.time_s.copy()
+    time_s[700] += jump_s
+    found = predicted(compensator, time_s, part["resistance_ohm"])
+    assert list(np.flatnonzero(found.status & Status.BAD_STEP)) == [700]
+    without = np.delete(np.arange(len(time_s)), 700)
+    expected = predicted(compensator, time_s[without], part["resistance_ohm"][without])
+    np.testing.assert_array_equal(found.value[without], expected.value)
+
+
 def test_command_writes_what_it_says(compensator, recordings, tmp_path, capsys):
     compensator_files.save(tmp_path / "c.json", compensator)
     part = recordings[1].between(0, 60)
@@ -131,6 +143,6 @@ def test_another_target_or_unit_is_refused(compensator, recordings, tmp_path, ca
 def test_a_recording_shorter_than_the_slowest_memory_is_refused(compensator, recordings, tmp_path, capsys):
     compensator_files.save(tmp_path / "c.json", compensator)
     write_recording_csv(tmp_path / "r.csv", recordings[1].between(0, compensator.slowest_s - 1))
-    argv = predicting(tmp_path)
-    assert main(argv) == 2
-    assert f"slowest memory has {compensator.slowest_s:.0f} s" in capsys.readouterr().err
+    for argv in (predicting(tmp_path), ["score", str(tmp_path / "c.json"), str(tmp_path / "r.csv")]):
+        assert main(argv) == 2
+        assert f"slowest memory has {compensator.slowest_s:.0f} s" in capsys.readouterr().err

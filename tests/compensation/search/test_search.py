@@ -7,6 +7,7 @@ import json
 import math
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
 from compensation.cli import main
@@ -178,6 +179,20 @@ def test_split_half_agreement():
     ordered = [row(str(key), seed, key * 0.1) for key in range(5) for seed in range(4)]
     assert split_half_agreement(ordered) == pytest.approx(1.0)
     assert split_half_agreement([row("a", 0, 0.1)]) is None
+
+
+def test_a_search_reads_what_training_reads(task, tmp_path, capsys):
+    """Time, resistance and force are enough; a force that was not tared is refused."""
+    bare = [tmp_path / f"{name}.csv" for name in "TAB"]
+    for path, whole in zip(bare, task.recordings, strict=True):
+        pd.read_csv(whole).drop(columns="displacement_mm").to_csv(path, index=False)
+    words = ["search", *map(str, bare), "--target", "force", "--sample", "1", "--seeds", "1", "--workers", "1"]
+    assert main([*words, "-o", str(tmp_path / "s.jsonl")]) == 0
+    table = pd.read_csv(task.recordings[2])
+    table.assign(force_N=table["force_N"] + 50).to_csv(tmp_path / "untared.csv", index=False)
+    words[3] = str(tmp_path / "untared.csv")
+    assert main([*words, "-o", str(tmp_path / "u.jsonl")]) == 2
+    assert "untared.csv: force_N lies between" in capsys.readouterr().err
 
 
 def test_command_prints_table_picture_and_certainty(task, tmp_path, capsys):
