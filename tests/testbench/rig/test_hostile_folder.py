@@ -77,7 +77,7 @@ def test_a_manifest_cannot_name_a_port_that_writes_or_calls_out(recorded, tmp_pa
     assert victim.read_text() == "precious"
 
 
-@pytest.mark.parametrize("port", ["/dev/ttyUSB7", "/dev/ttyACM0", "/dev/cu.usbserial-1410", "/dev/rfcomm0", "/dev/pts/999"])
+@pytest.mark.parametrize("port", ["/dev/ttyUSB7", "/dev/ttyACM0", "/dev/cu.usb-1410", "/dev/rfcomm0", "/dev/pts/999"])
 def test_a_serial_device_may_be_remembered_while_it_is_away(recorded, port):
     changed(recorded, port=port)
     assert job_of(recorded).port == port
