@@ -76,10 +76,11 @@ def check_program(
     Raises
     ------
     UserError
-        If `rate_hz` or `longest_dwell_s` is not above zero.
+        If `rate_hz` is not from 1 to 10,000, or `longest_dwell_s` not above zero.
     """
-    if not (np.isfinite(rate_hz) and 0 < rate_hz <= 10_000):
-        raise UserError(f"rate_hz must be above 0 and at most 10000, got {rate_hz:g}")
+    if not 1 <= rate_hz <= 10_000:
+        # Below, the differences would be taken over whole strokes, and show nothing of them.
+        raise UserError(f"rate_hz must be from 1 to 10000, got {rate_hz:g}")
     longest_dwell_s = LONGEST_DWELL_S if longest_dwell_s is None else longest_dwell_s
     if not longest_dwell_s > 0:
         raise UserError(f"the longest dwell must be a number of seconds above 0, got {longest_dwell_s:g}")

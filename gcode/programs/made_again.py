@@ -72,8 +72,9 @@ def provenance(text: str, program: Program) -> Provenance:
 
     keys = program.header
     if not any(key.startswith("spec.") for key in keys):
-        # A header that states a rate but no recipe proves nothing: the file is judged as anybody's.
-        return Provenance(FOREIGN)
+        # A header that states a rate but no recipe proves nothing: the file is judged as anybody's, but for its seal.
+        broken = seal_problem(text) if "sha256" in keys else ""
+        return _refused(1, f"{broken}; {REMEDY}") if broken else Provenance(FOREIGN)
     if program.problems:
         return Provenance("its recipe was not tried", problems=[])
     broken = seal_problem(text)

@@ -74,6 +74,10 @@ class Triangle(RangedPiece):
     cycles: Count = 1
     rest_s: Rest = 0.0
 
+    @property
+    def strokes(self) -> int:
+        return 3 * self.cycles
+
     def path(self, start_mm: float, frame: Frame) -> Path:
         low, high = frame.mm(self.low_percent), frame.mm(self.high_percent)
         cycle = join(way([low, high, low], self.speed_mm_per_s), rest(low, self.rest_s))
@@ -87,6 +91,10 @@ class Staircase(Piece):
     levels_percent: tuple[Percent, ...] = Field(min_length=1)
     speed_mm_per_s: Positive
     hold_s: Duration
+
+    @property
+    def strokes(self) -> int:
+        return 2 * len(self.levels_percent)
 
     def path(self, start_mm: float, frame: Frame) -> Path:
         stops = [start_mm, *(float(frame.mm(level)) for level in self.levels_percent)]
@@ -102,6 +110,10 @@ class RateSweep(RangedPiece):
     cycles: Count = 1
     rest_s: Rest = 0.0
 
+    @property
+    def strokes(self) -> int:
+        return 3 * self.cycles * len(self.speeds_mm_per_s)
+
     def path(self, start_mm: float, frame: Frame) -> Path:
         shared = {"low_percent": self.low_percent, "high_percent": self.high_percent, "rest_s": self.rest_s}
         triangles = [Triangle(speed_mm_per_s=v, cycles=self.cycles, **shared) for v in self.speeds_mm_per_s]
@@ -113,7 +125,7 @@ class Multisine(RangedPiece):
 
     kind: Literal["multisine"] = "multisine"
     duration_s: Duration
-    frequencies_hz: tuple[Positive, ...] = Field(min_length=1)
+    frequencies_hz: tuple[Positive, ...] = Field(min_length=1, max_length=100)
     amplitudes: tuple[Positive, ...] | None = None
 
     @model_validator(mode="after")

@@ -15,6 +15,11 @@ class Piece(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
+    @property
+    def strokes(self) -> int:
+        """Straight moves and rests of its path, at most; of a curve, which has a duration, one."""
+        return 1
+
     def path(self, start_mm: float, frame: Frame) -> Path:
         """The piece's path; its first position may differ from `start_mm`, then an approach is put before it."""
         raise NotImplementedError

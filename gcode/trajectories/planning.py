@@ -11,6 +11,7 @@ from gcode.trajectories.bounds import Limits, excesses
 from gcode.trajectories.trajectory import Trajectory, TrajectorySpec, position_decimals, sampled
 
 MAX_SAMPLES = 20_000_000
+MOST_STROKES = 2_000_000
 # Finite differences of rounded positions, and the executed motion's own deviations, need some room.
 _MARGINS = (0.95, 0.9, 0.8, 0.6)
 # A tenth of a yarn's fibre, and a house: what is beyond would be planned for ever.
@@ -55,6 +56,7 @@ def _within(spec: TrajectorySpec, seed: int, gauge_length_mm: float, margin: flo
     v_max = max(spec.limits.v_max_mm_per_s - 10.0**-decimals * spec.rate_hz, 0.9 * spec.limits.v_max_mm_per_s)
     a_max = spec.limits.a_max_mm_per_s2 * margin
     path = whole_path(spec, seed, gauge_length_mm, v_max, a_max)
+    _check_samples(float(path.duration_s.sum()) * spec.rate_hz)
     check_travel(path, spec.limits)
     if not np.diff(np.round(path.position_mm, decimals)).any():
         raise UserError(f"{spec.name}: this protocol never moves; add a piece that does")
@@ -88,11 +90,20 @@ def check_request(spec: TrajectorySpec, seed: int, gauge_length_mm: float) -> No
         )
     if seed != int(seed) or not 0 <= seed < 2**63:
         raise UserError(f"seed must be a whole number of 0 or more, got {seed}")
-    samples = sum(getattr(piece, "duration_s", 0.0) for piece in spec.pieces) * spec.rate_hz
-    if samples > MAX_SAMPLES:
+    _check_samples(sum(getattr(piece, "duration_s", 0.0) for piece in spec.pieces) * spec.rate_hz)
+    strokes = sum(piece.strokes for piece in spec.pieces)
+    if strokes > MOST_STROKES:
+        raise UserError(
+            f"a trajectory may have {MOST_STROKES} strokes and rests, this one would have {strokes}; lower the cycles"
+        )
+
+
+def _check_samples(samples: float) -> None:
+    """Refuse a run that takes too long, before it is planned."""
+    if not samples <= MAX_SAMPLES:
         raise UserError(
             f"a trajectory may have {MAX_SAMPLES} samples, this one would have {samples:.3g}; "
-            "lower rate_hz or the durations"
+            "lower rate_hz or the durations, or ask for faster moves"
         )
 
 

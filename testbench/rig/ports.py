@@ -7,6 +7,7 @@ pyserial has more kinds of URL than a rig has plugs: ``spy://`` writes everythin
 from __future__ import annotations
 
 import ipaddress
+import re
 import stat
 from pathlib import Path
 from urllib.parse import urlsplit
@@ -14,6 +15,8 @@ from urllib.parse import urlsplit
 from gcode.support.errors import UserError
 
 NETWORK = ("socket", "rfc2217")
+# To open another device may do something: /dev/watchdog, for one, restarts the machine a minute later.
+_TERMINAL = re.compile(r"tty[A-Za-z.][\w.-]*|cu\.[\w.-]+|rfcomm\d+|pts/\d+", re.ASCII)
 ALLOWED = "a device such as /dev/ttyUSB0, or socket://HOST:PORT, or rfc2217://HOST:PORT"
 
 
@@ -77,8 +80,8 @@ def _is_terminal(path: Path) -> bool:
     if not path.is_absolute():
         return False
     real = path.resolve()
-    in_devices = real.parts[1:2] == ("dev",)
+    named = real.parts[1:2] == ("dev",) and _TERMINAL.fullmatch("/".join(real.parts[2:])) is not None
     try:
-        return in_devices and (not real.exists() or stat.S_ISCHR(real.stat().st_mode))
+        return named and (not real.exists() or stat.S_ISCHR(real.stat().st_mode))
     except OSError:
         return False

@@ -75,7 +75,7 @@ class Watchdog:
         if self._silent:
             self.message = self._quiet_words(host_s)
         else:
-            self.message = self._rejected or self._clock
+            self.message = self._rejected or self._clock or _bridged(intake)
         return found
 
     def away(self, host_s: float) -> None:
@@ -129,3 +129,9 @@ class Watchdog:
         self._clock = f"the device's clock ran {device_s:.1f} s while the host's ran {host_s:.1f} s"
         details: dict[str, object] = {"device_s": round(device_s, 3), "host_s": round(host_s, 3)}
         return [] if was else [Event("clock disagrees", intake.time_us, details)]
+
+
+def _bridged(intake: Intake) -> str:
+    """What to say of a device whose clock was lost, by a jump or by a reboot: each is an event, too."""
+    times = intake.anchor.epoch if intake.anchor else 0
+    return f"the device's clock jumped or began anew {times} times: the host's bridged it" if times else ""

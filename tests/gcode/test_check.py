@@ -56,6 +56,15 @@ def test_a_sound_foreign_program_passes():
         ("G0 G1 X1 F6\nM30\n", 2, "exclude each other"),
         ("G0 X5\nM30\n", 2, "no known speed"),
         ("G93\nG1 X1 F6\nX2\nM30\n", 4, "F of its own"),
+        ("G1 X1 F6\n%\nG1 X0\nM30\n", 3, "% ends the program here"),
+        ("G1 X1 F6 (a\rG1 X9 F6000)\nM30\n", 2, "not printed"),
+        ("G1 X1 F6 ;\x0bG1 X9 F6000\nM30\n", 2, "not printed"),
+        ("G1 X\u0661.0 F\u0666.0\nM30\n", 2, "not ASCII"),
+        ("G1 X1 F6\nG20\nG1 X0\nM30\n", 4, "without a feed"),
+        ("G1 X1 F6\nG20 F6\nG1 X0\nM30\n", 3, "F in the line of G20 is taken in the unit before"),
+        ("G1 X1 F6\nM0\nG1 X0\nM30\n", 3, "waits for somebody"),
+        ("G1 X1 F6\nG80\nX0\nM30\n", 4, "before any G0 or G1"),
+        ("G1 X1 F6\nG4 P1.0\nP5.0\nG1 X0\nM30\n", 4, "P stands without the G4"),
         ("G1 X1 F6\n", 2, "does not end with M30"),
         ("M30\n", 1, "moves nothing"),
     ],
@@ -64,6 +73,27 @@ def test_what_is_refused_says_line_and_reason(body, line, reason):
     found = [text for text in reasons(START + body) if reason in text]
     assert found
     assert found[0].startswith(f"line {line}: ")
+
+
+def test_the_first_unit_is_not_for_the_feed_beside_it():
+    """LinuxCNC takes F before G21: in whatever unit its last job left."""
+    assert "F in the line of G21" in reasons("G21 G90 G94 F6\nG1 X1\nG1 X0\nM30\n")[0]
+
+
+def test_a_percent_sign_may_begin_and_follow_a_program():
+    assert reasons("%\n" + SOUND + "%\n") == []
+
+
+def test_a_program_of_faults_is_read_no_further_than_a_thousand():
+    found = reasons(START + "G1 X1 F6\n" * 5000 + "M30\n")
+    assert len(found) == 1001
+    assert found[-1].endswith("the program was read no further")
+
+
+@pytest.mark.parametrize("rate_hz", [0.5, 0.0, -1.0, float("nan"), 1e5])
+def test_a_rate_that_would_show_nothing_is_refused(rate_hz):
+    with pytest.raises(UserError, match="rate_hz must be from 1 to 10000"):
+        check_program(parse_program(SOUND), LIMITS, rate_hz)
 
 
 def test_inches_and_incremental_moves_are_understood():

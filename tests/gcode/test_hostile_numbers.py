@@ -7,6 +7,9 @@ import pytest
 from gcode.cli import main
 from gcode.programs.make import make
 from gcode.support.errors import UserError
+from gcode.trajectories.designed import Hold, Ramp, RateSweep, Staircase, Triangle
+from gcode.trajectories.planning import plan
+from gcode.trajectories.trajectory import TrajectorySpec
 from tests.fuzz.targets import SPEC
 
 LIMITS = ["--v-max", "5", "--a-max", "20", "--x-min", "-1", "--x-max", "10"]
@@ -33,6 +36,21 @@ def test_the_name_of_a_file_does_not_steer_the_terminal(program, capsys):
 def test_a_gauge_length_that_no_sample_has_is_refused(gauge_length_mm):
     with pytest.raises(UserError, match="gauge length must be"):
         make(SPEC, 1, gauge_length_mm)
+
+
+@pytest.mark.parametrize(
+    ("pieces", "reason"),
+    [
+        (Ramp(to_percent=4, speed_mm_per_s=1e-9), "samples, this one would have"),
+        (Triangle(high_percent=4, speed_mm_per_s=1e-300), "samples, this one would have"),
+        (RateSweep(high_percent=4, speeds_mm_per_s=(1.0,) * 100, cycles=100_000), "strokes and rests"),
+        (Hold(duration_s=1) + Staircase(levels_percent=(1, 2), speed_mm_per_s=1e-9, hold_s=1), "samples, this one"),
+    ],
+)
+def test_a_motion_of_years_is_refused_before_it_is_planned(pieces, reason):
+    """It asked for 7 TB of memory."""
+    with pytest.raises(UserError, match=reason):
+        plan(TrajectorySpec.of(pieces), 1, 25.0)
 
 
 def test_links_that_lead_in_a_circle_are_a_sentence(tmp_path, program, capsys):

@@ -192,6 +192,18 @@ def test_a_clock_that_runs_at_another_pace_is_said(tmp_path, rate, told):
     assert any("while the host's ran" in message for message in said) is told
 
 
+@pytest.mark.parametrize("lie", ["jump", "reboots"])
+def test_a_clock_that_was_lost_is_said_on_the_screen_too(lie):
+    intake, watchdog = Intake(), Watchdog()
+    for n in range(60):
+        boot = n if lie == "reboots" else 7
+        off_us = 20 * MINUTE_US if lie == "jump" and n >= 30 else 0
+        fed(intake, sample(n, boot=boot, micros=(n * STEP_US + off_us) % MICROS_WRAP), host_s=n * STEP_US / 1e6)
+        watchdog.look(n * STEP_US / 1e6, True, intake)
+    times = 59 if lie == "reboots" else 1
+    assert watchdog.message == f"the device's clock jumped or began anew {times} times: the host's bridged it"
+
+
 def test_the_watchdog_says_nothing_of_a_healthy_device():
     intake, dog = Intake(), Watchdog()
     for part in good_lines(5000):

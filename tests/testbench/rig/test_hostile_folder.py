@@ -58,6 +58,11 @@ def recorded(tmp_path):
         "{victim}",
         "../victim.txt",
         "/dev/../{victim}",
+        "/dev/watchdog",
+        "/dev/ptmx",
+        "/dev/mem",
+        "/dev/shm/x",
+        "/dev/fd/1",
         "",
     ],
 )
@@ -68,8 +73,14 @@ def test_a_manifest_cannot_name_a_port_that_writes_or_calls_out(recorded, tmp_pa
     assert cli.main(["record", "--resume", "-o", str(recorded)]) == 2
     err = capsys.readouterr().err
     assert "datapackage.json: " in err
-    assert "Traceback" not in err
+    assert "is not opened on the word of a file" in err or "port: " in err
     assert victim.read_text() == "precious"
+
+
+@pytest.mark.parametrize("port", ["/dev/ttyUSB7", "/dev/ttyACM0", "/dev/cu.usb-1410", "/dev/rfcomm0", "/dev/pts/999"])
+def test_a_serial_device_may_be_remembered_while_it_is_away(recorded, port):
+    changed(recorded, port=port)
+    assert job_of(recorded).port == port
 
 
 @pytest.mark.parametrize("port", ["socket://127.0.0.1:4000", "rfc2217://localhost:4000", "socket://[::1]:4000"])

@@ -1,0 +1,221 @@
+"""The modal state of a single-axis interpreter: what the words of a block change, and which blocks are refused.
+
+Where readers differ (LinuxCNC's `rs274` was asked), a block is refused: what is checked must be what runs.
+"""
+
+from __future__ import annotations
+
+from array import array
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from gcode.mach4.program import Problem
+
+MAX_RATE_HZ = 10_000.0
+MODES = ("G20 or G21", "G90 or G91", "G93 or G94")
+LARGEST = 1e9  # of any number in a program
+_INCH = 25.4
+_MODAL_GROUPS = ({0.0, 1.0, 4.0}, {20.0, 21.0}, {90.0, 91.0}, {93.0, 94.0}, {61.0, 64.0})
+_OFFSETS = {54.0, 55.0, 56.0, 57.0, 58.0, 59.0}
+_IGNORED_G = {17.0, 40.0, 49.0}
+_IGNORED_M = {3.0, 4.0, 5.0, 7.0, 8.0, 9.0, 48.0, 49.0}
+_WAITS_M = {0.0, 1.0}
+_END_M = {2.0, 30.0}
+
+
+class Rows:
+    """Blocks as typed columns: a day's program has 1.7 million of them."""
+
+    def __init__(self) -> None:
+        self.line, self.steps, self.stop = array("q"), array("q"), array("b")
+        self.x_mm, self.feed_mm_per_s, self.dwell_s = array("d"), array("d"), array("d")
+
+    def __len__(self) -> int:
+        return len(self.line)
+
+    def add(self, line: int, x_mm: float, feed_mm_per_s: float, dwell_s: float, steps: int, stop: bool) -> None:
+        """Append one block."""
+        self.line.append(line)
+        self.x_mm.append(x_mm)
+        self.feed_mm_per_s.append(feed_mm_per_s)
+        self.dwell_s.append(dwell_s)
+        self.steps.append(steps)
+        self.stop.append(stop)
+
+
+@dataclass
+class State:
+    """The modal state of the interpreter and what it has read so far."""
+
+    motion: float | None = None
+    feed: float | None = None
+    inverse_time: bool = False
+    incremental: bool = False
+    exact_stop: bool = False
+    unit: float = 1.0
+    fed_unit: float | None = None  # the unit that the feed is in
+    x: float = 0.0
+    offset: float | None = None
+    said: set[str] = field(default_factory=set)
+    unsaid: tuple[str, ...] = ()
+    begun: bool = False
+    ended: bool = False
+    rows: Rows = field(default_factory=Rows)
+    problems: list[Problem] = field(default_factory=list)
+    header: dict[str, str] = field(default_factory=dict)
+
+
+def refuser(state: State, number: int) -> Callable[[str], None]:
+    return lambda reason: state.problems.append(Problem(number, reason))
+
+
+def block(state: State, number: int, words: list[tuple[str, float]]) -> None:
+    """Apply the words of a line; what is refused is put into the state's problems."""
+    refuse = refuser(state, number)
+    state.begun = True
+    values: dict[str, float] = {}
+    if clash := _clash(words):
+        return refuse(clash)
+    for letter, value in words:
+        if problem := _word(state, values, letter, value):
+            return refuse(problem)
+    if ("G", 4.0) not in words and "P" in values and ("G", 64.0) not in words:
+        return refuse("P stands without the G4 that it belongs to")
+    _unit(state, number, words, values)
+    if "F" in values:
+        state.feed = values["F"]
+        if values["F"] <= 0:
+            refuse(f"feed F{values['F']:g} is not above 0; the axis would never arrive")
+    if ("G", 4.0) in words:
+        return _dwell(state, number, values)
+    if "X" in values:
+        x = values["X"] * state.unit
+        move(state, number, state.x + x if state.incremental else x, "F" in values, 1)
+    return None
+
+
+def _unit(state: State, number: int, words: list[tuple[str, float]], values: dict[str, float]) -> None:
+    """A change of the unit, or its first mention, ends the feed in force.
+
+    An interpreter takes F before G20 and G21, whatever their order in the line, and keeps the feed in mm or in inches
+    per minute afterwards, as it likes: 25 times too fast.
+    """
+    changed = [value for letter, value in words if letter == "G" and value in (20.0, 21.0)]
+    if not changed or state.unit == state.fed_unit:
+        return
+    state.fed_unit, state.feed = state.unit, None
+    if "F" in values:
+        refuser(state, number)(f"F in the line of G{changed[0]:g} is taken in the unit before; say it below")
+
+
+def _clash(words: list[tuple[str, float]]) -> str | None:
+    """Two words of one modal group in a line: an interpreter takes either, or stops."""
+    codes = {value for letter, value in words if letter == "G"}
+    for group in _MODAL_GROUPS:
+        if len(codes & group) > 1:
+            return " and ".join(f"G{code:g}" for code in sorted(codes & group)) + " exclude each other in one line"
+    return None
+
+
+def _word(state: State, values: dict[str, float], letter: str, value: float) -> str | None:
+    """Apply one word; returns why it is refused, if it is."""
+    if abs(value) > LARGEST:
+        return f"{letter}{value:g} is beyond any machine"
+    if letter == "G":
+        return _g(state, value)
+    if letter == "M":
+        return _m(state, value)
+    if letter in "XFP":
+        problem = f"{letter} is given twice" if letter in values else None
+        values[letter] = value
+        return problem
+    return None if letter in "NTS" else f"{letter} is not for a single-axis machine (only X moves)"
+
+
+def _g(state: State, code: float) -> str | None:
+    """Apply a G word; returns why it is refused, if it is."""
+    if code in (0.0, 1.0, 80.0):
+        state.motion = None if code == 80.0 else code
+    elif code in (20.0, 21.0):
+        state.said.add("G20 or G21")
+        state.unit = _INCH if code == 20.0 else 1.0
+    elif code in (90.0, 91.0):
+        state.said.add("G90 or G91")
+        state.incremental = code == 91.0
+    elif code in _OFFSETS:
+        return _offset(state, code)
+    elif code in (93.0, 94.0):
+        state.said.add("G93 or G94")
+        if state.inverse_time != (code == 93.0):
+            state.inverse_time, state.feed = code == 93.0, None
+    elif code in (61.0, 64.0):
+        state.exact_stop = code == 61.0
+        if state.exact_stop:
+            return "G61 stops the axis at every block, which at least doubles the time; use G64"
+    elif code not in _IGNORED_G and code != 4.0:
+        return f"G{code:g} is not understood on a single axis (G0, G1, G4 and modes are)"
+    return None
+
+
+def _offset(state: State, code: float) -> str | None:
+    """A work offset moves the origin by an amount that only the controller knows."""
+    if state.rows and code != state.offset:
+        return f"G{code:g} moves the origin in mid-program, by an amount that the file does not say"
+    state.offset = code
+    return None
+
+
+def _m(state: State, code: float) -> str | None:
+    if code in _END_M:
+        state.ended = True
+    elif code in _WAITS_M:
+        if state.rows:
+            return f"M{code:g} waits for somebody in mid-program, for a time that the file does not say"
+    elif code not in _IGNORED_M:
+        return f"M{code:g} is not understood"
+    return None
+
+
+def _dwell(state: State, number: int, values: dict[str, float]) -> None:
+    refuse = refuser(state, number)
+    if "X" in values:
+        return refuse("G4 takes its time as P in seconds, not as X")
+    if "P" not in values:
+        return refuse("G4 needs P, the time in seconds")
+    if not values["P"] > 0:
+        return refuse(f"G4 P{values['P']:g} is no time above 0")
+    state.rows.add(number, state.x, np.nan, values["P"], round(values["P"] * _rate(state)), state.exact_stop)
+    return None
+
+
+def _rate(state: State) -> float:
+    try:
+        rate_hz = float(state.header.get("rate_hz", "0"))
+    except ValueError:
+        return 0.0
+    return rate_hz if 0 < rate_hz <= MAX_RATE_HZ else 0.0
+
+
+def move(state: State, number: int, x: float, own_feed: bool, steps: int) -> None:
+    refuse = refuser(state, number)
+    length = abs(x - state.x)
+    if state.motion is None:
+        refuse("a move before any G0 or G1")
+    if state.motion == 0.0:
+        feed = np.inf
+    elif state.inverse_time:
+        if not own_feed:
+            refuse("under G93 every move needs an F of its own")
+        feed = length * (state.feed or 0.0) / 60.0
+    else:
+        if state.feed is None:
+            refuse("a move without a feed: no F is in force")
+        feed = (state.feed or 0.0) * state.unit / 60.0
+    if length == 0 and state.rows:
+        refuse(f"the move to X{x:g} has no length; some controllers stop at it")
+    if not state.rows:
+        state.unsaid = tuple(mode for mode in MODES if mode not in state.said)
+    state.x = x
+    state.rows.add(number, x, feed, 0.0, steps, state.exact_stop)
