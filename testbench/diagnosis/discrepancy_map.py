@@ -12,7 +12,7 @@ import numpy as np
 
 from testbench.comparing.freeform import features
 from testbench.diagnosis.evidence import maximised, opened
-from testbench.diagnosis.laplace import Hypothesis, tail
+from testbench.diagnosis.hypothesis import Hypothesis, tail
 from testbench.diagnosis.likelihood import Likelihood
 from testbench.diagnosis.proposals import extended
 from testbench.fitting.measurement import Measurement

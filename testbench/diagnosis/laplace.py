@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from testbench.diagnosis import constants
 from testbench.diagnosis.directions import Directions
 from testbench.diagnosis.evidence import LogEvidence, NormalEquations, maximised, opened
+from testbench.diagnosis.hypothesis import HELD, Hypothesis, pinned, tail
 from testbench.diagnosis.likelihood import Likelihood
-from testbench.diagnosis.priors import Priors, priors_of
-from testbench.fitting.baseline import SHAPES, without_shapes
+from testbench.diagnosis.priors import priors_of
 from testbench.fitting.downhill import downhill, huber, huber_weight, within
 from testbench.fitting.noise import trimmed_rms
 from testbench.fitting.parameters import values_of, with_values
@@ -27,84 +27,6 @@ AGREED = 0.02  # relative change of the noise from one to the next
 PARTS = (1.0, 0.3, 0.0)  # of the last step, where the whole does not hold
 NARROWEST = 1e3  # factor on a group's precision: directions that a wider prior would show are kept
 AT_REST = 0.05  # nats gained in a step: along a valley the steps are short
-HELD = 1e12  # precision of what is held at a bound
-
-
-@dataclass(frozen=True, eq=False)
-class Hypothesis:
-    """A model at the maximum of its posterior.
-
-    Attributes
-    ----------
-    model : KnitModel
-    priors : Priors
-    normal : NormalEquations
-        At `model`; residual and sensitivities.
-    held : ndarray of bool, shape (p,)
-        Parameters that stay where they are as models are compared: what is at its bound, and those of the base laws,
-        which bend less far than their tangents and are covered by their shapes.
-    evidence : LogEvidence
-    log_z : float
-        With the tails of the noise.
-    columns : dict of channel to ndarray, shape (p + 1, k)
-        Residual and sensitivities at the samples that count, over their relative noise.
-    robust : dict of channel to ndarray, shape (k,)
-        Square roots of the Huber weights.
-    weight : mapping of channel to ndarray, shape (k,)
-        Typical noise over the noise at these samples.
-    """
-
-    model: KnitModel
-    priors: Priors
-    normal: NormalEquations
-    held: np.ndarray
-    evidence: LogEvidence
-    tails: float
-    columns: Mapping[str, FloatArray]
-    robust: Mapping[str, FloatArray]
-    weight: Mapping[str, FloatArray]
-
-    @property
-    def log_z(self) -> float:
-        return self.evidence.value + self.tails - self.unlikely
-
-    @cached_property
-    def unlikely(self) -> float:
-        """What the priors say against the point, in nats, beyond the Gaussians in the evidence."""
-        held = self.priors.cost(self.vector, self.evidence.scale)
-        return float(np.sum(np.where(self.held, held, -self.priors.of_tails(self.vector))))
-
-    @property
-    def pinned(self) -> NormalEquations:
-        """The normal equations by which the model is compared with others."""
-        return _pinned(self.normal, self.held)
-
-    @property
-    def vector(self) -> FloatArray:
-        """The point in the fit's coordinates, shape (p,)."""
-        return values_of(self.model, self.priors.parameters)
-
-    @property
-    def model_in_use(self) -> KnitModel:
-        """Without the shapes that the evidence has switched off."""
-        return without_shapes(self.model, [name for name in self.model if name in SHAPES and self.idle(name)])
-
-    def idle(self, name: str) -> bool:
-        """Whether the evidence has switched a shape off: no weight of it is determined, none changes anything."""
-        mine = [i for i, p in enumerate(self.priors.parameters) if p.address.startswith(name + ".")]
-        weights = [i for i in mine if self.priors.group[i] >= 0]
-        if not weights:
-            return False
-        shrunk = self.priors.scaled(self.evidence.scale)[weights] * np.diag(self.evidence.covariance)[weights]
-        held = self.vector[mine]
-        changed = {c: held @ rows[np.array(mine) + 1] for c, rows in self.columns.items()}
-        below = all(np.sqrt(np.mean(v**2)) < 0.1 * self.evidence.sigma[c] for c, v in changed.items())
-        return below and float(np.sum(1 - shrunk)) < 0.5
-
-    @property
-    def scales(self) -> dict[str, float]:
-        """Factor on the precision of each group of weights."""
-        return dict(zip(self.priors.groups, self.evidence.scale, strict=True))
 
 
 def fitted(
@@ -215,7 +137,7 @@ class _Search:
                 break
         normal = self.all_normal(robust)
         there = maximised(
-            _pinned(normal, held), start=replace(evidence, sigma=self.sigma), scale=self.scale, iterations=1
+            pinned(normal, held), start=replace(evidence, sigma=self.sigma), scale=self.scale, iterations=1
         )
         evidence = replace(there, sigma=self.sigma, scale=self.scale)
         tails = self.tails(robust, evidence.sigma)
@@ -369,34 +291,5 @@ class _Search:
         return sum(tail(rows[0] / sigma[c], robust[c], share) for c, rows in self.columns.items())
 
 
-def tail(z: FloatArray, robust: FloatArray, share: float) -> float:
-    """What a Huber density says more of outliers than the weighted squares in ln Z."""
-    z = np.abs(z)
-    return -float(np.sum(huber(z) - 0.5 * (robust * z) ** 2)) * share
-
-
-def _rms(normal: NormalEquations) -> dict[str, float]:
-    """Noise that the point itself leaves, not a step that was not taken."""
-    here = {c: np.sqrt(g[0, 0] * normal.share / normal.count) for c, g in normal.products.items()}
-    return {c: max(float(here[c]), low) for c, low in normal.least.items()}
-
-
-def _pinned(normal: NormalEquations, held: np.ndarray) -> NormalEquations:
-    """The same with some coefficients kept where they are."""
-    mean, precision = np.where(held, 0.0, normal.mean), np.where(held, HELD, normal.precision)
-    return replace(normal, mean=mean, precision=precision)
-
-
 def _gram(rows: FloatArray) -> FloatArray:
     return rows @ rows.T
-
-
-def under(h: Hypothesis, likelihood: Likelihood) -> Hypothesis:
-    """The same point judged with samples that count otherwise; the linear model finds the new maximum."""
-    normal = replace(h.normal, count=likelihood.count, share=likelihood.share)
-    # A shape that only fits what no law is asked to reach is switched off.
-    least = {c: max(sigma, likelihood.misfit[c]) for c, sigma in _rms(normal).items()}
-    known = replace(_pinned(normal, h.held), least=least)
-    evidence = maximised(known, scale=h.evidence.scale, iterations=15)
-    tails = sum(tail(rows[0] / evidence.sigma[c], h.robust[c], likelihood.share) for c, rows in h.columns.items())
-    return replace(h, normal=normal, evidence=evidence, tails=tails)

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from testbench.diagnosis.evidence import LogEvidence, NormalEquations, maximised, opened
-from testbench.diagnosis.laplace import Hypothesis
+from testbench.diagnosis.hypothesis import Hypothesis
 from testbench.diagnosis.likelihood import Likelihood
 from testbench.diagnosis.priors import tail_evidence, typical, with_tails
 from testbench.fitting.candidates import Candidate, candidate_mechanisms, expand, is_vector, two_signed

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.special import logsumexp
 
 from testbench.diagnosis import constants
-from testbench.diagnosis.laplace import Hypothesis
+from testbench.diagnosis.hypothesis import Hypothesis
 from testbench.diagnosis.likelihood import Likelihood
 from testbench.diagnosis.proposals import Proposal
 

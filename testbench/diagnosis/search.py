@@ -15,7 +15,8 @@ from threadpoolctl import threadpool_limits
 from testbench.comparing.ladder import drawn_to_data
 from testbench.diagnosis import constants
 from testbench.diagnosis.discrepancy_map import Map
-from testbench.diagnosis.laplace import Hypothesis, fitted, under
+from testbench.diagnosis.hypothesis import Hypothesis, under
+from testbench.diagnosis.laplace import fitted
 from testbench.diagnosis.likelihood import (
     Likelihood,
     jitter_of,

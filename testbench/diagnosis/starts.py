@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from testbench.diagnosis.laplace import PARTS, Hypothesis
+from testbench.diagnosis.hypothesis import Hypothesis
+from testbench.diagnosis.laplace import PARTS
 from testbench.diagnosis.likelihood import Likelihood
 from testbench.diagnosis.proposals import Proposal
 from testbench.fitting.downhill import huber

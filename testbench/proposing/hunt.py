@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from testbench.diagnosis.laplace import Hypothesis
+from testbench.diagnosis.hypothesis import Hypothesis
 from testbench.diagnosis.rounds import excess
 from testbench.diagnosis.search import Progress, Search
 from testbench.fitting.baseline import with_shapes

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import cho_solve, cholesky, solve_triangular
 
-from testbench.diagnosis.laplace import Hypothesis
+from testbench.diagnosis.hypothesis import Hypothesis
 from testbench.diagnosis.likelihood import Likelihood
 from testbench.fitting.fit import shape_scales
 from testbench.fitting.responses import FORCE_CHANNEL

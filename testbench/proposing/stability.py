@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from testbench.diagnosis.laplace import Hypothesis
+from testbench.diagnosis.hypothesis import Hypothesis
 from testbench.diagnosis.likelihood import Likelihood
 from testbench.knit.effect import FloatArray
 

@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from testbench.diagnosis.laplace import Hypothesis, fitted
+from testbench.diagnosis.hypothesis import Hypothesis
+from testbench.diagnosis.laplace import fitted
 from testbench.diagnosis.likelihood import Likelihood
 from testbench.diagnosis.proposals import Proposal, Screen
 from testbench.diagnosis.starts import best_start

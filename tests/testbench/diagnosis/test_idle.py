@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 from testbench.diagnosis import constants
-from testbench.diagnosis.laplace import Hypothesis, fitted
+from testbench.diagnosis.hypothesis import Hypothesis
+from testbench.diagnosis.laplace import fitted
 from testbench.diagnosis.likelihood import likelihood_of, noise_of
 from testbench.fitting.baseline import SHAPES, with_shapes
 from testbench.fitting.errors import rms_errors
