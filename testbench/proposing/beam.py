@@ -53,7 +53,6 @@ class Beam:
         self.projector, self.grid, self.tell, self.pool = projector, grid, tell, pool
         self.chain = projector.chain
         self.signals = {p.name: self.chain.readable(p) for p in self.chain.places}
-        self.tried = 0
 
     def run(self) -> list[Found]:
         """The best laws, the best first, of different structures."""
@@ -173,7 +172,6 @@ class Beam:
     def scored(self, points: Iterable[tuple[Place, Term, dict[str, float]]]) -> list[Found]:
         """First-order evidence of every point."""
         todo = list(points)
-        self.tried += len(todo)
         parts = [todo[k::4] for k in range(4)]
         return [one for part in self.pool.map(self._scored, parts) for one in part]
 

@@ -78,9 +78,9 @@ class Bench:
         h = fitted(trial.hypothesis.model, self.likelihood, self.reference, trial.hypothesis)
         return self.trial(trial.law, trial.name, h)
 
-    def anew(self, trial: Trial, model: KnitModel, like: Hypothesis) -> Trial:
-        """A law in another model, what is believed of its numbers as in `like`."""
-        h = fitted(model, self.likelihood, self.reference, believed=like.priors.believed)
+    def anew(self, trial: Trial, model: KnitModel) -> Trial:
+        """A law in another model; what was believed of its numbers stays."""
+        h = fitted(model, self.likelihood, self.reference, believed=trial.hypothesis.priors.believed)
         return self.trial(trial.law, trial.name, h)
 
     def bare(self, trial: Trial) -> Hypothesis:
