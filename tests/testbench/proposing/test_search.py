@@ -11,12 +11,13 @@ import pytest
 
 from testbench.proposing.beam import Beam, Found
 from testbench.proposing.grids import DAMPINGS
-from testbench.proposing.hunt import finalists
+from testbench.proposing.hunt import _best_of_each, finalists
 from testbench.proposing.law import Term
 from testbench.proposing.operators import OPERATORS
 from testbench.proposing.proposal import holds
 from testbench.proposing.screening import Part, at_bounds
 from testbench.proposing.stability import SURE, stability
+from testbench.proposing.trial import Trial
 from tests.testbench.proposing.test_library import DT_S, GRID, SIGNALS, law_of
 
 SAMPLES, NOISE = 1200, 0.01
@@ -70,6 +71,12 @@ def test_a_channel_at_its_noise_does_not_hide_what_a_law_does_to_the_other():
         change = np.concatenate([share * misfit, np.zeros(400)])
         explained = (1 - (1 - share) ** 2) * misfit @ misfit
         assert part.gain(change, explained, count) == pytest.approx(-count * np.log(1 - share))
+
+
+def test_of_one_structure_the_numbers_that_fit_best_are_kept():
+    lag, bell = law_of("force", "strain", "lag"), law_of("force", "strain", "bell")
+    trials = [Trial(lag, "my", None, 3.0), Trial(bell, "my", None, 4.0), Trial(lag, "my", None, 5.0)]
+    assert [(one.law.key, one.log_z) for one in _best_of_each(trials)] == [(lag.key, 5.0), (bell.key, 4.0)]
 
 
 def test_what_lies_at_a_bound_cannot_give_way():
