@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from testbench.proposing.beam import Beam, Found
+from testbench.proposing.grammar import fits
 from testbench.proposing.grids import DAMPINGS
 from testbench.proposing.hunt import _best_of_each, finalists
 from testbench.proposing.law import Term
@@ -128,9 +129,9 @@ def test_a_law_has_one_family_whatever_its_bends():
 def test_an_event_of_this_recording_is_no_law(name: str):
     path, strain = (law_of("force", coordinate).term for coordinate in ("path", "strain"))
     x = np.linspace(0, 1, 50)
-    assert not Beam.fits(path, OPERATORS[name], 0, x)
-    assert Beam.fits(strain, OPERATORS[name], 0, x)
-    assert Beam.fits(law_of("force", "time").term, OPERATORS["wave"], 0, x)
+    assert not fits(path, OPERATORS[name], 0, x)
+    assert fits(strain, OPERATORS[name], 0, x)
+    assert fits(law_of("force", "time").term, OPERATORS["wave"], 0, x)
 
 
 @pytest.mark.parametrize(
