@@ -5,6 +5,11 @@
 `auto` learns from campaign T of the trained specimens, of all of them together and of each alone, and predicts
 campaign A of the tested ones. Kinds measured, others, unseen: each pair of `compensator_cases`, learned from one
 recording.
+
+    python benchmarks/bench_intervals.py --halves 731,732,733,734,735,736,737,738 [--kinds pes,lycra]
+
+Is the rule itself right, and how much is the luck of four specimens? The ridge of `auto` learns from campaign T of
+half of the specimens and predicts that of the others, once for each way of halving them.
 """
 
 from __future__ import annotations
@@ -12,6 +17,7 @@ from __future__ import annotations
 import argparse
 import tempfile
 from collections.abc import Iterator, Sequence
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -22,9 +28,13 @@ from compensation.model.compensator import Compensator
 from compensation.paper.paper_campaigns import TAB, campaigns
 from compensation.series.preprocessing import TARGETS, Series, series_of
 from compensation.training.auto import train_automatically
+from compensation.training.intervals import of_another
+from compensation.training.learners import Ridge
+from compensation.training.least_squares import Sums
 from compensation.training.options import Options
 
 RATE_HZ, SIMULATED = 20.0, ("pes", "lycra")
+RIDGE_L2 = 1e-2
 
 
 def main() -> None:
@@ -33,8 +43,12 @@ def main() -> None:
     parser.add_argument("--tested", default="415,416,417,418", help="numbers of those that are predicted")
     parser.add_argument("--kinds", default="pes,lycra,measured,others,unseen", help="only these sensors")
     parser.add_argument("--campaigns", type=Path, default=Path(tempfile.gettempdir()) / "knitbench-bench")
+    parser.add_argument("--halves", help="numbers of specimens: the ridge alone, every way of halving them")
     args = parser.parse_args()
     args.campaigns.mkdir(parents=True, exist_ok=True)
+    if args.halves:
+        _report_halves(args)
+        return
     print(f"{'':20} {'learned from':24} share of errors inside: mean (lowest to highest recording)")
     for kind in args.kinds.split(","):
         for target in TARGETS:
@@ -42,6 +56,45 @@ def main() -> None:
             for name, shares in rows:
                 told = f"{np.mean(shares):.2f} ({np.min(shares):.2f} to {np.max(shares):.2f}), {len(shares)} pairs"
                 print(f"{kind + ' ' + target:20} {name:24} {told}", flush=True)
+
+
+def _report_halves(args: argparse.Namespace) -> None:
+    print(
+        f"{'':20} share of errors inside: mean, standard deviation and range over halvings; of them in 0.85 to 0.95"
+    )
+    for kind in (kind for kind in args.kinds.split(",") if kind in SIMULATED):
+        for target in TARGETS:
+            numbers = [int(number) for number in args.halves.split(",")]
+            found = np.array(
+                list(_halves([_first(args.campaigns, kind, target, number) for number in numbers], target))
+            )
+            near = float(np.mean((found >= 0.85) & (found <= 0.95)))
+            print(
+                f"{kind + ' ' + target:20} {found.mean():.3f}, {found.std():.3f}, "
+                f"{found.min():.2f} to {found.max():.2f}; {near:.0%} of {len(found)}",
+                flush=True,
+            )
+
+
+def _first(folder: Path, kind: str, target: str, number: int) -> Series:
+    return series_of(campaigns(folder, kind, runs=TAB[:1], number=number)[TAB[0]], target, RATE_HZ)
+
+
+def _halves(series: Sequence[Series], target: str) -> Iterator[float]:
+    """Mean share of errors inside over one half, learned from the other, for each way of halving."""
+    learner, everyone = Ridge(series, target, Options()), range(len(series))
+    owner = np.repeat(everyone, [len(part) for part in series])
+    sums = [Sums.of(learner.lessons, owner == number) for number in everyone]
+
+    def errors(trained: Sequence[int], tested: int) -> np.ndarray:
+        weights, bias = Sums.total([sums[number] for number in trained]).solved(RIDGE_L2)
+        rows = owner == tested
+        return learner.lessons.truth[rows] - learner.features[rows] @ weights - bias
+
+    for half in combinations(everyone, len(series) // 2):
+        low, high = of_another([errors([other for other in half if other != one], one) for one in half])
+        found = [errors(half, one) for one in everyone if one not in half]
+        yield float(np.mean([np.mean((low <= error) & (error <= high)) for error in found]))
 
 
 def _simulated(args: argparse.Namespace, kind: str, target: str) -> Iterator[tuple[str, list[float]]]:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from compensation.engines.network import Network
 from compensation.export.chip_cost import cost
-from compensation.export.export_c_history import pieces
+from compensation.export.export_c_history import number, pieces
 from compensation.memories.ema import start_samples
 from compensation.model.compensator import Compensator
 from compensation.model.runtime import (
@@ -19,6 +19,7 @@ from compensation.model.runtime import (
     SMALLEST_CONDUCTANCE_S,
     Status,
     beginning_of,
+    check_streams,
     limits_of,
     ranges_of,
 )
@@ -43,8 +44,7 @@ def c_header(compensator: Compensator, name: str = "knitbench") -> str:
     """
     if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", name):
         raise UserError(f"--name must be a C identifier, got {name!r}")
-    if compensator.per_recording:
-        raise UserError("a compensator trained with --per-recording needs the whole recording; train without it")
+    check_streams(compensator)
     needs, lengths = cost(compensator), start_samples(compensator.alphas, compensator.rate_hz)
     log_keep = np.log1p(-np.minimum(compensator.alphas, 1 - 1e-16))
     seen, begin, limits = ranges_of(compensator), beginning_of(compensator), limits_of(compensator)
@@ -68,20 +68,20 @@ def c_header(compensator: Compensator, name: str = "knitbench") -> str:
         begin_offset=_numbers(begin.offset[:filters]),
         flags=_flags(name.upper()),
         margins=_margins(name.upper(), compensator.margins),
-        shortest=_number(SHORTEST_STEP_S),
-        longest=_number(LONGEST_STEP_S),
-        smallest=_number(SMALLEST_CONDUCTANCE_S),
-        largest=_number(LARGEST_CONDUCTANCE_S),
+        shortest=number(SHORTEST_STEP_S),
+        longest=number(LONGEST_STEP_S),
+        smallest=number(SMALLEST_CONDUCTANCE_S),
+        largest=number(LARGEST_CONDUCTANCE_S),
         widest=widest,
-        rate=_number(compensator.rate_hz),
-        mean=_number(compensator.scaling_in.mean),
-        inverse=_number(1.0 / compensator.scaling_in.scale),
+        rate=number(compensator.rate_hz),
+        mean=number(compensator.scaling_in.mean),
+        inverse=number(1.0 / compensator.scaling_in.scale),
         alphas=_numbers(compensator.alphas),
         log_keep=_numbers(log_keep),
         lengths=_numbers(lengths - 0.5),
         tables="\n".join(tables),
         calls="\n".join(calls),
-        offset=_number(compensator.scaling_out.mean),
+        offset=number(compensator.scaling_out.mean),
         inputs=compensator.input_count,
         needs=needs,
         **pieces(compensator, name),
@@ -132,20 +132,15 @@ def _flags(prefix: str) -> str:
 def _margins(prefix: str, margins: tuple[float, float] | None) -> str:
     if margins is None:
         return ""
-    low, high = map(_number, margins)
+    low, high = map(number, margins)
     return (
         "/* Added to a value: the ends of the interval that holds 90 % of the errors to be expected. */\n"
         f"#define {prefix}_MARGIN_LOW ({low})\n#define {prefix}_MARGIN_HIGH ({high})\n"
     )
 
 
-def _number(value: float) -> str:
-    text = repr(float(np.float32(value)))
-    return f"{text}f"
-
-
 def _numbers(values: NDArray) -> str:
-    return ", ".join(_number(value) for value in values)
+    return ", ".join(number(value) for value in values)
 
 
 TEMPLATE = """\

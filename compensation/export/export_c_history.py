@@ -11,6 +11,11 @@ from compensation.model.compensator import Compensator
 from compensation.model.runtime import beginning_of
 
 
+def number(value: float) -> str:
+    """A float constant of C, as its float32 is written."""
+    return f"{float(np.float32(value))!r}f"
+
+
 def pieces(compensator: Compensator, name: str) -> dict[str, str]:
     """What goes into the state, the tables, the reset and the update; empty strings without a history."""
     history = compensator.history
@@ -57,12 +62,12 @@ def _tables(compensator: Compensator, name: str) -> str:
     begin, motions = beginning_of(compensator), len(compensator.history.motion_taus_s)
 
     def table(what: str, values: Iterable[float]) -> str:
-        numbers = [f"{float(np.float32(value))!r}f" for value in values]
+        numbers = [number(value) for value in values]
         return f"static const float {name}_{what}[{len(numbers)}] = {{{', '.join(numbers)}}};\n"
 
     taus_s = np.asarray(history.motion_taus_s)
-    settle = float(np.float32(-np.expm1(-1.0 / (rate_hz * history.settle_s))))
-    text = f"static const float {name}_settle_gain = {settle!r}f;\n"
+    settle = number(-np.expm1(-1.0 / (rate_hz * history.settle_s)))
+    text = f"static const float {name}_settle_gain = {settle};\n"
     if len(taus_s):
         text += table("per_s", -1.0 / taus_s) + table("motion_gain", -np.expm1(-1.0 / (rate_hz * taus_s)))
         text += table("motion_begin_gain", begin.gain[filters : filters + motions])
@@ -96,9 +101,7 @@ def _update(history: History, at: int, name: str, upper: str) -> str:
         "        s->motion[i] = (first != 0u) ? begun : (s->motion[i] + (slow * (speed - s->motion[i])));\n"
         f"        features[{at}u + i] = s->motion[i];\n    }}"
     )
-    settle = (
-        f"(nominal != 0u) ? {name}_settle_gain : {name}_gain({float(np.float32(-1.0 / history.settle_s))!r}f * dt)"
-    )
+    settle = f"(nominal != 0u) ? {name}_settle_gain : {name}_gain({number(-1.0 / history.settle_s)} * dt)"
     return (
         f"    const float dt = (nominal != 0u) ? (1.0f / {upper}_RATE_HZ) : ((first != 0u) ? 0.0f : dt_s);\n"
         f"    const float moved = ({settle}) * (x - s->settled);\n"

@@ -17,6 +17,7 @@ from compensation.model.runtime import (
     SMALLEST_CONDUCTANCE_S,
     Status,
     beginning_of,
+    check_streams,
     limits_of,
     ranges_of,
 )
@@ -44,8 +45,7 @@ def write_onnx(compensator: Compensator, path: str | Path) -> None:
         import onnx
     except ImportError:
         raise UserError("ONNX export needs the onnx package: pip install 'knitbench[onnx]'") from None
-    if compensator.per_recording:
-        raise UserError("a compensator trained with --per-recording needs the whole recording; train without it")
+    check_streams(compensator)
     model = _model(compensator)
     onnx.checker.check_model(model)
     with atomic_path(path) as temporary:

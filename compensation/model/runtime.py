@@ -25,6 +25,7 @@ from compensation.model.compensator import Compensator
 from compensation.model.ranges import Beginning, Seen
 from compensation.series.preprocessing import Series
 from gcode.support.arrays import FloatArray
+from gcode.support.errors import UserError
 
 # Time steps within which a float32 knows them well; a longer pause is a new start.
 SHORTEST_STEP_S, LONGEST_STEP_S = 1e-6, 3600.0
@@ -43,6 +44,12 @@ class Status(IntFlag):
     UNSEEN_READING = 4  # conductance outside the range of the training
     UNSEEN_HISTORY = 8  # a memory outside the range of the training
     STARTING = 16  # the first samples, from which the memories' start is taken
+
+
+def check_streams(compensator: Compensator) -> None:
+    """Refuse a compensator that must know a whole recording before its first sample."""
+    if compensator.per_recording:
+        raise UserError("a compensator trained with --per-recording needs the whole recording; train without it")
 
 
 def limits_of(compensator: Compensator) -> tuple[float, float]:

@@ -7,8 +7,7 @@ import numpy as np
 from compensation.memories.ema import start_samples
 from compensation.memories.history import RunningHistory
 from compensation.model.compensator import Compensator
-from compensation.model.runtime import Status, beginning_of, fault_of, limits_of, ranges_of
-from gcode.support.errors import UserError
+from compensation.model.runtime import Status, beginning_of, check_streams, fault_of, limits_of, ranges_of
 
 
 class CompensatorStream:
@@ -34,8 +33,7 @@ class CompensatorStream:
     """
 
     def __init__(self, compensator: Compensator) -> None:
-        if compensator.per_recording:
-            raise UserError("a compensator trained with --per-recording needs the whole recording; train without it")
+        check_streams(compensator)
         self._compensator, self.margins = compensator, compensator.margins
         self._log_keep = np.log1p(-np.minimum(compensator.alphas, 1 - 1e-16))
         self._lengths = start_samples(compensator.alphas, compensator.rate_hz)

@@ -61,7 +61,7 @@ def _sensor_rows(sensor: str, several, target: str, seeds: int, engine: str) -> 
     parts = [list(series.values()) for series in several]
     yield _row(sensor, "raw, the paper's sensor", published.RAW[sensor, target])
     raw = [[score.r2_before(part.truth, part.conductance_S) for part in three] for three in parts]
-    yield _over_sensors(sensor, f"raw, ours ({len(several)} sensors)", raw)
+    yield _over_sensors(sensor, f"raw, ours ({len(several)} {'sensor' if len(several) == 1 else 'sensors'})", raw)
     line = [[score.rho_squared(part.truth, part.conductance_S) for part in three] for three in parts]
     yield _over_sensors(sensor, "best straight line (rho2), ours", line)
     yield _row(sensor, "compensated, the paper", published.COMPENSATED[sensor, target], None, 51)
@@ -113,9 +113,12 @@ def transfer(recordings: Specimens, seeds: int, engine: str = "exact") -> str:
         for (scaler, per_recording), (label, training, factor) in product(SCALERS.items(), TRANSFERS):
             options = replace(ours.PUBLISHED, factor=factor, per_recording=per_recording, engine=engine)
             found = [ours.over_seeds(one[training], [one["fast-A"]], "force", seeds, options) for one in series]
-            after = np.array([(one.live if len(one.live) else one.r2).mean() for one in found])
-            gain = np.median(after / raw - 1)
-            lines.append(f"  {sensor:6} {scaler:22} {label:30} {np.median(after):7.3f} ({gain:+.0%})")
+            alive = np.array([len(one.live) > 0 for one in found])
+            after = np.array([one.live.mean() for one in found if len(one.live)])
+            told = "every seed is dead"
+            if alive.any():
+                told = f"{np.median(after):7.3f} ({np.median(after / raw[alive] - 1):+.0%})"
+            lines.append(f"  {sensor:6} {scaler:22} {label:30} {told}")
     return "\n".join(lines) + "\n"
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import re
 import stat
 import tomllib
 from collections.abc import Callable
@@ -24,6 +25,7 @@ MOST_BYTES = 256 << 20
 MOST_TOML_BYTES = 1 << 20
 DEEPEST = 64
 LARGEST_WHOLE = 1 << 64
+MOST_VALUES = 5_000_000  # 3 bytes of JSON, "[],", take 80 of memory
 _BLOCK = 1 << 20
 
 Loaded = TypeVar("Loaded", bound=BaseModel)
@@ -111,7 +113,13 @@ def read_json(path: str | Path, what: str = "file", at_most: int = MOST_BYTES) -
 
 def json_of(text: str, what: str = "text", source: str | Path = "") -> Any:
     """Plain data from JSON text; see `read_json`."""
-    return _parsed(lambda: json.loads(text, object_pairs_hook=_once, parse_constant=_no_constant), what, source)
+
+    def parse() -> Any:
+        if text.count(",") + text.count("[") + text.count("{") > MOST_VALUES:
+            raise ValueError(f"it holds more than {MOST_VALUES} values")
+        return json.loads(text, object_pairs_hook=_once, parse_constant=_no_constant)
+
+    return _parsed(parse, what, source)
 
 
 def read_toml(path: str | Path, what: str = "spec") -> dict[str, Any]:
@@ -121,8 +129,15 @@ def read_toml(path: str | Path, what: str = "spec") -> dict[str, Any]:
 
 def toml_of(text: str, what: str = "spec", source: str | Path = "") -> dict[str, Any]:
     """Plain data from TOML text; see `read_json`."""
+
+    def parse() -> dict[str, Any]:
+        # The parser takes the square of the length of a dotted key, in time and in memory.
+        if max(part.count(".") for part in re.split(r"[=,{}\[\]\n]", text)) > DEEPEST:
+            raise ValueError(f"it is nested more than {DEEPEST} levels deep")
+        return tomllib.loads(text)
+
     # TOML has infinity and NaN; the models of our specs refuse them by the name of the entry.
-    return _parsed(lambda: tomllib.loads(text), what, source, finite=False)
+    return _parsed(parse, what, source, finite=False)
 
 
 def load(path: str | Path, kind: type[Loaded], what: str = "file", at_most: int = MOST_BYTES) -> Loaded:

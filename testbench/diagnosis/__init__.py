@@ -1,19 +1,11 @@
 """Which physical effect is missing: models compared by their evidence."""
 
-from __future__ import annotations
+from typing import TYPE_CHECKING
 
-from typing import TYPE_CHECKING, Any
+from gcode.support.lazy import exported, lazy_exports
 
 if TYPE_CHECKING:
-    from testbench.diagnosis.diagnosis import Diagnosis, diagnose
+    from testbench.diagnosis.diagnosis import Diagnosis as Diagnosis
+    from testbench.diagnosis.diagnosis import diagnose as diagnose
 
-__all__ = ["Diagnosis", "diagnose"]
-
-
-def __getattr__(name: str) -> Any:
-    # Loaded on first use: the command line must not pay for it on --help.
-    if name in __all__:
-        import importlib
-
-        return getattr(importlib.import_module("testbench.diagnosis.diagnosis"), name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+__all__, __getattr__, __dir__ = lazy_exports(__name__, exported(__file__))

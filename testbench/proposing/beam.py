@@ -9,33 +9,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import minimize
 
-from testbench.knit.effect import FloatArray, Stage
-from testbench.proposing.coordinates import COORDINATES, KINETICS
+from testbench.knit.effect import FloatArray
+from testbench.proposing.coordinates import KINETICS
+from testbench.proposing.grammar import NO_MEMORY, SIGNAL_ONLY, coordinates_at, fits, price_of
 from testbench.proposing.grids import Grid, rounded, usual_size
-from testbench.proposing.law import MOST_PARAMETERS, Law, Term
+from testbench.proposing.law import Law, Term
 from testbench.proposing.operators import OPERATORS
-from testbench.proposing.pieces import Coordinate, Operator, Slot
+from testbench.proposing.pieces import Operator, Slot
 from testbench.proposing.places import Place
 from testbench.proposing.screening import Projector
 
 WIDTH, PER_FAMILY = 14, 2  # laws that grow on; of them, with the same place, coordinate and memory
 LEVELS, POLISHED = 2, 10  # times that they grow; how many have their numbers optimised each time
-PRICE_OF_PIECE, PRICE_OF_PARAMETER = 2.0, 2.0  # nats: so many more laws have one piece, or one number, more
 EVALUATIONS = 60
-INSTRUMENT = {"conductance rate", "force", "conductance", "time", "temperature", "heating power", "force rate"}
-OF_STRAIN = {"strain", "largest strain", "below the largest strain", "past the last top", "path", "turns", "time",
-             "direction", "strain rate", "speed", "time since reversal", "temperature"}  # fmt: skip
-OF_CONTACTS = {"contact force", "strain", "largest strain", "path", "time", "temperature", "time since reversal"}
-SIGNAL_ONLY = {  # memories that make sense of some coordinates alone
-    "slip": {"strain", "force", "contact force", "conductance"},
-    "ring": {"strain", "force", "contact force", "conductance"},
-    "late": {"force", "conductance", "strain"},
-    "dead band": {"force", "conductance", "strain"},
-    "stick": {"strain", "force"},
-}
-NO_MEMORY = {"time", "direction", "turns", "path", "work"}  # what only grows has all of its past already
-ONLY_GROWS = NO_MEMORY - {"direction"} | {"largest strain"}
-EVENTS = {"bell", "bell at", "switch", "wave"}  # there something that happens once, and foretells nothing
 
 
 @dataclass(frozen=True)
@@ -53,7 +39,6 @@ class Beam:
         self.projector, self.grid, self.tell, self.pool = projector, grid, tell, pool
         self.chain = projector.chain
         self.signals = {p.name: self.chain.readable(p) for p in self.chain.places}
-        self.tried = 0
 
     def run(self) -> list[Found]:
         """The best laws, the best first, of different structures."""
@@ -72,7 +57,7 @@ class Beam:
         for place in self.chain.places:
             if place.name == "conductance reading":
                 continue  # the same trace as the conductance's; which it is, is decided in the end
-            for coordinate in self.coordinates(place):
+            for coordinate in coordinates_at(place, self.signals[place.name]):
                 plain = Term(coordinate, (), self.grid.span)
                 for values in self.grid.points(coordinate.slots, None):
                     yield place, plain, values
@@ -86,21 +71,6 @@ class Beam:
                         yield place, self.changing(term), values | more
                         yield from self.sized(place, term, values | more)
 
-    def coordinates(self, place: Place) -> list[Coordinate]:
-        readable = set(self.signals[place.name])
-        allowed = None
-        if place.stage == Stage.READOUT:
-            allowed = INSTRUMENT
-        elif place.stage == Stage.KINEMATICS:
-            allowed = OF_STRAIN
-        elif place.stage == Stage.PRESSURE:
-            allowed = OF_CONTACTS
-        kinds = [
-            *COORDINATES.values(),
-            *(KINETICS.values() if place.stage in (Stage.MECHANICS, Stage.ELECTRICAL) else ()),
-        ]
-        return [c for c in kinds if set(c.reads) <= readable and (allowed is None or c.name in allowed)]
-
     def remembering(self, term: Term, x: FloatArray) -> Iterator[tuple[Term, dict[str, float]]]:
         name = term.coordinate.name
         if name in NO_MEMORY:
@@ -113,7 +83,7 @@ class Beam:
     def bent(self, place: Place, plain: Term, values: dict[str, float], x: FloatArray):
         """A coordinate through every bend: what is even, or sharp, leaves no trace in its straight line."""
         for one in OPERATORS.values():
-            if one.kind == "bend" and self.fits(plain, one, 0, x):
+            if one.kind == "bend" and fits(plain, one, 0, x):
                 for more in self.grid.points(one.slots, x, one.name):
                     yield place, self.with_operator(plain, one, 0, x), values | more
 
@@ -145,21 +115,11 @@ class Beam:
             inner = Term(term.coordinate, term.operators[:at], term.span, term.sizes[:at])
             x = inner.evaluated(self.signals[law.place.name], values, self.grid.dt_s)
             for one in OPERATORS.values():
-                if one.name in has or not set(one.reads) <= readable or not self.fits(term, one, at, x):
+                if one.name in has or not set(one.reads) <= readable or not fits(term, one, at, x):
                     continue
                 grown = self.with_operator(term, one, at, x)
                 for more in self.grid.points(one.slots, x, one.name):
                     yield law.place, grown, values | more
-
-    @staticmethod
-    def fits(term: Term, one: Operator, at: int, x: FloatArray) -> bool:
-        """Whether an operator makes sense there, and leaves few enough numbers with names of their own."""
-        keys = [slot.key for slot in (*term.slots, *one.slots)]
-        if len(keys) + 1 > MOST_PARAMETERS or len(set(keys)) < len(keys) or not np.ptp(x):
-            return False
-        if one.name == "size" and not np.min(x) < 0 < np.max(x):
-            return False
-        return _fits(term, one, at)
 
     def with_operator(self, term: Term, one: Operator, at: int, x: FloatArray | None) -> Term:
         """The term with an operator put in."""
@@ -173,7 +133,6 @@ class Beam:
     def scored(self, points: Iterable[tuple[Place, Term, dict[str, float]]]) -> list[Found]:
         """First-order evidence of every point."""
         todo = list(points)
-        self.tried += len(todo)
         parts = [todo[k::4] for k in range(4)]
         return [one for part in self.pool.map(self._scored, parts) for one in part]
 
@@ -238,34 +197,6 @@ class Beam:
         best = minimize(cost, start, method="Nelder-Mead", options=options)
         then = self.at(law.place, law.term, _outward(slots, best.x, law.values, self.grid))
         return max(found, then, key=lambda one: one.gain)
-
-
-def price_of(term: Term) -> float:
-    """What a law costs for being one of so many, in nats."""
-    return PRICE_OF_PIECE * len(term.operators) + PRICE_OF_PARAMETER * len(term.slots)
-
-
-def _fits(term: Term, one: Operator, at: int) -> bool:
-    """Whether an operator makes sense there: one memory, one factor, two bends; what is positive for logarithms."""
-    kinds = [o.kind for o in term.operators]
-    name = term.coordinate.name
-    if one.kind == "memory":
-        if "memory" in kinds or name in NO_MEMORY or name in KINETICS:
-            return False
-        if one.name in SIGNAL_ONLY:
-            return at == 0 and name in SIGNAL_ONLY[one.name]
-        return True
-    if name in ONLY_GROWS and one.name in EVENTS and (name, one.name) != ("time", "wave"):
-        return False
-    if {one.name, *(o.name for o in term.operators)} >= {"square", "power"}:
-        return False
-    if one.kind == "factor":
-        return kinds.count("factor") < 2 and at == len(kinds)
-    if one.name == "log":
-        return name in KINETICS and at == 0
-    if one.only_positive and term.coordinate.signed and "size" not in [o.name for o in term.operators[:at]]:
-        return False
-    return kinds.count("bend") < 2
 
 
 def _inward(slot: Slot, value: float, grid: Grid) -> float:

@@ -10,9 +10,7 @@ import numpy as np
 
 from testbench.diagnosis.hypothesis import Hypothesis
 from testbench.diagnosis.rounds import excess
-from testbench.diagnosis.search import Progress, Search
-from testbench.fitting.baseline import with_shapes
-from testbench.knit.catalogue import Catalogue
+from testbench.diagnosis.search import Search
 from testbench.knit.effect import FloatArray
 from testbench.knit.laws import check
 from testbench.proposing.beam import Beam, Found
@@ -43,10 +41,8 @@ class Ground:
 class Hunt:
     """Laws found one after the other."""
 
-    def __init__(
-        self, search: Search, catalogue: Catalogue, tell: Progress, pool: ThreadPoolExecutor, name: str
-    ) -> None:
-        self.search, self.catalogue, self.tell, self.pool, self.name = search, catalogue, tell, pool, name
+    def __init__(self, search: Search, pool: ThreadPoolExecutor, name: str) -> None:
+        self.search, self.tell, self.pool, self.name = search, search.tell, pool, name
         self.measurement, self.likelihood = search.measurement, search.likelihood
         self.base = search.flexible
         self.said_nothing_left = excess(self.base, self.likelihood) < NOTHING_LEFT
@@ -143,10 +139,10 @@ class Hunt:
         done = self.bench.settled(trial)
         model = self.search.reference
         for key, effect in done.hypothesis.model.effects.items():
-            model = model.plus(effect, key) if key.startswith(self.name) else model
-        stiff = self.bench.anew(trial, model, done.hypothesis)
-        free = with_shapes(stiff.hypothesis.model, self.measurement, self.catalogue)
-        return max(done, stiff, self.bench.anew(trial, free, done.hypothesis), key=_evidence)
+            model = model if key in self.base.model else model.plus(effect, key)
+        stiff = self.bench.anew(done, model)
+        free = self.bench.anew(done, self.search.bent(stiff.hypothesis.model))
+        return max(done, stiff, free, key=_evidence)
 
     def dependence(self, trial: Trial) -> tuple[FloatArray, FloatArray, FloatArray]:
         """z of a law, and what the channel lacks without and with it, at samples that count."""

@@ -74,8 +74,9 @@ def propose_law(
     given = file.model if file else model if isinstance(model, KnitModel) else None
     with threadpool_limits(1, "blas"), ThreadPoolExecutor(2) as pool:
         search = Search(calibration, catalogue, tell, given)
-        hunt = Hunt(search, catalogue, tell, pool, name)
+        hunt = Hunt(search, pool, name)
         found = hunt.run(most)
+        tell("judging on the held-out recording")
         return _judged(hunt, found, file, calibration, held)
 
 
@@ -87,7 +88,6 @@ def _judged(
     held: Measurement,
 ) -> Proposed:
     """On the ladder, as far as each law holds on the held-out recording."""
-    hunt.tell("judging on the held-out recording")
     given = any(name in SHAPES for name in (file.model if file else ()))
     before = file or on_the_ladder(_as_fit(hunt.search.baseline), None, "baseline", calibration, held)
     step_name = "refitted" if given else "+ shape freedom"

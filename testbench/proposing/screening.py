@@ -14,7 +14,7 @@ from testbench.fitting.fit import shape_scales
 from testbench.fitting.responses import FORCE_CHANNEL
 from testbench.knit.effect import FloatArray, Stage
 from testbench.proposing.chain import OpenChain
-from testbench.proposing.law import Law, Term
+from testbench.proposing.law import Law
 from testbench.proposing.places import Place
 
 MOST_ROWS = 1800  # samples of a channel that the search looks at; a refit looks at all
@@ -153,19 +153,17 @@ class Projector:
             gain = part.gain(amount * (f - absorbed @ part.base), explained, self.count)
         return Score(float(gain - 0.5 * np.log(left * sd**2)), amount)
 
-    def of_term(self, place: Place, term: Term, values: Mapping[str, float]) -> Score:
-        """One law at one point."""
-        z = term.evaluated(self.chain.readable(place), values, self.chain.measurement.dt_s)
-        return self.score(place, z)
-
     def of_law(self, law: Law) -> Score:
         """A law with its parameters."""
-        return self.of_term(law.place, law.term, law.values)
+        return self.score(law.place, self.z(law))
+
+    def z(self, law: Law) -> FloatArray:
+        """What a law depends on, on the whole grid."""
+        return law.term.evaluated(self.chain.readable(law.place), law.values, self.chain.measurement.dt_s)
 
     def law_prior_sd(self, law: Law) -> float:
         """Typical strength of a law."""
-        z = law.term.evaluated(self.chain.readable(law.place), law.values, self.chain.measurement.dt_s)[self.rows]
-        return self.prior_sd(law.place, z)
+        return self.prior_sd(law.place, self.z(law)[self.rows])
 
 
 def at_bounds(h: Hypothesis) -> np.ndarray:

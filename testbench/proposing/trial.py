@@ -14,7 +14,7 @@ from testbench.diagnosis.proposals import Proposal, Screen
 from testbench.diagnosis.starts import best_start
 from testbench.knit.effect import Effect, bounds_of
 from testbench.knit.model import KnitModel
-from testbench.proposing.beam import PRICE_OF_PIECE
+from testbench.proposing.grammar import PRICE_OF_PIECE
 from testbench.proposing.grids import Grid
 from testbench.proposing.law import Law
 from testbench.proposing.writing import effect_class, strength_key
@@ -79,9 +79,9 @@ class Bench:
         h = fitted(trial.hypothesis.model, self.likelihood, self.reference, trial.hypothesis)
         return self.trial(trial.law, trial.name, h)
 
-    def anew(self, trial: Trial, model: KnitModel, like: Hypothesis) -> Trial:
-        """A law in another model, what is believed of its numbers as in `like`."""
-        h = fitted(model, self.likelihood, self.reference, believed=like.priors.believed)
+    def anew(self, trial: Trial, model: KnitModel) -> Trial:
+        """A law in another model; what was believed of its numbers stays."""
+        h = fitted(model, self.likelihood, self.reference, believed=trial.hypothesis.priors.believed)
         return self.trial(trial.law, trial.name, h)
 
     def bare(self, trial: Trial) -> Hypothesis:

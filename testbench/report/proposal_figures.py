@@ -12,8 +12,8 @@ from testbench.fitting.measurement import Measurement
 from testbench.fitting.remounting import brought_together
 from testbench.fitting.responses import UNIT_OF
 from testbench.knit.model import KnitModel
+from testbench.proposing.formulas import in_words, plain
 from testbench.proposing.results import Proposed, Step, numbered
-from testbench.proposing.writing import in_words, plain
 from testbench.report import style
 
 BINS, POINTS, DOTS = 24, 1500, 800

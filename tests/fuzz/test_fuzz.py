@@ -153,6 +153,8 @@ def test_what_is_too_large_gets_a_sentence(tmp_path):
         "trajectory": b"time_s,position_mm\n0," + b"1" * 200_000 + b"\n1,2\n",
         "program": b"(" * 2_000_000,
         "dataset spec": b"#" * 2_000_000,
+        "trajectory spec": b".".join([b"a"] * 500_000) + b" = 1",
+        "model": b"[" + b"[]," * 20_000_000 + b"1]",
         "events": ("events.jsonl", b"{" * 100_000 + b"\n"),
     }.items():
         shutil.rmtree(tmp_path / "case", ignore_errors=True)

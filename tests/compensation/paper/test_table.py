@@ -95,3 +95,19 @@ def test_raw_row_is_the_raw_score(runs):
 def test_one_seed_has_no_spread(tmp_path, capsys):
     assert main(["table", "-o", str(tmp_path), "--seeds", "1"]) == 2
     assert "at least 2" in capsys.readouterr().err
+
+
+def test_a_transfer_without_a_live_seed_says_so(runs, monkeypatch):
+    """A dead network's r2 of zero is no gain of -100 %."""
+    from dataclasses import replace
+
+    living = reproduction.over_seeds
+
+    def dead(*args):
+        found = living(*args)
+        return replace(found, dead=np.ones_like(found.dead))
+
+    monkeypatch.setattr(reproduction, "over_seeds", dead)
+    text = tables.transfer({"pes": [{"T": runs["T"], "fast-T": runs["A"], "fast-A": runs["B"]}]}, 1, "fast")
+    assert text.count("every seed is dead") == 6
+    assert "-100%" not in text

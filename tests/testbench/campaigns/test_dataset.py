@@ -212,3 +212,11 @@ def test_a_dask_cluster_gives_the_same_bytes_though_a_worker_is_killed(tmp_path)
     for folder in campaigns(tmp_path / "here"):
         for file in folder.iterdir():
             assert file.read_bytes() == (tmp_path / "there" / folder.name / file.name).read_bytes()
+
+
+@pytest.mark.parametrize("pattern", ["../../**/*.tap", "*/two_a.tap", "**", "/**/*.tap"])
+def test_a_spec_cannot_have_the_whole_machine_looked_through(tmp_path, pattern):
+    spec = SPEC.format(last=1).replace("knit.json", "pes").replace("two_*.tap", pattern)
+    (tmp_path / "knits.toml").write_text(spec)
+    with pytest.raises(UserError, match=r"a \* may stand in the name of a program"):
+        tasks_of(read_spec(tmp_path / "knits.toml"), tmp_path, tmp_path / "out")

@@ -10,13 +10,15 @@ import numpy as np
 import pytest
 
 from testbench.proposing.beam import Beam, Found
+from testbench.proposing.grammar import fits
 from testbench.proposing.grids import DAMPINGS
-from testbench.proposing.hunt import finalists
+from testbench.proposing.hunt import _best_of_each, finalists
 from testbench.proposing.law import Term
 from testbench.proposing.operators import OPERATORS
 from testbench.proposing.proposal import holds
 from testbench.proposing.screening import Part, at_bounds
 from testbench.proposing.stability import SURE, stability
+from testbench.proposing.trial import Trial
 from tests.testbench.proposing.test_library import DT_S, GRID, SIGNALS, law_of
 
 SAMPLES, NOISE = 1200, 0.01
@@ -72,6 +74,12 @@ def test_a_channel_at_its_noise_does_not_hide_what_a_law_does_to_the_other():
         assert part.gain(change, explained, count) == pytest.approx(-count * np.log(1 - share))
 
 
+def test_of_one_structure_the_numbers_that_fit_best_are_kept():
+    lag, bell = law_of("force", "strain", "lag"), law_of("force", "strain", "bell")
+    trials = [Trial(lag, "my", None, 3.0), Trial(bell, "my", None, 4.0), Trial(lag, "my", None, 5.0)]
+    assert [(one.law.key, one.log_z) for one in _best_of_each(trials)] == [(lag.key, 5.0), (bell.key, 4.0)]
+
+
 def test_what_lies_at_a_bound_cannot_give_way():
     priors = SimpleNamespace(low=np.array([-1.0, 0.0, 0.0]), high=np.array([1.0, 2.0, 0.015]))
     h = SimpleNamespace(vector=np.array([0.3, 0.0, 0.015]), priors=priors)
@@ -121,9 +129,9 @@ def test_a_law_has_one_family_whatever_its_bends():
 def test_an_event_of_this_recording_is_no_law(name: str):
     path, strain = (law_of("force", coordinate).term for coordinate in ("path", "strain"))
     x = np.linspace(0, 1, 50)
-    assert not Beam.fits(path, OPERATORS[name], 0, x)
-    assert Beam.fits(strain, OPERATORS[name], 0, x)
-    assert Beam.fits(law_of("force", "time").term, OPERATORS["wave"], 0, x)
+    assert not fits(path, OPERATORS[name], 0, x)
+    assert fits(strain, OPERATORS[name], 0, x)
+    assert fits(law_of("force", "time").term, OPERATORS["wave"], 0, x)
 
 
 @pytest.mark.parametrize(

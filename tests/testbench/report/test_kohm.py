@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from testbench.report.kohm import residuals_kohm
+from testbench.fitting.contribution import Contribution
+from testbench.report.kohm import contribution_kohm, residuals_kohm
 
 LN_S = st.floats(-16.0, -2.0)
 LEFT = st.floats(-1.0, 1.0)
@@ -27,3 +28,13 @@ def test_an_effect_that_adds_what_is_left_lies_on_the_dashed_line(measured: floa
     one = np.array([measured]), np.array([left]), np.array([left])
     residual, added = residuals_kohm(*one)
     assert added == pytest.approx(residual)
+
+
+def test_a_contribution_in_kohm_keeps_the_force_and_has_no_conductance_any_more():
+    one, log_g = np.array([1.0]), np.array([-np.log(2000.0)])
+    found = Contribution(one, {"force": one, "conductance": 0.1 * one}, {"force": 2 * one, "conductance": 0.1 * one})
+    told = contribution_kohm(found, log_g)
+    assert sorted(told.residual) == sorted(told.added) == ["force", "resistance"]
+    assert told.added["force"] is found.added["force"]
+    assert told.residual["resistance"] == pytest.approx(2.0 - 2.0 * np.exp(0.1))
+    assert told.added["resistance"] == pytest.approx(told.residual["resistance"])
