@@ -133,8 +133,13 @@ class Round:
         return {name: (1 - misled) * chance + misled * self.prior[name] for name, chance in chances.items()}
 
     def log_prior(self, mechanism: str) -> float:
-        """Of one law of a mechanism."""
-        return float(np.log(self.prior[mechanism] / self.laws[mechanism]))
+        """Of one law of a mechanism, less what the best of so many laws owes to luck.
+
+        Evidences are known within `EVIDENCE_ERROR`. The largest of n such errors is sd sqrt(2 ln n), nearly (Fisher &
+        Tippett, Proc. Camb. Phil. Soc. 24 (1928) 180); that nothing is missing was not chosen among many.
+        """
+        luck = constants.EVIDENCE_ERROR * np.sqrt(2 * np.log(max(sum(self.laws.values()), 1)))
+        return float(np.log(self.prior[mechanism] / self.laws[mechanism]) - luck)
 
     def log_z_alone(self, entry: Entry) -> float:
         """Log evidence that an entry, and nothing else, is missing."""

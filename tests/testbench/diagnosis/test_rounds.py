@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -67,3 +68,16 @@ def test_probabilities_and_what_is_told_of_them_sum_to_one():
     for chances in (found.probabilities(), found.doubted()):
         assert sum(chances.values()) == pytest.approx(1.0)
         assert set(chances) == {*LAWS, NOTHING, UNKNOWN}
+
+
+def test_a_few_nats_of_the_best_of_many_laws_are_luck():
+    many = {f"mechanism_{k}": 4 for k in range(30)}
+    base = entry("", 1.25, 0.0)
+
+    def chance(laws: dict[str, int], nats: float) -> float:
+        found = a_round(base, entry("mechanism_0", 1.25, nats), unknown=0.0)
+        return replace(found, laws=laws).probabilities()["mechanism_0"]
+
+    assert chance(many, 9.0) < 0.2
+    assert chance(many, 16.0) > 0.9
+    assert chance({"mechanism_0": 1}, 9.0) > 0.9, "alone it was not chosen"
