@@ -2,6 +2,7 @@
 
 ALIKE_S = 1.6  # for so long what a model leaves repeats itself: samples closer than that share one piece of news
 INDEPENDENT = 120  # pieces of a recording whose errors of a law are independent, about two a stroke
+IN_LAST_FIT = 240  # pieces at most in the last fit of a model: parameters are known better than which model is right
 LEAST_MISFIT = 1.25  # noise floors: no law of a catalogue is nearer to a sensor, and instruments have slow noise, too
 LAW_ERROR = 0.2  # of what a law explains: how far the laws of the catalogue usually are from those of a sensor
 INEXACT = 0.05  # the same at least, however low the noise: what is nearer is no merit

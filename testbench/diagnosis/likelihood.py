@@ -213,7 +213,8 @@ def likelihood_of(
     rows = counting
     if len(counting) > constants.SAMPLES:
         rows = counting[np.linspace(0, len(counting) - 1, constants.SAMPLES).astype(int)]
-    share = min(len(counting) / len(rows) * measurement.dt_s / constants.ALIKE_S, 1.0)
+    news = min(len(counting) * measurement.dt_s / constants.ALIKE_S, constants.IN_LAST_FIT)
+    share = min(news / len(rows), 1.0)
     modelled = measurement.modelled(model)
     slope = _slopes(model, measurement, modelled)
     weight, floor = {}, {}

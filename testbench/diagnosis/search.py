@@ -249,8 +249,14 @@ class Search:
         return self.on_one_base(self.champions([*entries, *self.entered(more)]))
 
     def on_one_base(self, entries: Sequence[Entry]) -> list[Entry]:
-        """The best law of each other mechanism tried on the base of the best as well: it may not have met it."""
+        """Rivals tried on the base of the best as well, which they may not have met.
+
+        These are the best law of each other mechanism, and all others that are as good within what is known of an
+        evidence.
+        """
         best, *others = _first_of_each([e for e in entries if e.is_settled], lambda e: e.mechanism)
+        near = best.log_z - 3 * constants.EVIDENCE_ERROR
+        others += [e for e in entries if e.mechanism != best.mechanism and e not in others and e.log_z > near]
         found = list(self.pool.map(lambda e: self.in_place_of(best, e), others))
         return _first_of_each(_best_first([*entries, *found]), lambda e: e.law)
 

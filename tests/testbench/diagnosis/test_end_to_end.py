@@ -153,15 +153,12 @@ def test_two_hidden_effects_are_both_found():
 
 
 @pytest.mark.slow
-def test_resistance_alone_is_enough():
+@pytest.mark.parametrize("effect", ["electrical_overshoot", "contact_relaxation"])
+def test_resistance_alone_is_enough(effect):
     """Without force there are no free loops of force in the base: nothing may ask for them."""
-    case = make_case(
-        "adc_saturation", 10, "other_drift", 5013, 5, 12, protocol="return_to_zero", channels=["resistance_ohm"]
-    )
+    case = make_case(effect, 10, "other_drift", 5013, 5, 12, protocol="return_to_zero", channels=["resistance_ohm"])
     result = diagnose(case.calibration, case.held_out)
-    # Contacts that saturate imitate a converter at its rail, and are the first to be put in with some bases.
-    assert result.verdict == "missing"
-    assert "adc_saturation" in [one.effect for one in result.found]
+    assert (result.verdict, result.found[0].effect) == ("missing", effect)
 
 
 OWN = '''
@@ -225,4 +222,4 @@ def test_what_a_real_strip_lacks_is_in_no_catalogue_and_its_error_falls_nonethel
     """Its conducting network breaks and heals. An overshoot is nearest, and leaves twenty noise floors."""
     result = diagnose(*strip)
     assert result.verdict == "unknown"
-    assert result.error_after["conductance"] <= 0.7 * result.error_before["conductance"]
+    assert result.error_after["conductance"] <= 0.75 * result.error_before["conductance"]

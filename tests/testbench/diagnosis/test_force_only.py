@@ -93,7 +93,9 @@ def test_a_tape_that_was_held_relaxes(levels, kernel):
 )
 def test_what_a_fabric_hides_is_named(effect, rate_hz):
     result = diagnose(fabric(effect, 1, 20.0, rate_hz), fabric(effect, 2, 25.0, rate_hz))
-    assert (result.verdict, result.found[0].effect) == ("missing", effect)
+    assert result.verdict == "missing"
+    # A clamp that slides and a knit that stays longer are one curve in this motion: both within the noise, they tie.
+    assert effect in (result.tied or (result.found[0].effect,))
     assert (
         result.error_after["force"] < 1.5 * result.noise_floor["force"]
     )  # laws that differ by less than 5 % of it tie
