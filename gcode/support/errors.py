@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-
 MOST_SHOWN = 100  # characters of a value that a message quotes
 
 
