@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+MOST_SHOWN = 100  # characters of a value that a message quotes
+
 
 class UserError(ValueError):
     """Bad input. The message says who, what is allowed, what came and what to do.
@@ -19,5 +21,7 @@ def first_problem(error: Exception) -> str:
     where = ".".join(str(part) for part in problem["loc"]) or "value"
     message = problem["msg"].removeprefix("Value error, ")
     came = problem.get("input")
+    if isinstance(came, str) and len(came) > MOST_SHOWN:
+        came = came[:MOST_SHOWN] + "..."
     shown = f", got {came!r}" if isinstance(came, int | float | str | bool | type(None)) else ""
     return f"{where}: {message}{shown}"

@@ -251,12 +251,13 @@ def _model(sensor: str, base: Path, effects: Path | None) -> KnitModel:
 def _found(patterns: Sequence[str], base: Path) -> list[Path]:
     found: list[Path] = []
     for pattern in patterns:
-        if any(mark in part for part in Path(pattern).parts[:-1] for mark in "*?[") or "**" in pattern:
+        place, wild = base / pattern, set("*?[")
+        if wild & set(str(Path(pattern).parent)) or "**" in pattern:
             # ../../**/*.tap would look through the whole machine, on the word of a file.
-            raise UserError(f"{base / pattern}: a * may stand in the name of a program, not in its folder's")
-        paths = sorted(base.glob(pattern)) if not Path(pattern).is_absolute() else [Path(pattern)]
+            raise UserError(f"{place}: a * may stand in the name of a program, not in its folder's")
+        paths = sorted(place.parent.glob(place.name)) if wild & set(place.name) else [place]
         if not paths or not all(path.is_file() for path in paths):
-            raise UserError(f"{base / pattern}: no such program; make one with `gcode generate`")
+            raise UserError(f"{place}: no such program; make one with `gcode generate`")
         found += (path.absolute() for path in paths)
     return found
 

@@ -79,9 +79,10 @@ def _is_terminal(path: Path) -> bool:
     """
     if not path.is_absolute():
         return False
-    real = path.resolve()
-    named = real.parts[1:2] == ("dev",) and _TERMINAL.fullmatch("/".join(real.parts[2:])) is not None
     try:
+        real = path.resolve()
+        named = real.parts[1:2] == ("dev",) and _TERMINAL.fullmatch("/".join(real.parts[2:])) is not None
         return named and (not real.exists() or stat.S_ISCHR(real.stat().st_mode))
-    except OSError:
+    except (OSError, RuntimeError, ValueError):
+        # RuntimeError: links in a circle; ValueError: a zero byte in the name.
         return False

@@ -57,3 +57,9 @@ def test_links_that_lead_in_a_circle_are_a_sentence(tmp_path, program, capsys):
     (tmp_path / "loop").symlink_to(tmp_path / "loop")
     assert main(["play", program, "-o", str(tmp_path / "loop" / "x.csv")]) == 2
     assert "Traceback" not in capsys.readouterr().err
+
+
+def test_a_message_does_not_repeat_a_megabyte(tmp_path, capsys):
+    (tmp_path / "spec.toml").write_text(f'name = "{"x" * 900_000}"\n')
+    assert main(["generate", "--spec", str(tmp_path / "spec.toml"), "-o", str(tmp_path / "o")]) == 2
+    assert len(capsys.readouterr().err) < 1000

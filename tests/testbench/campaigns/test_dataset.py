@@ -220,3 +220,11 @@ def test_a_spec_cannot_have_the_whole_machine_looked_through(tmp_path, pattern):
     (tmp_path / "knits.toml").write_text(spec)
     with pytest.raises(UserError, match=r"a \* may stand in the name of a program"):
         tasks_of(read_spec(tmp_path / "knits.toml"), tmp_path, tmp_path / "out")
+
+
+@pytest.mark.parametrize("pattern", ["", ".", "..", "a/" * 2000, "a" * 5000, "\\u0000.tap", "[", "?*"])
+def test_a_pattern_that_names_no_program_is_a_sentence(tmp_path, capsys, pattern):
+    spec = SPEC.format(last=1).replace("knit.json", "pes").replace("two_*.tap", pattern)
+    (tmp_path / "knits.toml").write_text(spec)
+    assert cli.main(["dataset", str(tmp_path / "knits.toml"), "-o", str(tmp_path / "out")]) == 2
+    assert "testbench dataset: error: " in capsys.readouterr().err

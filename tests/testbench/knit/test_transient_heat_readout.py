@@ -108,10 +108,18 @@ def test_force_follows_the_temperature_only_where_it_was_measured() -> None:
 
 def test_a_room_that_nobody_measured_softens_the_force_over_time_alone() -> None:
     effect = ThermalSofteningWander(weights=(0.0,) * 5 + (-0.1,) * 12 + (0.0,) * 5)
-    once, twice = (effect.apply({"time_s": T, "force_N": k * ONE}, DT_S)["force_N"] for k in (1, 2))
-    np.testing.assert_allclose(twice, 2 * once)
-    assert once[0] == 1
-    assert once[len(T) // 2] == pytest.approx(np.exp(-0.1))
+    time_s = np.arange(0, 1400, DT_S)  # in shorter recordings a room has fewer bumps: one a minute
+    once, twice = (effect.apply({"time_s": time_s, "force_N": np.full_like(time_s, k)}, DT_S) for k in (1, 2))
+    np.testing.assert_allclose(twice["force_N"], 2 * once["force_N"])
+    assert once["force_N"][0] == 1
+    assert once["force_N"][len(time_s) // 2] == pytest.approx(np.exp(-0.1))
+
+
+def test_a_room_does_not_wander_within_a_minute() -> None:
+    """However many bumps there are: in six minutes there are places for nine."""
+    time_s = np.arange(0, 360, DT_S)
+    unused = ThermalSofteningWander(weights=(0.0,) * 9 + (-0.1,) * 13)
+    np.testing.assert_array_equal(unused.apply({"time_s": time_s, "force_N": 1 + time_s}, DT_S)["force_N"], 1 + time_s)
 
 
 def test_lag_and_delay_shift_a_ramp_by_their_times() -> None:

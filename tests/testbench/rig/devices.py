@@ -25,6 +25,7 @@ FORKS.set_forkserver_preload(
 )
 BOOT = 0xC0FFEE01
 # Starts shortly before a wrap: every test that runs longer than 2 s sees one.
+PATIENCE_S = 600.0  # of every wait for another process: it ends early, and a machine may be busy
 FIRST_MICROS = MICROS_WRAP - 2_000_000
 
 
@@ -147,7 +148,7 @@ def command(*words: str, **popen) -> subprocess.Popen:
     return CHILDREN[-1]
 
 
-def until(condition, child=None, timeout_s: float = 60.0) -> None:
+def until(condition, child=None, timeout_s: float = PATIENCE_S) -> None:
     """Wait for something that another process does; fail loudly if it never does."""
     end_s = time.monotonic() + timeout_s
     while not condition():

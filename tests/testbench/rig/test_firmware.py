@@ -11,6 +11,7 @@ import pytest
 
 from testbench.rig.stream import Intake, Row
 from testbench.rig.wire import MICROS_WRAP, Sample, encode
+from tests.testbench.rig.devices import PATIENCE_S
 
 HERE = Path(__file__).parent / "arduino"
 FIRMWARE = Path(__file__).parents[3] / "firmware" / "knitbench_rig"
@@ -28,7 +29,7 @@ def built(tmp_path: Path, source: str, compiler: str, *flags: str) -> Path:
         pytest.skip(f"{compiler} is not installed")
     program = tmp_path / "program"
     words = [compiler, *flags, "-Wall", "-Wextra", "-Werror", f"-I{FIRMWARE}", f"-I{HERE}", str(HERE / source)]
-    subprocess.run([*words, "-o", str(program)], check=True, timeout=60)
+    subprocess.run([*words, "-o", str(program)], check=True, timeout=PATIENCE_S)
     return program
 
 
@@ -65,7 +66,7 @@ def test_the_formatter_in_c_writes_what_the_encoder_in_python_writes(tmp_path):
     program = built(tmp_path, "format_lines.c", "gcc", "-std=c99")
     samples = EXTREMES + some_samples(2000)
     text = "\n".join(map(numbers_of, samples)) + "\n"
-    out = subprocess.run([program], input=text.encode(), capture_output=True, check=True, timeout=60).stdout
+    out = subprocess.run([program], input=text.encode(), capture_output=True, check=True, timeout=PATIENCE_S).stdout
     assert out.splitlines(keepends=True) == [encode(sample) for sample in samples]
 
 
@@ -79,7 +80,7 @@ def test_the_longest_line_fits_its_buffer():
 
 def test_the_whole_sketch_runs_and_its_lines_are_a_recording(tmp_path):
     program = built(tmp_path, "run_sketch.cpp", "g++", "-std=c++17")
-    out = subprocess.run([program], capture_output=True, check=True, timeout=60).stdout
+    out = subprocess.run([program], capture_output=True, check=True, timeout=PATIENCE_S).stdout
     intake = Intake()
     rows = [item for item in intake.feed(out, 0.0) if isinstance(item, Row)]
     assert (intake.accepted, intake.lost, intake.bad.total()) == (len(rows), 0, 0)

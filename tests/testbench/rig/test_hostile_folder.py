@@ -63,6 +63,7 @@ def recorded(tmp_path):
         "/dev/mem",
         "/dev/shm/x",
         "/dev/fd/1",
+        "/dev/ttyS0\0",
         "",
     ],
 )

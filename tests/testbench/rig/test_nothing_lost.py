@@ -27,7 +27,7 @@ from testbench.rig.serial_port import SerialLink
 from testbench.rig.sink import Sink
 from testbench.rig.stream import Row
 from testbench.rig.wire import MICROS_WRAP
-from tests.testbench.rig.devices import Device, Witness, command, forked_recorder, recorder, until
+from tests.testbench.rig.devices import PATIENCE_S, Device, Witness, command, forked_recorder, recorder, until
 from tests.testbench.rig.rigs import program, rig
 
 SETTLING_S = 0.25  # pyserial empties the input buffer when it opens a port
@@ -107,7 +107,7 @@ def finished_well(folder: Path, device: Device, wish: Path) -> None:
     child = recorder(folder, device.port.name, wish, *resume)
     until(lambda: len(rows_of(folder)) > before + 50, child)
     child.send_signal(signal.SIGINT)
-    out, err = child.communicate(timeout=30)
+    out, err = child.communicate(timeout=PATIENCE_S)
     assert child.returncode == 0, err
     assert "interrupted" in out
     numbers = check_rows(rows_of(folder), device)
@@ -145,7 +145,7 @@ def unplugged(tmp_path: Path, times: int) -> None:
             plugged_in = len(device.sent)
             until(lambda plugged_in=plugged_in: number_of(rows_of(folder)[-1]) > plugged_in + 20, child)
         child.send_signal(signal.SIGTERM)
-        child.communicate(timeout=30)
+        child.communicate(timeout=PATIENCE_S)
     events = [json.loads(line) for line in (folder / "events.jsonl").read_text().splitlines()]
     assert [event["event"] for event in events].count("disconnect") == times
     gaps = [event["lost"] for event in events if event["event"] == "gap"]
@@ -176,7 +176,7 @@ def test_a_bad_cable_lets_no_wrong_sample_through(tmp_path):
     time.sleep(SETTLING_S)
     for chunk in faulty(lines, 0.05, default_rng(5)):
         port.write(chunk)
-    out, err = child.communicate(timeout=60)
+    out, err = child.communicate(timeout=PATIENCE_S)
     port.close()
     assert "complete" in out, err
     recording = read_recording(tmp_path / "c")
@@ -204,12 +204,12 @@ def test_a_second_recorder_on_the_port_is_refused(tmp_path):
         child = recorder(tmp_path / "c", device.port.name, wish)
         until(lambda: len(rows_of(tmp_path / "c")) > 10, child)
         other = recorder(tmp_path / "d", device.port.name, wish)
-        _, err = other.communicate(timeout=60)
+        _, err = other.communicate(timeout=PATIENCE_S)
         assert other.returncode == 2
         assert "another program holds this port" in err
         assert not (tmp_path / "d").exists()
         child.send_signal(signal.SIGINT)
-        assert "interrupted" in child.communicate(timeout=30)[0]
+        assert "interrupted" in child.communicate(timeout=PATIENCE_S)[0]
 
 
 def test_a_slow_disk_does_not_make_the_wire_wait(tmp_path, monkeypatch):
@@ -233,7 +233,7 @@ def test_a_slow_disk_does_not_make_the_wire_wait(tmp_path, monkeypatch):
     for line in lines:
         port.write(line)
     disk_works.set()
-    worker.join(timeout=60)
+    worker.join(timeout=PATIENCE_S)
     link.close()
     port.close()
     want = whole_rows(lines)
@@ -250,7 +250,7 @@ def test_a_full_disk_ends_the_recording_with_a_sentence_and_a_readable_file(tmp_
 
     with Device(tmp_path / "port") as device:
         child = recorder(tmp_path / "c", device.port.name, wish, "--give-up-s", "0.5", preexec_fn=small_files)
-        _, err = child.communicate(timeout=60)
+        _, err = child.communicate(timeout=PATIENCE_S)
         assert child.returncode == 1
         assert "disk full" in err
         assert "Traceback" not in err
@@ -265,12 +265,12 @@ def test_the_rig_command_and_the_record_command_speak_to_each_other(tmp_path):
     bench = command("rig", *words, "--link", str(link))
     until(link.exists, bench)
     child = recorder(tmp_path / "c", str(link), wish, "--progress-json")
-    out, err = child.communicate(timeout=60)
+    out, err = child.communicate(timeout=PATIENCE_S)
     assert child.returncode == 0, err
     progress = [json.loads(line) for line in out.splitlines()]
     assert progress[-1]["state"] == "complete"
     assert {"rate_hz", "lost", "rejected", "force_N", "strain", "time_s", "duration_s"} <= set(progress[0])
-    bench.communicate(timeout=30)
+    bench.communicate(timeout=PATIENCE_S)
     assert bench.returncode == 0
     assert cli.main(["verify", str(tmp_path / "c")]) == 0
     assert not link.exists()

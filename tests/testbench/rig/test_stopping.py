@@ -11,7 +11,7 @@ import sys
 import termios
 from pathlib import Path
 
-from tests.testbench.rig.devices import MAIN
+from tests.testbench.rig.devices import MAIN, PATIENCE_S
 from tests.testbench.rig.rigs import program
 
 
@@ -26,7 +26,7 @@ def rig(folder: Path, **popen) -> subprocess.Popen:
 
 def ended_as_told(child: subprocess.Popen, folder: Path) -> None:
     try:
-        _, words = child.communicate(timeout=60)
+        _, words = child.communicate(timeout=PATIENCE_S)
     finally:
         child.kill()  # leaving the block waits for it, for ever if it was not told
     assert child.returncode == 130, words
