@@ -126,8 +126,8 @@ def contribution(
     >>> import testbench as tb
     >>> recording = tb.example(tb.effects.StressRelaxation(fraction=0.3), duration_s=90)
     >>> d = tb.diagnose(recording, most=1, progress=False)
-    >>> tb.contribution(d, "stress_relaxation", recording)
-    <ContributionResult stress_relaxation to force, conductance>
+    >>> tb.contribution(d, "stress_relaxation", recording).effect.mechanism
+    'stress_relaxation'
     """
     catalogue = catalogue_of(effects)
     data = diagnosis if isinstance(diagnosis, Mapping) else diagnosis_data(diagnosis)

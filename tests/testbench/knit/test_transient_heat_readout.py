@@ -119,7 +119,9 @@ def test_a_room_does_not_wander_within_a_minute() -> None:
     """However many bumps there are: in six minutes there are places for nine."""
     time_s = np.arange(0, 360, DT_S)
     unused = ThermalSofteningWander(weights=(0.0,) * 9 + (-0.1,) * 13)
-    np.testing.assert_array_equal(unused.apply({"time_s": time_s, "force_N": 1 + time_s}, DT_S)["force_N"], 1 + time_s)
+    np.testing.assert_array_equal(
+        unused.apply({"time_s": time_s, "force_N": 1 + time_s}, DT_S)["force_N"], 1 + time_s
+    )
 
 
 def test_lag_and_delay_shift_a_ramp_by_their_times() -> None:
