@@ -96,9 +96,9 @@ def test_what_a_fabric_hides_is_named(effect, rate_hz):
     assert result.verdict == "missing"
     # A clamp that slides and a knit that stays longer are one curve in this motion: both within the noise, they tie.
     assert effect in (result.tied or (result.found[0].effect,))
-    assert (
-        result.error_after["force"] < 1.5 * result.noise_floor["force"]
-    )  # laws that differ by less than 5 % of it tie
+    # Laws that differ by less than 5 % of it tie; of two mechanisms that tie the wrong one may have been put in.
+    floors = 2.0 if result.tied else 1.5
+    assert result.error_after["force"] < floors * result.noise_floor["force"]
 
 
 @pytest.mark.slow
