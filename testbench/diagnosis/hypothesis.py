@@ -101,7 +101,8 @@ def under(h: Hypothesis, likelihood: Likelihood) -> Hypothesis:
     """The same point judged with samples that count otherwise; the linear model finds the new maximum."""
     normal = replace(h.normal, count=likelihood.count, share=likelihood.share)
     # A shape that only fits what no law is asked to reach is switched off.
-    least = {c: max(sigma, likelihood.misfit[c]) for c, sigma in _rms(normal).items()}
+    left = rms(h.columns, h.robust, normal.least)
+    least = {c: max(sigma, likelihood.misfit[c]) for c, sigma in left.items()}
     known = replace(pinned(normal, h.held), least=least)
     evidence = maximised(known, scale=h.evidence.scale, iterations=15)
     tails = sum(tail(rows[0] / evidence.sigma[c], h.robust[c], likelihood.share) for c, rows in h.columns.items())
@@ -120,7 +121,9 @@ def pinned(normal: NormalEquations, held: np.ndarray) -> NormalEquations:
     return replace(normal, mean=mean, precision=precision)
 
 
-def _rms(normal: NormalEquations) -> dict[str, float]:
-    """Noise that the point itself leaves, not a step that was not taken."""
-    here = {c: np.sqrt(g[0, 0] * normal.share / normal.count) for c, g in normal.products.items()}
-    return {c: max(float(here[c]), low) for c, low in normal.least.items()}
+def rms(
+    columns: Mapping[str, FloatArray], robust: Mapping[str, FloatArray], least: Mapping[str, float]
+) -> dict[str, float]:
+    """Noise that the point itself leaves, not a step not taken; `columns` and `robust` as in `Hypothesis`."""
+    left = {c: float(np.mean((rows[0] * robust[c]) ** 2)) ** 0.5 for c, rows in columns.items()}
+    return {c: max(one, least[c]) for c, one in left.items()}

@@ -11,7 +11,7 @@ import numpy as np
 from testbench.diagnosis import constants
 from testbench.diagnosis.directions import Directions
 from testbench.diagnosis.evidence import LogEvidence, NormalEquations, maximised, opened
-from testbench.diagnosis.hypothesis import HELD, Hypothesis, pinned, tail
+from testbench.diagnosis.hypothesis import HELD, Hypothesis, pinned, rms, tail
 from testbench.diagnosis.likelihood import Likelihood
 from testbench.diagnosis.priors import priors_of
 from testbench.fitting.downhill import downhill, huber, huber_weight, within
@@ -132,7 +132,7 @@ class _Search:
         held, self.held = self.held, at_bound
         for _ in range(FINAL_WEIGHTS):
             robust = self.robust(self.columns)
-            before, self.sigma = self.sigma, self.rms(robust)
+            before, self.sigma = self.sigma, rms(self.columns, robust, self.likelihood.least)
             if all(abs(np.log(self.sigma[c] / before[c])) < AGREED for c in before):
                 break
         normal = self.all_normal(robust)
@@ -235,11 +235,6 @@ class _Search:
         """Square roots of the Huber weights."""
         z = {c: np.abs(values[0]) / self.sigma[c] for c, values in rows.items()}
         return {c: np.sqrt(huber_weight(one)) for c, one in z.items()}
-
-    def rms(self, robust: Mapping[str, FloatArray]) -> dict[str, float]:
-        """Noise that the point itself leaves, not a step that was not taken."""
-        left = {c: float(np.mean((rows[0] * robust[c]) ** 2)) ** 0.5 for c, rows in self.columns.items()}
-        return {c: max(one, self.likelihood.least[c]) for c, one in left.items()}
 
     def believed(self) -> tuple[FloatArray, FloatArray]:
         """Prior of the step from here; what is held makes none."""

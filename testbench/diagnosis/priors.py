@@ -94,7 +94,7 @@ def priors_of(
         if p.address in known:
             believed.append(known[p.address])
         elif index:
-            believed.append((0.0, _said(model, vector) or p.width))
+            believed.append((0.0, _size_of_vector(model, vector) or p.width))
         elif name in reference and _has_scale(type(model[name]), key):
             believed.append(declared(type(model[name]), key, scales))
         elif name in reference and type(reference[name]) is type(model[name]):
@@ -105,15 +105,19 @@ def priors_of(
         tails.append(is_strength and believed[-1][0] == 0)
     mean, width = np.array(believed).reshape(-1, 2).T
     low, high = (np.array([p.to_fit(getattr(p, side)) for p in parameters]) for side in ("low", "high"))
-    said = frozenset(g for g, vector in enumerate(groups) if _said(model, vector))
+    said = frozenset(g for g, vector in enumerate(groups) if _size_of_vector(model, vector))
     strengths, number = np.array(tails, bool), np.array(group, int)
     return Priors(tuple(parameters), mean, width**-2.0, strengths, low, high, number, tuple(groups), said)
 
 
-def _said(model: KnitModel, address: str) -> float:
+def declared_size(effect: type[Effect], key: str) -> float:
     """Typical size of a parameter as its effect declares it; 0 where it does not."""
+    return float(bounds_of(effect.model_fields[key])["typical"] or 0.0)
+
+
+def _size_of_vector(model: KnitModel, address: str) -> float:
     name, _, key = address.partition(".")
-    return float(bounds_of(type(model[name]).model_fields[key])["typical"] or 0.0)
+    return declared_size(type(model[name]), key)
 
 
 def with_tails(precision: FloatArray, off: FloatArray) -> FloatArray:
@@ -141,13 +145,13 @@ def declared(effect: type[Effect], key: str, scales: Mapping[str, float]) -> tup
 
 def _has_scale(effect: type[Effect], key: str) -> bool:
     """Whether a parameter of a base law is believed near what its effect says, not near where the data drew it."""
-    return key == effect.strength or bool(bounds_of(effect.model_fields[key])["typical"])
+    return key == effect.strength or bool(declared_size(effect, key))
 
 
 def typical(effect: type[Effect], scales: Mapping[str, float]) -> float:
     """Typical size of an effect's strength: as declared, on the scale of this sensor's force where it is a force."""
     extra = bounds_of(effect.model_fields[effect.strength])
-    said: float | None = extra["typical"]
+    said = declared_size(effect, effect.strength)
     if extra["unit"] == "N":
         return (said or SHARE_OF_RANGE) / SHARE_OF_RANGE * scales["N"]
     if extra["unit"] == "1/N":

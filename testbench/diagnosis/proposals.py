@@ -11,12 +11,12 @@ import numpy as np
 from testbench.diagnosis.evidence import LogEvidence, NormalEquations, maximised, opened
 from testbench.diagnosis.hypothesis import Hypothesis
 from testbench.diagnosis.likelihood import Likelihood
-from testbench.diagnosis.priors import tail_evidence, typical, with_tails
+from testbench.diagnosis.priors import declared_size, tail_evidence, typical, with_tails
 from testbench.fitting.candidates import Candidate, candidate_mechanisms, expand, is_vector, two_signed
 from testbench.fitting.fit import shape_scales
 from testbench.knit.cache import SimulationCache
 from testbench.knit.catalogue import Catalogue
-from testbench.knit.effect import Effect, FloatArray, bounds_of
+from testbench.knit.effect import Effect, FloatArray
 
 Rows = Mapping[str, FloatArray]  # channel -> columns at the samples that count, shape (m, k)
 WEAK = 0.1  # of the strength that the data ask for to first order
@@ -160,14 +160,14 @@ class Screen:
         gain = float(gain) - np.log(len(law.candidates))
         effect = candidate.at(amount)
         size = abs(getattr(effect, effect.strength))
-        said = bounds_of(type(effect).model_fields[effect.strength])["typical"]
+        said = declared_size(type(effect), effect.strength)
         believed = (size, 0.3 * size) if candidate.from_data or (effect.nonlinear and not said) else None
         return Proposal(law.mechanism, candidate.law, effect, gain, step, believed)
 
     def _vector(self, law: Law, rows: Rows) -> Proposal:
         """A law with a vector of weights: all its columns at once, their scale found by evidence."""
         first, count = law.candidates[0], len(law.candidates)
-        said = bounds_of(type(first.effect).model_fields[first.effect.strength])["typical"]
+        said = declared_size(type(first.effect), first.effect.strength)
         precision = (first.strength / said) ** 2 if said else 1e-4
         found = self.evidence(rows, 0.0, precision, 0, iterations=12, typical=bool(said))
         weights = tuple(float(a) * first.strength for a in found.coefficients[-count:])

@@ -133,13 +133,17 @@ class Round:
         return {name: (1 - misled) * chance + misled * self.prior[name] for name, chance in chances.items()}
 
     def log_prior(self, mechanism: str) -> float:
-        """Of one law of a mechanism, less what the best of so many laws owes to luck.
+        """Of one law of a mechanism, less what the best of so many laws owes to luck."""
+        return float(np.log(self.prior[mechanism] / self.laws[mechanism]) - self.luck)
 
-        Evidences are known within `EVIDENCE_ERROR`. The largest of n such errors is sd sqrt(2 ln n), nearly (Fisher &
-        Tippett, Proc. Camb. Phil. Soc. 24 (1928) 180); that nothing is missing was not chosen among many.
+    @cached_property
+    def luck(self) -> float:
+        """What the best of all laws owes to luck, in nats; that nothing is missing was not chosen among many.
+
+        Evidences are known within `EVIDENCE_ERROR`, and the largest of n such errors is nearly sd sqrt(2 ln n).
+        Source: Fisher & Tippett, Proc. Camb. Phil. Soc. 24 (1928) 180.
         """
-        luck = constants.EVIDENCE_ERROR * np.sqrt(2 * np.log(max(sum(self.laws.values()), 1)))
-        return float(np.log(self.prior[mechanism] / self.laws[mechanism]) - luck)
+        return float(constants.EVIDENCE_ERROR * np.sqrt(2 * np.log(max(sum(self.laws.values()), 1))))
 
     def log_z_alone(self, entry: Entry) -> float:
         """Log evidence that an entry, and nothing else, is missing."""
