@@ -248,7 +248,7 @@ def _found(rounds: Sequence[Round], put_in: Sequence[Entry]) -> Found:
     """The first of what was put in, one in each of the rounds."""
     step, entry = rounds[0], put_in[0]
     chance = step.doubted(whole_of(rounds, put_in))[entry.mechanism]
-    return Found(entry.mechanism, entry.law, chance, entry.log_z - step.before.log_z)
+    return Found(entry.mechanism, entry.law, chance, entry.hypothesis.log_z - step.before.hypothesis.log_z)
 
 
 def _ladder(
@@ -298,7 +298,7 @@ def _ranking(first: Round, chances: Mapping[str, float], held: Measurement) -> t
                 np.mean([2 * np.log(base.evidence.sigma[c] / s) for c, s in entry.hypothesis.evidence.sigma.items()])
             )
             over = gain_interval(bare, block_energies(entry.hypothesis.model, held))
-            one = Ranked(entry.mechanism, entry.law, chance, entry.log_z - first.before.log_z, gain, over, law)
+            one = Ranked(entry.mechanism, entry.law, chance, entry.hypothesis.log_z - base.log_z, gain, over, law)
         ranked.append(one)
     return tuple(sorted(ranked, key=lambda one: (-one.probability, -one.log_evidence)))
 

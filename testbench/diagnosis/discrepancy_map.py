@@ -1,4 +1,4 @@
-"""Unknown as a hypothesis: a free-form map of what a model leaves, over what the knit did and went through.
+"""What no law of a model says: a free-form map of what it leaves, over what the knit did and went through.
 
 Source: Kennedy & O'Hagan, J. R. Statist. Soc. B 63 (2001) 425 (a model beside its discrepancy).
 """
@@ -62,6 +62,11 @@ class Map:
                 inside = np.flatnonzero(np.asarray(groups) == g) + place * count
                 self.gains[c, name] = float(np.mean((amounts[inside] @ rows[c][inside]) ** 2) / np.mean(residual**2))
         self.log_z = found.value + tails - hypothesis.unlikely
+
+
+def log_z_with_map(hypothesis: Hypothesis, likelihood: Likelihood) -> float:
+    """Log evidence of a model as it is, or beside a map of what it leaves, each as likely: no law is exact."""
+    return float(np.logaddexp(Map(hypothesis, likelihood).log_z, hypothesis.log_z) - np.log(2))
 
 
 @lru_cache(maxsize=2)

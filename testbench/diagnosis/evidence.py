@@ -15,6 +15,8 @@ from scipy.linalg import lapack
 from testbench.knit.effect import FloatArray
 
 SMALLEST, LARGEST = 1e-2, 1e8  # of a group's precision, in that of its declared prior
+ANY_SIZE = float(np.log(LARGEST / SMALLEST))  # width of the prior of ln(precision), where any size is alike
+TYPICAL_SIZE = 2 * np.pi  # the same of Cauchy's prior on a standard deviation, at its centre
 OPEN = 1e2  # from here MacKay's updates find the way to either side; from `LARGEST` there is none back
 
 
@@ -110,17 +112,18 @@ def maximised(
         vector = np.r_[1.0, -x]
         left = {c: max(float(vector @ g @ vector), 1e-300) * normal.share for c, g in gram.items()}
         squares = {c: max(one, normal.count * normal.least[c] ** 2) for c, one in left.items()}
-        before, value = value, _value(squares, sigma, normal.count, x, mean, precision, chol)
-        value -= sum(float(np.log1p(1 / factor[g])) for g in normal.typical)
         inverse, _ = lapack.dpotri(chol, lower=1)
         variance = np.diag(inverse)
+        known = [len(where) - float(precision[where] @ variance[where]) for where in members]
+        before, value = value, _value(squares, sigma, normal.count, x, mean, precision, chol)
+        value -= sum(float(np.log1p(1 / factor[g])) for g in normal.typical)
+        value -= _found_scales(known, normal.typical)
         sigma = {c: np.sqrt(one / normal.count) for c, one in squares.items()}
         for g, where in enumerate(members):
             if len(where):
-                known = len(where) - float(precision[where] @ variance[where])
                 size = float(declared[where] @ (x[where] - mean[where]) ** 2)
-                known += 2 / (1 + factor[g]) if g in normal.typical else 0.0
-                factor[g] = np.clip(max(known, 1e-3) / max(size, 1e-12), SMALLEST, LARGEST)
+                more = 2 / (1 + factor[g]) if g in normal.typical else 0.0
+                factor[g] = np.clip(max(known[g] + more, 1e-3) / max(size, 1e-12), SMALLEST, LARGEST)
         if abs(value - before) < 0.05:
             break
     inverse = np.tril(inverse) + np.tril(inverse, -1).T
@@ -130,6 +133,18 @@ def maximised(
 def opened(scale: FloatArray) -> FloatArray:
     """Scales to start from in another model: what was switched off in this one may be needed there."""
     return np.minimum(scale, OPEN)
+
+
+def _found_scales(known: Sequence[float], typical: frozenset[int]) -> float:
+    """What it costs, in nats, that the scales of the groups were not known but found.
+
+    k coefficients that the data determine tell ln(precision) within sqrt(2 / k); a group that is switched off costs
+    nothing. Source: MacKay, Neural Computation 4 (1992) 415, section 4.4 (error bars of the regularising constant).
+    """
+    widths = (TYPICAL_SIZE if g in typical else ANY_SIZE for g in range(len(known)))
+    return sum(
+        float(np.log1p(width * np.sqrt(max(k, 0.0) / (4 * np.pi)))) for width, k in zip(widths, known, strict=True)
+    )
 
 
 def _value(

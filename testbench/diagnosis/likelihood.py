@@ -22,6 +22,7 @@ from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
 
 LEVELS, MOST_NOISE = 10, 30.0  # levels whose noise is told apart; largest over typical noise
+JERK_S = 0.3  # a machine's jerks are quicker, strokes are slower
 MOTION_STEP, HOLD_STEP = 1e-4, 0.02  # of the range of the strain in a step; of the time since the motion ended
 
 
@@ -164,26 +165,48 @@ def noise_of(measurement: Measurement) -> dict[str, float]:
 def jitter_of(model: KnitModel, measurement: Measurement) -> dict[str, float]:
     """Standard deviation of each reading's age in seconds: by how much noisier it is the faster it moves.
 
-    Converters average and hold, and a loop asks for them at any time. Sixth differences of what a model leaves show
-    no motion, however wrong the model. Their variance grows with the square of the speed.
+    Converters average and hold, loops ask for them at any time, and a machine moves in jerks that the displacement
+    beside the readings does not show. Of differences over one sample, two, four, up to `JERK_S`, the largest counts.
     """
     found = {}
     for channel, left in measurement.residual(model).items():
-        modelled = measurement.measured[channel] - left
-        inside = (measurement.counts & within_range(measurement.measured[channel]))[3:-3]
-        speed = np.abs(np.gradient(modelled, measurement.signals["time_s"]))[3:-3][inside]
-        rough = (np.diff(left, 6) / np.sqrt(924))[inside]  # the squares of its weights, summed
-        parts = _slower_halves(np.argsort(speed))
-        variance = np.array([robust_sd(rough[part]) ** 2 for part in parts])
-        square = np.array([np.median(speed[part] ** 2) for part in parts])
-        if len(parts) < 2 or np.ptp(square) == 0 or np.ptp(variance) == 0:
-            found[channel] = 0.0
-            continue
-        # between readings that are further apart than the grid there is no noise, but then no certainty either
-        sure = np.sqrt([len(part) for part in parts]) / np.maximum(variance, 1e-6 * np.max(variance))
-        slope = np.polyfit(square, variance, 1, w=sure)[0]
-        found[channel] = max(float(slope), 0.0) ** 0.5
+        ages = [0.0]
+        lag = 1
+        while lag == 1 or lag * measurement.dt_s <= JERK_S:
+            ages.append(_jitter(left, channel, measurement, lag))
+            lag *= 2
+        found[channel] = max(ages)
     return found
+
+
+def _jitter(left: FloatArray, channel: str, measurement: Measurement, lag: int) -> float:
+    """The same from sixth differences of what a model leaves, over samples that are `lag` apart.
+
+    They show no motion, however wrong the model; what its laws may err by is taken off. Their variance grows with the
+    square of the speed.
+    """
+    values = measurement.measured[channel]
+    modelled = values - left
+    inner = slice(3 * lag, len(values) - 3 * lag)
+    inside = (measurement.counts & within_range(values))[inner]
+    speed = np.abs(np.gradient(modelled, measurement.signals["time_s"]))[inner][inside]
+    rough, of_motion = (_sixth_differences(x, lag)[inside] for x in (left, modelled))
+    parts = _slower_halves(np.argsort(speed))
+    by_law = np.array([constants.LAW_ERROR * robust_sd(of_motion[part]) for part in parts])
+    variance = np.maximum(np.array([robust_sd(rough[part]) for part in parts]) ** 2 - by_law**2, 0.0)
+    square = np.array([np.median(speed[part] ** 2) for part in parts])
+    if len(parts) < 2 or np.ptp(square) == 0 or np.ptp(variance) == 0:
+        return 0.0
+    # between readings that are further apart than the grid there is no noise, but then no certainty either
+    sure = np.sqrt([len(part) for part in parts]) / np.maximum(variance, 1e-6 * np.max(variance))
+    return max(float(np.polyfit(square, variance, 1, w=sure)[0]), 0.0) ** 0.5
+
+
+def _sixth_differences(x: FloatArray, lag: int) -> FloatArray:
+    """Over samples that are `lag` apart, shape (n - 6 lag,); white noise keeps its standard deviation."""
+    for _ in range(6):
+        x = x[lag:] - x[:-lag]
+    return x / np.sqrt(924)  # the squares of the weights, summed
 
 
 def _slower_halves(ordered: np.ndarray) -> list[np.ndarray]:

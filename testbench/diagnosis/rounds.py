@@ -28,7 +28,7 @@ class Entry:
     mechanism, law, name : str
         Of the catalogue; `name` is its name in the model.
     log_z : float
-        Log evidence of the model, as models are compared.
+        Log evidence as models are compared: of the model as it is, or beside a free-form map of what it leaves.
     excess : float
         Squared error above the least that a law leaves, in units of it, summed over the channels.
     """
@@ -50,8 +50,6 @@ class Round:
     ----------
     before : Entry
         The model so far, at its best.
-    log_z_unknown : float
-        Log evidence of the model so far beside what it leaves: noise of any size, or a free-form map.
     entries : tuple of Entry
         What was refitted, the best first.
     proposals : tuple of Proposal
@@ -62,7 +60,6 @@ class Round:
     """
 
     before: Entry
-    log_z_unknown: float
     entries: tuple[Entry, ...]
     proposals: tuple[Proposal, ...]
     laws: Mapping[str, int]
@@ -113,11 +110,11 @@ class Round:
     def _log_z_of_any(self, whole: Whole | None) -> float:
         """Log evidence of an effect of no catalogue: noise to us, a free-form map, or in part like some law.
 
-        A law that resembles it is worth as much as if it were what is missing, but what it leaves may be of any size.
+        A law that resembles it is worth as much as if it were what is missing. What is left may be of any size.
         """
         alike = [self.log_prior_alike(e.mechanism) + e.log_z for e in self.entries]
         alike += [whole.log_prior_alike + whole.log_z] if whole else []
-        return float(np.logaddexp(np.log(2 / 3) + self.log_z_unknown, np.log(1 / 3) + logsumexp([-np.inf, *alike])))
+        return float(np.logaddexp(np.log(2 / 3) + self.before.log_z, np.log(1 / 3) + logsumexp([-np.inf, *alike])))
 
     def log_prior_alike(self, mechanism: str) -> float:
         """Of one law of a mechanism, if it is one of the catalogue."""

@@ -9,12 +9,11 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TypeVar
 
-import numpy as np
 from threadpoolctl import threadpool_limits
 
 from testbench.comparing.ladder import drawn_to_data
 from testbench.diagnosis import constants
-from testbench.diagnosis.discrepancy_map import Map
+from testbench.diagnosis.discrepancy_map import log_z_with_map
 from testbench.diagnosis.hypothesis import Hypothesis, under
 from testbench.diagnosis.laplace import fitted
 from testbench.diagnosis.likelihood import (
@@ -209,13 +208,14 @@ class Search:
             best = max(entries, key=lambda e: e.log_z)
             before.append(self.compare(best.hypothesis.model.without(best.name), best.hypothesis))
             likelihood = replace(likelihood, explained=explained(current, best.hypothesis))
-        bare = max((self.entry("", under(h, likelihood), likelihood) for h in before), key=lambda e: e.log_z)
-        entries = [
-            self.entry(e.mechanism, under(e.hypothesis, likelihood), likelihood, e.law, e.name) for e in entries
-        ]
-        entries = _best_first(entries)
-        unknown = float(np.logaddexp(Map(bare.hypothesis, likelihood).log_z, bare.log_z) - np.log(2))
-        return Round(bare, unknown, tuple(entries), tuple(proposals), counted, likelihood)
+        bare = max((self.judged(self.entry("", h, likelihood), likelihood) for h in before), key=lambda e: e.log_z)
+        entries = _best_first(self.judged(e, likelihood) for e in entries)
+        return Round(bare, tuple(entries), tuple(proposals), counted, likelihood)
+
+    def judged(self, e: Entry, likelihood: Likelihood) -> Entry:
+        """An entry as the hypotheses of a round are weighed: beside a map of what it leaves, or without."""
+        h = under(e.hypothesis, likelihood)
+        return replace(e, hypothesis=h, log_z=log_z_with_map(h, likelihood), excess=excess(h, likelihood))
 
     def ground(self, h: Hypothesis, like: Hypothesis) -> Ground:
         """A model, and what each law of the catalogue promises beside it."""

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import multivariate_normal
 
-from testbench.diagnosis.evidence import LogEvidence, NormalEquations, maximised
+from testbench.diagnosis.evidence import LARGEST, SMALLEST, LogEvidence, NormalEquations, maximised
 
 COUNT, WEIGHTS = 40, 3
 SIGMA = {"force": 0.7, "conductance": 0.2}
@@ -122,20 +122,39 @@ def test_the_scale_of_a_group_is_found_by_the_evidence():
     assert found.scale[0] ** -0.5 == pytest.approx(size, rel=0.05)
 
 
+def grouped(seed: int) -> NormalEquations:
+    """All weights share one scale."""
+    _, _, normal = linear(seed)
+    return replace(normal, mean=np.zeros(WEIGHTS), precision=np.full(WEIGHTS, 25.0), group=np.zeros(WEIGHTS, int))
+
+
+def with_known_scale(normal: NormalEquations, noise: LogEvidence, factor: float) -> float:
+    """ln Z where the scale is known as well as the noise."""
+    known = replace(normal, precision=factor * normal.precision, group=np.full(WEIGHTS, -1))
+    return maximised(known, start=noise, iterations=1).value
+
+
+def noise_of(found: LogEvidence) -> LogEvidence:
+    return LogEvidence(0.0, found.coefficients, found.sigma, found.scale, found.covariance)
+
+
 def test_the_scale_of_a_group_of_a_typical_size_is_the_maximum_with_cauchys_prior():
     """On a grid of scales: ln Z of the Gaussian marginal minus ln(1 + tau^2), tau in typical sizes."""
-    _, _, normal = linear(5)
-    weights = {"mean": np.zeros(WEIGHTS), "precision": np.full(WEIGHTS, 25.0), "group": np.zeros(WEIGHTS, int)}
-    free, typical = replace(normal, **weights), replace(normal, **weights, typical=frozenset({0}))
-    said = maximised(typical, iterations=200, scale=np.ones(1))
-    noise = LogEvidence(0.0, said.coefficients, said.sigma, said.scale, said.covariance)
-
-    def at(one, factor):
-        return maximised(one, start=noise, iterations=1, scale=np.array([factor])).value
-
+    free = grouped(5)
+    said = maximised(replace(free, typical=frozenset({0})), iterations=200, scale=np.ones(1))
     grid = np.geomspace(0.1, 10, 41) * said.scale[0]
-    for factor in grid:
-        assert at(typical, factor) == pytest.approx(at(free, factor) - np.log1p(1 / factor), abs=1e-9)
-    best = grid[np.argmax([at(typical, factor) for factor in grid])]
-    assert best == pytest.approx(said.scale[0], rel=0.13)
+    believed = [with_known_scale(free, noise_of(said), factor) - np.log1p(1 / factor) for factor in grid]
+    assert grid[np.argmax(believed)] == pytest.approx(said.scale[0], rel=0.13)
     assert maximised(free, iterations=200, scale=np.ones(1)).scale[0] < said.scale[0]
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_evidence_of_a_found_scale_is_that_of_all_scales_together(seed):
+    """ln of the mean of Z over a flat prior of ln(precision), by the trapezoidal rule."""
+    free = grouped(seed)
+    found = maximised(free, iterations=200, scale=np.ones(1))
+    grid = np.geomspace(SMALLEST, LARGEST, 2001)
+    values = np.array([with_known_scale(free, noise_of(found), factor) for factor in grid])
+    mean = np.log(np.mean(np.exp(values - values.max()))) + values.max()
+    assert found.value == pytest.approx(mean, abs=1.0)
+    assert values.max() > mean + 1.5, "what is found is not known"

@@ -23,40 +23,40 @@ def entry(mechanism: str, floors: float, log_z: float) -> Entry:
     return Entry(mechanism, mechanism, mechanism, hypothesis, log_z, excess=floors**2)  # type: ignore[arg-type]
 
 
-def a_round(before: Entry, *entries: Entry, unknown: float) -> Round:
+def a_round(before: Entry, *entries: Entry) -> Round:
     likelihood = Likelihood(SimpleNamespace(), np.arange(10), {}, FLOOR, 1.0)  # type: ignore[arg-type]
-    return Round(before, unknown, entries, (), LAWS, likelihood)
+    return Round(before, entries, (), LAWS, likelihood)
 
 
 def test_a_law_that_leaves_noise_is_named():
-    found = a_round(entry("", BARE, 0.0), entry("stress_relaxation", 1.3, 100.0), unknown=50.0)
+    found = a_round(entry("", BARE, 50.0), entry("stress_relaxation", 1.3, 100.0))
     assert found.verdict() == "missing"
     assert found.probabilities()["stress_relaxation"] > 0.99
 
 
 def test_a_law_of_the_same_evidence_that_leaves_much_speaks_for_an_unknown_effect():
-    found = a_round(entry("", BARE, 0.0), entry("stress_relaxation", 0.7 * BARE, 100.0), unknown=50.0)
+    found = a_round(entry("", BARE, 50.0), entry("stress_relaxation", 0.7 * BARE, 100.0))
     assert found.verdict() == "unknown"
     assert found.probabilities()[UNKNOWN] > 0.9
 
 
 def test_where_the_base_leaves_much_and_no_law_helps_it_is_unknown():
-    found = a_round(entry("", 5.0, 0.0), entry("self_heating", 5.0, 0.5), unknown=0.0)
+    found = a_round(entry("", 5.0, 0.0), entry("self_heating", 5.0, 0.5))
     assert found.verdict() == "unknown"
 
 
 def test_where_the_base_leaves_noise_nothing_is_missing():
-    found = a_round(entry("", 1.25, 0.0), entry("self_heating", 1.25, 2.0), unknown=0.0)
+    found = a_round(entry("", 1.25, 0.0), entry("self_heating", 1.25, 2.0))
     assert found.verdict() == "nothing_missing"
     assert found.probabilities()[NOTHING] > 0.5
 
 
 def test_two_effects_that_leave_each_others_part_are_named_together():
-    first = entry("stress_relaxation", 0.7 * BARE, 60.0)
+    first = entry("stress_relaxation", 0.7 * BARE, 70.0)
     second = entry("clamp_slip", 1.3, 160.0)
     rounds = [
-        a_round(entry("", BARE, 0.0), first, unknown=50.0),
-        a_round(first, second, unknown=70.0),
+        a_round(entry("", BARE, 50.0), first),
+        a_round(first, second),
     ]
     assert rounds[0].verdict() == "unknown"
     assert rounds[0].verdict(whole_of(rounds, [first, second])) == "missing"
@@ -64,7 +64,7 @@ def test_two_effects_that_leave_each_others_part_are_named_together():
 
 
 def test_probabilities_and_what_is_told_of_them_sum_to_one():
-    found = a_round(entry("", BARE, 0.0), entry("stress_relaxation", 2.0, 10.0), unknown=5.0)
+    found = a_round(entry("", BARE, 5.0), entry("stress_relaxation", 2.0, 10.0))
     for chances in (found.probabilities(), found.doubted()):
         assert sum(chances.values()) == pytest.approx(1.0)
         assert set(chances) == {*LAWS, NOTHING, UNKNOWN}
@@ -75,7 +75,7 @@ def test_a_few_nats_of_the_best_of_many_laws_are_luck():
     base = entry("", 1.25, 0.0)
 
     def chance(laws: dict[str, int], nats: float) -> float:
-        found = a_round(base, entry("mechanism_0", 1.25, nats), unknown=0.0)
+        found = a_round(base, entry("mechanism_0", 1.25, nats))
         return replace(found, laws=laws).probabilities()["mechanism_0"]
 
     assert chance(many, 9.0) < 0.2
