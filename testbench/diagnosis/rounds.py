@@ -108,13 +108,13 @@ class Round:
         return {name: float(np.exp(value - total)) for name, value in logs.items()}
 
     def _log_z_of_any(self, whole: Whole | None) -> float:
-        """Log evidence of an effect of no catalogue: noise to us, a free-form map, or in part like some law.
+        """Log evidence of an effect of no catalogue: unlike every law, or in part like some law, as likely.
 
         A law that resembles it is worth as much as if it were what is missing. What is left may be of any size.
         """
         alike = [self.log_prior_alike(e.mechanism) + e.log_z for e in self.entries]
         alike += [whole.log_prior_alike + whole.log_z] if whole else []
-        return float(np.logaddexp(np.log(2 / 3) + self.before.log_z, np.log(1 / 3) + logsumexp([-np.inf, *alike])))
+        return float(np.logaddexp(self.before.log_z, logsumexp([-np.inf, *alike])) - np.log(2))
 
     def log_prior_alike(self, mechanism: str) -> float:
         """Of one law of a mechanism, if it is one of the catalogue."""

@@ -11,6 +11,7 @@ from testbench.diagnosis.diagnosis import Diagnosis, Ranked
 from testbench.diagnosis.rounds import NOTHING, UNKNOWN
 
 SHOWN = 6
+FAILS = 3.0  # times the calibration error, held out
 
 
 def diagnosis_table(diagnosis: Diagnosis) -> str:
@@ -35,7 +36,7 @@ def first_line(diagnosis: Diagnosis) -> str:
     """All that was found, how sure that is, and what is left."""
     chances = diagnosis.probabilities
     if diagnosis.verdict == "nothing_missing":
-        return f"nothing is missing ({percent(chances[NOTHING])})"
+        return f"nothing is missing ({percent(chances[NOTHING])}){_elsewhere(diagnosis)}"
     if diagnosis.verdict == "missing":
         return f"missing: {_found(diagnosis)}; {_left(diagnosis.left)}"
     said = f"unknown ({percent(chances[UNKNOWN])}): structure remains that no effect of the catalogue explains"
@@ -43,6 +44,19 @@ def first_line(diagnosis: Diagnosis) -> str:
         channel, coordinate, _ = diagnosis.depends_on[0]
         said += f", depends most on: {channel}: {coordinate}"
     return said
+
+
+def _elsewhere(diagnosis: Diagnosis) -> str:
+    """What is said where a model that lacks nothing on its own recording fails on the held-out one."""
+    errors = diagnosis.after.history[-1]["errors"]
+    times = {c: errors["held_out"][c] / errors["calibration"][c] for c in errors["held_out"]}
+    worst = max(times, key=lambda c: times[c])
+    if times[worst] < FAILS:
+        return ""
+    return (
+        f" in this recording, but held out the error of the {worst} is {times[worst]:.0f} times as large: "
+        "that recording shows what this one does not. Diagnose it as well, or one that has the motion of both"
+    )
 
 
 def listed(names: Sequence[str]) -> str:
