@@ -5,6 +5,7 @@ INDEPENDENT = 120  # pieces of a recording whose errors of a law are independent
 IN_LAST_FIT = 240  # pieces at most in the last fit of a model: parameters are known better than which model is right
 LEAST_MISFIT = 1.25  # noise floors: no law of a catalogue is nearer to a sensor, and instruments have slow noise, too
 LAW_ERROR = 0.2  # of what a law explains: how far the laws of the catalogue usually are from those of a sensor
+LAW_SPREAD = 0.4  # of ln(that error): laws of real materials err by a third, those of simulated ones by a tenth
 INEXACT = 0.05  # the same at least, however low the noise: what is nearer is no merit
 NOISE_SPREAD = 0.15  # of ln(what a complete model leaves / least misfit): how far the base is from other sensors
 MOST_LEFT = 100.0  # least misfits that a model leaves at most, if something else is missing

@@ -73,7 +73,7 @@ class Likelihood:
     def noise_log_prior(self, sigma: Mapping[str, float], explained: Mapping[str, float]) -> float:
         """Log density of what a model leaves, if nothing else is missing, over the same if anything is.
 
-        A model that is complete leaves the misfit of its base and the error of its last law, within a factor; where
+        A model that is complete leaves the misfit of its base and the error of its last law, each within a factor; where
         something else is missing, every size of what is left is alike, up to `MOST_LEFT` times the least misfit. The
         channels are taken together, in noise floors: what is missing most may leave alone a channel that it does not
         touch.
@@ -86,9 +86,11 @@ class Likelihood:
         floors = sum((left / self.floor[c]) ** 2 for c, left in sigma.items())
         by_law = sum((constants.LAW_ERROR * some / self.floor[c]) ** 2 for c, some in explained.items())
         expected = len(sigma) * constants.LEAST_MISFIT**2 + by_law
+        share = by_law / expected
+        spread = np.hypot((1 - share) * constants.NOISE_SPREAD, share * constants.LAW_SPREAD)
         over = 0.5 * np.log(max(floors / expected, 1.0))
-        at_best = np.log(np.log(constants.MOST_LEFT) / constants.NOISE_SPREAD * np.sqrt(2 / np.pi))
-        return float(len(sigma) * at_best - 0.5 * (over / constants.NOISE_SPREAD) ** 2)
+        at_best = np.log(np.log(constants.MOST_LEFT) / spread * np.sqrt(2 / np.pi))
+        return float(len(sigma) * at_best - 0.5 * (over / spread) ** 2)
 
     @property
     def in_pieces(self) -> Likelihood:
@@ -165,18 +167,12 @@ def noise_of(measurement: Measurement) -> dict[str, float]:
 def jitter_of(model: KnitModel, measurement: Measurement) -> dict[str, float]:
     """Standard deviation of each reading's age in seconds: by how much noisier it is the faster it moves.
 
-    Converters average and hold, loops ask for them at any time, and a machine moves in jerks that the displacement
-    beside the readings does not show. Of differences over one sample, two, four, up to `JERK_S`, the largest counts.
+    Converters average and hold, and loops ask for them at any time: that shows from sample to sample. A machine moves
+    in jerks that the displacement beside the readings does not show: that shows over `JERK_S`. The larger counts.
     """
-    found = {}
-    for channel, left in measurement.residual(model).items():
-        ages = [0.0]
-        lag = 1
-        while lag == 1 or lag * measurement.dt_s <= JERK_S:
-            ages.append(_jitter(left, channel, measurement, lag))
-            lag *= 2
-        found[channel] = max(ages)
-    return found
+    lags = {1, max(int(JERK_S / measurement.dt_s), 1)}
+    left = measurement.residual(model)
+    return {c: max(_jitter(values, c, measurement, lag) for lag in lags) for c, values in left.items()}
 
 
 def _jitter(left: FloatArray, channel: str, measurement: Measurement, lag: int) -> float:

@@ -93,11 +93,15 @@ class Search:
         tell("fitting the baseline")
         start = start or starting_baseline(self.measurement, catalogue)
         self.reference = without_shapes(start)
-        self.jitter_s = jitter_of(self.reference, measurement)
-        self.likelihood = self.likelihood_on(self.measurement)
         tell("fitting the shape of the base laws")
         flexible = with_shapes(self.reference, self.measurement, catalogue, like=start)
-        self.flexible = fitted(flexible, self.likelihood, self.reference, iterations=16)
+        self.jitter_s: dict[str, float] = {}
+        first = fitted(flexible, self.likelihood_on(self.measurement), self.reference, iterations=16)
+        # What one base leaves may be an error of its own that is as quick as a jerk; jerks are what all bases leave.
+        left = [jitter_of(model, measurement) for model in (self.reference, first.model)]
+        self.jitter_s = {channel: min(one[channel] for one in left) for channel in left[0]}
+        self.likelihood = self.likelihood_on(self.measurement)
+        self.flexible = fitted(first.model, self.likelihood, self.reference, first, iterations=16)
         # What the user has is the model as given; where its laws bend already, so does what it is compared with.
         given = any(name in SHAPES for name in start)
         self.baseline = self.flexible if given else fitted(self.reference, self.likelihood, self.reference)

@@ -8,8 +8,9 @@ import pytest
 from testbench.diagnosis import constants
 from testbench.diagnosis.likelihood import jitter_of, law_error_of, likelihood_of, noise_of
 from testbench.fitting.measurement import prepare
+from testbench.knit.model import KnitModel
 from testbench.recordings.recording import Recording
-from tests.testbench.builders import record, truth
+from tests.testbench.builders import CATALOGUE, record, truth
 
 
 def test_beside_a_true_model_laws_do_not_err_and_of_a_wrong_one_they_leave_a_fifth():
@@ -44,3 +45,19 @@ def test_readings_further_apart_than_the_grid_have_a_jitter_nonetheless():
     recording = Recording(time_s, {"displacement_mm": 80 * strain, "force_N": force_N}, 80.0)
     found = jitter_of(truth(), prepare(recording))
     assert 0 <= found["force"] < 0.1
+
+
+def test_jerks_that_the_displacement_does_not_show_are_jitter_of_the_readings():
+    """The machine is ahead of its scale or behind it, for a third of a second each time: 0.1 s of its motion."""
+    time_s = np.arange(0, 300, 0.1)
+    ahead_s = 0.1 * np.repeat(np.random.default_rng(1).standard_normal(len(time_s) // 3), 3)
+
+    def strain(at_s: np.ndarray) -> np.ndarray:
+        return 0.15 + 0.15 * np.sin(2 * np.pi * at_s / 20)
+
+    noise = 1e-3 * np.random.default_rng(2).standard_normal(len(time_s))
+    force_N = 2.0 * strain(time_s + ahead_s) + noise
+    recording = Recording(time_s, {"displacement_mm": 25 * strain(time_s), "force_N": force_N}, 25.0)
+    line = KnitModel({"elasticity": CATALOGUE["elasticity"](stiffness_N=2.0, curvature=0.0, offset_N=0.0)})
+    # Robust measures of samples of all speeds say less than there is; without jerks it is a fiftieth of that.
+    assert 0.05 < jitter_of(line, prepare(recording))["force"] < 0.12
