@@ -74,7 +74,7 @@ class Likelihood:
         """Log density of what a model leaves, if nothing else is missing, over the same if anything is.
 
         A model that is complete leaves the misfit of its base and the error of its last law, each within a factor;
-        where something else is missing, every size of what is left is alike, up to `MOST_LEFT` times the least misfit.
+        where something else is missing, every size of what is left is alike, up to `MOST_LEFT` times the least one.
         The channels are taken together, in noise floors: what is missing most may leave alone a channel that it does
         not touch.
 
