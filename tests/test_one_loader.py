@@ -52,7 +52,6 @@ ITSELF = "the loader itself"
 ALLOWED: dict[tuple[str, str], tuple[int, str]] = {
     ("compensation/search/search.py", ".open"): (1, WRITES),
     ("compensation/search/search.py", "json.loads"): (1, ROUND_TRIP),
-    ("gcode/support/lazy.py", ".read_text"): (1, OURS),
     ("gcode/support/console.py", "os.open"): (1, WRITES),
     ("gcode/support/disk.py", "os.open"): (3, WRITES),
     ("gcode/support/files.py", ".open"): (1, "a file that was just written, to be synced"),
