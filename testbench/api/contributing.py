@@ -51,6 +51,11 @@ class ContributionResult:
     def __repr__(self) -> str:
         return f"<ContributionResult {self.effect.name} to {', '.join(map(channel_name, self.contribution.added))}>"
 
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready form: the effect with its parameters, and the columns of `to_frame`."""
+        samples = self.to_frame().to_dict("list")
+        return {"effect": self.effect.name, "parameters": self.effect.model_dump(mode="json"), "samples": samples}
+
     def to_frame(self) -> pd.DataFrame:
         """A row a sample: ``time_s``, then ``residual`` and ``added`` of each channel, in N and ln S."""
         import pandas as pd

@@ -8,9 +8,8 @@ from typing import Any
 
 from testbench.comparing.numbers import plain
 from testbench.comparing.words import percent
+from testbench.design.experiment_words import MANY
 from testbench.report.ladder_figures import UNITS
-
-MANY = math.log(1e6)  # log odds beyond this are "more than a million to one"
 
 
 def verdict_in_words(diagnosis: Mapping[str, Any]) -> str:

@@ -17,7 +17,7 @@ from testbench.fitting.results import read_diagnosis
 from testbench.report import diagnosis_figures
 from testbench.report import ladder_figures as figures
 from testbench.report.comparison_figures import busiest_window
-from testbench.report.parameters import parameter_table
+from testbench.report.parameter_table import parameter_table
 from testbench.report.sections import fall_in_words
 from testbench.report.words import ladder_notes, spoken, verdict_in_words
 from testbench.studio import models
