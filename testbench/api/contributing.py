@@ -151,7 +151,7 @@ def _candidate(diagnosis: Mapping[str, Any], law: str, catalogue: Catalogue) -> 
     if law not in of_name:
         laws = ", ".join(entry["law"] for entry in ranking) or "none"
         raise UserError(f"contribution: the diagnosis has no law or effect {law!r}; it ranks {laws}")
-    return catalogue[of_name[law]["law"]].model_validate(of_name[law]["start"])
+    return catalogue[of_name[law]["law"]](**of_name[law]["start"])
 
 
 def _before(diagnosis: Mapping[str, Any]) -> Mapping[str, Any]:
