@@ -144,8 +144,10 @@ class Effect(BaseModel):
             raise UserError(_refusal(type(self), error)) from None
         for key, field in type(self).model_fields.items():
             value = getattr(self, key)
-            if isinstance(value, tuple) and not _all_within(value, bounds_of(field)):
-                raise UserError(_allowed(type(self), key, value))
+            if isinstance(value, tuple):
+                bounds = bounds_of(field)
+                if not all(bounds["low"] <= entry <= bounds["high"] for entry in value):
+                    raise UserError(_allowed(type(self), key, value))
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         """Return new arrays for the signals in `writes`.
@@ -191,10 +193,6 @@ class Effect(BaseModel):
             return tuple(self._into_bounds(key, entry) for entry in value)
         extra = bounds_of(type(self).model_fields[key])
         return min(max(float(value), extra["low"]), extra["high"])
-
-
-def _all_within(vector: tuple[float, ...], bounds: Mapping[str, Any]) -> bool:
-    return all(bounds["low"] <= entry <= bounds["high"] for entry in vector)
 
 
 def _refusal(effect: type[Effect], error: ValidationError) -> str:

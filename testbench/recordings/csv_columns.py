@@ -89,11 +89,7 @@ def _check_head(path: Path) -> None:
 def _is_remark(frame: pd.DataFrame, name: str) -> bool:
     """Whether a column is text from top to bottom, and no channel of ours."""
     column = frame[name]
-    return str(name).strip() not in UNITS and column.dtype.kind not in "fiub" and _all_text(column)
-
-
-def _all_text(column: pd.Series) -> bool:
-    return bool(_parsed(column).isna().all())
+    return str(name).strip() not in UNITS and column.dtype.kind not in "fiub" and bool(_parsed(column).isna().all())
 
 
 def _parsed(column: pd.Series) -> pd.Series:
