@@ -7,8 +7,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from testbench.comparing.numbers import plain
-from testbench.comparing.words import percent
-from testbench.design.experiment_words import MANY
+from testbench.comparing.words import MANY, percent
 from testbench.report.ladder_figures import UNITS
 
 
