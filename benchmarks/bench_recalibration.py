@@ -30,11 +30,11 @@ from compensation.model.compensator import Compensator
 from compensation.model.runtime import ready_for_use
 from compensation.series import score
 from compensation.series.preprocessing import TARGETS, Series, series_of
-from compensation.training.arrays import training_arrays, untrained
 from compensation.training.auto import train_automatically
 from compensation.training.learners import linear
 from compensation.training.options import Options
 from compensation.training.recalibration import recalibrated
+from compensation.training.untrained import training_arrays, untrained
 
 RATE_HZ, REST_S, FIRST_S = 20.0, 10.0, 60.0
 LATER = (4, 8, 12)

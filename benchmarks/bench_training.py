@@ -24,11 +24,11 @@ from joblib import Parallel, delayed
 from compensation.engines.engine import DEFAULT_L2, ENGINES
 from compensation.paper.paper_campaigns import TAB, campaigns
 from compensation.paper.reproduction import prepared
-from compensation.search import candidates
+from compensation.search import search_space
 from compensation.series.preprocessing import Series
 from compensation.series.score import r2
-from compensation.training.arrays import training_arrays, untrained
 from compensation.training.options import Options
+from compensation.training.untrained import training_arrays, untrained
 
 ORDER = ("fast", "exact", "sklearn")
 EQUAL = 1e-10
@@ -59,8 +59,8 @@ def main() -> None:
     args = parser.parse_args()
     args.campaigns.mkdir(parents=True, exist_ok=True)
     series = prepared(campaigns(args.campaigns, args.sensor, runs=TAB), args.target)
-    everything = candidates.candidates()
-    sample = candidates.spread(everything, args.sample)
+    everything = search_space.candidates()
+    sample = search_space.spread(everything, args.sample)
     begin = time.perf_counter()
     engines = ORDER[:2] if args.without_sklearn else ORDER
     calls = (delayed(compared)(series, args.target, candidate, engines) for candidate in sample)
@@ -71,7 +71,7 @@ def main() -> None:
 
 
 def compared(
-    series: dict[str, Series], target: str, candidate: candidates.Candidate, engines: Sequence[str] = ORDER
+    series: dict[str, Series], target: str, candidate: search_space.Candidate, engines: Sequence[str] = ORDER
 ) -> Result:
     """Train one candidate by every engine."""
     for name in ("fast", "exact"):  # compile, or load what was compiled

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from compensation.paper.paper_campaigns import TAB, campaigns
-from testbench.recordings.files import read_columns, read_recording
+from testbench.recordings.csv_columns import read_columns
+from testbench.recordings.files import read_recording
 from testbench.recordings.recording import Recording
 
 ALL_REAL = Path(__file__).resolve().parents[1] / "../shared/data/real"

@@ -17,15 +17,15 @@ from sequence_networks import Gru, Tcn, adam
 from compensation.memories.history import History
 from compensation.model.compensator import Compensator
 from compensation.series.preprocessing import Series
-from compensation.training.arrays import training_arrays, untrained
 from compensation.training.auto import train_automatically
+from compensation.training.lessons import STATE_SHIFT
 from compensation.training.options import Options
 from compensation.training.training import train_on_series
 from compensation.training.tuning import MOTION_TAUS_S, PLAY_RADII, tune
+from compensation.training.untrained import training_arrays, untrained
 from gcode.support.arrays import FloatArray
 
 STRIDE = 5  # rows a regressor learns from: neighbours 50 ms apart are the same row to a forest
-STATE_SHIFT = 0.1
 SEQUENCE_EVERY = 4  # 20 Hz -> 5 Hz
 PIECE_S, WARM_S, PIECES = 200.0, 40.0, 6
 RESERVOIR = 300

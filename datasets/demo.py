@@ -12,20 +12,17 @@ import shlex
 import sys
 import time
 from pathlib import Path
+from statistics import mean
 
 import compensation.cli
 import gcode.cli
 import testbench.cli
+from compensation.paper.published import COMPENSATED, RAW
 
 MAINS = {"gcode": gcode.cli.main, "testbench": testbench.cli.main, "compensation": compensation.cli.main}
 TRAJECTORIES = (("paper-1", 51), ("paper-2", 52), ("paper-3", 53))
 SENSORS = ("pes", "lycra")
 GAUGE_LENGTH_MM = 25
-# Aigner & Stöckl (2023): r2 before compensation for T, A, B, and the mean of A and B after it.
-PAPER = {
-    "pes": {"force": ((0.423, 0.471, 0.526), 0.779), "displacement": ((0.319, 0.319, 0.260), 0.667)},
-    "lycra": {"force": ((0.703, 0.667, 0.734), 0.829), "displacement": ((0.337, 0.479, 0.490), 0.639)},
-}
 LIMITS = ("--v-max", "6", "--a-max", "25", "--x-min", "-0.1", "--x-max", "8")
 HIDDEN = ("--effect", "stress_relaxation", "--world", "mismatched", "--strength", "5", "--seed", "7")
 
@@ -98,7 +95,8 @@ def print_beside_the_paper(folder: Path) -> None:
     print("\nr2 as the paper defines it               paper                 here")
     print("sensor  target        recording  before   after*     before    after")
     for sensor in SENSORS:
-        for target, (before, after) in PAPER[sensor].items():
+        for target in ("force", "displacement"):
+            before, after = RAW[sensor, target], mean(COMPENSATED[sensor, target][1:])
             score = json.loads((folder / f"{sensor}-{target}-score.json").read_text())
             for letter, published, ours in zip("TAB", before, score["recordings"], strict=True):
                 shown = f"{after:>8.2f}" if letter != "T" else "        "

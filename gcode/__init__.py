@@ -12,9 +12,9 @@ True
 
 from typing import TYPE_CHECKING
 
-from gcode.support.lazy import exported, lazy_exports
+from gcode.support.lazy import lazy_exports
 
-if TYPE_CHECKING:  # imported when they are first asked for
+if TYPE_CHECKING:  # for type checkers and editors; in a running program `_HOMES` says where a name is imported from
     from gcode.mach4.check import CheckResult as CheckResult
     from gcode.mach4.controller import Machine as Machine
     from gcode.mach4.program import Program as Program
@@ -38,4 +38,25 @@ if TYPE_CHECKING:  # imported when they are first asked for
     from gcode.trajectories.trajectory import Trajectory as Trajectory
     from gcode.trajectories.trajectory import TrajectorySpec as TrajectorySpec
 
-__all__, __getattr__, __dir__ = lazy_exports(__name__, exported(__file__))
+_HOMES = {
+    "gcode.mach4.check": ["CheckResult"],
+    "gcode.mach4.controller": ["Machine"],
+    "gcode.mach4.program": ["Program"],
+    "gcode.programs.api": ["check", "generate", "play", "read"],
+    "gcode.programs.make": ["Made"],
+    "gcode.support.errors": ["UserError"],
+    "gcode.trajectories.bounds": ["Limits"],
+    "gcode.trajectories.designed": [
+        "Hold",
+        "Multisine",
+        "Ramp",
+        "RateSweep",
+        "ReturnToZero",
+        "Staircase",
+        "Triangle",
+    ],
+    "gcode.trajectories.natural": ["Noise"],
+    "gcode.trajectories.presets": ["PRESETS", "preset"],
+    "gcode.trajectories.trajectory": ["Trajectory", "TrajectorySpec"],
+}
+__all__, __getattr__, __dir__ = lazy_exports(__name__, _HOMES)

@@ -15,9 +15,9 @@ Examples
 
 from typing import TYPE_CHECKING
 
-from gcode.support.lazy import exported, lazy_exports
+from gcode.support.lazy import lazy_exports
 
-if TYPE_CHECKING:  # imported when they are first asked for
+if TYPE_CHECKING:  # for type checkers and editors; in a running program `_HOMES` says where a name is imported from
     from gcode.support.errors import UserError as UserError
     from testbench import effects as effects
     from testbench.api.adding import add as add
@@ -71,4 +71,38 @@ if TYPE_CHECKING:  # imported when they are first asked for
     from testbench.recordings.instruments import Instruments as Instruments
     from testbench.recordings.recording import Recording as Recording
 
-__all__, __getattr__, __dir__ = lazy_exports(__name__, exported(__file__))
+_HOMES = {
+    "gcode.support.errors": ["UserError"],
+    "testbench": ["effects"],
+    "testbench.api.adding": ["add", "undo"],
+    "testbench.api.aligning": ["AlignmentResult", "align"],
+    "testbench.api.arguments": ["read"],
+    "testbench.api.capturing": ["RecordResult", "record", "resume_recording"],
+    "testbench.api.comparing": ["ComparisonResult", "compare"],
+    "testbench.api.contributing": ["ContributionResult", "contribution"],
+    "testbench.api.datasets": ["DatasetResult", "dataset"],
+    "testbench.api.designing": ["NextExperiment", "next_experiment"],
+    "testbench.api.diagnosing": ["DiagnosisResult", "diagnose"],
+    "testbench.api.fitting": ["FitResult", "fit"],
+    "testbench.api.hiding": ["HiddenCase", "hide"],
+    "testbench.api.importing": ["ImportResult", "import_file"],
+    "testbench.api.investigating": ["investigate"],
+    "testbench.api.investigation": ["InvestigationResult"],
+    "testbench.api.ladder": ["Ladder", "ladder"],
+    "testbench.api.proposing": ["ProposalResult", "propose"],
+    "testbench.api.reporting": ["ReportResult", "make_report"],
+    "testbench.api.running": ["RunResult", "run"],
+    "testbench.api.serving": ["serve_rig"],
+    "testbench.api.simulating": ["example", "simulate"],
+    "testbench.api.verifying": ["VerifyResult", "verify"],
+    "testbench.design.protocols": ["Bounds"],
+    "testbench.importing.sheet": ["Hints"],
+    "testbench.importing.wish": ["Wish"],
+    "testbench.knit.catalogue": ["baseline"],
+    "testbench.knit.effect": ["Effect", "Stage", "parameter"],
+    "testbench.knit.model": ["KnitModel"],
+    "testbench.knit.presets": ["preset"],
+    "testbench.recordings.instruments": ["Instruments"],
+    "testbench.recordings.recording": ["Recording"],
+}
+__all__, __getattr__, __dir__ = lazy_exports(__name__, _HOMES)

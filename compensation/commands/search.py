@@ -6,7 +6,7 @@ import argparse
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from compensation.search.candidates import Candidate
+    from compensation.search.search_space import Candidate
 
 SUMMARY = "Train and rank the 912 candidates (8 smoothing banks x 114 networks) over several seeds."
 EXAMPLE = "compensation search campaigns/pes-T campaigns/pes-A campaigns/pes-B --target force -o pes.search.jsonl"
@@ -19,7 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-o", "--output", metavar="JSONL", help="results; an interrupted search resumes")
     parser.add_argument(
         "--preset",
-        choices=("paper", "fine"),  # of compensation.search.candidates, which is too heavy for --help
+        choices=("paper", "fine"),  # of compensation.search.search_space, which is too heavy for --help
         default="paper",
         help="paper (default): the publication's 912; fine: its networks behind banks of finer steps",
     )
@@ -79,13 +79,13 @@ def run(args: argparse.Namespace) -> int:
 
 def _chosen(args: argparse.Namespace) -> list[Candidate]:
     """The candidates that the options name."""
-    from compensation.search import candidates
+    from compensation.search import search_space
     from gcode.support.errors import UserError
 
     if args.sample is not None and args.sample < 1:
         raise UserError(f"--sample must be at least 1, got {args.sample}")
-    chosen = candidates.candidates(args.preset, _bases(args.bases) if args.bases else candidates.BASES)
-    return candidates.spread(chosen, args.sample) if args.sample else chosen
+    chosen = search_space.candidates(args.preset, _bases(args.bases) if args.bases else search_space.BASES)
+    return search_space.spread(chosen, args.sample) if args.sample else chosen
 
 
 def _check(args: argparse.Namespace) -> None:

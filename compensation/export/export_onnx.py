@@ -98,7 +98,12 @@ def _model(compensator: Compensator) -> Any:
     _status(graph, compensator, fault, features, x, starting)
     good = graph("Equal", fault, "zero")
     # Last of all: where the sample is faulty, everything is as it was.
-    start = graph("Where", graph("Equal", "counted", "zero"), graph.constant("mean_last", _mean(compensator)), "last")
+    start = graph(
+        "Where",
+        graph("Equal", "counted", "zero"),
+        graph.constant("mean_last", [compensator.scaling_out.mean]),
+        "last",
+    )
     graph("Where", good, "fresh_prediction", start, out="prediction")
     graph("Where", good, "prediction", "last", out="next_last")
     for name in state:
@@ -119,10 +124,6 @@ def _model(compensator: Compensator) -> Any:
         properties["margins"] = " ".join(map(repr, compensator.margins))
     helper.set_model_props(model, properties)
     return model
-
-
-def _mean(compensator: Compensator) -> list[float]:
-    return [compensator.scaling_out.mean]
 
 
 def _fault(graph: _Graph, compensator: Compensator) -> str:

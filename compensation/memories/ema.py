@@ -121,7 +121,7 @@ def smooth_irregular(
     -------
     ndarray, shape (n, k)
     """
-    from compensation.memories.kernels import smooth_steps
+    from compensation.memories.compiled_filters import smooth_steps
 
     x, steps = np.asarray(x, dtype=np.float64), np.diff(np.asarray(time_s, dtype=np.float64)) * rate_hz
     elapsed = np.concatenate([[0.0], np.cumsum(steps)])

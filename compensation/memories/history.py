@@ -62,7 +62,7 @@ class History:
         -------
         ndarray, shape (n, count)
         """
-        from compensation.memories.kernels import remember
+        from compensation.memories.compiled_filters import remember
 
         held = self.at_rest(float(x[0])) if held is None else held
         return remember(x, dt_s, self.settle_s, np.asarray(self.motion_taus_s), np.asarray(self.play_radii), held)

@@ -13,8 +13,9 @@ from compensation.model.streaming import CompensatorStream
 from compensation.series.preprocessing import TARGETS
 from gcode.support import disk
 from gcode.support.errors import UserError
+from testbench.campaigns.campaign import COMPENSATED
+from testbench.rig.stream import Row
 
-NAME = "compensated.csv"
 TAIL_BYTES = 4096
 
 
@@ -47,6 +48,10 @@ class LiveCompensator:
         self._file: int | None = None
         self._last_us: int | None = None
         self._odd_us: int | None = None
+
+    def follow(self, row: Row) -> tuple[float, str]:
+        """The value after this row of the recorder, and its unit."""
+        return self.take(row.time_us, row.sample.resistance_mohm), self.unit
 
     def take(self, time_us: int, resistance_mohm: int | None) -> float:
         """Feed one sample: recording time in microseconds, resistance in milliohm (None: no reading).
@@ -88,14 +93,14 @@ class LiveCompensator:
             return
         try:
             if self._file is None:
-                self._file = disk.open_growing(self._folder / NAME)
+                self._file = disk.open_growing(self._folder / COMPENSATED)
                 if not _cut_half_line(self._file):
                     line = f"time_s,{self._channel},status\n{line}"
             disk.write_all(self._file, line.encode())
         except (OSError, UserError) as error:
             self._refused = True
             logging.getLogger("knitbench").warning(
-                f"{self._folder / NAME}: ends here, the recording goes on: {error}"
+                f"{self._folder / COMPENSATED}: ends here, the recording goes on: {error}"
             )
             if self._file is not None:
                 with contextlib.suppress(OSError):

@@ -22,7 +22,8 @@ from compensation.model.runtime import (
 from compensation.series.preprocessing import Series
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
-from testbench.recordings.files import read_frame, verified
+from testbench.recordings.csv_columns import read_frame
+from testbench.recordings.files import verified
 
 # Standard deviations of the training: a sensor that was just put down still relaxes, one in use moves by about 1.
 MOST_WANDER = 0.5

@@ -58,9 +58,3 @@ TRAJECTORIES = {
     "paper-3": ((4.039, 1.030, 0.644), (19.25, 1.546, 1.414)),
     "fast": ((14.0, 2.87, 2.06), (65.54, 9.27, 7.87)),
 }
-
-
-def criterion(sensor: str, target: str) -> float:
-    """The paper's ``E = ((1 - r2_A)^2 + (1 - r2_B)^2) / 2`` of the published scores."""
-    _, a, b = COMPENSATED[sensor, target]
-    return ((1 - a) ** 2 + (1 - b) ** 2) / 2

@@ -12,9 +12,9 @@ from compensation.engines.engine import engine
 from compensation.model.compensator import Compensator
 from compensation.series import score
 from compensation.series.preprocessing import Series, series_of
-from compensation.training.arrays import scaling_of_target, training_arrays, untrained
 from compensation.training.options import Options
 from compensation.training.tuning import tune
+from compensation.training.untrained import scaling_of_target, training_arrays, untrained
 from gcode.support.arrays import FloatArray
 from testbench.recordings.recording import Recording
 

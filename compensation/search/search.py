@@ -1,4 +1,4 @@
-"""The sweep over candidates (`compensation.search.candidates`), each from several seeds."""
+"""The sweep over candidates (`compensation.search.search_space`), each from several seeds."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from compensation.search.candidates import Candidate
+from compensation.search.search_space import Candidate
 from gcode.support.errors import UserError
 from gcode.support.strict import json_of, read_text
 
@@ -70,8 +70,8 @@ def _series(task: Task) -> list[Any]:
 @lru_cache(maxsize=8)
 def _arrays(task: Task, alphas: tuple[float, ...]) -> list[Any]:
     """Features and standardised target of training, A and B."""
-    from compensation.training.arrays import training_arrays, untrained
     from compensation.training.options import Options
+    from compensation.training.untrained import training_arrays, untrained
 
     series = _series(task)
     blank = untrained(series[:1], task.target, Options(alphas=alphas, per_recording=task.per_recording))

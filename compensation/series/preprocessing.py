@@ -13,7 +13,7 @@ from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE
 from testbench.recordings.recording import Recording
 
 TARGETS = {"force": (FORCE, "N"), "displacement": (DISPLACEMENT, "mm")}
-MIN_DURATION_S = 10.0
+SHORTEST_RECORDING_S = 10.0
 
 
 @dataclass(frozen=True)
@@ -57,10 +57,10 @@ def series_of(recording: Recording, target: str, rate_hz: float | None) -> Serie
         If a channel is missing, constant, or the recording is too short.
     """
     channel = _present(recording, target)
-    if recording.duration_s < MIN_DURATION_S:
+    if recording.duration_s < SHORTEST_RECORDING_S:
         raise UserError(
             f"{recording.source}: {recording.duration_s:.1f} s long; "
-            f"a compensator needs at least {MIN_DURATION_S:.0f} s"
+            f"a compensator needs at least {SHORTEST_RECORDING_S:.0f} s"
         )
     series = _sampled(recording, channel, rate_hz)
     for name, values in ((RESISTANCE, series.conductance_S), (channel, series.truth)):

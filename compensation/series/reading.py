@@ -10,7 +10,8 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TIME
-from testbench.recordings.files import read_columns, read_recording
+from testbench.recordings.csv_columns import read_columns
+from testbench.recordings.files import read_recording
 from testbench.recordings.recording import Recording
 
 UNKNOWN_LENGTH_MM = 1.0

@@ -31,16 +31,16 @@ from compensation.model.compensator import Compensator
 from compensation.model.runtime import ready_for_use
 from compensation.series import score
 from compensation.series.preprocessing import Series
-from compensation.training.arrays import describe
 from compensation.training.folds import FOLDS, GROUPS_FROM, folds_of
 from compensation.training.intervals import of_another, of_one_recording
 from compensation.training.learners import PACES, Learner, Line, Networks, Paper, Ridge
 from compensation.training.options import Options
 from compensation.training.recalibration import wander
+from compensation.training.untrained import describe
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
 
-SURE = 1.0
+STACK_LEAD = 1.0  # standard errors by which the stack must lead over the line
 LEARNERS: tuple[type[Learner], ...] = (Line, Ridge, Paper, Networks)
 STACK, STACKED = "stack", ("ridge", "paper", "networks")
 
@@ -117,7 +117,7 @@ def choose(predictions: Mapping[str, FloatArray], truth: FloatArray, block_rows:
         for name in ("line", STACK)
     )
     unsure = float((line - stack).std(ddof=1)) / np.sqrt(count)
-    return STACK if (line - stack).mean() > SURE * unsure else "line"
+    return STACK if (line - stack).mean() > STACK_LEAD * unsure else "line"
 
 
 def weights_of(predictions: Mapping[str, FloatArray], truth: FloatArray) -> dict[str, float]:

@@ -29,19 +29,19 @@ Mask = NDArray[np.bool_]
 
 # A knit answers to motion within a tenth of a second and for half a minute: developed on specimens 101 to 104 of both
 # presets, where these gained 0.05 to 0.12 r2 of force over the four slower ones of `tuned`.
-MOTION_TAUS_S = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 32.0)
-WHOLE = History(MOTION_TAUS_S, PLAY_RADII, QUICK_SETTLE_S)
+DENSE_MOTION_TAUS_S = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 32.0)
+WHOLE = History(DENSE_MOTION_TAUS_S, PLAY_RADII, QUICK_SETTLE_S)
 # The paper's seven filters, and one more between each two.
 FACTOR, COUNT = float(np.sqrt(2.5)), 14
 PAPERS = slice(1, COUNT, 2)
-STATE_SHIFT = 0.2
+WIDE_STATE_SHIFT = 0.2
 # Another recording may move slower or quicker. About one step of the bank to either side, so that no memory is
 # blurred by more than the bank itself does. Of 1.5 and 2 on specimen 101, 2 cost 0.02 of r2.
 SLOWER = 1.5
 PACES = (1.0, SLOWER, 1 / SLOWER)
 RIDGE_PENALTIES = (1e-4, 1e-3, 1e-2, 3e-2, 0.1, 0.3)
 # Two of each, so that the whole stays below 1,500 numbers.
-NETWORK_SIZES, ENSEMBLE = ((8,), (12, 8)), 4
+NETWORK_SIZES, ENSEMBLE_OF_TWO_SIZES = ((8,), (12, 8)), 4
 NETWORK_PENALTIES = (0.1, 0.3, 1.0)
 STARTS = 5
 
@@ -75,7 +75,7 @@ class Learner:
         if like is not None and _memories(like.options) == _memories(self.options):
             self.lessons, self.fresh = like.lessons, like.fresh
             return
-        self.lessons = lessons(series, target, self.options, starts=True, shift=STATE_SHIFT, paces=PACES[1:])
+        self.lessons = lessons(series, target, self.options, starts=True, shift=WIDE_STATE_SHIFT, paces=PACES[1:])
         # Each fold is predicted as a recording of its own, from its first sample on.
         parts = cut(series, folds_of(series))
         self.fresh = [
@@ -159,10 +159,12 @@ class Networks(Learner):
         history, l2 = self._chosen(lambda history, l2: self._error(kept, half, history, l2))
         networks = tuple(
             self._one(kept, history, l2, self.options.seed + number, NETWORK_SIZES[number % len(NETWORK_SIZES)])
-            for number in range(ENSEMBLE)
+            for number in range(ENSEMBLE_OF_TWO_SIZES)
         )
         live = tuple(one for one in networks if not one.is_dead(self.features[kept])) or networks[:1]
-        return Learned(live, {"l2": l2, "restarts": ENSEMBLE, "memories": history.count, "members": NETWORK_SIZES})
+        return Learned(
+            live, {"l2": l2, "restarts": ENSEMBLE_OF_TWO_SIZES, "memories": history.count, "members": NETWORK_SIZES}
+        )
 
     @staticmethod
     def _chosen(error: Callable[[History, float], float]) -> tuple[History, float]:

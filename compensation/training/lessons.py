@@ -21,15 +21,15 @@ from compensation.model.compensator import Compensator
 from compensation.model.runtime import ready_for_use
 from compensation.series.preprocessing import Series
 from compensation.series.score import BLOCK_S
-from compensation.training.arrays import training_arrays, untrained
 from compensation.training.options import Options
+from compensation.training.untrained import training_arrays, untrained
 from gcode.support.arrays import FloatArray
 
 # The history's features are standardised to this spread: a little more penalised than the bank's, which have about 1.
 HISTORY_SPREAD = 0.5
 STATE_SHIFT = 0.1
 PIECE_S = 40.0
-ROWS, SMALL_BATCH, RATE, AVERAGING, MAX_EPOCHS = 2_000, 40, 4e-3, 0.9, 1_000
+ROWS, SMALL_BATCH, RATE, AVERAGING, LESSON_EPOCHS = 2_000, 40, 4e-3, 0.9, 1_000
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,15 @@ class Lessons:
         # MLPRegressor divides L2 by the batch size: as much of it here as in batches of its own size.
         l2 = options.l2 * SMALL_BATCH / BATCH
         network, _ = train_adam(
-            features, truth, options.sizes, seed, l2, MAX_EPOCHS, batch=SMALL_BATCH, rate=RATE, averaging=AVERAGING
+            features,
+            truth,
+            options.sizes,
+            seed,
+            l2,
+            LESSON_EPOCHS,
+            batch=SMALL_BATCH,
+            rate=RATE,
+            averaging=AVERAGING,
         )
         return network
 

@@ -13,9 +13,9 @@ from compensation.model.compensator import Compensator
 from compensation.model.runtime import ready_for_use
 from compensation.series.preprocessing import Series, series_of
 from compensation.series.score import r2
-from compensation.training.arrays import describe, training_arrays, untrained
 from compensation.training.options import Options
 from compensation.training.tuning import tune
+from compensation.training.untrained import describe, training_arrays, untrained
 from testbench.recordings.recording import Recording
 
 MORE_STARTS = 6

@@ -27,9 +27,9 @@ from compensation.model.compensator import Compensator
 from compensation.model.runtime import ready_for_use
 from compensation.series.preprocessing import Series
 from compensation.series.score import r2
-from compensation.training.arrays import describe, training_arrays, untrained
 from compensation.training.lessons import Lessons, lessons
 from compensation.training.options import Options
+from compensation.training.untrained import describe, training_arrays, untrained
 from gcode.support.arrays import FloatArray
 
 MOTION_TAUS_S, PLAY_RADII = (0.5, 2.0, 8.0, 32.0), (0.2, 0.5, 1.0)

@@ -18,11 +18,11 @@ from compensation.model.compensator import Compensator
 from compensation.model.runtime import ready_for_use
 from compensation.series.preprocessing import Series, series_of
 from compensation.series.score import r2
-from compensation.training.arrays import describe, training_arrays
 from compensation.training.lessons import lessons
 from compensation.training.options import Options
 from compensation.training.tuning import MOTION_TAUS_S, PLAY_RADII
 from compensation.training.twin_models import plausible
+from compensation.training.untrained import describe, training_arrays
 from gcode.support.errors import UserError
 from testbench.knit.model import KnitModel
 from testbench.recordings.recording import Recording

@@ -37,7 +37,7 @@ def with_memories(model: KnitModel) -> KnitModel:
     known = {"strain"}.union(*(effect.reads + effect.writes for effect in model.effects.values()))
     present = {effect.mechanism for effect in model.effects.values()}
     for name, start in MEMORIES.items():
-        memory = effects[name].model_validate(start)
+        memory = effects[name](**start)
         if memory.mechanism not in present and known.issuperset(memory.reads + memory.writes):
             model = model.plus(memory)
     return model

@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import argparse
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from gcode.mach4.check import CheckResult
 
 SUMMARY = "check a program against limits; exit 0 if it may run, 1 if not"
 EXAMPLE = "gcode check run-1/program.tap --v-max 5 --a-max 20 --x-min 0 --x-max 7.5"
@@ -39,7 +43,6 @@ def run(args: argparse.Namespace) -> int:
     from gcode.mach4.controller import Machine
     from gcode.mach4.reader import read_text
     from gcode.programs.made_again import check_file
-    from gcode.support.console import printable
     from gcode.trajectories.trajectory import Limits
 
     limits = Limits(
@@ -63,14 +66,19 @@ def run(args: argparse.Namespace) -> int:
     )
     if args.json:
         print(json.dumps(result.as_json() | {"origin": origin.words, "genuine": origin.genuine}, indent=2))
-        return 0 if result.ok else 1
+    else:
+        _say(args.program, result, origin.words)
+    return 0 if result.ok else 1
+
+
+def _say(program: str, result: CheckResult, origin: str) -> None:
+    """Problems, statistics and the verdict, for a person."""
+    from gcode.support.console import printable
+
     for problem in result.problems[:SHOWN]:
-        print(printable(f"{args.program}: {problem}"))
+        print(printable(f"{program}: {problem}"))
     if len(result.problems) > SHOWN:
         print(f"... and {len(result.problems) - SHOWN} more (all of them with --json)")
     if result.statistics:
         print("\n".join(result.statistics.lines()))
-    print(
-        f"ok: this program may run ({origin.words})" if result.ok else f"refused: {len(result.problems)} problem(s)"
-    )
-    return 0 if result.ok else 1
+    print(f"ok: this program may run ({origin})" if result.ok else f"refused: {len(result.problems)} problem(s)")

@@ -12,7 +12,7 @@ from typing import Any
 from gcode.support.errors import UserError
 from gcode.support.strict import json_of
 
-MAX_COMMENT = 96  # interpreters refuse over-long comments; long lists are split over several
+WRITTEN_COMMENT = 96  # interpreters refuse over-long comments; long lists are split over several
 
 
 def header_lines(about: dict[str, Any]) -> list[str]:
@@ -20,8 +20,8 @@ def header_lines(about: dict[str, Any]) -> list[str]:
     lines = []
     for key, value in flatten(about).items():
         text = f"({key}: {value})".upper()
-        if len(text) > MAX_COMMENT or text.count("(") != 1 or text.count(")") != 1:
-            raise UserError(f"header: {key} cannot be written as a comment of at most {MAX_COMMENT} characters")
+        if len(text) > WRITTEN_COMMENT or text.count("(") != 1 or text.count(")") != 1:
+            raise UserError(f"header: {key} cannot be written as a comment of at most {WRITTEN_COMMENT} characters")
         lines.append(text)
     return lines
 

@@ -94,7 +94,8 @@ class Program:
             )
         count = self.steps + 1
         # A block of k steps waits for k - 1 samples, then moves (a dwell waits for all of them).
-        position = np.repeat(np.column_stack((before, self.position_mm)).ravel(), _waits(count))
+        waits = np.column_stack((count - 2, np.ones_like(count))).ravel()
+        position = np.repeat(np.column_stack((before, self.position_mm)).ravel(), waits)
         return sampled(np.concatenate(([self.start_mm], position)), rate_hz)
 
     def header_number(self, key: str) -> float | None:
@@ -104,7 +105,3 @@ class Program:
         except (KeyError, ValueError):
             return None
         return value if np.isfinite(value) else None
-
-
-def _waits(count: np.ndarray) -> np.ndarray:
-    return np.column_stack((count - 2, np.ones_like(count))).ravel()

@@ -18,7 +18,7 @@ from gcode.support import strict
 from gcode.support.errors import UserError
 
 MAX_LINE = 255
-MAX_COMMENT = 200
+LONGEST_COMMENT = 200  # characters; a controller may cut off or refuse a longer one
 MOST_BYTES = 512 << 20
 MOST_LINES = 25_000_000  # the longest program that is written here has 20 million
 MOST_PROBLEMS = 1000  # then it is read no further
@@ -122,8 +122,10 @@ def _line(state: State, number: int, line: str) -> None:
 def _comments(state: State, number: int, line: str) -> None:
     """Take the header's values from the comments of a line."""
     for comment in _COMMENT.findall(line):
-        if len(comment) > MAX_COMMENT:
-            refuser(state, number)(f"the comment is {len(comment)} characters long; at most {MAX_COMMENT} are safe")
+        if len(comment) > LONGEST_COMMENT:
+            refuser(state, number)(
+                f"the comment is {len(comment)} characters long; at most {LONGEST_COMMENT} are safe"
+            )
         if not state.rows and (match := _KEY.fullmatch(comment.strip().upper())):
             state.header[match[1].lower()] = match[2].lower()
 

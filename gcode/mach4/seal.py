@@ -26,13 +26,10 @@ def seal_problem(text: str) -> str:
     found = _SEAL.findall(text)
     if not found:
         return "its header has no SHA256: an older knitbench made it, or the line was taken out"
-    if len(found) > 1 or _digest(_without(text)) != found[0]:
+    unsealed = "\n".join(line for line in text.split("\n") if not _SEAL.fullmatch(line))
+    if len(found) > 1 or _digest(unsealed) != found[0]:
         return "was changed since it was written: its lines do not agree with the SHA256 in its header"
     return ""
-
-
-def _without(text: str) -> str:
-    return "\n".join(line for line in text.split("\n") if not _SEAL.fullmatch(line))
 
 
 def _digest(text: str) -> str:

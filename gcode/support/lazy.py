@@ -2,32 +2,10 @@
 
 from __future__ import annotations
 
-import ast
 import importlib
 import sys
 from collections.abc import Callable, Iterable, Mapping
-from pathlib import Path
 from typing import Any
-
-
-def exported(file: str) -> dict[str, list[str]]:
-    """What a package imports for type checkers, as ``from module import name as name``, and so exports.
-
-    Parameters
-    ----------
-    file : str
-        ``__file__`` of the package.
-
-    Returns
-    -------
-    dict of str to list of str
-        Module -> names.
-    """
-    homes: dict[str, list[str]] = {}
-    for node in ast.walk(ast.parse(Path(file).read_text(encoding="utf-8"))):
-        if isinstance(node, ast.ImportFrom) and node.module:
-            homes.setdefault(node.module, []).extend(one.name for one in node.names if one.asname == one.name)
-    return homes
 
 
 def lazy_exports(

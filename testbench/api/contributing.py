@@ -51,6 +51,11 @@ class ContributionResult:
     def __repr__(self) -> str:
         return f"<ContributionResult {self.effect.name} to {', '.join(map(channel_name, self.contribution.added))}>"
 
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready form: the effect with its parameters, and the columns of `to_frame`."""
+        samples = self.to_frame().to_dict("list")
+        return {"effect": self.effect.name, "parameters": self.effect.model_dump(mode="json"), "samples": samples}
+
     def to_frame(self) -> pd.DataFrame:
         """A row a sample: ``time_s``, then ``residual`` and ``added`` of each channel, in N and ln S."""
         import pandas as pd
@@ -146,7 +151,7 @@ def _candidate(diagnosis: Mapping[str, Any], law: str, catalogue: Catalogue) -> 
     if law not in of_name:
         laws = ", ".join(entry["law"] for entry in ranking) or "none"
         raise UserError(f"contribution: the diagnosis has no law or effect {law!r}; it ranks {laws}")
-    return catalogue[of_name[law]["law"]].model_validate(of_name[law]["start"])
+    return catalogue[of_name[law]["law"]](**of_name[law]["start"])
 
 
 def _before(diagnosis: Mapping[str, Any]) -> Mapping[str, Any]:

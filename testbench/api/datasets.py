@@ -10,15 +10,18 @@ from typing import TYPE_CHECKING, Any, Literal
 from gcode.support.console import Progress
 from gcode.support.errors import UserError
 from gcode.support.files import make_folder
+from gcode.support.html import card, frame_table
 from testbench.campaigns.cluster import cluster
-from testbench.campaigns.dataset import OneAtATime, run, tasks_of, write_index, write_parquet
+from testbench.campaigns.dataset import OneAtATime, run, write_index, write_parquet
 from testbench.campaigns.dataset_index import listed
 from testbench.campaigns.dataset_spec import read_spec
+from testbench.campaigns.dataset_tasks import tasks_of
 
 if TYPE_CHECKING:
     import pandas as pd
 
 FORMATS = ("csv", "parquet")
+SHOWN = 8  # campaigns that a notebook lists
 Counted = Callable[[int, int], None]
 
 
@@ -59,6 +62,9 @@ class DatasetResult:
         """JSON-ready form: the folder and the counts."""
         counts = {"made": self.made, "there": self.there, "parquet_files": self.parquet_files}
         return {"folder": str(self.folder), **counts}
+
+    def _repr_html_(self) -> str:
+        return card(str(self), [], frame_table(self.to_frame().head(SHOWN)))
 
 
 def dataset(

@@ -58,8 +58,8 @@ class DiagnosisResult(ModelResult):
 
     @property
     def probabilities(self) -> Mapping[str, float]:
-        """Of ``nothing``, ``unknown`` and every mechanism: what is missing most. They sum to 1."""
-        return self.diagnosis.probabilities
+        """Of ``nothing``, ``unknown`` and every mechanism: what is missing most; the largest first. They sum to 1."""
+        return dict(sorted(self.diagnosis.probabilities.items(), key=lambda one: -one[1]))
 
     @property
     def words(self) -> str:
@@ -109,7 +109,7 @@ class DiagnosisResult(ModelResult):
         Axes
         """
         (axis,) = panels(axes, 1)
-        shown = sorted(self.probabilities.items(), key=lambda one: -one[1])[:SHOWN]
+        shown = list(self.probabilities.items())[:SHOWN]
         found = self.effects
         colours = [style.VERMILION if name in found else style.SKY for name, _ in shown]
         axis.barh(range(len(shown)), [100 * chance for _, chance in shown], color=colours)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from gcode.support.html import card
 from gcode.support.strict import read_json
 from testbench.recordings.channels import FORCE, RESISTANCE
 from testbench.recordings.files import read_recording
@@ -50,6 +51,13 @@ class HiddenCase:
 
     def __repr__(self) -> str:
         return f"<HiddenCase {self.folder}: two recordings of {self.minutes:g} min>"
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready form: folder and minutes; what is hidden stays sealed."""
+        return {"folder": str(self.folder), "minutes": self.minutes}
+
+    def _repr_html_(self) -> str:
+        return card(repr(self)[1:-1], [], self.calibration._repr_html_(), self.held_out._repr_html_())
 
     def __str__(self) -> str:
         recordings = f"two recordings of {self.minutes:g} min; see {self.folder}/README.txt"

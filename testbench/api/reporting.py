@@ -54,6 +54,11 @@ class ReportResult:
         """
         return write_report(self.report, path, format, figures)
 
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready form: title, verdict, and the titles of the sections."""
+        sections = [part.title for part in self.report.sections]
+        return {"title": self.report.title, "verdict": self.verdict, "sections": sections}
+
     def __repr__(self) -> str:
         return f"<ReportResult {self.report.title}: {', '.join(part.title for part in self.report.sections)}>"
 

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from gcode.programs.make import Made
 from gcode.support.errors import UserError
 from gcode.support.files import write_text
+from gcode.support.html import card
 from testbench.api.arguments import AnyModel, catalogue_of, model_file_of, model_name
 from testbench.campaigns.campaign import matches, simulate_campaign, simulate_live, vacant
 from testbench.campaigns.plan import Plan, programs_before
@@ -25,6 +26,10 @@ from testbench.rig.past import DEFAULT_REST_S
 from testbench.rig.recorder import Status
 from testbench.rig.simulated import Motion
 from testbench.rig.stopping import stop_signals
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
 
 ENDED_WELL = ("complete", "interrupted")
 
@@ -56,6 +61,18 @@ class CampaignResult:
     def recording(self) -> Recording:
         """What was recorded, read from the folder."""
         return read_recording(self.folder)
+
+    def to_frame(self) -> pd.DataFrame:
+        """Its samples as a table, see `Recording.to_frame`."""
+        return self.recording.to_frame()
+
+    def plot(self, axes: Axes | Sequence[Axes] | None = None) -> Any:
+        """Draw every channel over time, see `Recording.plot`."""
+        return self.recording.plot(axes)
+
+    def _repr_html_(self) -> str:
+        recorded = self.status is None or self.status.samples
+        return card(str(self), [], self.recording._repr_html_() if recorded else "")
 
 
 @dataclass(frozen=True, repr=False)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gcode.support.errors import UserError
+from gcode.support.html import card
 from testbench.campaigns.dataset_index import INDEX, index_problems
 from testbench.campaigns.remake import made_again
 from testbench.recordings import manifest
@@ -77,7 +78,11 @@ class VerifyResult:
 
     def __repr__(self) -> str:
         found = f"{len(self.problems)} problems" if self.problems else "intact"
-        return f"<VerifyResult {self.folder}: {len(self.campaigns)} campaigns, {found}>"
+        count = len(self.campaigns)
+        return f"<VerifyResult {self.folder}: {count} campaign{'s' * (count != 1)}, {found}>"
+
+    def _repr_html_(self) -> str:
+        return card(repr(self)[1:-1], self.problems)
 
     def __str__(self) -> str:
         return "\n".join([*(str(one) for one in self.campaigns if one.intact), *self.problems])

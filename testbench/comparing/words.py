@@ -8,6 +8,7 @@ from testbench.comparing.cell import Cell
 from testbench.comparing.numbers import span
 
 DOING = {1: " while stretching", -1: " while releasing", 0: ""}
+MANY = math.log(1e6)  # log odds beyond this are "more than a million to one"
 
 
 def place_in_words(channel: str, coordinate: str, cell: Cell, size: float) -> str:

@@ -19,7 +19,7 @@ from gcode.trajectories.trajectory import Trajectory
 from testbench.design.compositions import ROOM, Motion, drawn, in_words, motion_of, varied
 from testbench.design.forecast import Forecaster, Likely, Reading
 from testbench.design.information import Information, information
-from testbench.design.protocols import MIN_DURATION_S, NOISE, Bounds, menu
+from testbench.design.protocols import NOISE, SHORTEST_EXPERIMENT_S, Bounds, menu
 from testbench.fitting.measurement import BURN_IN_S, Measurement, coarser
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import inputs
@@ -193,7 +193,7 @@ def _room(history: Measurement, count: int, past: int) -> FloatArray | None:
 def _named(bounds: Bounds, seed: int) -> Mapping[str, Motion | None]:
     """The designed protocols of `testbench experiment`, as far as they can be planned within the bounds."""
     found: dict[str, Motion | None] = {}
-    eased = replace(bounds, duration_s=max(ROOM * bounds.duration_s, MIN_DURATION_S))
+    eased = replace(bounds, duration_s=max(ROOM * bounds.duration_s, SHORTEST_EXPERIMENT_S))
     for share in SHARES:
         for name, spec in menu(eased, share).items():
             if found.get(name) is None:

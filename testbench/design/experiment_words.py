@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from testbench.comparing.words import MANY
 from testbench.design.experiment import Option, Rival
 from testbench.design.protocols import NOISE
 from testbench.fitting.errors import channel_name
-
-MANY = math.log(1e6)
 
 
 def odds(log_odds: float) -> str:

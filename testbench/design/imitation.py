@@ -16,7 +16,7 @@ from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
 
-SMALL_GAIN = 1e-3
+SMALL_IMITATION_GAIN = 1e-3
 STRIDE = 2  # of the samples for the normal equations; neighbours say nearly the same
 
 
@@ -53,7 +53,7 @@ def imitate(
         gain belong to each mounting.
     """
     problem = _Imitation(model, measurement, clean, noise)
-    x, _, _ = minimised(problem, problem.start, iterations, SMALL_GAIN, quiet=2)
+    x, _, _ = minimised(problem, problem.start, iterations, SMALL_IMITATION_GAIN, quiet=2)
     closest = with_values(model, problem.parameters, x)
     return closest, problem.left(closest)
 

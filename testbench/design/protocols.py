@@ -24,7 +24,7 @@ from gcode.trajectories.pieces import Piece
 from gcode.trajectories.trajectory import Limits, TrajectorySpec
 
 RATE_HZ = 20.0
-MIN_DURATION_S = 120.0
+SHORTEST_EXPERIMENT_S = 120.0
 SHORTEST_STROKE_S = 2 / RATE_HZ  # a stroke of less than two steps cannot be planned
 APPROACHES_S = 12.0  # to the first position of a random motion, and back to zero at the end
 NOISE = "noise"  # the protocol that all others are measured against
@@ -85,9 +85,9 @@ def menu(bounds: Bounds, share: float = 1.0) -> dict[str, TrajectorySpec]:
         If the duration is too short for the designs, or longer than a day; or if a stroke to the largest strain takes
         less than two steps of the plan, or there and back more than the whole run.
     """
-    if not MIN_DURATION_S <= bounds.duration_s <= 24 * 3600:
+    if not SHORTEST_EXPERIMENT_S <= bounds.duration_s <= 24 * 3600:
         raise UserError(
-            f"duration_s: an experiment takes {MIN_DURATION_S:.0f} s to 24 h, got {bounds.duration_s:g} s"
+            f"duration_s: an experiment takes {SHORTEST_EXPERIMENT_S:.0f} s to 24 h, got {bounds.duration_s:g} s"
         )
     _check_stroke(bounds)
     eased = replace(

@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 
 from gcode.support.errors import UserError
 from testbench.importing.clocks import own_clocks
+from testbench.importing.laboratory_units import Unit, given_unit, units_spelt
 from testbench.importing.layout import Column, Layout, shortened
 from testbench.importing.notation import is_when
 from testbench.importing.roles import ROLES, STRETCH, SYMBOL, is_generic
-from testbench.importing.units import Unit, given_unit, units_spelt
 
 ELECTRICAL = ("resistance", "conductance", "relative", "relative_change")
 NOT_THERE = "none"

@@ -6,7 +6,6 @@ Step by step: how the file is written (`sheet`, `layout`), which column is what 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -18,16 +17,15 @@ from testbench.importing.choice import ELECTRICAL, FLAGS, NAMED, Choice, choose
 from testbench.importing.columns import Read, on_main_clock, read_columns
 from testbench.importing.gauge import gauge_doubt
 from testbench.importing.imported import Imported
+from testbench.importing.laboratory_units import units_spelt
 from testbench.importing.layout import Column, misfit
 from testbench.importing.notation import numbers
 from testbench.importing.opening import open_sheet
-from testbench.importing.repeats import repeats_of
 from testbench.importing.roles import STRETCH, counts_repeats, speaks_about
-from testbench.importing.rows import channels_of, check_change, in_order, usable
+from testbench.importing.rows import channels_of, check_change, in_order, repeats_of, usable
 from testbench.importing.sheet import Sheet
 from testbench.importing.signs import doubts, turned, zeroed
 from testbench.importing.trouble_words import in_words
-from testbench.importing.units import units_spelt
 from testbench.importing.wish import Wish
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE
 from testbench.recordings.recording import Recording
@@ -139,17 +137,14 @@ def _recorded(
     picked = {name: values[index] for name, values in channels.items()}
     told = zeroed(picked, choice, wish)
     told += turned(picked, choice, wish)
-    recording = Recording(when_s - when_s[0], picked, _gauge_mm(wish, picked), str(path))
+    gauge_mm = float(wish.gauge_length_mm) if wish.gauge_length_mm and DISPLACEMENT in picked else np.nan
+    recording = Recording(when_s - when_s[0], picked, gauge_mm, str(path))
     done = Imported(recording, label, int((~kept).sum()), moved, repeated, float(when_s[0]), dict(read.words))
     strained = gauge_doubt(sheet, choice, read, wish.gauge_length_mm)
     done.doubts = [*_doubts(choice, recording, wish), *([strained] if strained else [])]
     done.notes = [*choice.notes, *told, *_remarks(choice, recording)]
     done.details = _details(sheet, choice, wish, done)
     return done
-
-
-def _gauge_mm(wish: Wish, channels: Mapping[str, np.ndarray]) -> float:
-    return float(wish.gauge_length_mm) if wish.gauge_length_mm and DISPLACEMENT in channels else np.nan
 
 
 def _doubts(choice: Choice, recording: Recording, wish: Wish) -> list[str]:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
+from testbench.importing.laboratory_units import PREFIX, Unit, plain_text, unit_of, units_spelt
 from testbench.importing.relative import ratio_by_formula
 from testbench.importing.roles import ROLES, STRETCH, is_generic, roles_of
-from testbench.importing.units import PREFIX, Unit, plain_text, unit_of, units_spelt
 
 _BRACKET = re.compile(r"^(.*?)\s*(?:\[([^\[\]]*)\]|\(([^()]*)\)|\{([^{}]*)\}|<([^<>]*)>)\s*$", re.S)
 _TAIL = re.compile(rf"^(.*?)(?:\s*/\s*|\s+in\s+|\s*[,:;=]\s*|_|\s+)((?:{PREFIX}[\s_]+)?[^\s/,:;=_]+)$", re.S)

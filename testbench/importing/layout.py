@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from testbench.importing.headings import Heading, power_of_ten, read_heading
+from testbench.importing.laboratory_units import units_spelt
 from testbench.importing.notation import MISSING, is_number, is_when
-from testbench.importing.units import units_spelt
 
 Rows = Sequence[Sequence[str]]
 SHOWN = 60  # characters of a name in a message

@@ -8,7 +8,7 @@ from pathlib import Path
 from gcode.support.errors import UserError
 from gcode.support.strict import check_plain
 from testbench.importing.sheet import Hints, Sheet
-from testbench.recordings.files import MOST_BYTES
+from testbench.recordings.csv_columns import MOST_BYTES
 
 WORKBOOKS = (".xlsx", ".xlsm")
 APART = (",", ".", "'", "’", " ", "\u00a0", "\u202f")  # what parts thousands

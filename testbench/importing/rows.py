@@ -1,4 +1,4 @@
-"""The rows of a foreign file as channels: which can be used, and in which order."""
+"""The rows of a foreign file as channels: which can be used, in which order, and of which repeat."""
 
 from __future__ import annotations
 
@@ -115,3 +115,24 @@ def _about_time(time_s: np.ndarray, at: int) -> str:
     if at > 10 and time_s[at] - time_s[0] < 0.01 * (time_s[at - 1] - time_s[0]):
         return "the time starts again there, so the file holds several recordings: part it into one file each"
     return "--sort puts rows in order and drops repeated times"
+
+
+def repeats_of(counter: np.ndarray, time_s: np.ndarray) -> list[tuple[str, np.ndarray]]:
+    """Repeats that a column numbers, where the time starts again with each; empty where it does not.
+
+    Parameters
+    ----------
+    counter, time_s : ndarray, each shape (n,)
+
+    Returns
+    -------
+    list of (label, rows)
+        The number of the repeat, and which rows are its.
+    """
+    restarts = np.flatnonzero(np.diff(time_s) < 0)
+    changes = np.flatnonzero(np.diff(counter) != 0)
+    whole = np.isfinite(counter).all() and (counter == np.round(counter)).all()
+    numbers = list(dict.fromkeys(counter.tolist()))
+    if not whole or not restarts.size or not set(restarts) <= set(changes) or len(numbers) != len(changes) + 1:
+        return []
+    return [(f"{int(number)}", np.flatnonzero(counter == number)) for number in numbers]

@@ -9,14 +9,14 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from testbench.importing.choice import Choice
+from testbench.importing.laboratory_units import Unit, conversion, unit_of
 from testbench.importing.roles import STRETCH
-from testbench.importing.units import Unit, conversion, unit_of
 from testbench.importing.wish import Wish
 from testbench.recordings.channels import DISPLACEMENT, FORCE
+from testbench.recordings.doubts import AGAINST
 
 SIGNED = ("displacement", "strain", "force")
 TURNED = (*SIGNED, "resistance")  # negative where the sense leads are the other way round
-AGAINST = -0.5  # correlation of force and displacement below which one of them runs the wrong way
 FEW = 100_000  # samples that are enough for a correlation
 _VALUE = re.compile(r"^\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*(\S*)\s*$")
 

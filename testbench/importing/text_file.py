@@ -16,7 +16,7 @@ from testbench.importing.encodings import encoding_of, known_encoding
 from testbench.importing.layout import Layout, find_layout, is_data
 from testbench.importing.notation import decimal_sign, is_number, is_when
 from testbench.importing.sheet import HEAD_ROWS, Hints, Sheet
-from testbench.recordings.files import MOST_BYTES, MOST_COLUMNS, in_words
+from testbench.recordings.csv_columns import MOST_BYTES, MOST_COLUMNS, in_words
 
 if TYPE_CHECKING:
     import pandas as pd

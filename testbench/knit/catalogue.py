@@ -9,7 +9,7 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
-from gcode.support.errors import UserError, first_problem
+from gcode.support.errors import UserError
 from testbench.knit.effect import Effect
 from testbench.knit.model import FORMAT, FORMAT_VERSION, KnitModel
 
@@ -252,14 +252,12 @@ def model_from_dict(data: Any, catalogue: Catalogue, source: str = "model") -> K
     model = KnitModel()
     try:
         for entry in data["effects"]:
-            effect = catalogue[entry["effect"]].model_validate(entry["parameters"])
+            effect = catalogue[entry["effect"]](**entry["parameters"])
             model = model.plus(effect, entry["name"])
     except UserError as error:
         raise UserError(f"{source}: {error}") from None
     except (KeyError, TypeError) as error:
         raise UserError(f"{source}: malformed list of effects ({error})") from None
-    except ValueError as error:
-        raise UserError(f"{source}: effect {entry['name']}: {first_problem(error)}") from None
     return model
 
 

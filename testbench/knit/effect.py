@@ -29,10 +29,11 @@ from collections.abc import Mapping
 from enum import IntEnum
 from typing import Any, ClassVar
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic.fields import FieldInfo
 
 from gcode.support.arrays import FloatArray
+from gcode.support.errors import UserError
 
 Signals = Mapping[str, FloatArray]
 
@@ -135,6 +136,19 @@ class Effect(BaseModel):
         super().__init_subclass__(**kwargs)
         cls.mechanism = cls.mechanism or cls.name
 
+    def __init__(self, **parameters: Any) -> None:
+        """Raise `UserError` where a parameter is unknown, or a value is no number or out of its bounds."""
+        try:
+            super().__init__(**parameters)
+        except ValidationError as error:
+            raise UserError(_refusal(type(self), error)) from None
+        for key, field in type(self).model_fields.items():
+            value = getattr(self, key)
+            if isinstance(value, tuple):
+                bounds = bounds_of(field)
+                if not all(bounds["low"] <= entry <= bounds["high"] for entry in value):
+                    raise UserError(_allowed(type(self), key, value))
+
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         """Return new arrays for the signals in `writes`.
 
@@ -166,13 +180,9 @@ class Effect(BaseModel):
         points = self.starts(signals, residual)
         return self.near(**points[0]) if points else self
 
-    def model_post_init(self, _context: Any) -> None:
-        for key, field in type(self).model_fields.items():
-            check_bounds(type(self), key, field, getattr(self, key))
-
     def replaced(self, **changes: Any) -> Effect:
         """A copy with some parameters changed, validated."""
-        return type(self).model_validate({**self.model_dump(), **changes})
+        return type(self)(**{**self.model_dump(), **changes})
 
     def near(self, **changes: Any) -> Effect:
         """A copy with some parameters changed, each moved into its bounds: for guesses from data."""
@@ -185,15 +195,21 @@ class Effect(BaseModel):
         return min(max(float(value), extra["low"]), extra["high"])
 
 
-def check_bounds(owner: type[Effect], key: str, field: FieldInfo, value: Any) -> None:
-    """Check vector entries too (pydantic's own bounds cover scalars)."""
-    if not isinstance(value, tuple):
-        return
-    extra = bounds_of(field)
-    for index, entry in enumerate(value):
-        if not extra["low"] <= entry <= extra["high"]:
-            allowed = f"[{extra['low']:g}, {extra['high']:g}]"
-            raise ValueError(f"{owner.name}.{key}[{index}] must be in {allowed}, got {entry:g}")
+def _refusal(effect: type[Effect], error: ValidationError) -> str:
+    """Which parameter, what is allowed, what came."""
+    problem = error.errors(include_url=False)[0]
+    key = str(problem["loc"][0])
+    if key in effect.model_fields:
+        return _allowed(effect, key, problem["input"])
+    return f"{effect.__name__} has no parameter {key}; it has {', '.join(effect.model_fields) or 'none'}"
+
+
+def _allowed(effect: type[Effect], key: str, came: Any) -> str:
+    field = effect.model_fields[key]
+    bounds = bounds_of(field)
+    kind = "numbers" if isinstance(field.default, tuple) else "a number"
+    unit = "" if bounds["unit"] == "1" else f" {bounds['unit']}"
+    return f"{effect.__name__}.{key} must be {kind} from {bounds['low']:g} to {bounds['high']:g}{unit}, got {came!r}"
 
 
 def bounds_of(field: FieldInfo) -> dict[str, Any]:

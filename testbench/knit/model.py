@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,7 +12,10 @@ from gcode.support.errors import UserError
 from gcode.support.html import table
 from testbench.knit.additive import AdditiveLaw
 from testbench.knit.cache import SimulationCache
-from testbench.knit.effect import Effect, FloatArray, Signals, Stage
+from testbench.knit.effect import Effect, FloatArray, Signals, Stage, bounds_of
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 OURS = "testbench.knit."  # effects from elsewhere are checked at every run
 FORMAT = "knitbench-model"
@@ -146,6 +149,23 @@ class KnitModel:
             for name, effect in self.effects.items()
         ]
         return {"format": FORMAT, "version": FORMAT_VERSION, "effects": effects}
+
+    def to_frame(self) -> pd.DataFrame:
+        """Every number of the model: one row each, by its address (``effect.parameter``), with its unit."""
+        import pandas as pd
+
+        rows = {
+            f"{name}.{key}" + (f"[{place}]" if isinstance(value, tuple) else ""): (entry, bounds_of(field)["unit"])
+            for name, effect in self.effects.items()
+            for key, field in type(effect).model_fields.items()
+            for value in [getattr(effect, key)]
+            for place, entry in enumerate(value if isinstance(value, tuple) else [value])
+        }
+        frame = pd.DataFrame.from_dict(rows, orient="index", columns=["value", "unit"])
+        return frame.rename_axis("parameter")
+
+    def __repr__(self) -> str:
+        return f"<KnitModel {' + '.join(self.effects)}>"
 
     def _repr_html_(self) -> str:
         rows = [

@@ -2,10 +2,10 @@
 
 from typing import TYPE_CHECKING
 
-from gcode.support.lazy import exported, lazy_exports
+from gcode.support.lazy import lazy_exports
 
 if TYPE_CHECKING:
     from testbench.proposing.proposal import Proposed as Proposed
     from testbench.proposing.proposal import propose_law as propose_law
 
-__all__, __getattr__, __dir__ = lazy_exports(__name__, exported(__file__))
+__all__, __getattr__, __dir__ = lazy_exports(__name__, {"testbench.proposing.proposal": ["Proposed", "propose_law"]})

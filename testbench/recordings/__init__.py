@@ -1,1 +1,1 @@
-"""One recording: its channels, its files and manifest, its checks, and how two clocks are aligned."""
+"""One recording: its channels, its files and manifest and its checks."""

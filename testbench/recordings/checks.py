@@ -47,7 +47,7 @@ def check(source: str, time_s: FloatArray, channels: Mapping[str, FloatArray], g
             raise UserError(f"{source}: {name} has {len(values)} samples, time_s has {len(time_s)}")
         _check_finite(source, name, values)
         if name == RESISTANCE:
-            _check_positive(source, name, values)
+            _refuse(source, values, values <= 0, f"{name} must be positive, got", f"; {DROP}")
         _check_within(source, name, values)
     if DISPLACEMENT in channels:
         _check_strain(source, channels[DISPLACEMENT], gauge_length_mm)
@@ -81,10 +81,6 @@ def _check_within(source: str, name: str, values: FloatArray) -> None:
     remedy = "check its unit (`testbench import` turns units into ours), or leave such rows out"
     outside = (values < low) | (values > high)
     _refuse(source, values, outside, f"{name} is", f", and {low:g} to {high:g} is allowed; {remedy}")
-
-
-def _check_positive(source: str, name: str, values: FloatArray) -> None:
-    _refuse(source, values, values <= 0, f"{name} must be positive, got", f"; {DROP}")
 
 
 def _refuse(source: str, values: FloatArray, bad: np.ndarray, what: str, remedy: str) -> None:

@@ -13,7 +13,7 @@ from testbench.recordings.recording import Recording
 ABRUPT = 10.0  # times the steps beside it: where sampling is slowed down in a hold, steps grow little by little
 LEAST_RECORDED = 2e-3  # of the time: a grid of 200,000 points then has 400 with samples, in two parts
 MOST_HELD_OUT_POINTS = 5_000_000  # 55 h at 25 Hz
-AGAINST = -0.5  # correlation
+AGAINST = -0.5  # correlation of force and displacement below which one of them runs the wrong way
 _SAID: set[str] = set()
 
 

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
-import re
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -14,24 +11,19 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from gcode.support.files import atomic_writer
-from gcode.support.strict import check_plain, read_bytes
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TIME, UNITS
+from testbench.recordings.csv_columns import read_columns
 from testbench.recordings.doubts import say_once
 from testbench.recordings.recording import Recording
 
 if TYPE_CHECKING:
-    import pandas as pd
-
     from testbench.recordings.manifest import Campaign
     from testbench.recordings.stored import Resource
 
 ORDER = (TIME, DISPLACEMENT, FORCE, RESISTANCE)
 DECIMALS = 6  # µs, nm, µN
-RESISTANCE_DIGITS = 7  # of the smallest one: a thread has 1 Ω, a knit 1 MΩ
+KEPT_DIGITS = 7  # of the smallest one: a thread has 1 Ω, a knit 1 MΩ
 ROWS_AT_ONCE = 100_000
-MOST_BYTES = 4 << 30  # 24 h at 1 kHz
-MOST_COLUMNS = 1000
-MOST_LINE = 64 << 10
 
 
 def read_recording(path: str | Path, gauge_length_mm: float | None = None) -> Recording:
@@ -135,124 +127,6 @@ def _may_be(name: str, channel: str) -> bool:
     return any(word in name.lower() for word in SPELLINGS[channel]) or name.lower().rpartition("_")[2] == unit
 
 
-def read_columns(path: Path, growing: bool = False) -> dict[str, np.ndarray]:
-    """All numeric columns of a comma-separated file, by header name.
-
-    Parameters
-    ----------
-    path : Path
-    growing : bool
-        A recorder may be writing (or was killed): what follows the last line feed is not a line yet.
-
-    Raises
-    ------
-    UserError
-        If the file is empty, is not comma-separated, or a cell is not a number.
-    """
-    frame = read_frame(path, growing)
-    names = [name for name in frame.columns if not _is_remark(frame, name)]
-    return {str(name).strip(): _numbers(path, str(name), frame[name]) for name in names}
-
-
-def read_frame(path: Path, growing: bool = False) -> pd.DataFrame:
-    """All columns of a comma-separated file, bad cells included; see `read_columns`.
-
-    Raises
-    ------
-    UserError
-        If the file is empty or is not comma-separated.
-    """
-    import pandas as pd
-
-    check_plain(path, "recording", MOST_BYTES)
-    try:
-        _check_head(path)
-        source: Path | io.BytesIO = _whole_lines(path) if growing else path
-        return pd.read_csv(source, skipinitialspace=True, low_memory=False, compression=None)
-    except pd.errors.EmptyDataError:
-        raise UserError(f"{path}: the file is empty") from None
-    except (pd.errors.ParserError, UnicodeError) as error:
-        raise UserError(f"{path}: {in_words(error)}; mend it, or try `testbench import`") from None
-    except OSError as error:
-        raise UserError(f"{path}: cannot read it: {error.strerror or error}") from None
-
-
-def _check_head(path: Path) -> None:
-    """Refuse what pandas would read as something else: other separators, repeated names, rows with more cells."""
-    with path.open(encoding="utf-8-sig", newline="") as stream:
-        header, first = stream.readline(MOST_LINE), stream.readline(MOST_LINE)
-    if max(len(header), len(first)) >= MOST_LINE:
-        raise UserError(f"{path}: a line of more than {MOST_LINE} characters; a recording's rows are shorter")
-    header, first = header.rstrip("\r\n"), first.rstrip("\r\n")
-    for separator, what in ((";", "semicolons"), ("\t", "tabs")):
-        if separator in header and "," not in header:
-            raise UserError(f"{path}: {what} between the columns; turn it into a recording with `testbench import`")
-    names = [name.strip() for name in header.split(",")]
-    if len(names) > MOST_COLUMNS:
-        raise UserError(f"{path}: {len(names)} columns; a recording has at most {MOST_COLUMNS}")
-    twice = next((name for name in names if names.count(name) > 1), None)
-    if twice is not None:
-        raise UserError(f"{path}: row 1 names the column {twice!r} twice; name each column once")
-    cells = len(next(csv.reader([first]), []))
-    if cells > len(names):
-        seen = f"row 2 has {cells} cells, the header {len(names)}"
-        raise UserError(f"{path}: {seen}; turn it into a recording with `testbench import`")
-
-
-def _is_remark(frame: pd.DataFrame, name: str) -> bool:
-    """Whether a column is text from top to bottom, and no channel of ours."""
-    column = frame[name]
-    return str(name).strip() not in UNITS and column.dtype.kind not in "fiub" and _all_text(column)
-
-
-def _all_text(column: pd.Series) -> bool:
-    return bool(_parsed(column).isna().all())
-
-
-def _parsed(column: pd.Series) -> pd.Series:
-    """A column as numbers; NaN where a cell is none, or a whole number of hundreds of digits."""
-    import pandas as pd
-
-    try:
-        return pd.to_numeric(column, errors="coerce")
-    except OverflowError:
-        return column.map(_as_float).astype(float)
-
-
-def _as_float(cell: object) -> float:
-    try:
-        return float(cell)  # type: ignore[arg-type]
-    except (ValueError, TypeError, OverflowError):
-        return np.nan
-
-
-def in_words(error: Exception) -> str:
-    """What pandas or the decoder objects to, without their jargon."""
-    found = re.search(r"Expected (\d+) fields in line (\d+), saw (\d+)", str(error))
-    if found:
-        return f"row {found[2]} has {found[3]} cells, the rows above {found[1]}"
-    if isinstance(error, UnicodeError):
-        return "not plain (UTF-8) text"
-    return f"not a readable CSV ({str(error).strip()})"
-
-
-def _whole_lines(path: Path) -> io.BytesIO:
-    data = read_bytes(path, "recording", MOST_BYTES)
-    return io.BytesIO(data[: data.rfind(b"\n") + 1])
-
-
-def _numbers(path: Path, name: str, column) -> np.ndarray:
-    numbers = _parsed(column)
-    wrong = np.flatnonzero(numbers.isna() & column.notna())
-    if wrong.size:
-        row, came = int(wrong[0]) + 2, column.iloc[int(wrong[0])]
-        raise UserError(
-            f"{path}: row {row}: {name} must be a number, got {came!r}; "
-            "`testbench import --drop-bad` leaves such rows out"
-        )
-    return numbers.to_numpy(dtype=np.float64)
-
-
 def write_recording_csv(path: str | Path, recording: Recording) -> None:
     """Write ``recording.csv`` atomically, known columns first, in fixed decimals (same bytes from same data).
 
@@ -272,4 +146,4 @@ def _decimals(name: str, values: np.ndarray) -> int:
     if name != RESISTANCE:
         return DECIMALS
     smallest = np.min(np.abs(values[np.isfinite(values) & (values != 0)]), initial=1e4)
-    return int(np.clip(RESISTANCE_DIGITS - 1 - np.floor(np.log10(smallest)), 3, 15))
+    return int(np.clip(KEPT_DIGITS - 1 - np.floor(np.log10(smallest)), 3, 15))

@@ -135,9 +135,6 @@ def models_of(file: ModelFile, catalogue: Catalogue) -> dict[str, KnitModel]:
     first = file.history[0]
     models = {step_label(first["step"]): model_from_dict(first["model"], catalogue, "history")}
     if len(file.history) > 1:
-        models[_last_label([step_label(entry["step"]) for entry in file.history])] = file.model
+        last, count = step_label(file.history[-1]["step"]), len(file.history)
+        models[last if count == 2 else f"{last} (after {count - 1} steps)"] = file.model
     return models
-
-
-def _last_label(steps: list[str]) -> str:
-    return steps[-1] if len(steps) == 2 else f"{steps[-1]} (after {len(steps) - 1} steps)"

@@ -24,7 +24,7 @@ from testbench.report import (
 from testbench.report.comparison_figures import Overlay
 from testbench.report.document import Facts, Item, Picture, Section, Table
 from testbench.report.ladder_figures import UNITS, Step
-from testbench.report.parameters import parameter_table
+from testbench.report.parameter_table import parameter_table
 from testbench.report.worst_places import beyond_noise
 
 # How far above the noise is told of ln G, which was fitted: the same share of the resistance.

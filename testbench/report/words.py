@@ -7,10 +7,8 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from testbench.comparing.numbers import plain
-from testbench.comparing.words import percent
+from testbench.comparing.words import MANY, percent
 from testbench.report.ladder_figures import UNITS
-
-MANY = math.log(1e6)  # log odds beyond this are "more than a million to one"
 
 
 def verdict_in_words(diagnosis: Mapping[str, Any]) -> str:

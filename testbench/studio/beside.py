@@ -13,7 +13,7 @@ from testbench.fitting.model_file import about_model
 from testbench.knit.catalogue import model_from_dict
 from testbench.knit.model import KnitModel
 from testbench.report.document import Table
-from testbench.report.parameters import doubts, parameter_name
+from testbench.report.parameter_table import doubts, parameter_name
 from testbench.report.words import spoken
 from testbench.studio import models
 from testbench.studio.studio import Studio

@@ -134,16 +134,8 @@ def adopt_diagnosed(studio: Studio, c: str) -> None:
 def undo_command(studio: Studio, c: str) -> tuple[str, list[str]]:
     """Take the last step of the ladder back."""
     model = str(model_path(studio, c))
-    return "Taking the last step back", [
-        "testbench",
-        "add",
-        "--undo",
-        "--model",
-        model,
-        *studio.effects_arguments(),
-        "-o",
-        model,
-    ]
+    argv = ["testbench", "add", "--undo", "--model", model, *studio.effects_arguments()]
+    return "Taking the last step back", [*argv, "-o", model]
 
 
 def run_in_turn(studio: Studio, key: str, commands: Commands, holder: ui.column, done: Callable[[], None]) -> None:

@@ -23,7 +23,6 @@ from testbench.studio.memory import Memory, stamp
 RESULTS = "results"
 DELETED = "deleted"  # below results; until they are restored
 MAX_DEPTH = 4
-COMPENSATED = "compensated"
 MADE = {"model.json": "fitted", "diagnosis.json": "diagnosed"}
 KEPT_RECORDINGS = 4  # 23 min take about 2 MB; hours of recording some 100 MB
 KEPT_VERDICTS = 1000
@@ -253,7 +252,7 @@ def results_name(name: str) -> str:
 def _made_in(folder: str) -> frozenset[str]:
     files = set(os.listdir(folder))
     found = {word for file, word in MADE.items() if file in files}
-    return frozenset(found | ({COMPENSATED} if any(file.endswith(".score.json") for file in files) else set()))
+    return frozenset(found | ({"compensated"} if any(file.endswith(".score.json") for file in files) else set()))
 
 
 def _verdict(folder: Path) -> list[str]:

@@ -1,4 +1,4 @@
-"""Small seeded recordings and models that the tests of the discrepancy room share."""
+"""Small seeded recordings and models that tests of fits, comparisons and diagnoses share."""
 
 from __future__ import annotations
 

@@ -14,7 +14,8 @@ from nicegui import ui
 
 from gcode.support.errors import UserError
 from testbench.recordings.manifest import IN_PROGRESS
-from testbench.report.recording_figures import summary, thumbnail
+from testbench.report.recording_figures import summary
+from testbench.report.thumbnail import thumbnail
 from testbench.studio.address import address
 from testbench.studio.finding import STATES, Found
 from testbench.studio.memory import stamp

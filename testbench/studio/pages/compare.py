@@ -193,7 +193,7 @@ def _kohm_error(both: Overlay, label: str, counts: np.ndarray, free_offset: bool
 def _parameters(file: ModelFile, label: str, second: Beside | None) -> Table | None:
     if second is not None:
         return side_by_side(second, label, file.model, file.fit)
-    from testbench.report.parameters import parameter_table
+    from testbench.report.parameter_table import parameter_table
 
     return parameter_table(file.fit, file.model)
 

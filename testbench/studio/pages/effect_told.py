@@ -12,7 +12,7 @@ from testbench.knit.card import doc_sections
 from testbench.knit.catalogue import Catalogue, model_from_dict
 from testbench.knit.effect import Effect, bounds_of
 from testbench.report.document import Table
-from testbench.report.parameters import parameter_table
+from testbench.report.parameter_table import parameter_table
 from testbench.report.words import spoken
 from testbench.studio.widgets import subheading, table
 

@@ -17,7 +17,7 @@ from testbench.fitting.results import read_diagnosis
 from testbench.report import diagnosis_figures
 from testbench.report import ladder_figures as figures
 from testbench.report.comparison_figures import busiest_window
-from testbench.report.parameters import parameter_table
+from testbench.report.parameter_table import parameter_table
 from testbench.report.sections import fall_in_words
 from testbench.report.words import ladder_notes, spoken, verdict_in_words
 from testbench.studio import models
@@ -67,7 +67,10 @@ class _Ladder:
         self.judged = held_samples(self.file, studio.workspace.recording(c), other)
         self.steps, self.zero = steps_of(self.file.history), zero_in_words(self.file)
         # How far above the noise is told of the channel that was fitted: that of ln G is the same share of R.
-        self.over_noise = [_over_noise(step) for step in self.steps]
+        self.over_noise = [
+            [error / max(step.noise_floor[channel], 1e-300) for channel, error in step.errors.items()]
+            for step in self.steps
+        ]
         if self.kohm:
             self.steps = steps_in_resistance(self.file, catalogue, self.judged)
 
@@ -217,10 +220,6 @@ def report_url(studio: Studio, path: Path) -> str:
     """Where the studio's own server hands out a file of the results."""
     below = path.relative_to(studio.workspace.root / RESULTS).as_posix()
     return f"{RESULTS_URL}/{quote(below)}?made={path.stat().st_mtime_ns}"
-
-
-def _over_noise(step: figures.Step) -> list[float]:
-    return [error / max(step.noise_floor[channel], 1e-300) for channel, error in step.errors.items()]
 
 
 def _if_there(option: str, path: Path) -> list[str]:

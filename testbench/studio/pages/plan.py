@@ -9,7 +9,7 @@ from typing import Any
 
 from nicegui import ui
 
-from gcode.programs.stored import read_plan
+from gcode.programs.stored_plan import read_plan
 from gcode.support.errors import UserError
 from testbench.report.trajectory_figures import motion
 from testbench.studio.address import Address, address

@@ -29,18 +29,18 @@ def page(studio: Studio) -> None:
     with holder:
         if job and job.running:
             Live(studio, job)
-        else:
-            _form(studio, holder)
-
-
-def _form(studio: Studio, holder: ui.column) -> None:
-    programs = sorted(path.parent.name for path in (studio.workspace.root / PROGRAMS).glob("*/program.tap"))
-    if not programs:
+            return
+        programs = sorted(path.parent.name for path in (studio.workspace.root / PROGRAMS).glob("*/program.tap"))
+        if programs:
+            _form(studio, holder, programs)
+            return
         with invitation(
             "No program yet", "A recording follows a program. Plan a motion first; it is written for you."
         ):
             ui.button("Plan and run", icon="timeline", on_click=lambda: ui.navigate.to("/plan")).props("unelevated")
-        return
+
+
+def _form(studio: Studio, holder: ui.column, programs: list[str]) -> None:
     with ui.column().classes("card gap-3"):
         with ui.row().classes("items-center"):
             port = ui.input("Port", value=SIMULATED, autocomplete=[SIMULATED, *ports_here()])

@@ -15,7 +15,7 @@ from testbench.fitting.results import read_diagnosis, read_score
 from testbench.recordings.recording import Recording
 from testbench.report import recording_figures as figures
 from testbench.report.ladder_figures import UNITS
-from testbench.report.parameters import parameter_name
+from testbench.report.parameter_table import parameter_name
 from testbench.report.words import spoken, with_probability
 from testbench.studio import models
 from testbench.studio.address import Address, address

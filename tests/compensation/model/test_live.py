@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 import pytest
 
 from compensation.model import files
-from compensation.model.live import NAME, LiveCompensator
+from compensation.model.live import LiveCompensator
 from compensation.model.runtime import Status
 from compensation.model.streaming import CompensatorStream
 from compensation.training.options import Options
 from compensation.training.training import train
 from gcode.support.errors import UserError
+from testbench.campaigns.campaign import COMPENSATED
 from testbench.campaigns.following import live_compensator
 from testbench.campaigns.record import Job, begin, record
 from testbench.commands import record as command
@@ -53,7 +52,7 @@ def test_the_recorder_shows_and_keeps_what_the_stream_gives(compensator, recordi
     following.close()
     stream = CompensatorStream(compensator)
     expected = [stream.update(1e3 / mohm, 0.05) for _, mohm in read]
-    table = pd.read_csv(tmp_path / NAME)
+    table = pd.read_csv(tmp_path / COMPENSATED)
     assert list(table) == ["time_s", "force_N", "status"]
     np.testing.assert_allclose(table["force_N"], expected, atol=1e-6)
     assert f"compensated {expected[-1]:.3f} N" in said[-1]
@@ -69,15 +68,15 @@ def test_what_it_kept_is_sealed_with_the_campaign(compensator, recordings, tmp_p
     record(job, folder, [*(Chunk(0.05 * n, line) for n, line in enumerate(lines)), End(9.0)], follow=following.follow)
     following.close()
     assert problems(folder) == []
-    kept = (folder / NAME).read_bytes()
+    kept = (folder / COMPENSATED).read_bytes()
     assert len(kept.splitlines()) == 101
     for place in range(0, len(kept), len(kept) // 20):
         changed = bytearray(kept)
         changed[place] ^= 1
-        (folder / NAME).write_bytes(bytes(changed))
-        assert any(NAME in problem for problem in problems(folder)), place
-    (folder / NAME).unlink()
-    assert any(NAME in problem for problem in problems(folder))
+        (folder / COMPENSATED).write_bytes(bytes(changed))
+        assert any(COMPENSATED in problem for problem in problems(folder)), place
+    (folder / COMPENSATED).unlink()
+    assert any(COMPENSATED in problem for problem in problems(folder))
 
 
 def test_no_reading_and_a_lost_disk_stop_nothing(compensator, recordings, tmp_path):
@@ -103,7 +102,6 @@ def test_the_command_takes_it():
     parser = argparse.ArgumentParser()
     command.add_arguments(parser)
     assert parser.parse_args(["-o", "x", "--compensator", "c.json"]).compensator == "c.json"
-    assert Path(NAME).suffix == ".csv"
 
 
 @pytest.mark.parametrize(("moved_s", "anew"), [(7200.0, True), (-2.0, True), (0.0, False)])
@@ -131,6 +129,6 @@ def test_a_clock_that_slips_for_one_sample_spoils_that_one_alone(compensator, re
             if index != 60 or slip_us:
                 live.take(time_us + slip_us * (index == 60), mohm)
         live.close()
-    slipped, whole = (pd.read_csv(tmp_path / name / NAME) for name in ("slipped", "whole"))
+    slipped, whole = (pd.read_csv(tmp_path / name / COMPENSATED) for name in ("slipped", "whole"))
     assert list(np.flatnonzero(slipped["status"] & int(Status.BAD_STEP))) == [60]
     np.testing.assert_array_equal(slipped.drop(index=60)["force_N"], whole["force_N"])

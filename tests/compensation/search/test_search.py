@@ -11,20 +11,15 @@ import pandas as pd
 import pytest
 
 from compensation.cli import main
-from compensation.search import candidates, search
+from compensation.search import search, search_space
 from compensation.search.ranking import rank, split_half_agreement
 from gcode.support.errors import UserError
-from testbench.recordings.files import write_recording_csv
+from tests.compensation.search.tasks import task_of
 
 
 @pytest.fixture(scope="module")
 def task(recordings, tmp_path_factory):
-    """Three short recordings on disk."""
-    folder = tmp_path_factory.mktemp("search")
-    paths = [folder / f"{name}.csv" for name in "TAB"]
-    for path, recording in zip(paths, recordings, strict=True):
-        write_recording_csv(path, recording.between(0, 60))
-    return search.Task(tuple(map(str, paths)), 25.0, "force", "fast")
+    return task_of(recordings, 60, tmp_path_factory.mktemp("search"))
 
 
 # Copied from the paper's table, halves and quarters as printed.
@@ -53,8 +48,8 @@ def test_the_912_of_the_paper_from_its_printed_lists():
     }
     networks = {sizes for sizes in networks if min(sizes) >= 2}
     assert len(networks) == 114
-    assert set(candidates.hidden_layers()) == networks
-    found = candidates.candidates()
+    assert set(search_space.hidden_layers()) == networks
+    found = search_space.candidates()
     assert len({str(candidate) for candidate in found}) == len(found) == 912
     banks = {str(candidate).split(";")[0] for candidate in found}
     assert len(banks) == 8
@@ -68,7 +63,7 @@ def test_the_912_of_the_paper_from_its_printed_lists():
 def test_list_prints_them_and_stops(capsys):
     assert main(["search", "--preset", "paper", "--list"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert lines == [str(candidate) for candidate in candidates.candidates()]
+    assert lines == [str(candidate) for candidate in search_space.candidates()]
     assert len(lines) == 912
     assert main(["search", "--list", "--sample", "7"]) == 0
     assert len(capsys.readouterr().out.splitlines()) == 7
@@ -82,7 +77,7 @@ def test_without_list_a_search_needs_its_arguments(capsys, tmp_path):
 
 
 def some_jobs(count: int = 3, seeds: int = 2):
-    return [(candidate, seed) for seed in range(seeds) for candidate in candidates.candidates()[: count * 40 : 40]]
+    return [(candidate, seed) for seed in range(seeds) for candidate in search_space.candidates()[: count * 40 : 40]]
 
 
 def test_a_killed_sweep_goes_on(task, tmp_path):
@@ -128,13 +123,13 @@ def test_a_binary_file_is_not_a_search(task, tmp_path):
 
 def test_a_small_sample_meets_many_banks_and_networks():
     """Every 114th candidate would be one and the same network."""
-    everything = candidates.candidates()
-    eight = candidates.spread(everything, 8)
+    everything = search_space.candidates()
+    eight = search_space.spread(everything, 8)
     assert len({one.bank.name for one in eight}) >= 6
     assert len({one.sizes for one in eight}) == 8
-    assert candidates.spread(everything, 40)[:8] == eight
-    assert {one.key for one in candidates.spread(everything, 5000)} == {one.key for one in everything}
-    assert {one.key for one in candidates.spread(everything[:2], 5)} == {one.key for one in everything[:2]}
+    assert search_space.spread(everything, 40)[:8] == eight
+    assert {one.key for one in search_space.spread(everything, 5000)} == {one.key for one in everything}
+    assert {one.key for one in search_space.spread(everything[:2], 5)} == {one.key for one in everything[:2]}
 
 
 def row(key: str, seed: int, error: float, dead: bool = False) -> dict:

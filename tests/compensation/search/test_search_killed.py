@@ -13,24 +13,19 @@ from pathlib import Path
 
 import pytest
 
-from compensation.search import candidates, search
+from compensation.search import search, search_space
 from gcode.support.errors import UserError
-from testbench.recordings.files import write_recording_csv
+from tests.compensation.search.tasks import task_of
 
 pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
 def task(recordings, tmp_path_factory):
-    """Three recordings on disk."""
-    folder = tmp_path_factory.mktemp("search")
-    paths = [folder / f"{name}.csv" for name in "TAB"]
-    for path, recording in zip(paths, recordings, strict=True):
-        write_recording_csv(path, recording.between(0, 120))
-    return search.Task(tuple(map(str, paths)), 25.0, "force", "fast")
+    return task_of(recordings, 120, tmp_path_factory.mktemp("search"))
 
 
-JOBS = [(candidate, seed) for seed in range(2) for candidate in candidates.candidates()[::40]]
+JOBS = [(candidate, seed) for seed in range(2) for candidate in search_space.candidates()[::40]]
 
 
 @pytest.fixture(scope="module")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import importlib
 import subprocess
 import sys
@@ -45,6 +46,16 @@ def test_every_public_name_is_there(package):
     assert sorted(module.__all__) == dir(module)
     for name in module.__all__:
         assert getattr(module, name) is not None
+
+
+@pytest.mark.parametrize("package", ["testbench", "gcode", "compensation"])
+def test_type_checkers_see_what_the_running_program_has(package):
+    """The imports under TYPE_CHECKING and the table `_HOMES` name the same modules and names."""
+    module = importlib.import_module(package)
+    tree = ast.parse(Path(module.__file__).read_text(encoding="utf-8"))
+    imports = [node for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)]
+    seen = {(node.module, one.name) for node in imports for one in node.names if one.name == one.asname}
+    assert seen == {(home, name) for home, names in module._HOMES.items() for name in names}
 
 
 @pytest.mark.parametrize("package", ["testbench", "gcode", "compensation"])

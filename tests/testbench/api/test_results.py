@@ -211,3 +211,27 @@ def test_what_the_base_needs_goes_in_before_the_candidate():
     assert laws_with(diagnosis, "stress_relaxation", fitted()) == wanted
     better = fitted().model + tb.effects.StressRelaxation()
     assert laws_with(diagnosis, "stress_relaxation", better) == wanted[:2]
+
+
+def test_every_result_shows_itself_in_a_notebook_and_can_be_kept_as_json():
+    results = [getattr(tb, name) for name in tb.__all__ if name.endswith(("Result", "Case", "Experiment", "Ladder"))]
+    assert len(results) == 16
+    for result in (*results, tb.Recording, tb.KnitModel, gcode.Made):
+        assert callable(getattr(result, "_repr_html_", None)), result
+        assert callable(getattr(result, "to_dict", None)), result
+
+
+def test_what_was_run_verified_and_gathered_is_shown_with_its_samples_and_problems(tmp_path):
+    ran = tb.run("pes", gcode.generate("paper-1", seed=1, duration_s=20), tmp_path / "knit")
+    assert ran._repr_html_().count("<polyline") == 3
+    assert len(ran.to_frame()) == ran.status.samples
+    assert len(ran.plot(axes(3))) == 3
+    assert "1 campaign, intact" in tb.verify(tmp_path / "knit")._repr_html_()
+    (tmp_path / "knit" / "recording.csv").write_text("time_s,force_N")
+    assert "recording.csv" in tb.verify(tmp_path / "knit")._repr_html_()
+
+
+def test_a_hidden_case_shows_its_recordings_and_not_its_truth(tmp_path):
+    case = tb.hide("stress_relaxation", tmp_path / "case", seed=1, minutes=2)
+    assert case._repr_html_().count("<polyline") == 6
+    assert "stress_relaxation" not in case._repr_html_() + json.dumps(case.to_dict())

@@ -12,8 +12,9 @@ import pytest
 
 from gcode.support.errors import UserError
 from testbench import cli
-from testbench.campaigns.dataset import OneAtATime, make, tasks_of, varied
+from testbench.campaigns.dataset import OneAtATime, make
 from testbench.campaigns.dataset_spec import read_spec
+from testbench.campaigns.dataset_tasks import tasks_of, varied
 from testbench.campaigns.remake import made_again
 from testbench.knit.catalogue import baseline, load_catalogue
 from testbench.knit.template import write_template

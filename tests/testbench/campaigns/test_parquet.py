@@ -7,7 +7,8 @@ import json
 import numpy as np
 import pytest
 
-from testbench.campaigns.dataset import Task, make, write_parquet
+from testbench.campaigns.dataset import make, write_parquet
+from testbench.campaigns.dataset_tasks import Task
 from testbench.campaigns.splits import SPLITS, split_of
 from testbench.knit.catalogue import baseline
 from testbench.recordings.files import read_recording

@@ -220,15 +220,48 @@ def test_a_sensor_whose_conductance_falls_needs_no_force() -> None:
         ({"format": "other"}, "not a knitbench model"),
         ({"version": 99}, "model version 99"),
         ({"effects": [{"name": "x", "effect": "x", "parameters": {}}]}, "no effect called x"),
-        ({"effects": [{"name": "drift", "effect": "drift", "parameters": {"tau_s": -1}}]}, "drift: tau_s"),
-        ({"effects": [{"name": "drift", "effect": "drift", "parameters": {"colour": 1}}]}, "drift: colour"),
+        ({"effects": [{"name": "drift", "effect": "drift", "parameters": {"tau_s": -1}}]}, "Drift.tau_s must be"),
+        (
+            {"effects": [{"name": "drift", "effect": "drift", "parameters": {"colour": 1}}]},
+            "Drift has no parameter colour",
+        ),
         ({"effects": [{"name": "drift"}]}, "malformed"),
+        ({"effects": [{"name": "drift", "effect": "drift", "parameters": 3}]}, "malformed"),
     ],
 )
 def test_a_bad_model_is_refused_in_one_sentence(change: dict[str, object], complaint: str) -> None:
     data = {**preset("pes").to_dict(), **change}
     with pytest.raises(UserError, match=complaint):
         model_from_dict(data, CATALOGUE, "model.json")
+
+
+@pytest.mark.parametrize(
+    ("name", "parameters", "told"),
+    [
+        ("stress_relaxation", {"fraction": 2}, "StressRelaxation.fraction must be a number from 0 to 0.9, got 2"),
+        ("stress_relaxation", {"tau_s": "long"}, "StressRelaxation.tau_s must be a number from .* s, got 'long'"),
+        ("stress_relaxation", {"share": 0.2}, "StressRelaxation has no parameter share; it has fraction, tau_s"),
+        (
+            "stress_relaxation_prony",
+            {"fractions": (0, 3)},
+            r"fractions must be numbers from -1 to 1, got \(0.0, 3.0\)",
+        ),
+    ],
+)
+def test_a_parameter_that_cannot_be_is_refused_in_one_sentence(name: str, parameters: dict, told: str) -> None:
+    with pytest.raises(UserError, match=told):
+        CATALOGUE[name](**parameters)
+    with pytest.raises(UserError, match=told):
+        CATALOGUE[name]().replaced(**parameters)
+
+
+def test_a_model_is_a_frame_of_all_its_numbers() -> None:
+    model = KnitModel.of(CATALOGUE["elasticity"](stiffness_N=7), CATALOGUE["stress_relaxation_prony"]())
+    frame = model.to_frame()
+    assert tuple(frame.loc["elasticity.stiffness_N"]) == (7.0, "N")
+    assert tuple(frame.loc["stress_relaxation_prony.fractions[6]"]) == (0.0, "1")
+    assert len(frame) == 10
+    assert repr(model) == "<KnitModel elasticity + stress_relaxation_prony>"
 
 
 @pytest.mark.parametrize("name", ["pes", "lycra"])

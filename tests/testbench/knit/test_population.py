@@ -49,7 +49,7 @@ def test_a_wrong_number_is_named(name, words):
 
 
 def test_a_data_set_may_name_specimens(tmp_path):
-    from testbench.campaigns.dataset import tasks_of
+    from testbench.campaigns.dataset_tasks import tasks_of
 
     spec = DatasetSpec(
         sensors=("pes", "pes@1"), seeds=(1,), trajectory={"preset": "paper-1", "seeds": (1,), "duration_s": 30.0}

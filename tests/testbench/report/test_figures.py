@@ -28,6 +28,7 @@ from testbench.report import (
 from testbench.report.downsample import rows_to_draw, thinned, window
 from testbench.report.static import draw
 from testbench.report.style import Figure
+from testbench.report.thumbnail import thumbnail
 
 
 def residual_and_contribution():
@@ -155,7 +156,7 @@ def test_the_window_to_look_at_is_where_the_first_model_is_worst() -> None:
 
 
 def test_thumbnail_is_one_small_svg() -> None:
-    picture = recording_figures.thumbnail(samples.recording())
+    picture = thumbnail(samples.recording())
     assert picture.startswith("<svg")
     assert picture.count("<polyline") == 2
     assert "<path" in picture

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 import tests.testbench.report.samples as samples
 from testbench.comparing.numbers import allowed, plain, span, with_error
 from testbench.knit.catalogue import baseline
-from testbench.report.parameters import parameter_table
+from testbench.report.parameter_table import parameter_table
 from testbench.report.worst_places import beyond_noise, busiest, spots
 
 

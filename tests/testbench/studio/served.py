@@ -90,3 +90,14 @@ def _wait_for(port: int, process: subprocess.Popen) -> None:
                 return
         time.sleep(0.1)
     raise AssertionError("the studio did not start within 30 min")
+
+
+def opened_report(page):
+    """The report that the ladder's page makes, in a tab of its own, once its pictures are drawn."""
+    page.get_by_role("button", name="Report").click()
+    link = page.get_by_role("link", name="Open the report")
+    link.wait_for()
+    with page.context.expect_page() as opened:
+        link.click()
+    opened.value.wait_for_selector(".plot[data-drawn] .main-svg")
+    return opened.value

@@ -28,7 +28,7 @@ from tests.testbench.studio.browsing import (
     standing,
 )
 from tests.testbench.studio.seeing import nameless, unreadable
-from tests.testbench.studio.served import Served
+from tests.testbench.studio.served import Served, opened_report
 
 pytestmark = IN_CHROMIUM
 __all__ = ["browser", "finished", "full", "page", "running", "standing"]  # pytest finds its fixtures by name
@@ -175,13 +175,7 @@ def test_the_parameter_table_stands_on_compare_and_ladder(standing: Served, page
 
 def test_the_report_has_a_link_and_the_diagnosis_that_led_to_it(full: Served, page) -> None:
     page.goto(f"{full.address}/ladder?c=knit")
-    page.get_by_role("button", name="Report").click()
-    link = page.get_by_role("link", name="Open the report")
-    link.wait_for()
-    with page.context.expect_page() as opened:
-        link.click()
-    report = opened.value
-    report.wait_for_selector(".plot[data-drawn] .main-svg")
+    report = opened_report(page)
     assert "What is missing" in report.inner_text("main")
     assert "SHA-256" in report.inner_text("main")
     page.reload()

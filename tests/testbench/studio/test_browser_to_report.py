@@ -18,7 +18,7 @@ from testbench.knit.catalogue import baseline, load_catalogue
 from testbench.recordings.files import read_recording
 from tests.testbench.importing import exports
 from tests.testbench.studio.browsing import IN_CHROMIUM, SHOTS, browser, choose, page, running, shot
-from tests.testbench.studio.served import Served
+from tests.testbench.studio.served import Served, opened_report
 
 pytestmark = IN_CHROMIUM
 __all__ = ["browser", "page", "running"]  # pytest finds its fixtures by name
@@ -69,13 +69,7 @@ def test_from_a_file_to_verdict_and_report(
     page.locator(".verdict").wait_for(timeout=900_000)
     steps.end("verdict")
     page.get_by_role("link", name="Error ladder").click()
-    page.get_by_role("button", name="Report").click()
-    link = page.get_by_role("link", name="Open the report")
-    link.wait_for()
-    with page.context.expect_page() as opened:
-        link.click()
-    report = opened.value
-    report.wait_for_selector(".plot[data-drawn] .main-svg")
+    report = opened_report(page)
     steps.end("report")
     shot(report, f"report-{export.__name__}")
     assert "What is missing" in report.inner_text("main")

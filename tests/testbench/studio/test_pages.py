@@ -347,7 +347,7 @@ async def test_zooms_along_time_are_understood_and_others_left() -> None:
 
 async def test_the_choices_of_a_plan_are_in_its_address(user: User) -> None:
     await user.open("/plan?motion=fast&seed=7&gauge=40&minutes=2.5&speed=3")
-    fields = {field.props["label"]: field.value for field in user.find(kind=ui.number).elements}
+    fields = numbers(user)
     assert fields == {
         "Seed": 7,
         "Gauge length / mm": 40,
@@ -367,7 +367,7 @@ async def test_the_choices_of_a_plan_are_in_its_address(user: User) -> None:
 async def test_the_limits_of_an_experiment_are_in_its_address(user: User, fitted: Studio) -> None:
     with_diagnosis(fitted)
     await user.open("/experiment?c=sleeve&strain=12&minutes=3")
-    fields = {field.props["label"]: field.value for field in user.find(kind=ui.number).elements}
+    fields = numbers(user)
     assert fields["Largest strain / %"] == 12
     assert fields["Duration / min"] == 3
     assert fields["Speed up to / mm/s"] == 10
@@ -382,9 +382,7 @@ async def test_a_file_that_an_address_names_is_read_as_it_was_chosen(user: User,
     chosen = {box.props.get("aria-label") or box.props.get("label"): box.value for box in _selects(user)}
     assert chosen["Column of force"] == "3"
     assert chosen["Unit of force"] == "kN"
-    assert {field.props["label"]: field.value for field in user.find(kind=ui.number).elements}[
-        "Gauge length / mm"
-    ] == 40
+    assert numbers(user)["Gauge length / mm"] == 40
     await user.open(address("/import", file=str(path), chosen='{"negate":["overwrite"]}'))
     await user.should_see("which the import does not know", retries=50)
 
@@ -403,6 +401,11 @@ async def test_clocks_that_cannot_be_told_apart_lead_to_where_they_are_chosen(us
     path.write_text("t_R [s],R [kOhm],t_a [s],Force [N]\n" + "".join(f"{n},40,{n},1.5\n" for n in range(60)))
     await user.open(address("/import", file=str(path)))
     await user.should_see("a clock of its own, see “Other quantities, and several clocks”", retries=100)
+
+
+def numbers(user: User) -> dict[str, float | None]:
+    """What stands in every field for a number, by its label."""
+    return {field.props["label"]: field.value for field in user.find(kind=ui.number).elements}
 
 
 def _selects(user: User) -> set[ui.select]:

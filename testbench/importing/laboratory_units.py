@@ -98,7 +98,7 @@ _TABLE: dict[str, tuple[tuple[str, float, float, str, str], ...]] = {
 }
 
 
-def _plain(text: str) -> str:
+def plain_text(text: str) -> str:
     """One spelling for signs that have several: full-width brackets, the two omegas, deltas and mus, ℃, R₀.
 
     Signs that mean something by their height (the ² of mm²) stay as they are.
@@ -113,10 +113,10 @@ def _spelt() -> tuple[dict[str, list[Unit]], dict[str, list[Unit]]]:
     for quantity, rows in _TABLE.items():
         for symbol, factor, offset, letters, any_case in rows:
             unit = Unit(quantity, symbol, factor, offset)
-            for word in dict.fromkeys([_plain(symbol), *(_plain(word) for word in letters.split())]):
+            for word in dict.fromkeys([plain_text(symbol), *(plain_text(word) for word in letters.split())]):
                 exact.setdefault(word, []).append(unit)
             for word in any_case.split():
-                loose.setdefault(_plain(word).casefold(), []).append(unit)
+                loose.setdefault(plain_text(word).casefold(), []).append(unit)
     return exact, loose
 
 
@@ -130,7 +130,7 @@ _IN = re.compile(r"^in\s+(?=\S)")
 
 def units_spelt(text: str) -> list[Unit]:
     """Every unit that `text` may be, at most one a quantity; empty when it is none."""
-    word = _IN.sub("", _plain(text).strip("[](){}<>").strip().removesuffix("."))
+    word = _IN.sub("", plain_text(text).strip("[](){}<>").strip().removesuffix("."))
     word = _PREFIX.sub(r"\1", word)
     found = {unit.quantity: unit for unit in _LOOSE.get(word.casefold(), [])}
     found |= {unit.quantity: unit for unit in _EXACT.get(word, [])}
@@ -160,11 +160,6 @@ def given_unit(option: str, text: str, quantities: tuple[str, ...]) -> Unit:
     if unit is None:
         raise UserError(f"{option} must be one of {', '.join(symbols(quantities))}, got {text!r}")
     return unit
-
-
-def plain_text(text: str) -> str:
-    """`text` with one spelling for signs that have several, for comparing names and units."""
-    return _plain(text)
 
 
 def number_in_words(value: float) -> str:

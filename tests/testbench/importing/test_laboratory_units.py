@@ -8,9 +8,9 @@ import pytest
 
 from gcode.support.errors import UserError
 from testbench.importing.headings import read_heading
+from testbench.importing.laboratory_units import conversion, given_unit, number_in_words, unit_of, units_spelt
 from testbench.importing.notation import decimal_sign, seconds
 from testbench.importing.roles import ROLES
-from testbench.importing.units import conversion, given_unit, number_in_words, unit_of, units_spelt
 
 EVERY = tuple(dict.fromkeys(quantity for quantities in ROLES.values() for quantity in quantities))
 ONES = [
