@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import solve_toeplitz
 from scipy.ndimage import convolve1d
-from scipy.signal import lfilter
 
 from testbench.knit.effect import FloatArray
 
-AR_ORDER = 3
 MAD_TO_SD = 1.4826
 OUTLIER = 10.0
 FEWEST = 50  # values that say how large the noise is
@@ -123,18 +120,3 @@ def even_step(values: FloatArray) -> float:
     step = float(apart.min())
     near = apart[apart < MOST_STEPS * step] / step
     return step if np.all(np.abs(near - np.round(near)) < 0.05) else 0.0
-
-
-def autoregression(residual: FloatArray, order: int = AR_ORDER) -> FloatArray:
-    """Coefficients of a whitening filter: 1, -a1, ..., -ap (Yule-Walker, Brockwell & Davis 1991, ch. 8.1)."""
-    x = residual - residual.mean()
-    lags = np.array([np.dot(x[: len(x) - k], x[k:]) for k in range(order + 1)])
-    if lags[0] <= 0:
-        return np.r_[1.0, np.zeros(order)]
-    lags[0] *= 1 + 1e-9
-    return np.r_[1.0, -solve_toeplitz(lags[:-1], lags[1:])]
-
-
-def whitened(columns: FloatArray, coefficients: FloatArray) -> FloatArray:
-    """Apply a whitening filter along the last axis."""
-    return lfilter(coefficients, [1.0], columns, axis=-1)

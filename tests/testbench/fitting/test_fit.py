@@ -8,7 +8,7 @@ import pytest
 from testbench.fitting.baseline import starting_baseline, with_shapes
 from testbench.fitting.fit import fit, independent_share, shape_scales
 from testbench.fitting.measurement import prepare
-from testbench.fitting.noise import autoregression, noise_floor, robust_sd, whitened
+from testbench.fitting.noise import noise_floor, robust_sd
 from testbench.fitting.parameters import free_parameters, values_of, with_values
 from testbench.fitting.sensitivity import sensitivities
 from testbench.knit.cache import SimulationCache
@@ -126,19 +126,6 @@ def test_a_hum_is_no_part_of_the_noise_floor(hum_hz):
 def test_noise_floor_of_a_coarse_converter_is_a_share_of_its_step():
     values = np.round(np.sin(np.arange(5000) / 500) / 0.1) * 0.1
     assert noise_floor(values) == pytest.approx(0.1 / np.sqrt(12))
-
-
-def test_whitening_makes_coloured_noise_white_and_leaves_white_noise():
-    rng = np.random.default_rng(0)
-    white = rng.standard_normal(50_000)
-    coloured = np.zeros_like(white)
-    for i in range(1, len(white)):
-        coloured[i] = 0.9 * coloured[i - 1] + white[i]
-    for noise in (white, coloured):
-        flat = whitened(noise, autoregression(noise))[10:]
-        assert abs(np.corrcoef(flat[1:], flat[:-1])[0, 1]) < 0.02
-        assert np.std(flat) == pytest.approx(1.0, rel=0.03)
-    assert autoregression(np.zeros(100)).tolist() == [1, 0, 0, 0]
 
 
 def test_robust_sd_ignores_outliers():
