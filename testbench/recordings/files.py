@@ -42,7 +42,7 @@ def read_recording(path: str | Path, gauge_length_mm: float | None = None) -> Re
     path : path
         A ``recording.csv`` or a folder with a ``datapackage.json``.
     gauge_length_mm : float, optional
-        Needed for a bare CSV; a campaign knows its own.
+        Needed for a bare CSV. A campaign knows its own, which is used; that another was given is said.
 
     Raises
     ------
@@ -65,7 +65,14 @@ def read_recording(path: str | Path, gauge_length_mm: float | None = None) -> Re
 def _load_campaign(folder: Path, gauge_length_mm: float | None) -> Recording:
     path, campaign = verified(folder)
     columns = read_columns(path, growing=campaign.in_progress)
-    return _recording(path, columns, gauge_length_mm or campaign.gauge_length_mm, asdict(campaign))
+    own_mm = campaign.gauge_length_mm
+    if np.isnan(own_mm):
+        own_mm = gauge_length_mm or own_mm
+    elif gauge_length_mm and gauge_length_mm != own_mm:
+        say_once(
+            f"{folder}: its manifest says a gauge length of {own_mm:g} mm, which is used, not {gauge_length_mm:g} mm"
+        )
+    return _recording(path, columns, own_mm, asdict(campaign))
 
 
 def verified(folder: Path) -> tuple[Path, Campaign]:
