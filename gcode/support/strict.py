@@ -13,7 +13,7 @@ import os
 import re
 import stat
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -53,18 +53,24 @@ def read_bytes(path: str | Path, what: str = "file", at_most: int = MOST_BYTES) 
     UserError
         If it is missing, cannot be read, is larger, or is a folder, a pipe or a device: those may never end.
     """
-    handle = open_plain(path, what)
-    parts, size = [], 0
-    with os.fdopen(handle, "rb", buffering=0) as stream:
+    return b"".join(blocks_of(path, what, at_most))
+
+
+def blocks_of(path: str | Path, what: str = "file", at_most: int | None = None) -> Iterator[bytes]:
+    """The bytes of a plain file in blocks, as many as it says that it has; see `read_bytes`.
+
+    What has no size is empty, or is made up while it is read, as the kernel's log is: a read of that never ends.
+    """
+    with os.fdopen(open_plain(path, what), "rb", buffering=0) as stream:
+        left = os.fstat(stream.fileno()).st_size
+        if at_most is not None and left > at_most:
+            raise UserError(f"{path}: not a {what}: it is larger than {_in_words(at_most)}")
         try:
-            while part := stream.read(_BLOCK):
-                parts.append(part)
-                size += len(part)
-                if size > at_most:
-                    raise UserError(f"{path}: not a {what}: it is larger than {_in_words(at_most)}")
+            while left > 0 and (block := stream.read(min(left, _BLOCK))):
+                left -= len(block)
+                yield block
         except OSError as error:
             raise UserError(f"{path}: cannot read this {what}: {error.strerror or error}") from error
-    return b"".join(parts)
 
 
 def open_plain(path: str | Path, what: str = "file") -> int:
@@ -81,7 +87,7 @@ def open_plain(path: str | Path, what: str = "file") -> int:
 
 
 def check_plain(path: str | Path, what: str = "file", at_most: int = MOST_BYTES) -> int:
-    """The size of a plain file that others will read; see `read_bytes` for what is refused."""
+    """The size of a plain file that others will read; see `read_bytes` for what is refused. What is empty is, too."""
     handle = open_plain(path, what)
     try:
         size = os.fstat(handle).st_size
@@ -89,6 +95,8 @@ def check_plain(path: str | Path, what: str = "file", at_most: int = MOST_BYTES)
         os.close(handle)
     if size > at_most:
         raise UserError(f"{path}: not a {what}: it is larger than {_in_words(at_most)}")
+    if size == 0:
+        raise UserError(f"{path}: not a {what}: the file is empty")
     return size
 
 
