@@ -54,6 +54,7 @@ def read_recording(path: str | Path, gauge_length_mm: float | None = None) -> Re
         return _load_campaign(path, gauge_length_mm)
     if not path.exists():
         raise UserError(f"{path}: no such recording; give a CSV or a campaign folder")
+    check_beside(path)
     columns = read_columns(path)
     if gauge_length_mm is None and DISPLACEMENT in columns:
         raise UserError(
@@ -94,6 +95,25 @@ def verified(folder: Path) -> tuple[Path, Campaign]:
     else:
         say_once(f"{folder}: this recording is unfinished, so it has no checksum yet and is read unverified")
     return path, campaign
+
+
+def check_beside(path: Path) -> None:
+    """Hold a file in the folder of a campaign against the manifest there; say so where that has no checksum of it.
+
+    Raises
+    ------
+    UserError
+        If either was changed.
+    """
+    from testbench.recordings.manifest import is_campaign, read_manifest
+
+    if not is_campaign(path.parent):
+        return
+    campaign, resources = read_manifest(path.parent)
+    if campaign.in_progress or path.name not in {resource.path for resource in resources}:
+        say_once(f"{path}: the manifest beside it has no checksum of it, so it is read unverified")
+    else:
+        _verify(path.parent, path, resources)
 
 
 def _verify(folder: Path, path: Path, resources: Sequence[Resource]) -> None:
