@@ -27,6 +27,7 @@ DEEPEST = 64
 LARGEST_WHOLE = 1 << 64
 MOST_VALUES = 5_000_000  # 3 bytes of JSON, "[],", take 80 of memory
 _BLOCK = 1 << 20
+_STEERS = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff]")  # a terminal, or no text at all
 
 Loaded = TypeVar("Loaded", bound=BaseModel)
 
@@ -171,7 +172,7 @@ def validated(data: Any, kind: type[Loaded], source: str | Path, what: str = "fi
 
 
 def check_bounds(data: Any, finite: bool = True) -> None:
-    """Refuse what is too deep, and numbers that are infinite, no number, or beyond 64 bits.
+    """Refuse what is too deep, numbers that are infinite, no number, or beyond 64 bits, and text that is none.
 
     Raises
     ------
@@ -184,6 +185,7 @@ def check_bounds(data: Any, finite: bool = True) -> None:
         below: list[Any] = []
         for value in level:
             if isinstance(value, dict):
+                below.extend(value)
                 below.extend(value.values())
             elif isinstance(value, list):
                 below.extend(value)
@@ -191,6 +193,8 @@ def check_bounds(data: Any, finite: bool = True) -> None:
                 raise ValueError("it holds a number that is not finite")
             elif isinstance(value, int) and abs(value) >= LARGEST_WHOLE:
                 raise ValueError("it holds a whole number of more than 64 bits")
+            elif isinstance(value, str) and not value.isprintable() and _STEERS.search(value):
+                raise ValueError("it holds a control character, or half of a character")
         level, depth = below, depth + 1
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from gcode.support.errors import UserError
 from gcode.support.files import sha256_of
-from gcode.support.strict import check_plain, read_bytes
+from gcode.support.strict import check_plain, json_of, read_bytes
 
 MADE_UP = "/proc/self/status"  # a regular file of size 0 that says something; /proc/kmsg is one that never ends
 
@@ -30,3 +30,15 @@ def test_a_file_is_read_to_its_end_and_no_larger_one(tmp_path):
     assert sha256_of(path) == hashlib.sha256(data).hexdigest()
     with pytest.raises(UserError, match="larger than"):
         read_bytes(path, at_most=len(data) - 1)
+
+
+@pytest.mark.parametrize(
+    "text", ['"\\u001b[31m"', '["\\u0000"]', '{"a": {"\\u009b": 1}}', '{"a": "\\ud800"}', '"\\u007f"']
+)
+def test_text_that_steers_a_terminal_or_is_no_text_is_refused(text):
+    with pytest.raises(UserError, match="a control character, or half of a character"):
+        json_of(text)
+
+
+def test_what_people_write_is_text():
+    assert json_of('"a line\\nand another\\tΩ \\ud83d\\ude00"') == "a line\nand another\tΩ \U0001f600"
