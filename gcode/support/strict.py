@@ -29,7 +29,7 @@ MOST_VALUES = 5_000_000  # 3 bytes of JSON, "[],", take 80 of memory
 _BLOCK = 1 << 20
 _STEERS = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff]")  # a terminal, or no text at all
 
-Loaded = TypeVar("Loaded", bound=BaseModel)
+Loaded = TypeVar("Loaded")
 
 
 class StrictModel(BaseModel):
@@ -162,7 +162,7 @@ def load(path: str | Path, kind: type[Loaded], what: str = "file", at_most: int 
 
 
 def validated(data: Any, kind: type[Loaded], source: str | Path, what: str = "file") -> Loaded:
-    """Plain data as an instance of the model `kind`; see `load`."""
+    """Plain data as an instance of the model `kind`, or of any type that pydantic knows; see `load`."""
     try:
         return TypeAdapter(kind).validate_python(data)
     except UserError:
