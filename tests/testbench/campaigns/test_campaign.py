@@ -146,8 +146,24 @@ def test_other_peoples_folders_are_never_overwritten(campaign, tmp_path):
         vacant(tmp_path / "photos", overwrite=True)
     with pytest.raises(UserError, match="--overwrite"):
         vacant(campaign)
+    with pytest.raises(UserError, match="a campaign that was simulated, which is not overwritten"):
+        vacant(campaign, overwrite=True, origin="imported")
     vacant(campaign, overwrite=True)
     assert not campaign.exists()
+
+
+def test_a_measured_campaign_is_not_overwritten_by_a_simulated_one(tmp_path, capsys):
+    """A data set clears a folder for each campaign that it makes, and asks nobody."""
+    write_import_of(tmp_path / "c")
+    with pytest.raises(UserError, match="a campaign that was imported, which is not overwritten"):
+        vacant(tmp_path / "c", overwrite=True)
+    assert (tmp_path / "c" / "recording.csv").is_file()
+
+
+def write_import_of(folder):
+    csv = folder.with_suffix(".csv")
+    csv.write_text("time_s,displacement_mm,force_N\n0,0,0\n1,1,2\n2,0,0\n")
+    assert cli.main(["import", str(csv), "--gauge-length-mm", "25", "-o", str(folder)]) == 0
 
 
 @pytest.mark.parametrize(
