@@ -55,7 +55,6 @@ ALLOWED: dict[tuple[str, str], tuple[int, str]] = {
     ("gcode/support/console.py", "os.open"): (1, WRITES),
     ("gcode/support/disk.py", "os.open"): (3, WRITES),
     ("gcode/support/files.py", ".open"): (1, "a file that was just written, to be synced"),
-    ("gcode/support/files.py", "os.fdopen"): (1, "hashes what strict.open_plain opened"),
     ("gcode/support/strict.py", "json.loads"): (1, ITSELF),
     ("gcode/support/strict.py", "os.fdopen"): (1, ITSELF),
     ("gcode/support/strict.py", "os.open"): (1, ITSELF),

@@ -23,7 +23,7 @@ from compensation.series.preprocessing import Series
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
 from testbench.recordings.csv_columns import read_frame
-from testbench.recordings.files import verified
+from testbench.recordings.files import check_beside, verified
 
 # Standard deviations of the training: a sensor that was just put down still relaxes, one in use moves by about 1.
 MOST_WANDER = 0.5
@@ -152,6 +152,8 @@ def read_samples(path: str | Path) -> tuple[FloatArray, FloatArray]:
     if place.is_dir():
         place, campaign = verified(place)
         growing = campaign.in_progress
+    else:
+        check_beside(place)
     frame = read_frame(place, growing)
     for name in ("time_s", "resistance_ohm"):
         if name not in frame:

@@ -11,7 +11,7 @@ import numpy as np
 from gcode.support.errors import UserError
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TIME
 from testbench.recordings.csv_columns import read_columns
-from testbench.recordings.files import read_recording
+from testbench.recordings.files import check_beside, read_recording
 from testbench.recordings.recording import Recording
 
 UNKNOWN_LENGTH_MM = 1.0
@@ -39,6 +39,7 @@ def read_signals(path: str | Path, gauge_length_mm: float | None = None) -> Reco
     path = Path(path)
     if not path.is_file():
         return read_recording(path, gauge_length_mm)
+    check_beside(path)
     columns = read_columns(path)
     length_mm = gauge_length_mm or UNKNOWN_LENGTH_MM
     if RESISTANCE not in columns:

@@ -15,12 +15,16 @@ from gcode.mach4.program import Problem
 
 MAX_RATE_HZ = 10_000.0
 MODES = ("G20 or G21", "G90 or G91", "G93 or G94")
+PLACE = "a first place, X under G90,"
 LARGEST = 1e9  # of any number in a program
+NO_FEED = "no F is in force"
+BESIDE = "stands beside G20 or G21 and is taken in the unit before; say it again below"
 _INCH = 25.4
 _MODAL_GROUPS = ({0.0, 1.0, 4.0}, {20.0, 21.0}, {90.0, 91.0}, {93.0, 94.0}, {61.0, 64.0})
 _OFFSETS = {54.0, 55.0, 56.0, 57.0, 58.0, 59.0}
 _IGNORED_G = {17.0, 40.0, 49.0}
-_IGNORED_M = {3.0, 4.0, 5.0, 7.0, 8.0, 9.0, 48.0, 49.0}
+_IGNORED_M = {5.0, 9.0, 48.0, 49.0}
+_STARTS_M = {3.0: "the spindle", 4.0: "the spindle", 7.0: "the coolant", 8.0: "the coolant"}
 _WAITS_M = {0.0, 1.0}
 _END_M = {2.0, 30.0}
 
@@ -56,10 +60,11 @@ class State:
     exact_stop: bool = False
     unit: float = 1.0
     fed_unit: float | None = None  # the unit that the feed is in
+    no_feed: str = NO_FEED
     x: float = 0.0
     offset: float | None = None
     said: set[str] = field(default_factory=set)
-    unsaid: tuple[str, ...] = ()
+    unsaid: tuple[str, ...] | None = None  # None: nothing has moved yet
     begun: bool = False
     ended: bool = False
     rows: Rows = field(default_factory=Rows)
@@ -83,16 +88,18 @@ def block(state: State, number: int, words: list[tuple[str, float]]) -> None:
             return refuse(problem)
     if ("G", 4.0) not in words and "P" in values and ("G", 64.0) not in words:
         return refuse("P stands without the G4 that it belongs to")
+    if values.get("F", 1.0) <= 0:
+        refuse(f"feed F{values['F']:g} is not above 0; the axis would never arrive")
     _unit(state, number, words, values)
-    if "F" in values:
-        state.feed = values["F"]
-        if values["F"] <= 0:
-            refuse(f"feed F{values['F']:g} is not above 0; the axis would never arrive")
+    state.feed = values.get("F", state.feed)
     if ("G", 4.0) in words:
-        return _dwell(state, number, values)
-    if "X" in values:
+        _dwell(state, number, values)
+    elif "X" in values:
         x = values["X"] * state.unit
         move(state, number, state.x + x if state.incremental else x, "F" in values, 1)
+    # An interpreter moves first and waits then, whatever their order in the line.
+    if state.rows and (waits := [value for letter, value in words if letter == "M" and value in _WAITS_M]):
+        refuse(f"M{waits[0]:g} waits for somebody in mid-program, for a time that the file does not say")
     return None
 
 
@@ -100,14 +107,13 @@ def _unit(state: State, number: int, words: list[tuple[str, float]], values: dic
     """A change of the unit, or its first mention, ends the feed in force.
 
     An interpreter takes F before G20 and G21, whatever their order in the line, and keeps the feed in mm or in inches
-    per minute afterwards, as it likes: 25 times too fast.
+    per minute afterwards, as it likes: 25 times too fast. So F beside them counts for nothing: a move that relies on
+    it is refused.
     """
-    changed = [value for letter, value in words if letter == "G" and value in (20.0, 21.0)]
-    if not changed or state.unit == state.fed_unit:
-        return
-    state.fed_unit, state.feed = state.unit, None
-    if "F" in values:
-        refuser(state, number)(f"F in the line of G{changed[0]:g} is taken in the unit before; say it below")
+    changed = any(letter == "G" and value in (20.0, 21.0) for letter, value in words)
+    if changed and state.unit != state.fed_unit:
+        state.fed_unit, state.feed = state.unit, None
+        state.no_feed = f"F of line {number} {BESIDE}" if values.pop("F", None) else NO_FEED
 
 
 def _clash(words: list[tuple[str, float]]) -> str | None:
@@ -170,10 +176,9 @@ def _offset(state: State, code: float) -> str | None:
 def _m(state: State, code: float) -> str | None:
     if code in _END_M:
         state.ended = True
-    elif code in _WAITS_M:
-        if state.rows:
-            return f"M{code:g} waits for somebody in mid-program, for a time that the file does not say"
-    elif code not in _IGNORED_M:
+    elif code in _STARTS_M:
+        return f"M{code:g} starts {_STARTS_M[code]}, and nothing but the axis may move here; take it out"
+    elif code not in _IGNORED_M | _WAITS_M:
         return f"M{code:g} is not understood"
     return None
 
@@ -211,11 +216,12 @@ def move(state: State, number: int, x: float, own_feed: bool, steps: int) -> Non
         feed = length * (state.feed or 0.0) / 60.0
     else:
         if state.feed is None:
-            refuse("a move without a feed: no F is in force")
+            refuse(f"a move without a feed: {state.no_feed}")
         feed = (state.feed or 0.0) * state.unit / 60.0
     if length == 0 and state.rows:
         refuse(f"the move to X{x:g} has no length; some controllers stop at it")
-    if not state.rows:
-        state.unsaid = tuple(mode for mode in MODES if mode not in state.said)
+    if state.unsaid is None:
+        place = (PLACE,) if state.incremental else ()
+        state.unsaid = (*(mode for mode in MODES if mode not in state.said), *place)
     state.x = x
     state.rows.add(number, x, feed, 0.0, steps, state.exact_stop)

@@ -26,6 +26,7 @@ _OWN_MOVE = re.compile(r"G1 X(-?\d{1,6}\.\d{1,9}) F(\d{1,9}\.\d{1,9})(?: \(STEPS
 _COMMENT = re.compile(r"\(([^()]*)\)")
 _WORD = re.compile(r"\s*([A-Z])\s*([+-]?(?:\d+\.?\d*|\.\d+))(?![\d.])", re.ASCII)
 _KEY = re.compile(r"([A-Z0-9_.]+): (.*)")
+_ACTED_ON = re.compile(r"(?:LOG|LOGOPEN|LOGAPPEND|PY),|LOGCLOSE|PROBEOPEN|PROBECLOSE")  # LinuxCNC; MSG only shows
 _WHOLE_DWELL = re.compile(r"G0*4(?![\d.]).*P\s*(\d{3,})(?![\d.])", re.ASCII)
 _PRINTED = re.compile(r"[\t -~]*")
 
@@ -94,7 +95,7 @@ def _program(state: State) -> Program:
         exact_stop=np.array(rows.stop, dtype=bool),
         header=state.header,
         problems=state.problems,
-        unsaid=state.unsaid,
+        unsaid=state.unsaid or (),
     )
 
 
@@ -128,6 +129,9 @@ def _comments(state: State, number: int, line: str) -> None:
             )
         if not state.rows and (match := _KEY.fullmatch(comment.strip().upper())):
             state.header[match[1].lower()] = match[2].lower()
+    for comment in (*_COMMENT.findall(line), *line.split(";")[1:]):
+        if match := _ACTED_ON.match("".join(comment.split()).upper()):
+            refuser(state, number)(f"the comment {match[0].strip(',')} writes files or runs code on some controllers")
 
 
 def _percent(state: State, number: int) -> None:

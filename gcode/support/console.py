@@ -19,6 +19,9 @@ from typing import NoReturn
 
 from gcode.support.errors import UserError, first_problem
 
+# The folder that a command is started in may be a stranger's. Python looks for modules there in each process that we
+# start (workers, the studio's jobs); numba obeys a .numba_config.yaml there, and unpickles the cache that it names.
+KEPT_OUT = {"PYTHONSAFEPATH": "1", "NUMBA_CACHE_DIR": "", "NUMBA_CACHE_LOCATOR_CLASSES": ""}
 EXIT_BAD_INPUT = 2
 EXIT_INTERRUPTED = 130
 
@@ -57,6 +60,8 @@ def build_parser(prog: str, description: str, package: str, commands: Sequence[s
 
 def main(prog: str, description: str, package: str, commands: Sequence[str], argv: Sequence[str] | None) -> int:
     """Run one sub-command; bad input becomes one sentence on stderr and exit code 2."""
+    for name, value in KEPT_OUT.items():
+        os.environ.setdefault(name, value)
     words = list(sys.argv[1:] if argv is None else argv)
     # Only the called sub-command is imported; --help needs them all.
     chosen = [words[0]] if words and words[0] in commands else list(commands)

@@ -195,7 +195,9 @@ def make_folder(path: str | Path) -> Path:
 
 def sha256_of(path: str | Path) -> str:
     """Hex digest of a plain file's bytes; what is no plain file is a `UserError`."""
-    from gcode.support.strict import open_plain
+    from gcode.support.strict import blocks_of
 
-    with os.fdopen(open_plain(path), "rb") as stream:
-        return hashlib.file_digest(stream, "sha256").hexdigest()
+    digest = hashlib.sha256()
+    for block in blocks_of(path):
+        digest.update(block)
+    return digest.hexdigest()

@@ -13,7 +13,7 @@ import os
 import re
 import stat
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -27,8 +27,9 @@ DEEPEST = 64
 LARGEST_WHOLE = 1 << 64
 MOST_VALUES = 5_000_000  # 3 bytes of JSON, "[],", take 80 of memory
 _BLOCK = 1 << 20
+_STEERS = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff]")  # a terminal, or no text at all
 
-Loaded = TypeVar("Loaded", bound=BaseModel)
+Loaded = TypeVar("Loaded")
 
 
 class StrictModel(BaseModel):
@@ -53,18 +54,24 @@ def read_bytes(path: str | Path, what: str = "file", at_most: int = MOST_BYTES) 
     UserError
         If it is missing, cannot be read, is larger, or is a folder, a pipe or a device: those may never end.
     """
-    handle = open_plain(path, what)
-    parts, size = [], 0
-    with os.fdopen(handle, "rb", buffering=0) as stream:
+    return b"".join(blocks_of(path, what, at_most))
+
+
+def blocks_of(path: str | Path, what: str = "file", at_most: int | None = None) -> Iterator[bytes]:
+    """The bytes of a plain file in blocks, as many as it says that it has; see `read_bytes`.
+
+    What has no size is empty, or is made up while it is read, as the kernel's log is: a read of that never ends.
+    """
+    with os.fdopen(open_plain(path, what), "rb", buffering=0) as stream:
+        left = os.fstat(stream.fileno()).st_size
+        if at_most is not None and left > at_most:
+            raise UserError(f"{path}: not a {what}: it is larger than {_in_words(at_most)}")
         try:
-            while part := stream.read(_BLOCK):
-                parts.append(part)
-                size += len(part)
-                if size > at_most:
-                    raise UserError(f"{path}: not a {what}: it is larger than {_in_words(at_most)}")
+            while left > 0 and (block := stream.read(min(left, _BLOCK))):
+                left -= len(block)
+                yield block
         except OSError as error:
             raise UserError(f"{path}: cannot read this {what}: {error.strerror or error}") from error
-    return b"".join(parts)
 
 
 def open_plain(path: str | Path, what: str = "file") -> int:
@@ -81,7 +88,7 @@ def open_plain(path: str | Path, what: str = "file") -> int:
 
 
 def check_plain(path: str | Path, what: str = "file", at_most: int = MOST_BYTES) -> int:
-    """The size of a plain file that others will read; see `read_bytes` for what is refused."""
+    """The size of a plain file that others will read; see `read_bytes` for what is refused. What is empty is, too."""
     handle = open_plain(path, what)
     try:
         size = os.fstat(handle).st_size
@@ -89,6 +96,8 @@ def check_plain(path: str | Path, what: str = "file", at_most: int = MOST_BYTES)
         os.close(handle)
     if size > at_most:
         raise UserError(f"{path}: not a {what}: it is larger than {_in_words(at_most)}")
+    if size == 0:
+        raise UserError(f"{path}: not a {what}: the file is empty")
     return size
 
 
@@ -153,7 +162,7 @@ def load(path: str | Path, kind: type[Loaded], what: str = "file", at_most: int 
 
 
 def validated(data: Any, kind: type[Loaded], source: str | Path, what: str = "file") -> Loaded:
-    """Plain data as an instance of the model `kind`; see `load`."""
+    """Plain data as an instance of the model `kind`, or of any type that pydantic knows; see `load`."""
     try:
         return TypeAdapter(kind).validate_python(data)
     except UserError:
@@ -163,7 +172,7 @@ def validated(data: Any, kind: type[Loaded], source: str | Path, what: str = "fi
 
 
 def check_bounds(data: Any, finite: bool = True) -> None:
-    """Refuse what is too deep, and numbers that are infinite, no number, or beyond 64 bits.
+    """Refuse what is too deep, numbers that are infinite, no number, or beyond 64 bits, and text that is none.
 
     Raises
     ------
@@ -176,6 +185,7 @@ def check_bounds(data: Any, finite: bool = True) -> None:
         below: list[Any] = []
         for value in level:
             if isinstance(value, dict):
+                below.extend(value)
                 below.extend(value.values())
             elif isinstance(value, list):
                 below.extend(value)
@@ -183,6 +193,8 @@ def check_bounds(data: Any, finite: bool = True) -> None:
                 raise ValueError("it holds a number that is not finite")
             elif isinstance(value, int) and abs(value) >= LARGEST_WHOLE:
                 raise ValueError("it holds a whole number of more than 64 bits")
+            elif isinstance(value, str) and not value.isprintable() and _STEERS.search(value):
+                raise ValueError("it holds a control character, or half of a character")
         level, depth = below, depth + 1
 
 

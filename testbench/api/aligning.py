@@ -74,7 +74,7 @@ class AlignmentResult:
     def write(self, folder: str | Path, overwrite: bool = False) -> Path:
         """Write the aligned recording as a campaign; `overwrite` replaces an earlier one in `folder`."""
         folder = Path(folder)
-        vacant(folder, overwrite)
+        vacant(folder, overwrite, "aligned")
         with program_file(self.program) as program:
             write_derived(folder, self.recording, "aligned", self.to_dict(), program)
         return folder

@@ -14,6 +14,7 @@ from testbench.campaigns import record as campaigns
 from testbench.campaigns.campaign import vacant
 from testbench.campaigns.following import live_compensator
 from testbench.campaigns.record import Job, job_of
+from testbench.recordings.files import check_beside
 from testbench.rig.motion import played
 from testbench.rig.ports import stated_port
 from testbench.rig.progress import as_dict, as_text
@@ -117,6 +118,7 @@ def record(
     folder, port = Path(folder), stated_port(port)
     vacant(folder)
     program = existing_file(program, "program; make one with `gcode generate`")
+    check_beside(program)
     _, gauge = played(program, gauge_length_mm)
     job = Job(port, baud, program, gauge, Limits(max_force_N, max_strain), specimen, give_up_s)
     return _recorded(job, folder, False, compensator, report, stopped)

@@ -80,7 +80,7 @@ class ImportResult:
         places = self.places(out)
         if Path(out).suffix.lower() != ".csv":
             for place in places:
-                vacant(place, overwrite)
+                vacant(place, overwrite, "imported")
         for one, place in zip(self.imported, places, strict=True):
             write_import(one, place)
         return places

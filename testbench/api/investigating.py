@@ -136,6 +136,8 @@ def investigate(
         loop.begin(folder, settings, str(port) if sensor is None else model_name(sensor))
         if hidden is not None:
             write_json(folder / SENSOR, hidden.to_dict())
+    elif link := next((path for path in folder.glob("*") if path.is_symlink()), None):
+        raise UserError(f"{link}: is a link, and nothing is written through it; copy the folder and use the copy")
     state = load_investigation(folder)
     bench = _bench(folder, port, speed, state, catalogue, own_effects)
     start = None if model is None else model_file_of(model, catalogue).model

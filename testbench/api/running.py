@@ -17,7 +17,7 @@ from testbench.api.arguments import AnyModel, catalogue_of, model_file_of, model
 from testbench.campaigns.campaign import matches, simulate_campaign, simulate_live, vacant
 from testbench.campaigns.plan import Plan, programs_before
 from testbench.knit.model import KnitModel
-from testbench.recordings.files import read_recording
+from testbench.recordings.files import check_beside, read_recording
 from testbench.recordings.instruments import Instruments
 from testbench.recordings.recording import Recording
 from testbench.rig.links import real_time as at_the_machines_pace
@@ -188,8 +188,12 @@ def run(
 
 @contextlib.contextmanager
 def program_file(program: Made | str | Path) -> Iterator[Path]:
-    """The file of a program; of one that was only generated, a file for the time of the block."""
+    """The file of a program, which a campaign's manifest vouches for if it lies in one's folder.
+
+    Of a program that was only generated, a file for the time of the block.
+    """
     if not isinstance(program, Made):
+        check_beside(Path(program))
         yield Path(program)
         return
     with TemporaryDirectory(prefix="knitbench-") as folder:

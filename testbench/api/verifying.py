@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING, Any
 from gcode.support.errors import UserError
 from gcode.support.html import card
 from testbench.campaigns.dataset_index import INDEX, index_problems
+from testbench.campaigns.parquet import PARQUET
 from testbench.campaigns.remake import made_again
 from testbench.recordings import manifest
+from testbench.recordings.doubts import say_once
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -142,6 +144,10 @@ def verify(
     (True, False)
     """
     folder, own = Path(folder), Path(effects) if effects else None
+    if (folder / PARQUET).exists():
+        say_once(
+            f"{folder / PARQUET}: not verified, these files carry no checksum; `testbench dataset` writes them anew"
+        )
     is_data_set = (folder / INDEX).is_file()
     members, unlisted = index_problems(folder) if is_data_set else ([folder], [])
     campaigns = []

@@ -158,20 +158,22 @@ def campaign_files(folder: Path) -> list[str]:
     return [name for name in names if (folder / name).exists()]
 
 
-def vacant(folder: Path, overwrite: bool = False) -> None:
-    """Make sure that `folder` may be written; remove a simulated campaign if `overwrite`.
+def vacant(folder: Path, overwrite: bool = False, origin: str = "simulated") -> None:
+    """Make sure that `folder` may be written; remove a campaign of that `origin` if `overwrite`.
 
     Raises
     ------
     UserError
-        If something else is there. A measured campaign is never removed.
+        If something else is there. A recorded campaign is never removed.
     """
     if not folder.exists() or (folder.is_dir() and not any(folder.iterdir())):
         return
     if not folder.is_dir() or not (folder / manifest.NAME).is_file():
         raise UserError(f"{folder}: exists and is not a campaign; choose another place with -o")
-    if origin_of(folder) == "recorded":
-        raise UserError(f"{folder}: holds a recorded campaign, which is never overwritten; choose another with -o")
+    if (there := origin_of(folder)) != origin:
+        raise UserError(
+            f"{folder}: holds a campaign that was {there}, which is not overwritten; choose another with -o"
+        )
     if not overwrite:
         raise UserError(f"{folder}: holds another campaign; choose another place with -o, or add --overwrite")
     shutil.rmtree(folder)

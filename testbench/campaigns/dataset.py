@@ -87,10 +87,7 @@ def write_index(out: Path, spec: Path, tasks: Sequence[Task]) -> None:
 
 
 def write_parquet(out: Path, tasks: Sequence[Task], workers: int = -1) -> int:
-    """Write the campaigns as Parquet beside their folders, split by specimen, with Croissant metadata; how many.
-
-    What is there already, of the same campaign, is left as it is.
-    """
+    """Write the campaigns as Parquet beside their folders, split by specimen, with Croissant metadata; how many."""
     from testbench.campaigns.croissant import write_croissant
     from testbench.campaigns.parquet import columns_of, parts_of, write_parts
 

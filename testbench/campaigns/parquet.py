@@ -50,23 +50,25 @@ def parts_of(out: Path, campaigns: Sequence[tuple[Path, str]]) -> list[Part]:
 
 
 def write_parts(parts: Sequence[Part], workers: int = -1) -> int:
-    """Write all parts that are not there yet, each whole or not at all; how many were written.
+    """Write all parts anew, each whole or not at all; how many: what lies there carries no checksum to trust it by.
 
     Raises
     ------
     UserError
-        If pyarrow is not installed.
+        If pyarrow is not installed, or a folder is a link.
     """
     from joblib import Parallel, delayed
 
     _pyarrow()
     for folder in {part.file.parent for part in parts}:
+        if link := next((place for place in (folder.parent, folder) if place.is_symlink()), None):
+            raise UserError(f"{link}: is a link, and nothing is written through it; choose another place with -o")
         make_folder(folder)
     for root in {part.file.parent.parent for part in parts}:
         _clear_stale(root, {part.file for part in parts})
     with_one_thread = {"inner_max_num_threads": 1}
-    written = Parallel(n_jobs=workers, backend="loky", **with_one_thread)(delayed(write_part)(one) for one in parts)
-    return sum(written)
+    Parallel(n_jobs=workers, backend="loky", **with_one_thread)(delayed(write_part)(one) for one in parts)
+    return len(parts)
 
 
 def _clear_stale(root: Path, wanted: Set[Path]) -> None:
@@ -84,16 +86,13 @@ def columns_of(part: Part) -> list[str]:
     return parquet.read_schema(part.file).names
 
 
-def write_part(part: Part) -> bool:
-    """Write one campaign; False if it was there already, made of this very campaign."""
+def write_part(part: Part) -> None:
+    """Write one campaign."""
     from pyarrow import parquet
 
-    digest = sha256_of(part.campaign / manifest.NAME)
-    if part.file.is_file() and parquet.read_schema(part.file).metadata.get(FINGERPRINT) == digest.encode():
-        return False
+    table = table_of(part, sha256_of(part.campaign / manifest.NAME))
     with atomic_path(part.file) as temporary:
-        parquet.write_table(table_of(part, digest), temporary, compression="zstd")
-    return True
+        parquet.write_table(table, temporary, compression="zstd")
 
 
 def table_of(part: Part, digest: str) -> pa.Table:

@@ -12,6 +12,7 @@ from gcode.support.errors import UserError
 from gcode.support.files import copy_file, sha256_of
 from testbench.knit.model import KnitModel
 from testbench.recordings import manifest
+from testbench.recordings.files import check_beside
 from testbench.recordings.instruments import Instruments
 from testbench.recordings.manifest import read_manifest
 from testbench.rig.motion import played
@@ -167,6 +168,7 @@ def programs_before(
         if not source.is_dir():
             if not source.is_file():
                 raise UserError(f"{source}: no such campaign or program; name what the sensor went through before")
+            check_beside(source)
             programs.append(source)
             continue
         earlier = plan_of(source, effects)

@@ -59,7 +59,8 @@ def ladder_table(file: ModelFile) -> str:
             top = first.setdefault(channel, held)
             numbers = (errors["calibration"][channel], held, step["noise_floor"][channel])
             cells = "".join(f"{value:>9.4g} {UNIT_OF[channel]:<4}" for value in numbers)
-            lines.append(f"{name:<{wide}}{channel_name(channel):<13}{cells}{100 * (1 - held / top):>6.0f} %")
+            left = held / top if top else 1.0
+            lines.append(f"{name:<{wide}}{channel_name(channel):<13}{cells}{100 * (1 - left):>6.0f} %")
             name = ""
     return "\n".join(lines)
 

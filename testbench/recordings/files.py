@@ -34,7 +34,7 @@ def read_recording(path: str | Path, gauge_length_mm: float | None = None) -> Re
     path : path
         A ``recording.csv`` or a folder with a ``datapackage.json``.
     gauge_length_mm : float, optional
-        Needed for a bare CSV; a campaign knows its own.
+        Needed for a bare CSV. A campaign knows its own, which is used; that another was given is said.
 
     Raises
     ------
@@ -46,6 +46,7 @@ def read_recording(path: str | Path, gauge_length_mm: float | None = None) -> Re
         return _load_campaign(path, gauge_length_mm)
     if not path.exists():
         raise UserError(f"{path}: no such recording; give a CSV or a campaign folder")
+    check_beside(path)
     columns = read_columns(path)
     if gauge_length_mm is None and DISPLACEMENT in columns:
         raise UserError(
@@ -57,7 +58,14 @@ def read_recording(path: str | Path, gauge_length_mm: float | None = None) -> Re
 def _load_campaign(folder: Path, gauge_length_mm: float | None) -> Recording:
     path, campaign = verified(folder)
     columns = read_columns(path, growing=campaign.in_progress)
-    return _recording(path, columns, gauge_length_mm or campaign.gauge_length_mm, asdict(campaign))
+    own_mm = campaign.gauge_length_mm
+    if np.isnan(own_mm):
+        own_mm = gauge_length_mm or own_mm
+    elif gauge_length_mm and gauge_length_mm != own_mm:
+        say_once(
+            f"{folder}: its manifest says a gauge length of {own_mm:g} mm, which is used, not {gauge_length_mm:g} mm"
+        )
+    return _recording(path, columns, own_mm, asdict(campaign))
 
 
 def verified(folder: Path) -> tuple[Path, Campaign]:
@@ -79,6 +87,25 @@ def verified(folder: Path) -> tuple[Path, Campaign]:
     else:
         say_once(f"{folder}: this recording is unfinished, so it has no checksum yet and is read unverified")
     return path, campaign
+
+
+def check_beside(path: Path) -> None:
+    """Hold a file in the folder of a campaign against the manifest there; say so where that has no checksum of it.
+
+    Raises
+    ------
+    UserError
+        If either was changed.
+    """
+    from testbench.recordings.manifest import is_campaign, read_manifest
+
+    if not is_campaign(path.parent):
+        return
+    campaign, resources = read_manifest(path.parent)
+    if campaign.in_progress or path.name not in {resource.path for resource in resources}:
+        say_once(f"{path}: the manifest beside it has no checksum of it, so it is read unverified")
+    else:
+        _verify(path.parent, path, resources)
 
 
 def _verify(folder: Path, path: Path, resources: Sequence[Resource]) -> None:

@@ -5,6 +5,7 @@ The manifest carries the SHA-256 of every file and of itself, so that any flippe
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
 import math
@@ -114,6 +115,14 @@ def read_manifest(folder: Path) -> tuple[Campaign, list[Resource]]:
     if not intact:
         raise UserError(f"{folder / NAME}: {CHANGED}; restore it from a copy, or make the campaign again")
     return campaign, resources
+
+
+def is_campaign(folder: Path) -> bool:
+    """Whether a manifest of ours is there, changed or not; others may have a ``datapackage.json`` of their own."""
+    with contextlib.suppress(UserError):
+        _check_kind(strict.json_of(_text_of(folder)[0]), str(folder))
+        return True
+    return False
 
 
 def origin_of(folder: Path) -> str:

@@ -74,7 +74,7 @@ class Choices:
         data = json_of(text, "choices", "the address") if text else {}
         if not isinstance(data, dict) or set(data) - set(SAID):
             raise UserError(f"the address asks for something else than choices: {text[:80]!r}")
-        choices = validated({"path": path, **data}, cls, "the address", "choice")  # type: ignore[type-var]
+        choices = validated({"path": path, **data}, cls, "the address", "choice")
         roles = {*choices.columns, *choices.units, *choices.clocks, *choices.negate, *choices.zero}
         unknown = sorted(roles - set(TITLES)) + sorted(set(choices.hints) - set(HINT_FLAGS))
         if unknown:

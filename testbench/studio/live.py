@@ -41,8 +41,9 @@ class Follower:
         """Take in what is new; False when nothing is."""
         try:
             with os.fdopen(open_plain(self.path, "recording"), "rb") as stream:
+                new = os.fstat(stream.fileno()).st_size - self._offset  # what has no size would never end
                 stream.seek(self._offset)
-                raw = stream.read(READ_BYTES)
+                raw = stream.read(min(max(new, 0), READ_BYTES))
         except UserError:
             return False
         self._offset += len(raw)

@@ -14,14 +14,14 @@ KEPT = 12  # views of 23 min take about 2 MB each
 
 
 def stamp(*paths: Path | None) -> tuple:
-    """Changes whenever one of the files does; a file that is not there has a stamp too."""
+    """Changes whenever one of the files does; one that is not there has a stamp too."""
     return tuple(_one(path) for path in paths if path)
 
 
 def _one(path: Path) -> tuple:
     try:
         info = path.stat()
-    except FileNotFoundError:
+    except OSError:
         return str(path), None
     return str(path), info.st_mtime_ns, info.st_size
 

@@ -18,8 +18,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from gcode.support.errors import UserError
 from gcode.support.files import make_folder, write_text
-from gcode.support.strict import read_json, read_text
+from gcode.support.strict import read_json, read_text, validated
 
 LOOK_S = 0.1
 LEFT: list[subprocess.Popen] = []  # running children that this process may forget, but not disown with a warning
@@ -101,9 +102,9 @@ class Outliving:
 
     def last(self) -> About | None:
         """The last job, whether it still runs or not."""
-        with contextlib.suppress(OSError, ValueError, TypeError):
-            told = read_json(self.folder / ABOUT, "job", 1 << 20)
-            return About(**(told | {"argv": tuple(told["argv"])}))
+        with contextlib.suppress(UserError):
+            path = self.folder / ABOUT
+            return validated(read_json(path, "job", 1 << 20), About, path, "job")
         return None
 
     def alive(self) -> bool:

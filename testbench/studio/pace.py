@@ -10,8 +10,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from gcode.support.errors import UserError
 from gcode.support.files import make_folder, write_text
-from gcode.support.strict import read_json
+from gcode.support.strict import read_json, validated
 
 LIKE_LAST_TIME = 0.03  # so much of the whole is believed to go as fast as it did last time
 EARLY = 0.08  # below this share of its steps a job that was never seen before is not extrapolated
@@ -111,9 +112,8 @@ class Paces:
         self._path = path
         self._known: dict[str, Profile] = {}
         if path is not None:
-            with contextlib.suppress(OSError, ValueError, TypeError, KeyError, AttributeError):
-                told = read_json(path, "list of paces", 1 << 20)
-                self._known = {kind: Profile(float(one["total_s"]), dict(one["marks"])) for kind, one in told.items()}
+            with contextlib.suppress(UserError):
+                self._known = validated(read_json(path, "paces", 1 << 20), dict[str, Profile], path, "paces")
 
     def start(self, argv: Sequence[str]) -> Pace:
         """The pace of a job that begins."""

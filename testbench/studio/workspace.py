@@ -124,10 +124,9 @@ class Workspace:
         return self._described(str(folder), made)
 
     def recording(self, name: str) -> Recording:
-        """The recording of a campaign, read once and kept until the file changes."""
-        campaign = self.campaign(name)
-        path = campaign.folder / CSV
-        return self._recordings.recall(stamp(path), lambda: read_recording(campaign.folder))
+        """The recording of a campaign, read once and kept until it or its manifest changes."""
+        folder = self.campaign(name).folder
+        return self._recordings.recall(stamp(folder / CSV, folder / MANIFEST), lambda: read_recording(folder))
 
     def problems(self, name: str) -> list[str]:
         """What `testbench verify` finds wrong with a campaign; empty when every byte agrees."""

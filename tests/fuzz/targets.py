@@ -38,6 +38,7 @@ from testbench.campaigns.dataset_index import index_problems
 from testbench.campaigns.dataset_spec import read_spec as read_dataset_spec
 from testbench.campaigns.dataset_tasks import tasks_of
 from testbench.campaigns.record import Job, begin, job_of, record
+from testbench.comparing.tables import ladder_table
 from testbench.fitting.model_file import ModelFile, load_model_file
 from testbench.fitting.results import read_diagnosis, read_experiment, read_score
 from testbench.importing.from_file import import_csv
@@ -273,7 +274,7 @@ TARGETS: dict[str, Target] = {
         ),
     ),
     "model": (
-        _file(lambda path: load_model_file(path, _catalogue()), "model.json"),
+        _file(lambda path: ladder_table(load_model_file(path, _catalogue())), "model.json"),
         lambda: grammars.damaged_documents((samples()["model"],)),
     ),
     "index": (

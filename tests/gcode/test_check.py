@@ -61,7 +61,15 @@ def test_a_sound_foreign_program_passes():
         ("G1 X1 F6 ;\x0bG1 X9 F6000\nM30\n", 2, "not printed"),
         ("G1 X\u0661.0 F\u0666.0\nM30\n", 2, "not ASCII"),
         ("G1 X1 F6\nG20\nG1 X0\nM30\n", 4, "without a feed"),
-        ("G1 X1 F6\nG20 F6\nG1 X0\nM30\n", 3, "F in the line of G20 is taken in the unit before"),
+        ("G1 X1 F6\nG20 F6\nG1 X0\nM30\n", 4, "F of line 3 stands beside G20 or G21"),
+        ("G1 X1 F6 M0\nG1 X0\nM30\n", 2, "waits for somebody"),
+        ("M3 S100\nG1 X1 F6\nM30\n", 2, "starts the spindle"),
+        ("G1 X1 F6\nX0 M4\nM30\n", 3, "starts the spindle"),
+        ("M8\nG1 X1 F6\nM30\n", 2, "starts the coolant"),
+        ("(log open, a.txt)\nG1 X1 F6\nM30\n", 2, "LOGOPEN writes files"),
+        ("G1 X1 F6 (PROBEOPEN a.txt)\nM30\n", 2, "PROBEOPEN writes files"),
+        ("G1 X1 F6 ;py,f()\nM30\n", 2, "PY writes files or runs code"),
+        ("G91\nG1 X1 F6\nM30\n", 3, "moves before a first place, X under G90,"),
         ("G1 X1 F6\nM0\nG1 X0\nM30\n", 3, "waits for somebody"),
         ("G1 X1 F6\nG80\nX0\nM30\n", 4, "before any G0 or G1"),
         ("G1 X1 F6\nG4 P1.0\nP5.0\nG1 X0\nM30\n", 4, "P stands without the G4"),
@@ -76,8 +84,19 @@ def test_what_is_refused_says_line_and_reason(body, line, reason):
 
 
 def test_the_first_unit_is_not_for_the_feed_beside_it():
-    """LinuxCNC takes F before G21: in whatever unit its last job left."""
-    assert "F in the line of G21" in reasons("G21 G90 G94 F6\nG1 X1\nG1 X0\nM30\n")[0]
+    """LinuxCNC takes F before G21: in whatever unit its last job left. A move with an F of its own does not care."""
+    found = reasons("G21 G90 G94 F6\nG1 X1\nG1 X0\nM30\n")
+    assert any("line 2: a move without a feed: F of line 1 stands beside G20 or G21" in text for text in found)
+    assert reasons("G21 G90 G94 F400\nG1 X1 F6\nG1 X0\nM30\n") == []
+
+
+def test_a_dwell_before_the_first_move_says_no_mode():
+    found = " ".join(reasons("G4 P1\nG1 X1 F6\nX0\nM30\n"))
+    assert all(f"moves before {mode} is said" in found for mode in ("G20 or G21", "G90 or G91", "G93 or G94"))
+
+
+def test_comments_that_only_speak_are_let_through():
+    assert reasons("(MSG, hello)\n(logbook 7)\n(probe 3)\n(py)\n" + SOUND) == []
 
 
 def test_a_percent_sign_may_begin_and_follow_a_program():

@@ -122,7 +122,7 @@ class Card:
                 await self.changed()
 
             with ui.row():
-                ui.button("Save", on_click=save).props("unelevated")
+                ui.button("Save", on_click=partial(attempt, save)).props("unelevated")
                 ui.button("Cancel", on_click=dialog.close).props("flat")
         dialog.open()
 

@@ -7,9 +7,9 @@ from html import escape
 
 from nicegui import ui
 
-from gcode.support.strict import read_json
 from testbench.comparing.numbers import in_words, plain, with_error
 from testbench.comparing.words import percent
+from testbench.fitting.model_file import about_model
 from testbench.report.formula import formula_svg, lines_of
 from testbench.report.ladder_figures import UNITS
 from testbench.report.words import spoken
@@ -144,8 +144,8 @@ def _adding(studio: Studio, c: str, kept: proposed_law.Kept) -> None:
 def _standard_errors(kept: proposed_law.Kept) -> Mapping[str, float]:
     """By address, from the model that was saved with the proposal."""
     path = kept.folder / proposed_law.MODEL
-    fit = read_json(path, "model").get("fit", {}) if path.is_file() else {}
-    return {key: float(one["standard_error"]) for key, one in fit.get("parameters", {}).items()}
+    fit = about_model(path).get("fit", {}) if path.is_file() else {}
+    return {key: one["standard_error"] for key, one in fit.get("parameters", {}).items()}
 
 
 async def _law(law: proposed_law.FoundLaw, errors: Mapping[str, float]) -> None:

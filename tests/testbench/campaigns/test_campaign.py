@@ -11,9 +11,11 @@ import pytest
 
 from gcode.support.errors import UserError
 from testbench import cli
+from testbench.api.arguments import recordings_for
 from testbench.campaigns.campaign import matches, simulate_campaign, vacant
 from testbench.campaigns.plan import plan_of, programs_before
 from testbench.campaigns.remake import Remade, made_again
+from testbench.fitting.model_file import ModelFile, load_model_file
 from testbench.knit.catalogue import baseline, load_catalogue
 from testbench.knit.model import inputs
 from testbench.recordings.files import read_recording
@@ -42,6 +44,19 @@ def test_a_campaign_reads_back_as_what_was_simulated(campaign):
         < 1e-3
     )
     assert np.abs(recording["force_N"] - force_N).max() < 0.06  # noise, and up to 12.5 ms of staleness
+
+
+def test_another_gauge_length_is_not_used_and_this_is_said(campaign, caplog):
+    """Neither what a person says for bare CSVs nor what a model says takes the place of what was measured."""
+    assert read_recording(campaign, 35.0).gauge_length_mm == read_recording(campaign).gauge_length_mm == 25.0
+    assert "its manifest says a gauge length of 25 mm, which is used, not 35 mm" in caplog.text
+
+
+def test_a_model_of_another_set_up_is_refused_for_a_campaign(campaign, tmp_path):
+    """The model's gauge length used to take the place of the campaign's, and so agreed with it always."""
+    ModelFile(baseline(), 35.0).save(tmp_path / "model.json")
+    with pytest.raises(UserError, match=r"fitted at a gauge length of 35 mm, but .* has 25 mm"):
+        recordings_for(None, load_model_file(tmp_path / "model.json", load_catalogue()), campaign, None, None)
 
 
 def test_the_same_plan_gives_the_same_bytes(campaign, tmp_path):
@@ -131,8 +146,24 @@ def test_other_peoples_folders_are_never_overwritten(campaign, tmp_path):
         vacant(tmp_path / "photos", overwrite=True)
     with pytest.raises(UserError, match="--overwrite"):
         vacant(campaign)
+    with pytest.raises(UserError, match="a campaign that was simulated, which is not overwritten"):
+        vacant(campaign, overwrite=True, origin="imported")
     vacant(campaign, overwrite=True)
     assert not campaign.exists()
+
+
+def test_a_measured_campaign_is_not_overwritten_by_a_simulated_one(tmp_path, capsys):
+    """A data set clears a folder for each campaign that it makes, and asks nobody."""
+    write_import_of(tmp_path / "c")
+    with pytest.raises(UserError, match="a campaign that was imported, which is not overwritten"):
+        vacant(tmp_path / "c", overwrite=True)
+    assert (tmp_path / "c" / "recording.csv").is_file()
+
+
+def write_import_of(folder):
+    csv = folder.with_suffix(".csv")
+    csv.write_text("time_s,displacement_mm,force_N\n0,0,0\n1,1,2\n2,0,0\n")
+    assert cli.main(["import", str(csv), "--gauge-length-mm", "25", "-o", str(folder)]) == 0
 
 
 @pytest.mark.parametrize(

@@ -186,7 +186,7 @@ def test_a_killed_data_set_is_resumed_and_nothing_is_redone(tmp_path):
     assert 20 < len(done) < 300
     assert all(problems(folder) == [] for folder in done)
     child = command(*words)
-    out_text, err = child.communicate(timeout=120)
+    out_text, err = child.communicate(timeout=600)
     assert f"{len(done)} there already" in out_text, err
     assert {folder: (folder / "recording.csv").stat().st_mtime_ns for folder in done} == done
     assert len(campaigns(out)) == 300

@@ -7,7 +7,10 @@ import json
 import numpy as np
 import pytest
 
+from gcode.support.errors import UserError
+from testbench.api.verifying import verify
 from testbench.campaigns.dataset import make, write_parquet
+from testbench.campaigns.dataset_index import write_entries
 from testbench.campaigns.dataset_tasks import Task
 from testbench.campaigns.splits import SPLITS, split_of
 from testbench.knit.catalogue import baseline
@@ -57,19 +60,40 @@ def test_pandas_reads_back_every_sample(made):
         assert set(mine.specimen) == {task.specimen}
 
 
-def test_what_is_there_is_not_written_again_and_what_is_stale_goes(made):
+def test_what_was_changed_or_broken_is_written_anew_and_what_is_stale_goes(made):
     out, tasks = made
+    files = sorted((out / "parquet").rglob("*.parquet"))
+    before = [file.read_bytes() for file in files]
     stale = out / "parquet" / "train" / "old.parquet"
     stale.write_bytes(b"")
-    assert write_parquet(out, tasks, workers=1) == 0
+    files[0].write_bytes(b"no Parquet")
+    middle = len(before[1]) // 2
+    files[1].write_bytes(before[1][:middle] + bytes([before[1][middle] ^ 1]) + before[1][middle + 1 :])
+    write_parquet(out, tasks, workers=1)
     assert not stale.exists()
-    (out / "parquet").joinpath(*_file(out, tasks[0])).unlink()
-    assert write_parquet(out, tasks, workers=1) == 1
+    assert [file.read_bytes() for file in files] == before
 
 
-def _file(out, task) -> tuple[str, str]:
-    split = split_of(f"s{number}" for number in range(3))[task.specimen]
-    return split, f"{task.folder.name}.parquet"
+def test_nothing_is_written_or_removed_through_a_link(made, tmp_path):
+    out, tasks = made
+    (tmp_path / "train").mkdir()
+    (tmp_path / "train" / "theirs.parquet").write_bytes(b"theirs")
+    place = out / "parquet"
+    place.rename(out / "kept")
+    try:
+        place.symlink_to(tmp_path)
+        with pytest.raises(UserError, match="is a link"):
+            write_parquet(out, tasks, workers=1)
+    finally:
+        place.unlink()
+        (out / "kept").rename(place)
+    assert [path.read_bytes() for path in (tmp_path / "train").iterdir()] == [b"theirs"]
+
+
+def test_verify_says_that_parquet_files_are_not_verified(made, caplog):
+    write_entries(made[0], [])
+    assert verify(made[0]).intact
+    assert "parquet: not verified, these files carry no checksum" in caplog.text
 
 
 @pytest.mark.filterwarnings("ignore")  # of the libraries that mlcroissant uses

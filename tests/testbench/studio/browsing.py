@@ -8,6 +8,7 @@ import shutil
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -70,10 +71,18 @@ def screen(browser, width: int, height: int, **options):
     context = browser.new_context(viewport={"width": width, "height": height}, **options)
     context.set_default_timeout(PATIENCE_MS)
     tab = context.new_page()
+    tab.goto = partial(_gone_to, tab, tab.goto)
     try:
         yield tab
     finally:
         context.close()
+
+
+def _gone_to(tab, go: Callable, url: str) -> None:
+    """Open an address and wait until its page talks with the server: it reloads itself, and loses all that was filled
+    in, where that takes long."""
+    go(url)
+    tab.wait_for_function("() => !document.getElementById('app') || window.did_handshake")
 
 
 TABLET = {"width": 820, "height": 1180, "has_touch": True}

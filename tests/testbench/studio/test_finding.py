@@ -58,8 +58,15 @@ def test_notes_are_kept_and_seen_by_another_tab(tmp_path: Path) -> None:
     assert other.of("sleeve") == Note(("wet", "PES"), "torn")
     other.put("sleeve", Note())
     assert json.loads((tmp_path / "notes.json").read_text()) == {}
-    (tmp_path / "notes.json").write_text("[")
+
+
+@pytest.mark.parametrize("damaged", ["[", "[]", '{"sleeve": {"note": 3}}', '{"sleeve": {}, "sleeve": {}}'])
+def test_damaged_notes_are_shown_as_none_and_never_written_over(tmp_path: Path, damaged: str) -> None:
+    (tmp_path / "notes.json").write_text(damaged)
     assert Notes(tmp_path).all() == {}
+    with pytest.raises(UserError, match=r"notes\.json: not a"):
+        Notes(tmp_path).put("band", Note(text="dry"))
+    assert (tmp_path / "notes.json").read_text() == damaged
 
 
 def test_deleting_is_undone_with_all_that_was_made(studio: Studio) -> None:

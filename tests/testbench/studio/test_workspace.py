@@ -67,6 +67,14 @@ def test_a_recording_is_read_once_until_its_file_changes(studio: Studio) -> None
     assert len(studio.workspace.recording("sleeve")) == 2000
 
 
+def test_a_manifest_that_is_changed_later_is_refused_though_the_recording_was_kept(studio: Studio) -> None:
+    studio.workspace.recording("sleeve")
+    path = studio.workspace.root / "sleeve" / "datapackage.json"
+    path.write_text(path.read_text().replace('"gauge_length_mm": 25.0', '"gauge_length_mm": 35.0'))
+    with pytest.raises(UserError, match="changed since it was written"):
+        studio.workspace.recording("sleeve")
+
+
 @pytest.mark.parametrize("name", ["../..", "absent", "sleeve/../../x", "/etc"])
 def test_names_cannot_leave_the_workspace(studio: Studio, name: str) -> None:
     with pytest.raises(UserError, match="no campaign"):
