@@ -97,10 +97,10 @@ def _usual(x: FloatArray, jump: FloatArray, dt_s: float) -> float:
 
 def _peaks(size: FloatArray, dt_s: float) -> list[int]:
     """Indices of the largest sizes above 0, apart from each other, largest first."""
-    left, apart = size.copy(), int(APART_S / dt_s)
+    free, apart = size > 0, max(int(APART_S / dt_s), 1)
     found: list[int] = []
-    while np.max(left) > 0:
-        at = int(np.argmax(left))
-        found.append(at)
-        left[max(at - apart, 0) : at + apart] = 0
+    for at in np.argsort(-size, kind="stable")[: int(free.sum())]:
+        if free[at]:
+            found.append(int(at))
+            free[max(at - apart, 0) : at + apart] = False
     return found

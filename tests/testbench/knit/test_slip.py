@@ -107,3 +107,13 @@ def test_one_slip_starts_where_the_misfit_jumps() -> None:
     (point,) = ClampSlipOnce().starts(signals, {"force": noise - 0.16 * (time_s >= 53)})
     assert point["when_s"] == pytest.approx(53, abs=0.13)
     assert len(ClampSlipOnce().starts(signals, {"force": noise})) == 4
+
+
+def test_a_slip_is_found_where_samples_are_further_apart_than_slips() -> None:
+    """Recordings of a day are compared every three seconds."""
+    signals, smooth = _cycled(0)
+    signals["time_s"] = 75.0 * signals["time_s"]
+    slipped = smooth - 0.16 * (signals["time_s"] >= 75 * 56.6)
+    found = slips(signals, {"force": slipped})
+    assert len(found) <= 3
+    assert abs(found[0][0] - 75 * 56.6) <= 2 * 75 * 0.04
