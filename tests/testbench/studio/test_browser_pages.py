@@ -137,7 +137,6 @@ def test_compare_opens_where_it_fails_and_every_place_is_a_link(full: Served, pa
     opened = page.evaluate("document.querySelector('.js-plotly-plot').layout.xaxis.range")
     assert 5 < opened[1] - opened[0] < 100, "zoomed to the worst place"
     places = page.locator("button.finding")
-    assert places.count() >= 2
     places.nth(1).click()
     page.wait_for_function("() => location.search.includes('start=')")
     shown = page.evaluate("document.querySelector('.js-plotly-plot').layout.xaxis.range")

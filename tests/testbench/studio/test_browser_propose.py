@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 
+from playwright.sync_api import expect
+
 from testbench.studio.proposed_law import FOLDER
 from tests.testbench.studio.browsing import IN_CHROMIUM, PHONE, browser, finished, full, page, running, screen, shot
 from tests.testbench.studio.proposals import write_proposal
@@ -32,7 +34,7 @@ def test_a_law_is_proposed_from_the_verdict_and_added_by_a_click(full: Served, p
     page.wait_for_url("**/propose?c=knit")
     page.get_by_text("Proposed: the force rises with the memory of the strain.").wait_for()
     page.get_by_text("The effect file").wait_for()
-    assert page.locator(".typeset svg").count() == 2
+    expect(page.locator(".typeset svg")).to_have_count(2)
     page.wait_for_function("() => document.querySelector('figure img')?.naturalWidth === 1")
     assert not unreadable(page) + nameless(page)
     shot(page, "propose")

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -40,8 +42,9 @@ def read(shared: Served, page, file: str, said: Said = Said()) -> None:
     """Open a file on the page and say what has to be said."""
     opened(shared, page, (SHARED / file).resolve())
     for label, value in said.numbers.items():
-        page.get_by_label(label).fill(value)
-        page.keyboard.press("Tab")
+        with looked_again(page):
+            page.get_by_label(label).fill(value)
+            page.keyboard.press("Tab")
     for role, number in said.columns.items():
         show(page, f"Column of {role}")
         pick(page, f"Column of {role}", rf"{number}( ·.*)?")
@@ -65,10 +68,17 @@ def show(page, label: str) -> None:
 
 
 def pick(page, label: str, option: str) -> None:
-    """Take an option, and wait until the page has looked at the file again."""
+    """Take an option."""
+    with looked_again(page):
+        page.get_by_role("combobox", name=label, exact=True).click()
+        page.get_by_role("option", name=re.compile(f"^{option}$")).click()
+
+
+@contextmanager
+def looked_again(page) -> Iterator[None]:
+    """Say something, and wait until the page has looked at the file again: it draws its lists anew, open ones too."""
     page.evaluate("document.querySelectorAll('.role').forEach(role => role.classList.add('stale'))")
-    page.get_by_role("combobox", name=label, exact=True).click()
-    page.get_by_role("option", name=re.compile(f"^{option}$")).click()
+    yield
     page.wait_for_function("() => document.querySelector('.role') && !document.querySelector('.role.stale')")
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from playwright.sync_api import expect
 
 from gcode.cli import main as gcode
 from testbench.cli import main as run_testbench
@@ -105,7 +106,7 @@ def test_a_killed_recorder_leaves_an_unfinished_campaign_that_resumes(planned: S
     assert run_testbench(["verify", str(planned.root / "recorded-1")]) == 0
     page.goto(planned.address)
     page.get_by_text("verified").wait_for()
-    assert page.get_by_text("unfinished", exact=True).count() == 0
+    expect(page.get_by_text("unfinished", exact=True)).to_have_count(0)
 
 
 def test_ending_the_studio_says_that_the_recording_goes_on(planned: Served, page) -> None:
