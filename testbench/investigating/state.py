@@ -77,7 +77,7 @@ class BeliefState(StrictModel):
         What this run's recording says alone, where each run has a fresh specimen; else as `probabilities`.
     """
 
-    probabilities: dict[str, Chance]
+    probabilities: dict[str, Chance] = Field(min_length=1)
     own: dict[str, Chance]
     verdict: Literal["missing", "nothing_missing", "unknown"]
     noise: dict[str, Positive]
