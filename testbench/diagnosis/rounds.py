@@ -29,8 +29,6 @@ class Entry:
         Of the catalogue; `name` is its name in the model.
     log_z : float
         Log evidence as models are compared: of the model as it is, or beside a free-form map of what it leaves.
-    excess : float
-        Squared error above the least that a law leaves, in units of it, summed over the channels.
     """
 
     mechanism: str
@@ -38,7 +36,6 @@ class Entry:
     name: str
     hypothesis: Hypothesis
     log_z: float
-    excess: float
     is_settled: bool = False
 
 
@@ -82,7 +79,8 @@ class Round:
 
     def left(self, entry: Entry) -> float:
         """Share of the error above the least misfit that an entry leaves; an error of that size is none."""
-        return float(np.sqrt(entry.excess / (self.before.excess + 1.0)))
+        left, before = (excess(e.hypothesis, self.likelihood) for e in (entry, self.before))
+        return float(np.sqrt(left / (before + 1.0)))
 
     def is_enough(self, entry: Entry) -> bool:
         """Whether an entry leaves no more than a law is expected to leave."""

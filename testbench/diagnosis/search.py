@@ -26,7 +26,7 @@ from testbench.diagnosis.likelihood import (
     telling,
 )
 from testbench.diagnosis.proposals import Proposal, Screen, laws_of
-from testbench.diagnosis.rounds import Entry, Round, excess, explained
+from testbench.diagnosis.rounds import Entry, Round, explained
 from testbench.diagnosis.starts import best_start
 from testbench.fitting.baseline import (
     SHAPES,
@@ -95,8 +95,8 @@ class Search:
         self.reference = without_shapes(start)
         tell("fitting the shape of the base laws")
         flexible = with_shapes(self.reference, self.measurement, catalogue, like=start)
-        self.jitter_s: dict[str, float] = {}
-        first = fitted(flexible, self.likelihood_on(self.measurement), self.reference, iterations=16)
+        without_jitter = likelihood_of(self.reference, self.measurement, self.noise)
+        first = fitted(flexible, without_jitter, self.reference, iterations=16)
         # What one base leaves may be an error of its own that is as quick as a jerk; jerks are what all bases leave.
         left = [jitter_of(model, measurement) for model in (self.reference, first.model)]
         self.jitter_s = {channel: min(one[channel] for one in left) for channel in left[0]}
@@ -212,14 +212,14 @@ class Search:
             best = max(entries, key=lambda e: e.log_z)
             before.append(self.compare(best.hypothesis.model.without(best.name), best.hypothesis))
             likelihood = replace(likelihood, explained=explained(current, best.hypothesis))
-        bare = max((self.judged(self.entry("", h, likelihood), likelihood) for h in before), key=lambda e: e.log_z)
+        bare = max((self.judged(Entry("", "", "", h, h.log_z), likelihood) for h in before), key=lambda e: e.log_z)
         entries = _best_first(self.judged(e, likelihood) for e in entries)
         return Round(bare, tuple(entries), tuple(proposals), counted, likelihood)
 
     def judged(self, e: Entry, likelihood: Likelihood) -> Entry:
         """An entry as the hypotheses of a round are weighed: beside a map of what it leaves, or without."""
         h = under(e.hypothesis, likelihood)
-        return replace(e, hypothesis=h, log_z=log_z_with_map(h, likelihood), excess=excess(h, likelihood))
+        return replace(e, hypothesis=h, log_z=log_z_with_map(h, likelihood))
 
     def ground(self, h: Hypothesis, like: Hypothesis) -> Ground:
         """A model, and what each law of the catalogue promises beside it."""
@@ -268,7 +268,7 @@ class Search:
         """A law on the base of another."""
         base = best.hypothesis.model.without(best.name)
         h = self.compare(base.plus(e.hypothesis.model[e.name], e.name), best.hypothesis)
-        return replace(self.entry(e.mechanism, h, self.compared, e.law, e.name), is_settled=True)
+        return replace(e, hypothesis=h, log_z=h.log_z, is_settled=True)
 
     def champions(self, entries: Sequence[Entry]) -> list[Entry]:
         """The best law of the best mechanisms refitted in full, and all the others as they are, the best first."""
@@ -290,7 +290,7 @@ class Search:
         if on_force and getattr(h.model.effects.get("contact_drive"), "strain_share", 0.0) > 0.02:
             found.append(self.compare(h.model.with_parameters({"contact_drive.strain_share": 0.0}), h))
         found_best = max(found, key=_evidence)
-        return replace(self.entry(e.mechanism, found_best, self.compared, e.law, e.name), is_settled=True)
+        return replace(e, hypothesis=found_best, log_z=found_best.log_z, is_settled=True)
 
     def entered(self, chosen: Sequence[tuple[Ground, Proposal]]) -> list[Entry]:
         """Laws put in, each on its ground, and refitted quickly."""
@@ -302,10 +302,7 @@ class Search:
         name = next(n for n in model if n not in ground.hypothesis.model and n not in SHAPES)
         believed = {f"{name}.{p.effect.strength}": p.believed} if p.believed and p.believed[0] > 0 else {}
         h = fitted(model, self.compared, self.reference, ground.like, 6, quick=True, believed=believed)
-        return self.entry(p.mechanism, h, self.compared, p.law, name)
-
-    def entry(self, mechanism: str, h: Hypothesis, likelihood: Likelihood, law: str = "", name: str = "") -> Entry:
-        return Entry(mechanism, law, name, h, h.log_z, excess(h, likelihood))
+        return Entry(p.mechanism, p.law, name, h, h.log_z)
 
 
 def searched(

@@ -20,7 +20,7 @@ def entry(mechanism: str, floors: float, log_z: float) -> Entry:
     """A law put in: what it leaves in the force, in noise floors; in the conductance nothing is missing."""
     sigma = {"force": floors * FLOOR["force"], "conductance": 1.25 * FLOOR["conductance"]}
     hypothesis = SimpleNamespace(evidence=SimpleNamespace(sigma=sigma))
-    return Entry(mechanism, mechanism, mechanism, hypothesis, log_z, excess=floors**2)  # type: ignore[arg-type]
+    return Entry(mechanism, mechanism, mechanism, hypothesis, log_z)  # type: ignore[arg-type]
 
 
 def a_round(before: Entry, *entries: Entry) -> Round:
