@@ -9,7 +9,7 @@ import os
 import secrets
 import shutil
 import stat
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -191,6 +191,13 @@ def make_folder(path: str | Path) -> Path:
             f"cannot make the folder {path}: {error.strerror or error}; choose another with -o"
         ) from error
     return path
+
+
+def refuse_links(places: Iterable[Path], instead: str) -> None:
+    """Raise `UserError`, with what to do `instead`, where a place is a link: what is written would land elsewhere."""
+    for place in places:
+        if place.is_symlink():
+            raise UserError(f"{place}: is a link, and nothing is written through it; {instead}")
 
 
 def sha256_of(path: str | Path) -> str:

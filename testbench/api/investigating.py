@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Literal
 
 from gcode.support.errors import UserError
-from gcode.support.files import write_json
+from gcode.support.files import refuse_links, write_json
 from testbench.api.arguments import AnyModel, Effects, catalogue_of, model_file_of, model_name
 from testbench.api.investigation import InvestigationResult
 from testbench.api.progress import Tell, telling
@@ -136,8 +136,8 @@ def investigate(
         loop.begin(folder, settings, str(port) if sensor is None else model_name(sensor))
         if hidden is not None:
             write_json(folder / SENSOR, hidden.to_dict())
-    elif link := next((path for path in folder.glob("*") if path.is_symlink()), None):
-        raise UserError(f"{link}: is a link, and nothing is written through it; copy the folder and use the copy")
+    else:
+        refuse_links(folder.glob("*"), "copy the folder and use the copy")
     state = load_investigation(folder)
     bench = _bench(folder, port, speed, state, catalogue, own_effects)
     start = None if model is None else model_file_of(model, catalogue).model

@@ -13,7 +13,7 @@ import numpy as np
 
 from gcode.support import strict
 from gcode.support.errors import UserError
-from gcode.support.files import make_folder, write_text
+from gcode.support.files import make_folder, refuse_links, write_text
 from testbench.campaigns.dataset_spec import MOST_CAMPAIGNS, DatasetSpec, TrajectoryWish
 from testbench.campaigns.plan import Plan
 from testbench.knit.catalogue import Catalogue, load_catalogue, model_from_dict
@@ -136,10 +136,7 @@ def _found(patterns: Sequence[str], base: Path) -> list[Path]:
 
 
 def _planned(spec: DatasetSpec, base: Path, out: Path) -> list[Path]:
-    if (out / PROGRAMS).is_symlink():
-        raise UserError(
-            f"{out / PROGRAMS}: is a link, and nothing is written through it; choose another place with -o"
-        )
+    refuse_links([out / PROGRAMS], "choose another place with -o")
     folder = make_folder(out / PROGRAMS).absolute()
     assert spec.trajectory is not None
     return list(_programs(spec.trajectory, spec.gauge_length_mm, base, folder))

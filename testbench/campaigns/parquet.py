@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gcode.support.errors import UserError
-from gcode.support.files import atomic_path, make_folder, sha256_of
+from gcode.support.files import atomic_path, make_folder, refuse_links, sha256_of
 from testbench.campaigns.splits import SPLITS, split_of
 from testbench.recordings import manifest
 from testbench.recordings.channels import TIME
@@ -61,8 +61,7 @@ def write_parts(parts: Sequence[Part], workers: int = -1) -> int:
 
     _pyarrow()
     for folder in {part.file.parent for part in parts}:
-        if link := next((place for place in (folder.parent, folder) if place.is_symlink()), None):
-            raise UserError(f"{link}: is a link, and nothing is written through it; choose another place with -o")
+        refuse_links((folder.parent, folder), "choose another place with -o")
         make_folder(folder)
     for root in {part.file.parent.parent for part in parts}:
         _clear_stale(root, {part.file for part in parts})
