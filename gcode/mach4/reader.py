@@ -122,14 +122,15 @@ def _line(state: State, number: int, line: str) -> None:
 
 def _comments(state: State, number: int, line: str) -> None:
     """Take the header's values from the comments of a line."""
-    for comment in _COMMENT.findall(line):
+    comments = _COMMENT.findall(line)
+    for comment in comments:
         if len(comment) > LONGEST_COMMENT:
             refuser(state, number)(
                 f"the comment is {len(comment)} characters long; at most {LONGEST_COMMENT} are safe"
             )
         if not state.rows and (match := _KEY.fullmatch(comment.strip().upper())):
             state.header[match[1].lower()] = match[2].lower()
-    for comment in (*_COMMENT.findall(line), *line.split(";")[1:]):
+    for comment in (*comments, *line.split(";")[1:]):
         if match := _ACTED_ON.match("".join(comment.split()).upper()):
             refuser(state, number)(f"the comment {match[0].strip(',')} writes files or runs code on some controllers")
 
