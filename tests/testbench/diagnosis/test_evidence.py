@@ -134,16 +134,12 @@ def with_known_scale(normal: NormalEquations, noise: LogEvidence, factor: float)
     return maximised(known, start=noise, iterations=1).value
 
 
-def noise_of(found: LogEvidence) -> LogEvidence:
-    return LogEvidence(0.0, found.coefficients, found.sigma, found.scale, found.covariance)
-
-
 def test_the_scale_of_a_group_of_a_typical_size_is_the_maximum_with_cauchys_prior():
     """On a grid of scales: ln Z of the Gaussian marginal minus ln(1 + tau^2), tau in typical sizes."""
     free = grouped(5)
     said = maximised(replace(free, typical=frozenset({0})), iterations=200, scale=np.ones(1))
     grid = np.geomspace(0.1, 10, 41) * said.scale[0]
-    believed = [with_known_scale(free, noise_of(said), factor) - np.log1p(1 / factor) for factor in grid]
+    believed = [with_known_scale(free, said, factor) - np.log1p(1 / factor) for factor in grid]
     assert grid[np.argmax(believed)] == pytest.approx(said.scale[0], rel=0.13)
     assert maximised(free, iterations=200, scale=np.ones(1)).scale[0] < said.scale[0]
 
@@ -154,7 +150,7 @@ def test_the_evidence_of_a_found_scale_is_that_of_all_scales_together(seed):
     free = grouped(seed)
     found = maximised(free, iterations=200, scale=np.ones(1))
     grid = np.geomspace(SMALLEST, LARGEST, 2001)
-    values = np.array([with_known_scale(free, noise_of(found), factor) for factor in grid])
+    values = np.array([with_known_scale(free, found, factor) for factor in grid])
     mean = np.log(np.mean(np.exp(values - values.max()))) + values.max()
     assert found.value == pytest.approx(mean, abs=1.0)
     assert values.max() > mean + 1.5, "what is found is not known"

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import pandas as pd
 import pytest
 
 from testbench.diagnosis import diagnose
-from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE
+from testbench.recordings.files import read_recording
 from testbench.recordings.recording import Recording
 
 pytestmark = pytest.mark.slow
@@ -20,9 +19,7 @@ def measured(folder: str, name: str, gauge_length_mm: float) -> Recording:
     path = REAL / folder / f"{name}.csv"
     if not path.exists():
         pytest.skip(f"{path.name}: the measured recordings are not here")
-    table = pd.read_csv(path)
-    channels = {name: table[name].to_numpy() for name in (DISPLACEMENT, FORCE, RESISTANCE) if name in table}
-    return Recording(table["time_s"].to_numpy(), channels, gauge_length_mm)
+    return read_recording(path, gauge_length_mm)
 
 
 def vhb(name: str) -> Recording:
