@@ -26,13 +26,13 @@ def add_recordings(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def read_all(args: argparse.Namespace) -> list[Recording]:
-    """Every recording named on the command line; a force must have been tared."""
+def read_all(args: argparse.Namespace, target: str) -> list[Recording]:
+    """Every recording named on the command line; a force that is the target must have been tared."""
     from compensation.series.reading import check_tared, read_signals
 
     recordings = [read_signals(path, args.gauge_length_mm) for path in args.recordings]
     for recording in recordings:
-        check_tared(recording)
+        check_tared(recording, target)
     return recordings
 
 

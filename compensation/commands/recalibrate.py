@@ -55,8 +55,7 @@ def _reference(args: argparse.Namespace, compensator: Compensator) -> Series:
     if args.rest:
         return at_rest(compensator, args.recording, args.seconds)
     recording = read_signals(args.recording, args.gauge_length_mm)
-    if compensator.target == "force":
-        check_tared(recording)
+    check_tared(recording, compensator.target)
     begin_s = float(recording.time_s[0])
     return reference_of(
         recording.between(begin_s, begin_s + args.seconds), compensator.target, compensator.resampling_hz

@@ -27,7 +27,8 @@ def run(args: argparse.Namespace) -> int:
     from gcode.support.files import write_text
 
     check_places(args.output, args.plot, [args.compensator, *args.recordings])
-    compensator, recordings = load(args.compensator), read_all(args)
+    compensator = load(args.compensator)
+    recordings = read_all(args, compensator.target)
     for recording in recordings:
         check_long_enough(recording.source, compensator, recording.duration_s)
     scores = score_recordings(compensator, recordings)

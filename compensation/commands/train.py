@@ -71,7 +71,7 @@ def run(args: argparse.Namespace) -> int:
 
     options = _options(args)
     check_places(args.output, args.plot, args.recordings)
-    recordings = read_all(args)
+    recordings = read_all(args, "force" if args.twin else args.target)  # a twin is fitted on the force as well
     check_distinct(recordings)
     args.method = args.method or _implied(args)
     _check_long_enough(args, options, recordings)

@@ -22,6 +22,9 @@ TAIL_BYTES = 4096
 class LiveCompensator:
     """Takes one sample after another, and keeps what it makes of them in ``compensated.csv``.
 
+    The columns are those of `compensation predict`: time_s, the target, low and high (nan where the compensator has
+    no interval), status.
+
     Parameters
     ----------
     path : path
@@ -65,7 +68,9 @@ class LiveCompensator:
         value = self._stream.update(conductance_S, self._step_s(time_us))
         if not self._stream.status & (Status.BAD_READING | Status.BAD_STEP):
             self._last_us = time_us
-        self._keep(f"{time_us // 1_000_000}.{time_us % 1_000_000:06d},{value:.6f},{int(self._stream.status)}\n")
+        ends = [f"{value + margin:.6f}" for margin in self._stream.margins or ()] or ["nan", "nan"]
+        time_s, status = f"{time_us // 1_000_000}.{time_us % 1_000_000:06d}", int(self._stream.status)
+        self._keep(f"{time_s},{value:.6f},{','.join(ends)},{status}\n")
         return value
 
     def _step_s(self, time_us: int) -> float | None:
@@ -95,7 +100,7 @@ class LiveCompensator:
             if self._file is None:
                 self._file = disk.open_growing(self._folder / COMPENSATED)
                 if not _cut_half_line(self._file):
-                    line = f"time_s,{self._channel},status\n{line}"
+                    line = f"time_s,{self._channel},low_{self.unit},high_{self.unit},status\n{line}"
             disk.write_all(self._file, line.encode())
         except (OSError, UserError) as error:
             self._refused = True

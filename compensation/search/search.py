@@ -63,7 +63,7 @@ def _series(task: Task) -> list[Any]:
 
     recordings = [read_signals(path, task.gauge_length_mm) for path in task.recordings]
     for recording in recordings:
-        check_tared(recording)
+        check_tared(recording, task.target)
     return [series_of(recording, task.target, PAPER_RATE_HZ) for recording in recordings]
 
 

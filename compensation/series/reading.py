@@ -74,15 +74,17 @@ def check_distinct(recordings: Sequence[Recording]) -> None:
             )
 
 
-def check_tared(recording: Recording) -> None:
-    """Refuse a force that was never zeroed: its smallest value is further from zero than its whole range.
+def check_tared(recording: Recording, target: str) -> None:
+    """Refuse a force to learn from that was never zeroed: its smallest value is further off than its whole range.
+
+    Where the target is the displacement, nothing is read from the force, and it may be as it is.
 
     Raises
     ------
     UserError
         With the smallest force and the range.
     """
-    if not recording.has(FORCE):
+    if target != "force" or not recording.has(FORCE):
         return
     force_N = recording[FORCE]
     low, high = np.quantile(force_N, [0.01, 0.99])

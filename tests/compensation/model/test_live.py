@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
 
+from compensation.cli import main
 from compensation.model import files
 from compensation.model.live import LiveCompensator
 from compensation.model.runtime import Status
@@ -53,9 +56,26 @@ def test_the_recorder_shows_and_keeps_what_the_stream_gives(compensator, recordi
     stream = CompensatorStream(compensator)
     expected = [stream.update(1e3 / mohm, 0.05) for _, mohm in read]
     table = pd.read_csv(tmp_path / COMPENSATED)
-    assert list(table) == ["time_s", "force_N", "status"]
+    assert list(table) == ["time_s", "force_N", "low_N", "high_N", "status"]
+    assert table[["low_N", "high_N"]].isna().all(axis=None)
     np.testing.assert_allclose(table["force_N"], expected, atol=1e-6)
     assert f"compensated {expected[-1]:.3f} N" in said[-1]
+
+
+def test_it_keeps_the_interval_as_predict_does(compensator, recordings, tmp_path):
+    """Same columns, same ends, whichever of the two wrote the table."""
+    files.save(tmp_path / "c.json", replace(compensator, margins=(-0.25, 0.5)))
+    live, read = LiveCompensator(tmp_path / "c.json", tmp_path), samples(recordings[1], 700)
+    for time_us, mohm in read:
+        live.take(time_us, mohm)
+    live.close()
+    table = pd.DataFrame(read, columns=["time_s", "resistance_ohm"]) * [1e-6, 1e-3]
+    table.to_csv(tmp_path / "r.csv", index=False)
+    words = ["predict", str(tmp_path / "r.csv"), "--compensator", str(tmp_path / "c.json"), "-o"]
+    assert main([*words, str(tmp_path / "p.csv")]) == 0
+    shown, predicted = pd.read_csv(tmp_path / COMPENSATED), pd.read_csv(tmp_path / "p.csv")
+    pd.testing.assert_frame_equal(shown, predicted, atol=2e-6)
+    np.testing.assert_allclose(shown["high_N"] - shown["force_N"], 0.5, atol=2e-6)
 
 
 def test_what_it_kept_is_sealed_with_the_campaign(compensator, recordings, tmp_path):

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import json
+from dataclasses import replace
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -121,6 +125,22 @@ def test_an_untared_force_is_refused(recordings, tmp_path, capsys):
     table.to_csv(tmp_path / "t.csv", index=False)
     assert main(["train", str(tmp_path / "t.csv"), "--target", "force", "-o", str(tmp_path / "c.json")]) == 2
     assert "not tared" in capsys.readouterr().err
+
+
+def test_an_untared_force_that_is_not_used_is_not_refused(recordings, tmp_path):
+    """The displacement is learned and scored to the last bit as beside a force that was tared."""
+    scores = []
+    for offset_N in (0.0, 20.0):
+        force_N = recordings[0]["force_N"] + offset_N
+        write_recording_csv(
+            tmp_path / "t.csv", replace(recordings[0], channels={**recordings[0].channels, "force_N": force_N})
+        )
+        c, s = str(tmp_path / "c.json"), str(tmp_path / "s.json")
+        words = ["train", str(tmp_path / "t.csv"), "--target", "displacement", "--restarts", "1", "--engine", "fast"]
+        assert main([*words, "-o", c]) == 0
+        assert main(["score", c, str(tmp_path / "t.csv"), "-o", s]) == 0
+        scores.append(json.loads(Path(s).read_text())["summary"]["r2_after"])
+    assert scores[0] == scores[1]
 
 
 def predicting(folder):
