@@ -68,14 +68,15 @@ def score_table(scores: dict[str, Any]) -> str:
     """The table that `train` and `score` print."""
     unit = scores["compensator"]["unit"]
     lines = [
-        f"{'recording':40} {'role':9} {'r2 raw':>7} {'rho2':>6} {'r2 after':>8} {'ordinary':>8} {'95 %':>15} "
-        f"{'gain':>6} {unit:>8}"
+        f"{'recording':40} {'role':9} {'r2 raw':>7} {'rho2':>6} {'r2 after':>8} {'rescaled':>8} {'ordinary':>8} "
+        f"{'95 %':>15} {'gain':>6} {unit:>8}"
     ]
     for row in scores["recordings"]:
         low, high = row["r2_after_interval"]
         lines.append(
             f"{_short(row['source']):40} {row['role']:9} {row['r2_before']:7.3f} {row['rho2_before']:6.3f} "
-            f"{row['r2_after']:8.3f} {row['r2_ordinary']:8.3f} {f'{low:.3f}..{high:.3f}':>15} "
+            f"{row['r2_after']:8.3f} {row['r2_rescaled']:8.3f} {row['r2_ordinary']:8.3f} "
+            f"{f'{low:.3f}..{high:.3f}':>15} "
             f"{row['gain']:6.3f} {row['rms_error']:8.4f}"
         )
     summary = scores["summary"]
@@ -83,7 +84,8 @@ def score_table(scores: dict[str, Any]) -> str:
     lines.append(f"mean over {summary['recordings']} {summary['over']}: r2 {summary['r2_after']:.3f}{criterion}")
     lines.append(
         "r2 raw: conductance and target standardised per recording (the paper's); rho2: the best straight line; "
-        "r2 after: the paper's; ordinary: an error in level counts in full; "
+        "r2 after: the paper's, in physical units; rescaled: scored as raw is, so that gain and zero are given; "
+        "ordinary: an error in level counts in full; "
         f"95 %: bootstrap over 60 s blocks; {unit}: RMS error"
     )
     if scores["compensator"]["per_recording_scaling"]:
@@ -110,7 +112,7 @@ def cross_validation_table(recipe: Mapping[str, Any], unit: str) -> str:
             "cannot show it: give more, or `compensation recalibrate`"
         )
     if recipe["chosen"] == "line":
-        lines.append("  nothing is surely better than a straight line here, so that is what you get")
+        lines.append("  nothing is better than a straight line here, so that is what you get")
     return "\n".join(lines)
 
 

@@ -60,6 +60,7 @@ def _score_one(compensator: Compensator, part: Series) -> dict[str, Any]:
         "samples": len(part),
         "r2_before": before,
         "r2_after": after,
+        "r2_rescaled": score.r2_before(part.truth, prediction),
         "r2_ordinary": score.r2_ordinary(part.truth, prediction),
         "r2_after_interval": list(score.block_interval(part.truth, prediction, part.time_s)),
         "rho2_before": score.rho_squared(part.truth, part.conductance_S),
@@ -70,7 +71,8 @@ def _score_one(compensator: Compensator, part: Series) -> dict[str, Any]:
 
 
 def _summary(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    mean = {key: float(np.mean([row[key] for row in rows])) for key in ("r2_before", "r2_after", "gain")}
+    keys = ("r2_before", "r2_after", "r2_rescaled", "gain")
+    mean = {key: float(np.mean([row[key] for row in rows])) for key in keys}
     criterion = score.error_of_two(rows[0]["r2_after"], rows[1]["r2_after"]) if len(rows) == 2 else None
     return {"over": rows[0]["role"], "recordings": len(rows), **mean, "E": criterion}
 

@@ -28,8 +28,8 @@ def r2_ordinary(truth: FloatArray, prediction: FloatArray) -> float:
 
 
 def standardised(values: FloatArray) -> FloatArray:
-    """Zero mean, unit variance (population), as scikit-learn's StandardScaler."""
-    return (values - values.mean()) / values.std()
+    """Zero mean, unit variance (population), as scikit-learn's StandardScaler; a constant becomes zero."""
+    return (values - values.mean()) / (values.std() or 1.0)
 
 
 def r2_before(truth: FloatArray, conductance_S: FloatArray, sign: float = 1.0) -> float:

@@ -13,9 +13,9 @@ whole recordings where there are three or more, contiguous fifths of all rows ot
 recording of its own, its memories beginning with its first sample, and again as if it had been slower or quicker:
 what only knows the timing of the training's motion fails there. The stack's weights are those that fit all these
 predictions best, none of them negative; its own figures are of weights that were found without the fold, at the pace
-of the recording. It is taken unless its lead over the line is within one standard error; then the line is, and that
-is said. Of methods that one recording cannot tell apart, a pick would be chance; the weights share the risk of
-another motion or another day.
+of the recording. It is taken where it predicts better than the line does; else the line is, and that is said. Of
+methods that one recording cannot tell apart, a pick would be chance; the weights share the risk of another motion or
+another day.
 """
 
 from __future__ import annotations
@@ -40,7 +40,6 @@ from compensation.training.untrained import describe
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
 
-STACK_LEAD = 1.0  # standard errors by which the stack must lead over the line
 LEARNERS: tuple[type[Learner], ...] = (Line, Ridge, Paper, Networks)
 STACK, STACKED = "stack", ("ridge", "paper", "networks")
 
@@ -77,10 +76,10 @@ def train_automatically(
     for kind in LEARNERS:
         learners[kind.name] = kind(series, target, options, like=next(reversed(learners.values()), None))
     at_all_paces = {name: _cross_validated(learner, folds, progress) for name, learner in learners.items()}
-    truth, block_rows = learners["line"].lessons.truth, learners["line"].lessons.block_rows
+    truth = learners["line"].lessons.truth
     predictions = {name: values[0] for name, values in at_all_paces.items()}
     predictions[STACK] = stacked(at_all_paces, truth, folds)
-    chosen = choose(predictions, truth, block_rows)
+    chosen = choose(predictions, truth)
     weights = weights_of(at_all_paces, truth) if chosen == STACK else {"line": 1.0}
     compensator = _trained(weights, learners, series, options)
     progress(f"trained {chosen} on everything")
@@ -109,15 +108,14 @@ def steps() -> int:
     return FOLDS * len(LEARNERS) + 1
 
 
-def choose(predictions: Mapping[str, FloatArray], truth: FloatArray, block_rows: int) -> str:
-    """The stack, unless its lead over the line is within its standard error over blocks."""
-    count = max(len(truth) // block_rows, 5)
-    line, stack = (
-        np.array([block.mean() for block in np.array_split((truth - predictions[name]) ** 2, count)])
-        for name in ("line", STACK)
-    )
-    unsure = float((line - stack).std(ddof=1)) / np.sqrt(count)
-    return STACK if (line - stack).mean() > STACK_LEAD * unsure else "line"
+def choose(predictions: Mapping[str, FloatArray], truth: FloatArray) -> str:
+    """The stack where it predicts better than the line, by however little; else the line.
+
+    The stack has learned from copies at other levels and paces, the line from the recording as it is: where one
+    recording cannot tell the two apart, another one mostly can.
+    """
+    line, stack = (np.mean((truth - predictions[name]) ** 2) for name in ("line", STACK))
+    return STACK if stack < line else "line"
 
 
 def weights_of(predictions: Mapping[str, FloatArray], truth: FloatArray) -> dict[str, float]:

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from compensation.cli import main
 from compensation.model import files as compensator_files
+from compensation.model.compensator import Scaling
 from compensation.scoring.scorecard import score_recordings
 from compensation.series.preprocessing import series_of
+from compensation.training.learners import linear
 from compensation.training.options import Options
 from compensation.training.training import train, train_on_series
 from gcode.support.errors import UserError
@@ -35,6 +38,17 @@ def test_held_out_recordings_gain(compensator, recordings):
         assert set(row["trace"]) == {"time_s", "F", "G", "G_rescaled", "p"}
         assert len(row["trace"]["p"]) <= 1500
     json.dumps(scores, allow_nan=False)
+
+
+def test_a_wrong_gain_and_zero_leave_the_rescaled_score_as_it_is(compensator, recordings):
+    """Which tells a sensor whose gain has moved from one that is not understood; a dead network explains nothing."""
+    out = compensator.scaling_out
+    moved = replace(compensator, scaling_out=Scaling(out.mean + 2.0, 1.5 * out.scale))
+    right, wrong = (score_recordings(one, recordings[1:2])["recordings"][0] for one in (compensator, moved))
+    assert wrong["r2_rescaled"] == pytest.approx(right["r2_rescaled"], abs=1e-9)
+    assert wrong["r2_after"] < right["r2_after"] - 0.2
+    dead = replace(compensator, networks=(linear(np.zeros(compensator.input_count), 0.5),))
+    assert score_recordings(dead, recordings[1:2])["summary"]["r2_rescaled"] == pytest.approx(0.0, abs=1e-9)
 
 
 def test_saved_and_read_back_it_predicts_the_same(compensator, recordings, tmp_path):
@@ -118,8 +132,6 @@ def test_bad_choices_are_one_sentence_and_leave_no_file(recordings, tmp_path, ca
     [("resistance_ohm", "force", "no resistance_ohm"), ("force_N", "force", "no force_N, which --target force")],
 )
 def test_a_missing_channel_is_named(recordings, drop, target, match):
-    from dataclasses import replace
-
     channels = {name: values for name, values in recordings[0].channels.items() if name != drop}
     with pytest.raises(UserError, match=match):
         train([replace(recordings[0], channels=channels)], target, QUICK)
@@ -147,8 +159,6 @@ def test_the_same_recording_twice_is_refused(recordings, tmp_path, capsys):
 
 
 def test_constant_or_short_recordings_are_refused(recordings):
-    from dataclasses import replace
-
     recording = recordings[0]
     still = replace(recording, channels={**recording.channels, "force_N": np.full(len(recording), 2.0)})
     with pytest.raises(UserError, match="force_N is constant"):
