@@ -3,8 +3,8 @@
     python benchmarks/bench_intervals.py [--trained 411,412,413,414] [--tested 415,416,417,418] [--kinds pes,...]
 
 `auto` learns from campaign T of the trained specimens, of all of them together and of each alone, and predicts
-campaign A of the tested ones. Kinds measured, others, unseen: each pair of `compensator_cases`, learned from one
-recording.
+campaign A of the tested ones. Kinds measured, others, further, unseen: each
+pair of `compensator_cases`, learned from one recording.
 
     python benchmarks/bench_intervals.py --halves 731,732,733,734,735,736,737,738 [--kinds pes,lycra]
 
@@ -21,7 +21,7 @@ from itertools import combinations
 from pathlib import Path
 
 import numpy as np
-from compensator_cases import measured, others, unseen
+from compensator_cases import real
 from compensator_rivals import seed_of
 
 from compensation.model.compensator import Compensator
@@ -41,7 +41,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--trained", default="411,412,413,414", help="numbers of the specimens that are learned from")
     parser.add_argument("--tested", default="415,416,417,418", help="numbers of those that are predicted")
-    parser.add_argument("--kinds", default="pes,lycra,measured,others,unseen", help="only these sensors")
+    parser.add_argument("--kinds", default="pes,lycra,measured,others,further,unseen", help="only these sensors")
     parser.add_argument("--campaigns", type=Path, default=Path(tempfile.gettempdir()) / "knitbench-bench")
     parser.add_argument("--halves", help="numbers of specimens: the ridge alone, every way of halving them")
     args = parser.parse_args()
@@ -112,8 +112,8 @@ def _simulated(args: argparse.Namespace, kind: str, target: str) -> Iterator[tup
 
 def _measured(kind: str, target: str) -> Iterator[tuple[str, list[float]]]:
     shares: list[float] = []
-    for case in (*measured(), *others(), *unseen()):
-        if case.kind != kind or target not in case.targets:
+    for case in real(kind):
+        if target not in case.targets:
             continue
         learned, tests = ([series_of(one, target, RATE_HZ) for one in part] for part in case.load())
         compensator = train_automatically(learned, target, Options(seed=seed_of(case.name, target)))

@@ -1,7 +1,7 @@
 """What a minute of reference buys: campaigns long after the training, and another specimen.
 
     python benchmarks/bench_recalibration.py [--sets 301,302,303] [--campaigns DIR]
-    python benchmarks/bench_recalibration.py --pairs others,unseen [--seconds 30]
+    python benchmarks/bench_recalibration.py --pairs others,further [--seconds 30]
 
 `train --method auto` learns from a specimen's first campaign. Its campaigns 4, 8 and 12, and the fourth of another
 specimen of the same kind, are predicted as they are and after `recalibrate` with their first 30 or 60 s, or with
@@ -10,7 +10,7 @@ ordinary r2, where an error in level counts in full. `recalibrate` was developed
 
 `--pairs` takes measured pairs of `compensator_cases` in place of simulated specimens. Scored is what comes after the
 reference: raw (given the mean and the spread of the target there, which nobody in use knows), and a straight line and
-`auto`, both trained on the first recording, as they are and after the same reference. No pair chose anything here.
+`auto`, both trained on the first recording, as they are and after the same reference.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from pathlib import Path
 
 import numpy as np
 from compensator_ageing import chain
-from compensator_cases import Case, others, unseen
+from compensator_cases import Case, real
 from compensator_rivals import seed_of
 
 from compensation.model.compensator import Compensator
@@ -47,11 +47,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--sets", default="301,302,303", help="numbers of the specimens")
     parser.add_argument("--campaigns", type=Path, default=Path(tempfile.gettempdir()) / "knitbench-bench")
-    parser.add_argument("--pairs", help="measured pairs in place of specimens: others, unseen, or both with a comma")
+    parser.add_argument("--pairs", help="measured pairs in place of specimens: others, further, unseen")
     parser.add_argument("--seconds", type=float, default=30.0, help="of reference, for --pairs")
     args = parser.parse_args()
     if args.pairs:
-        _report_pairs([c for c in (*others(), *unseen()) if c.kind in args.pairs.split(",")], args.seconds)
+        _report_pairs(real(args.pairs), args.seconds)
         return
     args.campaigns.mkdir(parents=True, exist_ok=True)
     numbers = [int(number) for number in args.sets.split(",")]

@@ -1,9 +1,8 @@
 """What compensators are trained and tested on: fresh specimens of both presets, and pairs of measured recordings.
 
-`measured` are the pairs of the carbon-black strip on which rules of `auto` were compared, so figures on them measure
-nothing; `others` are other materials, and a motion of the strip that is in no pair: six of its pairs (`DEVELOPED_ON`)
-showed how a compensator learns the clock of a motion, the rest chose nothing. `unseen` are recordings of the same
-kinds in pairs that were run once, after everything was chosen: other motions against one another, and another person.
+On pairs of the carbon-black strip (`measured`), of other materials (`others`) and on pairs of other motions and of
+another person (`further`) rules of `auto` were compared, so figures on them measure nothing. `unseen` are pairs of
+the same recordings, written down before they were run and run once, after everything was chosen.
 """
 
 from __future__ import annotations
@@ -44,15 +43,7 @@ OTHERS = (
     ("silver_nylon_thread", "cyclic_mixed_10_20", "cyclic_mixed_15_25", THREAD),
     ("silver_nylon_thread", "cyclic_sin_20", "cyclic_tri_20", THREAD),
 )
-DEVELOPED_ON = (
-    "velostat pike1_exp1 -> pike1_exp2",
-    "silver steps_inc_single_1 -> steps_inc_single_2",
-    "silver steps_inc_single_1 -> steps_inc_double_1",
-    "silver cyclic_mixed_10_20 -> cyclic_mixed_15_25",
-    "sleeve s1, first 60 % of one person -> rest",
-    "sleeve s3, first 60 % of one person -> rest",
-)
-UNSEEN = (
+FURTHER = (
     ("silver_nylon_thread", "steps_inc_double_1", "steps_inc_single_2", THREAD | {"force_N": "load_raw"}),
     ("silver_nylon_thread", "steps_dec_double_1", "steps_inc_single_2", THREAD | {"force_N": "load_raw"}),
     ("silver_nylon_thread", "steps_inc_double_1", "steps_dec_double_2", THREAD | {"force_N": "load_raw"}),
@@ -60,10 +51,23 @@ UNSEEN = (
     ("silver_nylon_thread", "cyclic_mixed_15_25", "cyclic_sin_20", THREAD),
     ("silver_nylon_thread", "cyclic_tri_20", "cyclic_mixed_15_25", THREAD),
 )
-UNSEEN_STRIP = (
+FURTHER_STRIP = (
     ("2_multisine_600s", "2_triangles12_v19"),
     ("2_sine", "2_multisine_300s_a"),
     ("2_random_sawtooth_a", "2_multisine_600s"),
+)
+UNSEEN = (
+    ("silver_nylon_thread", "steps_inc_single_2", "steps_inc_double_1", THREAD | {"force_N": "load_raw"}),
+    ("silver_nylon_thread", "steps_dec_double_2", "steps_inc_single_1", THREAD | {"force_N": "load_raw"}),
+    ("silver_nylon_thread", "steps_inc_double_1", "steps_dec_double_1", THREAD | {"force_N": "load_raw"}),
+    ("silver_nylon_thread", "cyclic_mixed_10_20", "cyclic_sin_20", THREAD),
+    ("silver_nylon_thread", "cyclic_mixed_15_25", "cyclic_tri_20", THREAD),
+    ("silver_nylon_thread", "cyclic_tri_20", "cyclic_mixed_10_20", THREAD),
+)
+UNSEEN_STRIP = (
+    ("2_multisine_300s_a", "2_sine"),
+    ("2_random_sawtooth_a", "2_random_sawtooth_b"),
+    ("2_triangles12_v19", "2_multisine_600s"),
 )
 SLEEVE, SLEEVE_SENSORS = "knit_graphene_sleeve/HC_90_S1_2_HC90.csv", ("s1", "s2", "s3", "s4", "s5")
 ONE_PERSON = 0.45
@@ -89,6 +93,12 @@ def simulated(folder: Path, numbers: Sequence[int]) -> Iterator[Case]:
     for number in numbers:
         for sensor in ("pes", "lycra"):
             yield Case(sensor, f"{sensor}@{number}", lambda s=sensor, n=number: load(s, n))
+
+
+def real(kinds: str) -> list[Case]:
+    """The measured cases of these kinds, named with commas."""
+    every = (*measured(), *others(), *further(), *unseen())
+    return [case for case in every if case.kind in kinds.split(",")]
 
 
 def measured() -> Iterator[Case]:
@@ -122,18 +132,30 @@ def others() -> Iterator[Case]:
         yield _pair("others", folder, first, second, columns)
         yield _pair("others", folder, second, first, columns)
     yield Case("others", "cb sine, first 60 % -> rest", lambda: _parts(_named(REAL / "cb7.5_s2_sine.csv", STRIP)))
-    yield from _sleeve("others", "one person", first=True)
+    yield from _sleeve("others", "first 60 % of one person -> rest", (0.0, FIRST_PART * ONE_PERSON, ONE_PERSON))
+
+
+def further() -> Iterator[Case]:
+    """Other motions against one another, and another person; nothing where they are absent."""
+    yield from _pairs("further", FURTHER, FURTHER_STRIP)
+    begin = 1.0 - ONE_PERSON
+    cuts = (begin, begin + FIRST_PART * ONE_PERSON, 1.0)
+    yield from _sleeve("further", "first 60 % of another person -> rest", cuts)
 
 
 def unseen() -> Iterator[Case]:
     """Pairs that were run once, after everything was chosen; nothing where they are absent."""
+    yield from _pairs("unseen", UNSEEN, UNSEEN_STRIP)
+    yield from _sleeve("unseen", "one person -> another", (0.0, ONE_PERSON, 1.0 - ONE_PERSON, 1.0))
+
+
+def _pairs(kind: str, pairs: Sequence[tuple], of_the_strip: Sequence[tuple[str, str]]) -> Iterator[Case]:
     if not ALL_REAL.is_dir():
         return
-    for folder, first, second, columns in UNSEEN:
-        yield _pair("unseen", folder, first, second, columns)
-    for first, second in UNSEEN_STRIP:
-        yield _pair("unseen", REAL.name, f"cb7.5_s{first}", f"cb7.5_s{second}", STRIP)
-    yield from _sleeve("unseen", "another person", first=False)
+    for folder, first, second, columns in pairs:
+        yield _pair(kind, folder, first, second, columns)
+    for first, second in of_the_strip:
+        yield _pair(kind, REAL.name, f"cb7.5_s{first}", f"cb7.5_s{second}", STRIP)
 
 
 def _pair(kind: str, folder: str, first: str, second: str, columns: Mapping[str, str]) -> Case:
@@ -145,20 +167,20 @@ def _pair(kind: str, folder: str, first: str, second: str, columns: Mapping[str,
     return Case(kind, f"{folder.split('_')[0]} {first} -> {second}", load, targets)
 
 
-def _sleeve(kind: str, whose: str, first: bool) -> Iterator[Case]:
-    """Each sensor of the sleeve, worn by the first or the second person.
+def _sleeve(kind: str, what: str, cuts: Sequence[float]) -> Iterator[Case]:
+    """Each sensor of the sleeve, learned from between the first two shares of the time, tested between the last two.
 
     Two people follow each other, the boundary is not marked: the first 45 % are of the first alone, the last of the
     second.
     """
-    for sensor in SLEEVE_SENSORS:
+    for sensor in SLEEVE_SENSORS if ALL_REAL.is_dir() else ():
         columns = {"displacement_mm": "knee_angle_deg", "resistance_ohm": f"{sensor}_dR_R0"}
 
         def load(columns: Mapping[str, str] = columns) -> tuple[Sequence[Recording], Sequence[Recording]]:
             whole = _named(ALL_REAL / SLEEVE, columns, change=True)
-            return _parts(whole, *((0.0, ONE_PERSON) if first else (1.0 - ONE_PERSON, 1.0)))
+            return [_share(whole, *cuts[:2])], [_share(whole, *cuts[-2:])]
 
-        yield Case(kind, f"sleeve {sensor}, first 60 % of {whose} -> rest", load, ("displacement",))
+        yield Case(kind, f"sleeve {sensor}, {what}", load, ("displacement",))
 
 
 TARGET_OF = {"force": "force_N", "displacement": "displacement_mm"}
@@ -172,8 +194,11 @@ def _named(path: Path, columns: Mapping[str, str], change: bool = False) -> Reco
     return Recording(found["time_s"], channels, GAUGE_LENGTH_MM, path.stem)
 
 
-def _parts(whole: Recording, begin: float = 0.0, end: float = 1.0) -> tuple[Sequence[Recording], Sequence[Recording]]:
-    """The first 60 % of what lies between two shares of a recording, and the rest of it."""
-    begin_s, end_s = (float(whole.time_s[0] + share * whole.duration_s) for share in (begin, end))
-    cut_s = begin_s + FIRST_PART * (end_s - begin_s)
-    return [whole.between(begin_s, cut_s)], [whole.between(cut_s, end_s)]
+def _parts(whole: Recording) -> tuple[Sequence[Recording], Sequence[Recording]]:
+    """The first 60 % of a recording, and the rest of it."""
+    return [_share(whole, 0.0, FIRST_PART)], [_share(whole, FIRST_PART, 1.0)]
+
+
+def _share(whole: Recording, begin: float, end: float) -> Recording:
+    """What lies between two shares of a recording's time."""
+    return whole.between(*(float(whole.time_s[0] + share * whole.duration_s) for share in (begin, end)))
