@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 PICTURES = (".png", ".pdf", ".svg")
 # Wider or deeper networks than these have no place on a chip, and fill the memory instead.
 WIDEST, DEEPEST = 256, 8
+# Of r2: so much lost to gain and zero is worth a word.
+MUCH = 0.05
 
 
 def add_recordings(parser: argparse.ArgumentParser) -> None:
@@ -88,6 +90,12 @@ def score_table(scores: dict[str, Any]) -> str:
         "ordinary: an error in level counts in full; "
         f"95 %: bootstrap over 60 s blocks; {unit}: RMS error"
     )
+    lost = summary["r2_rescaled"] - summary["r2_after"]
+    if lost > MUCH:
+        lines.append(
+            f"{lost:.2f} of r2 is lost to gain and zero, as on another day or specimen: `compensation recalibrate` "
+            "mends them with a minute of reference"
+        )
     if scores["compensator"]["per_recording_scaling"]:
         lines.append(
             "scaled per recording: the mean and the spread of each recording's own target were used, which no "

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from compensation.cli import main
+from compensation.commands.common import score_table
 from compensation.model import files as compensator_files
 from compensation.model.compensator import Scaling
 from compensation.scoring.scorecard import score_recordings
@@ -47,6 +48,8 @@ def test_a_wrong_gain_and_zero_leave_the_rescaled_score_as_it_is(compensator, re
     right, wrong = (score_recordings(one, recordings[1:2])["recordings"][0] for one in (compensator, moved))
     assert wrong["r2_rescaled"] == pytest.approx(right["r2_rescaled"], abs=1e-9)
     assert wrong["r2_after"] < right["r2_after"] - 0.2
+    tables = [score_table(score_recordings(one, recordings[1:2])) for one in (compensator, moved)]
+    assert ["lost to gain and zero" in table for table in tables] == [False, True]
     dead = replace(compensator, networks=(linear(np.zeros(compensator.input_count), 0.5),))
     assert score_recordings(dead, recordings[1:2])["summary"]["r2_rescaled"] == pytest.approx(0.0, abs=1e-9)
 
