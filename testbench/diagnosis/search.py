@@ -14,7 +14,7 @@ from threadpoolctl import threadpool_limits
 from testbench.comparing.ladder import drawn_to_data
 from testbench.diagnosis import constants
 from testbench.diagnosis.discrepancy_map import log_z_with_map
-from testbench.diagnosis.hypothesis import Hypothesis, under
+from testbench.diagnosis.hypothesis import Hypothesis, own_part, under
 from testbench.diagnosis.laplace import fitted
 from testbench.diagnosis.likelihood import (
     Likelihood,
@@ -131,7 +131,7 @@ class Search:
         return rounds, found
 
     def bases(self) -> list[Hypothesis]:
-        """The best base, and others none of whose laws bends: the best of those, and the first.
+        """The best base, and two others none of whose laws bends: itself, the best of those, or the first.
 
         In each place, all laws that may stand there are tried beside the best of the others so far.
         """
@@ -147,7 +147,9 @@ class Search:
         stiff = sorted(tried, key=_evidence)[-constants.BASES :]
         bent = self.pool.map(lambda h: self.compare(self.bent(h.model)), stiff)
         best = max(*bent, self.compare(self.flexible.model, self.flexible), key=_evidence)
-        return [best, *dict.fromkeys((stiff[-1], first))]
+        itself = self.compare(without_shapes(best.model))
+        others = {frozenset(law.name for law in h.model.effects.values()): h for h in (first, stiff[-1], itself)}
+        return [best, *[*others.values()][: -constants.BASES - 1 : -1]]
 
     def about_to_bend(self, h: Hypothesis) -> Hypothesis:
         """A base as it is, its shapes there to be used.
@@ -219,13 +221,31 @@ class Search:
     def judged(self, e: Entry, likelihood: Likelihood) -> Entry:
         """An entry as the hypotheses of a round are weighed: beside a map of what it leaves, or without."""
         h = under(e.hypothesis, likelihood)
-        return replace(e, hypothesis=h, log_z=log_z_with_map(h, likelihood))
+        own = own_part(h, e.name, likelihood) if e.name else {}
+        return replace(e, hypothesis=h, log_z=log_z_with_map(h, likelihood), own_part=own)
 
     def ground(self, h: Hypothesis, like: Hypothesis) -> Ground:
-        """A model, and what each law of the catalogue promises beside it."""
+        """A model, and what each law of the catalogue promises beside it.
+
+        Beside a base that does not bend a refit costs next to nothing, and tells more than its first step.
+        """
         laws = laws_of(h, self.compared, self.catalogue, self.pool)
-        proposals = tuple(Screen(h, self.compared).proposals(laws))
-        return Ground(h, like, proposals)
+        proposals = Screen(h, self.compared).proposals(laws)
+        if like is not h:
+            proposals = list(self.pool.map(lambda p: self.stiff(h, p) if p.gain > 0 else p, proposals))
+        return Ground(h, like, tuple(sorted(proposals, key=lambda p: -p.gain)))
+
+    def stiff(self, h: Hypothesis, p: Proposal) -> Proposal:
+        """A law refitted beside a base that does not bend."""
+        model = best_start(h, p, self.compared)
+        there = fitted(model, self.compared, self.reference, h, believed=self.believed(h, model, p))
+        return replace(p, gain=there.log_z - h.log_z, model=there.model)
+
+    def believed(self, h: Hypothesis, model: KnitModel, p: Proposal) -> dict[str, tuple[float, float]]:
+        """Priors of a law's strength that only the data have a scale for."""
+        if not p.believed or p.believed[0] <= 0:
+            return {}
+        return {f"{_newest(model, h)}.{p.effect.strength}": p.believed}
 
     def exchanged(self, model: KnitModel, place: str) -> list[KnitModel]:
         """The model with each other law of the catalogue that could stand in a place of it, drawn to the data."""
@@ -297,10 +317,11 @@ class Search:
         return list(self.pool.map(lambda one: self.enter(*one), chosen))
 
     def enter(self, ground: Ground, p: Proposal) -> Entry:
+        """A law refitted with shapes; beside a stiff base it was in its place before they could take it over."""
         self.tell(f"refitting with {p.law}")
-        model = self.bent(best_start(ground.hypothesis, p, self.compared))
-        name = next(n for n in model if n not in ground.hypothesis.model and n not in SHAPES)
-        believed = {f"{name}.{p.effect.strength}": p.believed} if p.believed and p.believed[0] > 0 else {}
+        before = p.model or best_start(ground.hypothesis, p, self.compared)
+        name, believed = _newest(before, ground.hypothesis), self.believed(ground.hypothesis, before, p)
+        model = self.bent(before)
         h = fitted(model, self.compared, self.reference, ground.like, 6, quick=True, believed=believed)
         return Entry(p.mechanism, p.law, name, h, h.log_z)
 
@@ -318,6 +339,11 @@ def searched(
     with threadpool_limits(1, "blas"):
         search = Search(measurement, catalogue, tell or (lambda _text: None), start, pieces)
         return search, *search.run(most)
+
+
+def _newest(model: KnitModel, h: Hypothesis) -> str:
+    """Name of the effect that a model has, and a hypothesis has not."""
+    return next(name for name in model if name not in h.model)
 
 
 def _evidence(h: Hypothesis) -> float:
