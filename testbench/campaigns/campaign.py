@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-import shutil
+import re
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from itertools import chain
@@ -22,10 +22,14 @@ from testbench.rig.at_once import at_once
 from testbench.rig.parts import Part, in_memory
 from testbench.rig.recorder import DISK_STATES, Recorder, Status, counts
 from testbench.rig.simulated import Motion
-from testbench.rig.sink import EVENTS, Sink
+from testbench.rig.sink import BAD, EVENTS, ROOM, Sink
 from testbench.rig.stream import Intake
 
 COMPENSATED = "compensated.csv"  # what a compensator made of it while it was recorded
+_ALL_NAMES = "|".join(
+    [*map(re.escape, (manifest.NAME, CSV, PROGRAM, EVENTS, BAD, COMPENSATED, EFFECTS)), r"before-\d+\.tap"]
+)
+_OUR_NAME = re.compile(rf"{_ALL_NAMES}|\.({_ALL_NAMES})\.[0-9a-f]{{8}}\.\w+|{re.escape(ROOM)}")
 
 
 def matches(folder: Path, plan: Plan) -> bool:
@@ -154,17 +158,35 @@ def write_derived(folder: Path, recording: Recording, how: str, details: dict[st
 def campaign_files(folder: Path) -> list[str]:
     """The files of a campaign, recording first; the manifest itself is not among them."""
     count = len(list(folder.glob("before-*.tap")))
-    names = [CSV, PROGRAM, EVENTS, "recording.bad", COMPENSATED, *past_names(count), EFFECTS]
+    names = [CSV, PROGRAM, EVENTS, BAD, COMPENSATED, *past_names(count), EFFECTS]
     return [name for name in names if (folder / name).exists()]
 
 
 def vacant(folder: Path, overwrite: bool = False, origin: str = "simulated") -> None:
-    """Make sure that `folder` may be written; remove a campaign of that `origin` if `overwrite`.
+    """Make sure that `folder` may be written; remove the files of a campaign of that `origin` if `overwrite`.
+
+    The manifest goes last: what a kill leaves is still known as a campaign, and is removed by the next call.
 
     Raises
     ------
     UserError
-        If something else is there. A recorded campaign is never removed.
+        As `check_vacant`; nothing is removed then.
+    """
+    check_vacant(folder, overwrite, origin)
+    if folder.exists():
+        for path in sorted(folder.iterdir(), key=lambda path: path.name == manifest.NAME):
+            path.unlink(missing_ok=True)
+        folder.rmdir()
+
+
+def check_vacant(folder: Path, overwrite: bool = False, origin: str = "simulated") -> None:
+    """Refuse a folder that `vacant` may not empty.
+
+    Raises
+    ------
+    UserError
+        If something else is there, a campaign of another origin, or a file beside a campaign that is none of its own:
+        somebody put it there, and it would be lost.
     """
     if not folder.exists() or (folder.is_dir() and not any(folder.iterdir())):
         return
@@ -176,4 +198,16 @@ def vacant(folder: Path, overwrite: bool = False, origin: str = "simulated") -> 
         )
     if not overwrite:
         raise UserError(f"{folder}: holds another campaign; choose another place with -o, or add --overwrite")
-    shutil.rmtree(folder)
+    if strange := sorted(path.name for path in folder.iterdir() if not _ours(path)):
+        raise UserError(
+            f"{folder}: beside its campaign it holds {strange[0]!r}, which would be lost; move that away, or choose "
+            "another place with -o"
+        )
+
+
+def _ours(path: Path) -> bool:
+    """Whether it is a file of a campaign, or what a kill left of one that was being written.
+
+    What the manifest lists does not count: a stranger's may list any file.
+    """
+    return bool(_OUR_NAME.fullmatch(path.name)) and (path.is_symlink() or not path.is_dir())
