@@ -24,10 +24,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import worlds_second
+import worlds_third
 from diagnosis_score import Row, score, tables
 from joblib import Parallel, delayed
 
-from testbench import worlds, worlds_second, worlds_third
+from testbench import worlds
 from testbench.diagnosis import diagnose
 from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.recordings.channels import FORCE, RESISTANCE
