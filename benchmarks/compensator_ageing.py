@@ -13,7 +13,7 @@ from testbench.campaigns.campaign import Plan, matches, simulate_campaign, vacan
 from testbench.knit.presets import preset
 from testbench.recordings.files import read_recording
 from testbench.recordings.recording import Recording
-from testbench.rig.motion import played
+from testbench.rig.played import played
 
 TRAJECTORIES = ("paper-1", "paper-2", "paper-3")
 FIRST_SEED = 500

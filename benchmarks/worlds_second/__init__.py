@@ -7,6 +7,6 @@ drawn with the seed. `make_case` makes two recordings of one sensor and says wha
 from worlds_second.case import Case, make_case
 from worlds_second.effects import MECHANISMS, UNKNOWN_KINDS
 from worlds_second.laws import LAW_FAMILIES
-from worlds_second.motion import PROTOCOLS
+from worlds_second.protocols import PROTOCOLS
 
 __all__ = ["LAW_FAMILIES", "MECHANISMS", "PROTOCOLS", "UNKNOWN_KINDS", "Case", "make_case"]

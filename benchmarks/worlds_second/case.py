@@ -13,7 +13,7 @@ from testbench.recordings.recording import Recording
 from worlds_second.chain import Hook
 from worlds_second.choice import Hidden, choose
 from worlds_second.draws import stream
-from worlds_second.motion import draw_motion
+from worlds_second.protocols import draw_motion
 from worlds_second.rig import NAMES, Rig
 from worlds_second.sensor import draw_sensor
 from worlds_second.strength import reach

@@ -27,7 +27,7 @@ import numpy as np
 from worlds_second.draws import stream
 from worlds_second.kernels import Array
 from worlds_second.laws.contact import STRAIN_DRIVEN, around
-from worlds_second.motion import Motion
+from worlds_second.protocols import Motion
 from worlds_second.sensor import Sensor
 
 SIGNAL = {

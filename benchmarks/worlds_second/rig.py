@@ -12,8 +12,8 @@ from testbench.recordings.recording import Recording
 from worlds_second.chain import Hook, Scales, converted, measure, simulate
 from worlds_second.draws import stream
 from worlds_second.kernels import Array
-from worlds_second.motion import Motion
 from worlds_second.noise import DISPLACEMENT_MM, FORCE_N, LN_CONDUCTANCE, draw_kind, draw_noise
+from worlds_second.protocols import Motion
 from worlds_second.sensor import Sensor
 from worlds_second.strength import STEP, Absorber, Channels, make_absorber
 

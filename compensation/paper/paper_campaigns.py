@@ -45,7 +45,7 @@ def campaigns(
     from testbench.campaigns.campaign import Plan, matches, simulate_campaign, vacant
     from testbench.knit.presets import preset
     from testbench.recordings.files import read_recording
-    from testbench.rig.motion import played
+    from testbench.rig.played import played
 
     found: dict[str, Recording] = {}
     past: tuple[Path, ...] = ()

@@ -15,8 +15,8 @@ from gcode.programs.made_again import check_file
 from gcode.programs.make import Made, make
 from gcode.programs.request import changed
 from gcode.trajectories.bounds import Limits
-from gcode.trajectories.pieces import Piece, Protocol
 from gcode.trajectories.presets import preset
+from gcode.trajectories.protocol import Piece, Protocol
 from gcode.trajectories.toml_spec import read_spec
 from gcode.trajectories.trajectory import Trajectory, TrajectorySpec
 

@@ -19,7 +19,7 @@ from testbench.campaigns.plan import PROGRAM
 from testbench.recordings.channels import DISPLACEMENT
 from testbench.recordings.recording import Recording
 from testbench.report import style
-from testbench.rig.motion import played
+from testbench.rig.played import played
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

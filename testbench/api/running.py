@@ -21,8 +21,8 @@ from testbench.recordings.files import check_beside, read_recording
 from testbench.recordings.instruments import Instruments
 from testbench.recordings.recording import Recording
 from testbench.rig.links import real_time as at_the_machines_pace
-from testbench.rig.motion import played
 from testbench.rig.past import DEFAULT_REST_S
+from testbench.rig.played import played
 from testbench.rig.recorder import Status
 from testbench.rig.simulated import Motion
 from testbench.rig.stopping import stop_signals

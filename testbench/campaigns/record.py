@@ -17,8 +17,8 @@ from testbench.recordings.manifest import CSV, IN_PROGRESS, NAME, Campaign, read
 from testbench.recordings.versions import software_versions
 from testbench.rig.ending import EndOfMotion
 from testbench.rig.held import held
-from testbench.rig.motion import played
 from testbench.rig.parts import Part
+from testbench.rig.played import played
 from testbench.rig.ports import remembered_port, stated_port
 from testbench.rig.recorder import PROGRESS_S, Follow, Limits, Recorder, Status
 from testbench.rig.resume import continued, mend, watched

@@ -19,7 +19,7 @@ from testbench.recordings import manifest
 from testbench.recordings.instruments import Instruments
 from testbench.recordings.manifest import read_manifest
 from testbench.rig.links import paced
-from testbench.rig.motion import played
+from testbench.rig.played import played
 from testbench.rig.pty_port import PtyPort, serve
 from testbench.rig.recorder import Limits, Status
 from testbench.rig.serial_port import SerialLink

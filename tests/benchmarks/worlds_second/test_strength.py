@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from worlds_second import make_case
 from worlds_second.draws import stream
-from worlds_second.motion import draw_motion
+from worlds_second.protocols import draw_motion
 from worlds_second.rig import Rig
 from worlds_second.sensor import draw_sensor
 from worlds_second.strength import make_absorber, reach

@@ -17,7 +17,7 @@ from gcode.support.files import write_json
 from testbench.campaigns.plan import Plan
 from testbench.cli import main
 from testbench.rig.links import paced
-from testbench.rig.motion import played
+from testbench.rig.played import played
 from testbench.rig.pty_port import PtyPort, serve
 from tests.testbench.api.samples import diagnosed, fitted, relaxed
 from tests.testbench.builders import write_csv

@@ -22,8 +22,8 @@ from testbench.knit.model import inputs
 from testbench.recordings.files import read_recording
 from testbench.recordings.manifest import problems, read_manifest, write_manifest
 from testbench.recordings.versions import software_versions
-from testbench.rig.motion import played
 from testbench.rig.past import past_displacement
+from testbench.rig.played import played
 from testbench.rig.simulated import GRID_HZ, SimulatedRig
 from tests.testbench.rig.rigs import plan, program, triangle
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from testbench.proposing.pieces import FORCE, LN_G, PRESSING, STRAIN, TIME, WARM, Coordinate, Slot
+from testbench.proposing.law_parts import FORCE, LN_G, PRESSING, STRAIN, TIME, WARM, Coordinate, Slot
 from testbench.proposing.units import KELVIN, NEWTON, ONE, PER_SECOND, SECOND
 
 COORDINATES = {
