@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
+from gcode.programs.stored_plan import read_plan
 from gcode.support.errors import UserError
 from gcode.support.strict import load
 from testbench.fitting.results import read_experiment
@@ -33,12 +34,13 @@ from tests.testbench.report.samples import diagnosis, experiment, score
 from tests.testbench.rig.rigs import PROGRAM_TEXT, program
 from tests.testbench.studio.proposals import FOUND
 
-QUICK = 8  # mutants of each document in the quick suite
+QUICK, SLOW = 8, 200  # mutants of each document: in the quick suite; in the slow one, for what takes seconds
 SAMPLES = {"score": score(), "experiment": experiment(), "proposal": FOUND}
 MODELS = {"before": "model", "after": "rival"}
 MADE_BY = (
     "testbench fit {rec} --gauge-length-mm 25 -o {model}",
     "testbench add stress_relaxation --model {model} --fit {rec} --gauge-length-mm 25 -o {rival}",
+    "gcode generate --preset paper-1 --seed 1 --gauge-length-mm 25 --duration-s 60 -o {plan}",
     "testbench run --program {driven} --sensor pes -o {campaign}",
     "testbench dataset {spec} -o {dataset} --workers 1",
     "compensation train {campaign} --target force --hidden 1 --restarts 1 -o {compensator}",
@@ -50,6 +52,7 @@ SLOWLY_MADE_BY = (
 )
 RECORDED = "--recording {rec} --gauge-length-mm 25"
 ON = "{rec} --gauge-length-mm 25"
+Reader = str | Callable[[Path], object]
 
 
 class Kind(NamedTuple):
@@ -62,13 +65,13 @@ class Kind(NamedTuple):
     readers : tuple of str or callable
         Commands that read it (``{place}`` is the good file of that name), or what a page of the studio does with it.
     slow_readers : tuple of str
-        Commands that take seconds where the change is allowed.
+        Commands that take seconds where the change is allowed; they are given fewer mutants.
     seal : callable
         As somebody writes it who knows how its digest is made.
     """
 
     place: str
-    readers: tuple[str | Callable[[Path], object], ...]
+    readers: tuple[Reader, ...]
     slow_readers: tuple[str, ...] = ()
     seal: Callable[[Any], str] = json.dumps
 
@@ -99,6 +102,7 @@ KINDS: dict[str, Kind] = {
         (
             f"testbench report {RECORDED} --model {{doc}} -o {{out}}",
             f"testbench fit {ON} --model {{doc}} -o {{out}}",
+            "gcode generate --preset paper-1 --seed 1 --gauge-length-mm 25 --duration-s 60 -o {plan}",
             "testbench run --program {driven} --sensor {doc} -o {out}",
             f"testbench add hysteresis --model {{doc}} --fit {ON} -o {{out}}",
         ),
@@ -128,6 +132,7 @@ KINDS: dict[str, Kind] = {
         ),
         compensator_sealed,
     ),
+    "plan": Kind("plan/trajectory.json", (read_plan,)),
     "proposal": Kind("proposal.json", (proposed_law,)),
     "notes": Kind(FILE, (lambda path: Notes(path.parent).all(),)),
     "job": Kind(ABOUT, (lambda path: Outliving(path.parent).last(),)),
@@ -148,7 +153,12 @@ def files(tmp_path_factory) -> Mapping[str, Path]:
     names = ("model", "rival", "diagnosis", "experiment", "compensator", "score")
     paths = {name: folder / f"{name}.json" for name in names}
     paths |= {"rec": folder / "rec.csv", "driven": folder / "driven.tap", "spec": folder / "spec.toml"}
-    paths |= {"campaign": folder / "campaign", "dataset": folder / "dataset", "out": folder / "out"}
+    paths |= {
+        "campaign": folder / "campaign",
+        "dataset": folder / "dataset",
+        "plan": folder / "plan",
+        "out": folder / "out",
+    }
     write_csv(record(truth(), 60), paths["rec"])
     paths["driven"].write_text(PROGRAM_TEXT.replace("M30", "G1 X5 F120\nG1 X0 F120\n" * 12 + "M30"))
     paths["spec"].write_text(DATASET.replace("knit.json", "model.json").replace("1-3", "1-2"))
@@ -174,13 +184,12 @@ def make(commands: Sequence[str], paths: Mapping[str, Path]) -> None:
         assert importlib.import_module(f"{name}.cli").main(words) == 0, command
 
 
-def faults(files: Mapping[str, Path], name: str, most: int = 1_000_000, slow: bool = False) -> list[str]:
+def faults(files: Mapping[str, Path], name: str, readers: Sequence[Reader], most: int = 1_000_000) -> list[str]:
     """What readers do wrong with at most so many mutants."""
     kind = KINDS[name]
     place = files["out"].parent / kind.place
     doc = place.parent if name in FOLDERS else place
     text = place.read_text()
-    readers = (*kind.readers, *kind.slow_readers) if slow else kind.readers
     found = []
     try:
         for mutant in mutants(json.loads(text), kind.seal, most):
@@ -193,7 +202,7 @@ def faults(files: Mapping[str, Path], name: str, most: int = 1_000_000, slow: bo
     return found
 
 
-def _answer(reader: str | Callable[[Path], object], paths: Mapping[str, Path], good: bool = False) -> str:
+def _answer(reader: Reader, paths: Mapping[str, Path], good: bool = False) -> str:
     shutil.rmtree(paths["out"], ignore_errors=True)
     paths["out"].unlink(missing_ok=True)
     if isinstance(reader, str):
@@ -209,7 +218,7 @@ def _answer(reader: str | Callable[[Path], object], paths: Mapping[str, Path], g
     return ""
 
 
-def refusals(files: Mapping[str, Path], name: str, readers: Sequence[str | Callable[[Path], object]]) -> list[str]:
+def refusals(files: Mapping[str, Path], name: str, readers: Sequence[Reader]) -> list[str]:
     """What readers say against the unchanged document: its mutants would be refused, too, and nothing be tried."""
     place = files["out"].parent / KINDS[name].place
     paths = {**files, "doc": place.parent if name in FOLDERS else place}
@@ -219,11 +228,12 @@ def refusals(files: Mapping[str, Path], name: str, readers: Sequence[str | Calla
 @pytest.mark.parametrize("name", KINDS)
 def test_a_changed_key_gets_a_sentence(files, name):
     assert refusals(files, name, KINDS[name].readers) == []
-    assert faults(files, name, QUICK) == []
+    assert faults(files, name, KINDS[name].readers, QUICK) == []
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", KINDS)
 def test_every_changed_key_gets_a_sentence(all_files, name):
     assert refusals(all_files, name, (*KINDS[name].readers, *KINDS[name].slow_readers)) == []
-    assert faults(all_files, name, slow=True) == []
+    assert faults(all_files, name, KINDS[name].readers) == []
+    assert faults(all_files, name, KINDS[name].slow_readers, SLOW) == []
