@@ -11,7 +11,7 @@ from typing import Any
 from gcode.support.files import existing_file
 from testbench.api.running import CampaignResult
 from testbench.campaigns import record as campaigns
-from testbench.campaigns.campaign import vacant
+from testbench.campaigns.clearing import vacant
 from testbench.campaigns.following import live_compensator
 from testbench.campaigns.record import Job, job_of
 from testbench.recordings.files import check_beside

@@ -8,7 +8,7 @@ from typing import Any
 
 from gcode.support.files import existing_file
 from gcode.support.html import card
-from testbench.campaigns.campaign import check_vacant, vacant
+from testbench.campaigns.clearing import check_vacant, vacant
 from testbench.importing import from_file
 from testbench.importing.imported import Imported, place_of, write_import
 from testbench.importing.wish import Wish

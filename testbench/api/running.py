@@ -14,7 +14,8 @@ from gcode.support.errors import UserError
 from gcode.support.files import write_text
 from gcode.support.html import card
 from testbench.api.arguments import AnyModel, catalogue_of, model_file_of, model_name
-from testbench.campaigns.campaign import matches, simulate_campaign, simulate_live, vacant
+from testbench.campaigns.campaign import matches, simulate_campaign, simulate_live
+from testbench.campaigns.clearing import vacant
 from testbench.campaigns.plan import Plan, programs_before
 from testbench.knit.model import KnitModel
 from testbench.recordings.files import check_beside, read_recording

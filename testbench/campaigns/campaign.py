@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from itertools import chain
@@ -15,21 +14,17 @@ from gcode.support.files import copy_file, drafted_folder, make_folder
 from testbench.campaigns.plan import EFFECTS, PROGRAM, Plan, past_names
 from testbench.recordings import manifest
 from testbench.recordings.files import write_recording_csv
-from testbench.recordings.manifest import CSV, Campaign, origin_of, read_manifest, write_manifest
+from testbench.recordings.manifest import CSV, Campaign, read_manifest, write_manifest
 from testbench.recordings.recording import Recording
 from testbench.recordings.versions import software_versions
 from testbench.rig.at_once import at_once
 from testbench.rig.parts import Part, in_memory
 from testbench.rig.recorder import DISK_STATES, Recorder, Status, counts
 from testbench.rig.simulated import Motion
-from testbench.rig.sink import BAD, EVENTS, ROOM, Sink
+from testbench.rig.sink import BAD, EVENTS, Sink
 from testbench.rig.stream import Intake
 
 COMPENSATED = "compensated.csv"  # what a compensator made of it while it was recorded
-_ALL_NAMES = "|".join(
-    [*map(re.escape, (manifest.NAME, CSV, PROGRAM, EVENTS, BAD, COMPENSATED, EFFECTS)), r"before-\d+\.tap"]
-)
-_OUR_NAME = re.compile(rf"{_ALL_NAMES}|\.({_ALL_NAMES})\.[0-9a-f]{{8}}\.\w+|{re.escape(ROOM)}")
 
 
 def matches(folder: Path, plan: Plan) -> bool:
@@ -51,7 +46,7 @@ def simulate_campaign(
     ----------
     plan : Plan
     folder : Path
-        Must not exist yet, or be empty (see `vacant`).
+        Must not exist yet, or be empty (see `testbench.campaigns.clearing.vacant`).
     motion : Motion
         What the controller makes of the plan's program.
     report : callable
@@ -160,54 +155,3 @@ def campaign_files(folder: Path) -> list[str]:
     count = len(list(folder.glob("before-*.tap")))
     names = [CSV, PROGRAM, EVENTS, BAD, COMPENSATED, *past_names(count), EFFECTS]
     return [name for name in names if (folder / name).exists()]
-
-
-def vacant(folder: Path, overwrite: bool = False, origin: str = "simulated") -> None:
-    """Make sure that `folder` may be written; remove the files of a campaign of that `origin` if `overwrite`.
-
-    The manifest goes last: what a kill leaves is still known as a campaign, and is removed by the next call.
-
-    Raises
-    ------
-    UserError
-        As `check_vacant`; nothing is removed then.
-    """
-    check_vacant(folder, overwrite, origin)
-    if folder.exists():
-        for path in sorted(folder.iterdir(), key=lambda path: path.name == manifest.NAME):
-            path.unlink(missing_ok=True)
-        folder.rmdir()
-
-
-def check_vacant(folder: Path, overwrite: bool = False, origin: str = "simulated") -> None:
-    """Refuse a folder that `vacant` may not empty.
-
-    Raises
-    ------
-    UserError
-        If something else is there, a campaign of another origin, or a file beside a campaign that is none of its own:
-        somebody put it there, and it would be lost.
-    """
-    if not folder.exists() or (folder.is_dir() and not any(folder.iterdir())):
-        return
-    if not folder.is_dir() or not (folder / manifest.NAME).is_file():
-        raise UserError(f"{folder}: exists and is not a campaign; choose another place with -o")
-    if (there := origin_of(folder)) != origin:
-        raise UserError(
-            f"{folder}: holds a campaign that was {there}, which is not overwritten; choose another with -o"
-        )
-    if not overwrite:
-        raise UserError(f"{folder}: holds another campaign; choose another place with -o, or add --overwrite")
-    if strange := sorted(path.name for path in folder.iterdir() if not _ours(path)):
-        raise UserError(
-            f"{folder}: beside its campaign it holds {strange[0]!r}, which would be lost; move that away, or choose "
-            "another place with -o"
-        )
-
-
-def _ours(path: Path) -> bool:
-    """Whether it is a file of a campaign, or what a kill left of one that was being written.
-
-    What the manifest lists does not count: a stranger's may list any file.
-    """
-    return bool(_OUR_NAME.fullmatch(path.name)) and (path.is_symlink() or not path.is_dir())

@@ -11,7 +11,8 @@ from pathlib import Path
 from typing import Protocol
 
 from gcode.support.errors import UserError
-from testbench.campaigns.campaign import matches, simulate_campaign, vacant
+from testbench.campaigns.campaign import matches, simulate_campaign
+from testbench.campaigns.clearing import vacant
 from testbench.campaigns.plan import Plan
 from testbench.campaigns.record import Job, begin, job_of, record
 from testbench.knit.model import KnitModel

@@ -60,6 +60,13 @@ def test_the_program_alone_makes_all_files_again(folder, tmp_path):
         assert (tmp_path / name).read_bytes() == (folder / name).read_bytes()
 
 
+@pytest.mark.parametrize("option", ["--seed", "--gauge-length-mm", "--v-max", "--duration-s", "--x-min"])
+def test_what_the_header_says_is_not_said_again(folder, tmp_path, capsys, option):
+    assert main(["generate", "--again", str(folder / "program.tap"), option, "1", "-o", str(tmp_path / "n")]) == 2
+    assert f"as its header says; leave {option} out" in capsys.readouterr().err
+    assert not (tmp_path / "n").exists()
+
+
 def test_a_gauge_length_that_the_target_does_not_suit_is_noted(tmp_path, capsys):
     words = ["generate", "--preset", "paper-1", "--seed", "1", "--gauge-length-mm", "80", "-o", str(tmp_path)]
     assert main(words) == 0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Mapping
 from pathlib import Path
 
 from nicegui import ui
@@ -63,28 +64,33 @@ def _form(studio: Studio, holder: ui.column, programs: list[str]) -> None:
             check(force, strain)
             target = studio.workspace.free_name(name.value)
             tap = studio.workspace.root / PROGRAMS / program.value / "program.tap"
-            running = studio.jobs.find(KEY_RECORDING)
-            if running and running.running:
-                raise UserError(f"{running.title}: this is still under way, and there is one recording at a time")
+            _refuse_a_second(studio)
             url = await _simulated_port(studio, sensor.value, tap) if port.value == SIMULATED else port.value
-            argv = ["testbench", "record", "--port", url, "--program", str(tap), "--progress-json"]
-            argv += _said("--specimen", specimen.value)
-            argv += _said("--max-force-n", typed(force) if force.value else "")
-            argv += _said("--max-strain", f"{strain.value / 100:.12g}" if strain.value else "")
-            argv += _said("--compensator", compensator.value)
+            said = {
+                "--specimen": specimen.value,
+                "--max-force-n": typed(force) if force.value else "",
+                "--max-strain": f"{strain.value / 100:.12g}" if strain.value else "",
+                "--compensator": compensator.value,
+            }
+            argv = ["testbench", "record", "--port", url, "--program", str(tap), "--progress-json", *_said(said)]
             job = studio.jobs.start(KEY_RECORDING, f"Recording {name.value}", [*argv, "-o", str(target)])
             holder.clear()
             with holder:
                 Live(studio, job)
 
-        ui.button("Record", icon="fiber_manual_record", on_click=lambda: attempt(start)).props(
-            "unelevated color=accent"
-        )
+        button = ui.button("Record", icon="fiber_manual_record", on_click=lambda: attempt(start))
+        button.props("unelevated color=accent")
 
 
-def _said(flag: str, text: str) -> list[str]:
-    """An option of the command line; nothing where its field is empty."""
-    return [flag, text] if text else []
+def _refuse_a_second(studio: Studio) -> None:
+    running = studio.jobs.find(KEY_RECORDING)
+    if running and running.running:
+        raise UserError(f"{running.title}: this is still under way, and there is one recording at a time")
+
+
+def _said(options: Mapping[str, str]) -> list[str]:
+    """Options of the command line, but for those whose field is empty."""
+    return [word for flag, text in options.items() if text for word in (flag, text)]
 
 
 def ports_here() -> list[str]:

@@ -13,7 +13,8 @@ import pytest
 from gcode.support.errors import UserError
 from testbench import cli
 from testbench.api.arguments import recordings_for
-from testbench.campaigns.campaign import matches, simulate_campaign, vacant
+from testbench.campaigns.campaign import matches, simulate_campaign
+from testbench.campaigns.clearing import vacant
 from testbench.campaigns.plan import plan_of, programs_before
 from testbench.campaigns.remake import Remade, made_again
 from testbench.fitting.model_file import ModelFile, load_model_file
