@@ -59,7 +59,7 @@ def run(args: argparse.Namespace) -> None:
 
 def _made(args: argparse.Namespace) -> Made:
     """What is asked for, of a preset or a spec, or once more from a program's header."""
-    from gcode.mach4.reader import read_program, read_text
+    from gcode.mach4.reader import load_program
     from gcode.programs.api import generate
     from gcode.programs.make import make_again
     from gcode.support.errors import UserError
@@ -68,7 +68,7 @@ def _made(args: argparse.Namespace) -> Made:
         if given := [name for name in IN_THE_HEADER if getattr(args, name) is not None]:
             option = f"--{given[0].replace('_', '-')}"
             raise UserError(f"--again makes the program as its header says; leave {option} out")
-        return make_again(read_program(read_text(args.again)))
+        return make_again(load_program(args.again))
     if args.seed is None or args.gauge_length_mm is None:
         raise UserError("--seed and --gauge-length-mm are needed, e.g. --seed 51 --gauge-length-mm 25")
     return generate(

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-
 from gcode.support.errors import UserError
+from testbench.recordings.checks import check_gauge_length
 from testbench.rig.simulated import GRID_HZ, Motion
 
 DEFAULT_GAUGE_LENGTH_MM = 25.0
@@ -28,15 +27,16 @@ def played(path: Path, gauge_length_mm: float | None = None) -> tuple[Motion, fl
         If the file is not a program that the planner can play.
     """
     from gcode.mach4.controller import play
-    from gcode.mach4.reader import read_program, read_text
+    from gcode.mach4.reader import load_program
 
     try:
-        program = read_program(read_text(path))
+        program = load_program(path)
         trajectory = play(program, rate_hz=GRID_HZ)
     except UserError as error:
         raise UserError(f"{path}: {str(error).removeprefix(f'{path}: ')}") from None
     offset_mm = program.header_number("spec.offset_mm") or 0.0
-    gauge = gauge_length_mm or program.header_number("gauge_length_mm") or DEFAULT_GAUGE_LENGTH_MM
-    if not (np.isfinite(gauge) and gauge > 0):
-        raise UserError(f"{path}: the gauge length must be a positive number of mm, got {gauge}")
+    gauge = gauge_length_mm
+    if gauge is None:
+        gauge = program.header_number("gauge_length_mm") or DEFAULT_GAUGE_LENGTH_MM
+    check_gauge_length(gauge, str(path))
     return Motion(trajectory.time_s, trajectory.position_mm - offset_mm), float(gauge)

@@ -9,6 +9,7 @@ import sys
 import numpy as np
 import pytest
 
+import gcode
 from gcode.cli import main
 from gcode.trajectories.trajectory import read_csv
 
@@ -131,3 +132,13 @@ def test_help_does_not_import_numpy():
     code += "print('numpy' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip().endswith("False")
+
+
+def test_a_program_with_a_line_that_cannot_be_read_is_not_played_and_is_named(tmp_path, capsys):
+    path = tmp_path / "mine.tap"
+    path.write_text("G90 G21 G94\nG1 X1 F60\nG1 X[#5]\nG1 X2 F60\nM30\n")
+    assert main(["play", str(path), "-o", str(tmp_path / "out.csv")]) == 2
+    assert f"{path}: line 3: cannot read" in capsys.readouterr().err
+    for program in (path, path.read_text()):
+        with pytest.raises(gcode.UserError, match="line 3: cannot read"):
+            gcode.play(program)
