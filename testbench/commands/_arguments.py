@@ -73,6 +73,13 @@ def natural(text: str) -> int:
     return int(text)
 
 
+def count(text: str) -> int:
+    """argparse type: a whole number, 1 or more."""
+    if natural(text) < 1:
+        raise argparse.ArgumentTypeError(f"must be 1 or more, got {text!r}")
+    return int(text)
+
+
 def rest(text: str) -> float:
     """argparse type: seconds, 0 to a day or so."""
     value = _number(text)
