@@ -103,7 +103,7 @@ def pictures(page: Page, address: str, out: Path) -> None:
     drawn(page)
     page.screenshot(path=out / "studio-experiment.png")
     page.goto(f"{address}/propose?c={C}")
-    page.get_by_text("Instead of it").wait_for()
+    page.locator(".verdict").wait_for()
     page.locator(".verdict").evaluate("e => e.scrollIntoView({ block: 'start' })")
     page.wait_for_timeout(2000)
     page.screenshot(path=out / "studio-propose.png")
