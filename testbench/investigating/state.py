@@ -172,7 +172,7 @@ class Investigation(StrictModel):
     version: Literal[1] = 1
     sensor: str = Field("", max_length=500)
     settings: Settings
-    runs: list[RunState] = Field([], max_length=MOST_RUNS)
+    runs: list[RunState] = Field([], max_length=2 * MOST_RUNS)  # a motion may be shorter than a run may take
     ended: Literal["", "sure", "the time is spent"] = ""
 
     @model_validator(mode="after")
