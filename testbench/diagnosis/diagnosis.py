@@ -13,6 +13,7 @@ from testbench.diagnosis import constants
 from testbench.diagnosis.discrepancy_map import Map
 from testbench.diagnosis.held_out import Interval, block_energies, gain_interval
 from testbench.diagnosis.hypothesis import Hypothesis
+from testbench.diagnosis.proposals import Proposal
 from testbench.diagnosis.rounds import NOTHING, UNKNOWN, Entry, Round, Verdict, whole_of
 from testbench.diagnosis.search import Progress, Search, searched
 from testbench.fitting.baseline import SHAPES
@@ -41,9 +42,11 @@ class Ranked:
     log_evidence : float
         ln Z over the model without it, in nats.
     gain : float
-        ln(squared error without / with it) on the calibration, channels averaged; to first order if not `refitted`.
+        ln(squared error without / with it) on the calibration, channels averaged; to first order if not refitted.
+    left : float
+        Share of the calibration error above the noise that it leaves alone, all channels together.
     held_out_gain : (value, low, high), optional
-        The same on held-out samples with its 95 % interval; None where it was not refitted.
+        As `gain`, on held-out samples with its 95 % interval; None where it was not refitted.
     start : Effect
         The law with its parameters.
     """
@@ -53,6 +56,7 @@ class Ranked:
     probability: float
     log_evidence: float
     gain: float
+    left: float
     held_out_gain: Interval | None
     start: Effect
 
@@ -65,7 +69,7 @@ class Ranked:
             "log_evidence": self.log_evidence,
             "gain": self.gain,
             "held_out_gain": list(self.held_out_gain) if self.held_out_gain else None,
-            "error_share_left": float(np.exp(-0.5 * self.gain)),
+            "error_share_left": self.left,
             "start": self.start.model_dump(mode="json"),
         }
 
@@ -278,29 +282,23 @@ def _as_fit(h: Hypothesis) -> Fit:
 
 def _ranking(first: Round, chances: Mapping[str, float], held: Measurement) -> tuple[Ranked, ...]:
     """Every mechanism by its best law, the most probable first."""
-    refitted: dict[str, Entry] = {}
-    for own in first.entries:
-        refitted.setdefault(own.mechanism, own)
-    base = first.before.hypothesis
-    bare = block_energies(base.model, held)
-    ranked: list[Ranked] = []
-    for proposal in first.proposals:
-        if proposal.mechanism in {one.effect for one in ranked}:
-            continue
-        entry = refitted.get(proposal.mechanism)
-        chance = chances[proposal.mechanism]
-        if entry is None:
-            gain = 2 * max(proposal.gain, 0.0) / (first.likelihood.count * len(first.likelihood.floor))
-            one = Ranked(proposal.mechanism, proposal.law, chance, proposal.gain, gain, None, proposal.effect)
-        else:
-            law = entry.hypothesis.model[entry.name]
-            gain = float(
-                np.mean([2 * np.log(base.evidence.sigma[c] / s) for c, s in entry.hypothesis.evidence.sigma.items()])
-            )
-            over = gain_interval(bare, block_energies(entry.hypothesis.model, held))
-            one = Ranked(entry.mechanism, entry.law, chance, entry.hypothesis.log_z - base.log_z, gain, over, law)
-        ranked.append(one)
-    return tuple(sorted(ranked, key=lambda one: (-one.probability, -one.log_evidence)))
+    every: list[Entry | Proposal] = [*first.entries, *first.proposals]
+    best = {own.mechanism: own for own in reversed(every)}
+    bare = block_energies(first.before.hypothesis.model, held)
+
+    def ranked(own: Entry | Proposal) -> Ranked:
+        chance = chances[own.mechanism]
+        if isinstance(own, Proposal):
+            gain = 2 * max(own.gain, 0.0) / (first.likelihood.count * len(first.likelihood.floor))
+            left = float(np.exp(-0.5 * gain))
+            return Ranked(own.mechanism, own.law, chance, own.gain, gain, left, None, own.effect)
+        h, base = own.hypothesis, first.before.hypothesis
+        gain = float(np.mean([2 * np.log(base.evidence.sigma[c] / s) for c, s in h.evidence.sigma.items()]))
+        over = gain_interval(bare, block_energies(h.model, held))
+        nats, law = h.log_z - base.log_z, h.model[own.name]
+        return Ranked(own.mechanism, own.law, chance, nats, gain, first.left(own), over, law)
+
+    return tuple(sorted(map(ranked, best.values()), key=lambda one: (-one.probability, -one.log_evidence)))
 
 
 def _tied(chances: Mapping[str, float], verdict: Verdict) -> tuple[str, ...]:

@@ -13,6 +13,7 @@ from testbench.diagnosis.likelihood import Likelihood
 from testbench.diagnosis.priors import Priors
 from testbench.fitting.baseline import SHAPES, without_shapes
 from testbench.fitting.downhill import huber
+from testbench.fitting.noise import trimmed_rms
 from testbench.fitting.parameters import values_of
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
@@ -107,6 +108,22 @@ def under(h: Hypothesis, likelihood: Likelihood) -> Hypothesis:
     evidence = maximised(known, scale=h.evidence.scale, iterations=15)
     tails = sum(tail(rows[0] / evidence.sigma[c], h.robust[c], likelihood.share) for c, rows in h.columns.items())
     return replace(h, normal=normal, evidence=evidence, tails=tails)
+
+
+def own_part(h: Hypothesis, name: str, likelihood: Likelihood) -> dict[str, float]:
+    """Standard deviation of what an effect of a model changes, as far as the parameters of the base laws could not.
+
+    Over the relative noise of the samples that count, per channel, in N and ln S. The base's shapes are not asked:
+    they bend to nearly anything.
+    """
+    here, without = (likelihood.measurement.modelled(model) for model in (h.model, h.model.without(name)))
+    base = [i + 1 for i, p in enumerate(h.priors.parameters) if h.held[i] and not p.address.startswith(f"{name}.")]
+    found = {}
+    for channel, rows in h.columns.items():
+        change = likelihood.picked(here[channel] - without[channel], channel)
+        columns = rows[base].T / np.maximum(np.sqrt(np.mean(rows[base] ** 2, axis=1)), 1e-300)
+        found[channel] = trimmed_rms(change - columns @ np.linalg.lstsq(columns, change, rcond=1e-6)[0])
+    return found
 
 
 def tail(z: FloatArray, robust: FloatArray, share: float) -> float:

@@ -17,6 +17,7 @@ from testbench.fitting.fit import shape_scales
 from testbench.knit.cache import SimulationCache
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import Effect, FloatArray
+from testbench.knit.model import KnitModel
 
 Rows = Mapping[str, FloatArray]  # channel -> columns at the samples that count, shape (m, k)
 WEAK = 0.1  # of the strength that the data ask for to first order
@@ -53,6 +54,8 @@ class Proposal:
         By which the parameters of the model give way to it, to first order, in the fit's coordinates.
     believed : (mean, standard deviation), optional
         Of a strength that only the data have a scale for: a threshold, a level.
+    model : KnitModel, optional
+        With the law in it, where it was refitted beside a base that does not bend; `gain` is that of the refit then.
     """
 
     mechanism: str
@@ -61,6 +64,7 @@ class Proposal:
     gain: float
     step: FloatArray
     believed: tuple[float, float] | None = None
+    model: KnitModel | None = None
 
     @property
     def first(self) -> Effect:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Literal
 
@@ -29,6 +29,8 @@ class Entry:
         Of the catalogue; `name` is its name in the model.
     log_z : float
         Log evidence as models are compared: of the model as it is, or beside a free-form map of what it leaves.
+    own_part : mapping of channel to float
+        What the law changes that the base's laws could not; see `hypothesis.own_part`.
     """
 
     mechanism: str
@@ -37,6 +39,7 @@ class Entry:
     hypothesis: Hypothesis
     log_z: float
     is_settled: bool = False
+    own_part: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,8 +76,13 @@ class Round:
         return self.log_z_alone(self.before)
 
     def _complete(self, entry: Entry) -> float:
-        """How much likelier what an entry leaves is if no more is missing."""
-        by_law = explained(self.before.hypothesis, entry.hypothesis)
+        """How much likelier what an entry leaves is if no more is missing.
+
+        A law errs in proportion to what it does. That is what the error falls by, or more where the base has bent to
+        do the same.
+        """
+        fall = explained(self.before.hypothesis, entry.hypothesis)
+        by_law = {c: max(some, entry.own_part.get(c, 0.0)) for c, some in fall.items()}
         return self.likelihood.noise_log_prior(entry.hypothesis.evidence.sigma, by_law)
 
     def left(self, entry: Entry) -> float:

@@ -14,7 +14,7 @@ from threadpoolctl import threadpool_limits
 from testbench.comparing.ladder import drawn_to_data
 from testbench.diagnosis import constants
 from testbench.diagnosis.discrepancy_map import log_z_with_map
-from testbench.diagnosis.hypothesis import Hypothesis, under
+from testbench.diagnosis.hypothesis import Hypothesis, own_part, under
 from testbench.diagnosis.laplace import fitted
 from testbench.diagnosis.likelihood import (
     Likelihood,
@@ -42,7 +42,7 @@ from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
 
 Progress = Callable[[str], None]
-One = TypeVar("One", Proposal, Entry, "tuple[Ground, Proposal]")
+One = TypeVar("One", Proposal, Entry, Hypothesis, "tuple[Ground, Proposal]")
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,7 +131,7 @@ class Search:
         return rounds, found
 
     def bases(self) -> list[Hypothesis]:
-        """The best base, and others none of whose laws bends: the best of those, and the first.
+        """The best base, and the best two, none of whose laws bends, of itself, of all others and the first.
 
         In each place, all laws that may stand there are tried beside the best of the others so far.
         """
@@ -147,7 +147,9 @@ class Search:
         stiff = sorted(tried, key=_evidence)[-constants.BASES :]
         bent = self.pool.map(lambda h: self.compare(self.bent(h.model)), stiff)
         best = max(*bent, self.compare(self.flexible.model, self.flexible), key=_evidence)
-        return [best, *dict.fromkeys((stiff[-1], first))]
+        # One that was stripped of its shapes has parameters that moved along with them: the last choice of its kind.
+        others = _first_of_each((stiff[-1], first, self.compare(without_shapes(best.model))), _laws)
+        return [best, *sorted(others, key=_evidence, reverse=True)[: constants.BASES]]
 
     def about_to_bend(self, h: Hypothesis) -> Hypothesis:
         """A base as it is, its shapes there to be used.
@@ -219,13 +221,39 @@ class Search:
     def judged(self, e: Entry, likelihood: Likelihood) -> Entry:
         """An entry as the hypotheses of a round are weighed: beside a map of what it leaves, or without."""
         h = under(e.hypothesis, likelihood)
-        return replace(e, hypothesis=h, log_z=log_z_with_map(h, likelihood))
+        own = own_part(h, e.name, likelihood) if e.name else {}
+        return replace(e, hypothesis=h, log_z=log_z_with_map(h, likelihood), own_part=own)
 
     def ground(self, h: Hypothesis, like: Hypothesis) -> Ground:
         """A model, and what each law of the catalogue promises beside it."""
         laws = laws_of(h, self.compared, self.catalogue, self.pool)
         proposals = tuple(Screen(h, self.compared).proposals(laws))
         return Ground(h, like, proposals)
+
+    def chances(self, grounds: Sequence[Ground], mechanism: str) -> list[tuple[Ground, Proposal]]:
+        """Where a mechanism is refitted: its best law on the first ground, then all its laws, the best first.
+
+        Beside a base that does not bend a refit costs a tenth of a second, and tells more than its first step.
+        """
+        every = _chances(grounds, mechanism)
+        laws = _first_of_each(every[1:], lambda one: one[1].law)
+        refitted = self.pool.map(lambda one: self.stiff(*one), laws)
+        return [*every[:1], *sorted(refitted, key=lambda one: -one[1].gain)]
+
+    def stiff(self, ground: Ground, p: Proposal) -> tuple[Ground, Proposal]:
+        """A law refitted, if the base does not bend."""
+        h = ground.hypothesis
+        if ground.like is h:
+            return ground, p
+        model = best_start(h, p, self.compared)
+        there = fitted(model, self.compared, self.reference, h, believed=self.believed(h, model, p))
+        return ground, replace(p, gain=there.log_z - h.log_z, model=there.model)
+
+    def believed(self, h: Hypothesis, model: KnitModel, p: Proposal) -> dict[str, tuple[float, float]]:
+        """Priors of a law's strength that only the data have a scale for."""
+        if not p.believed or p.believed[0] <= 0:
+            return {}
+        return {f"{_newest(model, h)}.{p.effect.strength}": p.believed}
 
     def exchanged(self, model: KnitModel, place: str) -> list[KnitModel]:
         """The model with each other law of the catalogue that could stand in a place of it, drawn to the data."""
@@ -241,7 +269,7 @@ class Search:
 
     def contest(self, grounds: Sequence[Ground], mechanisms: Sequence[str]) -> list[Entry]:
         """Mechanisms refitted: all quickly, on the grounds that speak for them, then the best of each in full."""
-        chosen = [one for place, m in enumerate(mechanisms) for one in _chances(grounds, m)[: 4 if place < 3 else 2]]
+        chosen = [one for k, m in enumerate(mechanisms) for one in self.chances(grounds, m)[: 4 if k < 3 else 2]]
         entries = self.entered(chosen)
         if not entries:
             return []
@@ -260,7 +288,7 @@ class Search:
         """
         best, *others = _first_of_each([e for e in entries if e.is_settled], lambda e: e.mechanism)
         near = best.log_z - 3 * constants.EVIDENCE_ERROR
-        others += [e for e in entries if e.mechanism != best.mechanism and e not in others and e.log_z > near]
+        others += [e for e in entries if e not in (best, *others) and e.log_z > near]
         found = list(self.pool.map(lambda e: self.in_place_of(best, e), others))
         return _first_of_each(_best_first([*entries, *found]), lambda e: e.law)
 
@@ -297,10 +325,11 @@ class Search:
         return list(self.pool.map(lambda one: self.enter(*one), chosen))
 
     def enter(self, ground: Ground, p: Proposal) -> Entry:
+        """A law refitted with shapes; beside a stiff base it was put in its place before they can take it over."""
         self.tell(f"refitting with {p.law}")
-        model = self.bent(best_start(ground.hypothesis, p, self.compared))
-        name = next(n for n in model if n not in ground.hypothesis.model and n not in SHAPES)
-        believed = {f"{name}.{p.effect.strength}": p.believed} if p.believed and p.believed[0] > 0 else {}
+        before = p.model or best_start(ground.hypothesis, p, self.compared)
+        name, believed = _newest(before, ground.hypothesis), self.believed(ground.hypothesis, before, p)
+        model = self.bent(before)
         h = fitted(model, self.compared, self.reference, ground.like, 6, quick=True, believed=believed)
         return Entry(p.mechanism, p.law, name, h, h.log_z)
 
@@ -318,6 +347,15 @@ def searched(
     with threadpool_limits(1, "blas"):
         search = Search(measurement, catalogue, tell or (lambda _text: None), start, pieces)
         return search, *search.run(most)
+
+
+def _laws(h: Hypothesis) -> str:
+    return " ".join(effect.name for effect in h.model.effects.values())
+
+
+def _newest(model: KnitModel, h: Hypothesis) -> str:
+    """Name of the effect that a model has, and a hypothesis has not."""
+    return next(name for name in model if name not in h.model)
 
 
 def _evidence(h: Hypothesis) -> float:

@@ -11,6 +11,7 @@ from testbench.diagnosis.diagnosis import Diagnosis, Ranked
 from testbench.diagnosis.rounds import NOTHING, UNKNOWN
 
 SHOWN = 6
+WORTH_SAYING = 0.8  # of the error that a law leaves: what leaves more is not near
 FAILS = 3.0  # times the calibration error, held out
 
 
@@ -43,7 +44,15 @@ def first_line(diagnosis: Diagnosis) -> str:
     if diagnosis.depends_on:
         channel, coordinate, _ = diagnosis.depends_on[0]
         said += f", depends most on: {channel}: {coordinate}"
-    return said
+    return said + _nearest(diagnosis.ranking[0])
+
+
+def _nearest(first: Ranked) -> str:
+    """What is said of the most probable law where none is probable: it may be a part of the answer."""
+    if first.held_out_gain is None or first.left > WORTH_SAYING:
+        return ""
+    left = f"{100 * first.left:.0f} % of the error above the noise"
+    return f". The nearest is {first.effect.replace('_', ' ')} ({first.law}), which would leave {left}"
 
 
 def _elsewhere(diagnosis: Diagnosis) -> str:

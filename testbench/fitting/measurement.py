@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gcode.support.errors import UserError
-from testbench.fitting.motion import STILL, reading_noise, without_reading_noise
+from testbench.fitting.motion import STILL, reading_noise, without_reading_noise, without_small_turns
 from testbench.fitting.noise import even_step, noise_floor
 from testbench.fitting.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL, SIGNAL_OF
 from testbench.knit.cache import SimulationCache
@@ -150,7 +150,7 @@ def prepare(
     read = min(reading_noise(time_s, recording.strain), noise_floor(recording.strain))
     noise = max(read, even_step(recording.strain) / 12**0.5) / np.sqrt(binned.averaged)
     strain, left = without_reading_noise(binned(recording.strain), noise)
-    signals = inputs(grid_s, strain, temperature)
+    signals = inputs(grid_s, without_small_turns(strain, noise), temperature)
     return Measurement(signals, 1.0 / rate_hz, measured, counts, recording, left, float(grid_s[0]), binned.averaged)
 
 

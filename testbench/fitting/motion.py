@@ -12,6 +12,7 @@ from scipy.signal import savgol_coeffs
 
 from testbench.fitting.noise import robust_sd
 from testbench.knit.effect import FloatArray
+from testbench.knit.kernels import play
 
 NEIGHBOURS = (-3, -2, -1, 1, 2, 3)
 HALF_WIDTHS = (1, 2, 4, 8, 16, 32)  # samples on either side
@@ -85,6 +86,26 @@ def without_reading_noise(values: FloatArray, noise: float) -> tuple[FloatArray,
             found[better], variance[better] = fit[better], left[better]
             narrower.append((fit, left))
     return found, noise * np.sqrt(variance)
+
+
+def without_small_turns(values: FloatArray, noise: float) -> FloatArray:
+    """The motion without turns of less than `AGREE` standard deviations of the noise: it stands at the last turn.
+
+    What is left of the noise in a hold is small, but it turns all the time, and narrow loops of friction can be made
+    to say anything with it.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        A motion, after `without_reading_noise`.
+    noise : float
+        Standard deviation of the noise of its reading.
+    """
+    half = 0.5 * AGREE * noise
+    behind = play(values, np.array([half]))[0]
+    way = np.sign(np.diff(behind, prepend=behind[:1]))
+    newest = np.maximum.accumulate(np.where(way != 0, np.arange(len(way)), 0))
+    return behind + half * way[newest]
 
 
 def _moved(values: FloatArray, reach: int) -> FloatArray:

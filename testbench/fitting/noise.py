@@ -9,6 +9,7 @@ from testbench.knit.effect import FloatArray
 
 MAD_TO_SD = 1.4826
 OUTLIER = 10.0
+RAIL = 1e-4  # of the range: so near to its end nothing of a reading is left but what a filter has not forgotten
 FEWEST = 50  # values that say how large the noise is
 PIECE, NEIGHBOURS, LEAK = 1024, 64, 8  # samples; frequencies that a line is compared with, and that it leaks into
 LINE = 30.0
@@ -39,10 +40,11 @@ def trimmed_rms(values: FloatArray) -> float:
 def within_range(values: FloatArray) -> np.ndarray:
     """Which values are neither the least nor the greatest, shape (n,): at its rail a converter shows no noise.
 
-    All of them where hardly any other is left.
+    Nor does a filter that has come to rest on zero, as the force of a thread that hangs loose. All of them where
+    hardly any other is left.
     """
     low, high = np.min(values), np.max(values)
-    edge = 1e-9 * (high - low)
+    edge = RAIL * (high - low)
     inside = (values > low + edge) & (values < high - edge)
     return inside if inside.sum() >= FEWEST else np.ones(len(values), bool)
 

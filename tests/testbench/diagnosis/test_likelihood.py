@@ -36,6 +36,18 @@ def test_where_laws_err_much_quiet_samples_count_no_more_than_others():
     np.testing.assert_allclose(compared.weight["conductance"], plain.weight["conductance"])
 
 
+def test_a_filter_that_came_to_rest_hides_no_noise():
+    """A thread that hangs loose pulls at nothing, and the filter of the reading forgets what it carried."""
+    time_s = np.arange(0, 300, 0.1)
+    pulled = time_s % 40 > 24
+    force_N = pulled * (1 + np.random.default_rng(0).normal(0, 0.01, len(time_s)))
+    for i in range(1, len(force_N)):
+        force_N[i] += 0.85 * (force_N[i - 1] - force_N[i])
+    strain_mm = 10.0 * np.clip(np.minimum(time_s % 40 - 20, 40 - time_s % 40) / 4, 0, 1)
+    recording = Recording(time_s, {"displacement_mm": strain_mm, "force_N": force_N}, 50.0)
+    assert 2e-4 < noise_of(prepare(recording))["force"] < 0.01
+
+
 def test_readings_further_apart_than_the_grid_have_a_jitter_nonetheless():
     """Between them the grid holds straight lines, which show no noise at all."""
     time_s = np.concatenate([np.arange(0, 6, 0.02), 6 + np.arange(0, 600, 3.0)])
