@@ -52,7 +52,7 @@ test-slow: $(VENV)/.dev ## the long tests
 	@$(PYTEST) -n 2 -m slow $(ARGS)
 
 lint: $(VENV)/.dev ## ruff, mypy, import-linter
-	@$(BIN)/ruff check . && $(BIN)/ruff format --check . && $(BIN)/mypy && $(BIN)/lint-imports
+	@$(BIN)/ruff check . && $(BIN)/ruff format --check . && $(BIN)/mypy && PYTHONPATH=benchmarks $(BIN)/lint-imports
 
 docs: $(VENV)/.docs ## the documentation as pages, strict; notebooks are executed (docs/_build/html/index.html)
 	@OMP_NUM_THREADS=1 $(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html

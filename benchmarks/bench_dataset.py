@@ -23,7 +23,7 @@ from joblib import Parallel, delayed, parallel_config
 from testbench.campaigns.dataset import make, run, write_index
 from testbench.campaigns.dataset_spec import DatasetSpec, TrajectoryWish
 from testbench.campaigns.dataset_tasks import Task, tasks_of
-from testbench.rig.motion import played
+from testbench.rig.played import played
 from testbench.rig.simulated import Motion
 
 PARTS = 4

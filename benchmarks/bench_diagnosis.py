@@ -24,16 +24,18 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import worlds_second
+import worlds_third
 from diagnosis_score import Row, score, tables
 from joblib import Parallel, delayed
 
-from testbench import worlds, worlds_second, worlds_third
+from testbench import worlds
 from testbench.diagnosis import diagnose
 from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.recordings.channels import FORCE, RESISTANCE
 from testbench.recordings.recording import Recording
 from testbench.worlds.base import WORLDS
-from testbench.worlds.motion import PROTOCOLS
+from testbench.worlds.protocols import PROTOCOLS
 
 Diagnose = Callable[[Recording, Recording, Catalogue], Any]
 # Simulators of one world each, named as they are: every seed draws its laws anew, noise 1 is that of the paper's rig.

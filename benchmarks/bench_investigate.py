@@ -43,8 +43,8 @@ from testbench.knit.catalogue import load_catalogue
 from testbench.recordings.files import write_recording_csv
 from testbench.recordings.manifest import Campaign, write_manifest
 from testbench.recordings.versions import software_versions
-from testbench.rig.motion import played
 from testbench.rig.past import past_displacement
+from testbench.rig.played import played
 from testbench.rig.recorder import Limits
 from testbench.worlds.sensor import HiddenSensor
 

@@ -20,9 +20,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import worlds_second
 from joblib import Parallel, delayed
 
-from testbench import worlds, worlds_second
+from testbench import worlds
 from testbench.fitting.errors import over_the_floors
 from testbench.proposing import Proposed, propose_law
 

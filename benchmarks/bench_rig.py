@@ -22,7 +22,7 @@ from testbench.importing.wish import Wish
 from testbench.knit.presets import preset
 from testbench.recordings.files import read_recording
 from testbench.recordings.manifest import problems
-from testbench.rig.motion import played
+from testbench.rig.played import played
 from testbench.rig.stream import Intake
 
 

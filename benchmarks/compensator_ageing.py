@@ -9,11 +9,12 @@ from compensation.paper.paper_campaigns import GAUGE_LENGTH_MM, SEEDS_A_SET
 from gcode.programs.make import make
 from gcode.support.files import make_folder
 from gcode.trajectories.presets import preset as trajectory
-from testbench.campaigns.campaign import Plan, matches, simulate_campaign, vacant
+from testbench.campaigns.campaign import Plan, matches, simulate_campaign
+from testbench.campaigns.clearing import vacant
 from testbench.knit.presets import preset
 from testbench.recordings.files import read_recording
 from testbench.recordings.recording import Recording
-from testbench.rig.motion import played
+from testbench.rig.played import played
 
 TRAJECTORIES = ("paper-1", "paper-2", "paper-3")
 FIRST_SEED = 500

@@ -1,6 +1,7 @@
-"""The pictures of README, tutorial and docs/studio.md, all but that of a proposed law.
+"""The pictures of README, tutorial and docs/studio.md.
 
-python benchmarks/docs_pictures.py WORKSPACE [-o docs/images]
+    python benchmarks/docs_pictures.py WORKSPACE [-o docs/images]
+    python benchmarks/docs_pictures.py WORKSPACE --studio        # those of the studio alone
 
 What is not beside the workspace yet (recordings, models, diagnoses) is made; that takes some minutes, the pictures
 one.
@@ -15,6 +16,7 @@ from pathlib import Path
 from playwright.sync_api import Page, sync_playwright
 
 from datasets.demo import GAUGE_LENGTH_MM, HIDDEN, do
+from testbench.studio.proposed_law import FOLDER, JSON, MODEL
 from tests.testbench.studio.browsing import screen
 from tests.testbench.studio.served import CHROMIUM, served
 
@@ -68,6 +70,11 @@ def made(root: Path) -> None:
         asked = ("--diagnosis", results / "diagnosis.json", "--fit", *pair, "--strain-max", 30, "--duration-s", 600)
         program = root / "programs" / f"{C}-experiment"
         do("testbench", "experiment", *asked, "--json", results / "experiment.json", "-o", program)
+    proposal = results / FOLDER
+    if not (proposal / JSON).exists():
+        proposal.mkdir(exist_ok=True)
+        written = ("--json", proposal / JSON, "--save-model", proposal / MODEL, "-o", proposal / f"{C}_law.py")
+        do("testbench", "propose", *pair, "--model", model, "--laws", 1, *written)
     for name, (preset, seed) in SIMULATED.items():
         planned = root.parent / preset
         if not (root / name).exists():
@@ -83,7 +90,7 @@ def drawn(page: Page) -> None:
 
 
 def pictures(page: Page, address: str, out: Path) -> None:
-    """The verdict, a candidate, the experiment, the ladder; the last adds the first candidate."""
+    """The verdict, a candidate, the experiment, a law, the ladder; the last adds the first candidate."""
     page.goto(f"{address}/missing?c={C}")
     page.get_by_text("lie on the dashed line").wait_for()
     drawn(page)
@@ -95,6 +102,11 @@ def pictures(page: Page, address: str, out: Path) -> None:
     page.get_by_role("button", name="Download the Mach4 program").wait_for()
     drawn(page)
     page.screenshot(path=out / "studio-experiment.png")
+    page.goto(f"{address}/propose?c={C}")
+    page.locator(".verdict").wait_for()
+    page.locator(".verdict").evaluate("e => e.scrollIntoView({ block: 'start' })")
+    page.wait_for_timeout(2000)
+    page.screenshot(path=out / "studio-propose.png")
     page.goto(f"{address}/missing?c={C}")
     page.get_by_role("button", name="Add ").first.click()
     page.wait_for_url("**/ladder?c=*")
@@ -139,9 +151,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("workspace", type=Path)
     parser.add_argument("-o", "--output", type=Path, default=Path("docs/images"))
+    parser.add_argument("--studio", action="store_true", help="only those of the studio")
     args = parser.parse_args()
     root = args.workspace.resolve()
-    reported(root.parent, args.output)
+    if not args.studio:
+        reported(root.parent, args.output)
     made(root)
     with served(root) as studio, sync_playwright() as play:
         browser = play.chromium.launch(executable_path=str(CHROMIUM), args=["--no-sandbox"])

@@ -42,10 +42,11 @@ def campaigns(
     number : int
         Another number: another specimen of the sensor, other trajectories, other noise.
     """
-    from testbench.campaigns.campaign import Plan, matches, simulate_campaign, vacant
+    from testbench.campaigns.campaign import Plan, matches, simulate_campaign
+    from testbench.campaigns.clearing import vacant
     from testbench.knit.presets import preset
     from testbench.recordings.files import read_recording
-    from testbench.rig.motion import played
+    from testbench.rig.played import played
 
     found: dict[str, Recording] = {}
     past: tuple[Path, ...] = ()

@@ -52,9 +52,8 @@ def run(args: argparse.Namespace) -> int:
         x_min_mm=args.x_min,
         x_max_mm=args.x_max,
     )
-    machine = None
-    if args.machine_acceleration is not None:
-        machine = Machine(acceleration_mm_per_s2=args.machine_acceleration)
+    acceleration = args.machine_acceleration
+    machine = None if acceleration is None else Machine(acceleration_mm_per_s2=acceleration)
     result, origin = check_file(
         read_text(args.program),
         limits,

@@ -3,6 +3,11 @@
 from __future__ import annotations
 
 import argparse
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from gcode.trajectories.noise_fit import FitResult
+    from gcode.trajectories.target import Target
 
 SUMMARY = "find a spec whose executed motion has given means and SDs of speed and acceleration"
 EXAMPLE = "gcode fit --v-mean 0.943 --v-sd 0.593 --a-mean 1.397 --a-sd 1.303 -o mine.toml"
@@ -41,23 +46,22 @@ def run(args: argparse.Namespace) -> None:
         v_max_mm_per_s=5.0 * args.v_mean if args.v_max is None else args.v_max,
         a_max_mm_per_s2=14.0 * args.a_mean if args.a_max is None else args.a_max,
     )
-    result = fit(
-        target,
-        limits,
-        gauge_length_mm=args.gauge_length_mm,
-        low_percent=args.low_percent,
-        high_percent=args.high_percent,
-        on_shape=Progress("fit", len(SHAPES)).step,
-    )
+    asked = {name: getattr(args, name) for name in ("gauge_length_mm", "low_percent", "high_percent")}
+    result = fit(target, limits, **asked, on_shape=Progress("fit", len(SHAPES)).step)
     text = spec_to_toml(result.spec)
     if args.output:
         files.write_text(args.output, text)
     else:
         print(text)
+    _say(result, target, args.gauge_length_mm)
+    if args.output:
+        print(args.output)
+
+
+def _say(result: FitResult, target: Target, gauge_length_mm: float) -> None:
+    """How near the spec comes to each statistic."""
     print("statistic              wanted   mean off   worst of 4 new seeds")
     for name, mean in result.mean.items():
         print(f"{name:18s} {getattr(target, name):10.4g} {mean:+9.1%} {result.worst[name]:12.1%}")
     verdict = "near: every mean is within 3 %" if result.near else "not near: this target is out of reach within 3 %"
-    print(f"{verdict} (gauge length {args.gauge_length_mm:g} mm)")
-    if args.output:
-        print(args.output)
+    print(f"{verdict} (gauge length {gauge_length_mm:g} mm)")

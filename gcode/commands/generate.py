@@ -4,6 +4,10 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from gcode.programs.make import Made
 
 SUMMARY = "plan a trajectory and write trajectory.csv, program.tap and trajectory.json"
 EXAMPLE = "gcode generate --preset paper-1 --seed 51 --gauge-length-mm 25 -o run-1"
@@ -14,6 +18,8 @@ LIMITS = {
     "x_min": "x_min_mm",
     "x_max": "x_max_mm",
 }
+
+IN_THE_HEADER = ("seed", "gauge_length_mm", "feed_mode", "duration_s", "machine_acceleration", *LIMITS)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -37,27 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> None:
     """Make, check and write; nothing is written when the check fails."""
-    from gcode.mach4.reader import read_program, read_text
-    from gcode.programs.api import generate
-    from gcode.programs.make import make_again
-    from gcode.support.errors import UserError
-
-    if args.again:
-        if args.seed is not None or args.gauge_length_mm is not None:
-            raise UserError("--again takes seed and gauge length from the program; leave them out")
-        made = make_again(read_program(read_text(args.again)))
-    else:
-        if args.seed is None or args.gauge_length_mm is None:
-            raise UserError("--seed and --gauge-length-mm are needed, e.g. --seed 51 --gauge-length-mm 25")
-        made = generate(
-            args.preset or Path(args.spec),
-            args.seed,
-            args.gauge_length_mm,
-            duration_s=args.duration_s,
-            feed_mode=args.feed_mode or "G94",
-            machine_acceleration_mm_per_s2=args.machine_acceleration,
-            **{field: value for option, field in LIMITS.items() if (value := getattr(args, option)) is not None},
-        )
+    made = _made(args)
     paths = made.write(args.output)
     if args.plot:
         from gcode.programs.plot import write_plot
@@ -69,3 +55,28 @@ def run(args: argparse.Namespace) -> None:
         print(f"note: {note}")
     for path in paths:
         print(path)
+
+
+def _made(args: argparse.Namespace) -> Made:
+    """What is asked for, of a preset or a spec, or once more from a program's header."""
+    from gcode.mach4.reader import load_program
+    from gcode.programs.api import generate
+    from gcode.programs.make import make_again
+    from gcode.support.errors import UserError
+
+    if args.again:
+        if given := [name for name in IN_THE_HEADER if getattr(args, name) is not None]:
+            option = f"--{given[0].replace('_', '-')}"
+            raise UserError(f"--again makes the program as its header says; leave {option} out")
+        return make_again(load_program(args.again))
+    if args.seed is None or args.gauge_length_mm is None:
+        raise UserError("--seed and --gauge-length-mm are needed, e.g. --seed 51 --gauge-length-mm 25")
+    return generate(
+        args.preset or Path(args.spec),
+        args.seed,
+        args.gauge_length_mm,
+        duration_s=args.duration_s,
+        feed_mode=args.feed_mode or "G94",
+        machine_acceleration_mm_per_s2=args.machine_acceleration,
+        **{field: value for option, field in LIMITS.items() if (value := getattr(args, option)) is not None},
+    )

@@ -28,9 +28,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> None:
     from gcode.mach4.controller import Machine, machine_for, play
-    from gcode.mach4.reader import read_program, read_text
+    from gcode.mach4.reader import load_program
 
-    program = read_program(read_text(args.program))
+    program = load_program(args.program)
     machine = Machine(
         acceleration_mm_per_s2=machine_for(program, args.acceleration).acceleration_mm_per_s2,
         rapid_mm_per_s=args.rapid,

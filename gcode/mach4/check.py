@@ -92,23 +92,13 @@ def check_program(
         *_dwells(program, longest_dwell_s),
     ]
     statistics = None
-    if not (program.length_mm != 0).any():
-        problems.append(Problem(1, "the program moves nothing"))
-    elif unplayed := _unplayed(program, rate_hz):
+    if unplayed := _unplayed(program, rate_hz):
         problems.append(Problem(1, unplayed))
     else:
         motion = execute(program, machine or _machine(limits, rapid_mm_per_s))
-        # A controller of next to no acceleration takes as long as it likes, whatever the feeds are.
-        if not motion.end_s * rate_hz <= MOST_SAMPLES:
-            took = f"not executed, since this controller would take {_long(motion.end_s)}: more than can be looked at"
-            return CheckResult(sorted([*problems, Problem(1, took)], key=lambda problem: problem.line), None)
-        samples = max(int(np.ceil(motion.end_s * rate_hz - 1e-6)) + 1, 2)
-        position = motion.position_at(np.arange(samples) / rate_hz)
-        statistics = motion_statistics(position, rate_hz)
+        found, statistics = _executed(program, motion, rate_hz, limits)
         hint = "" if machine else _other_controller(program, limits)
-        problems += [
-            Problem(one.line, one.reason + hint) for one in _executed(program, motion, position, rate_hz, limits)
-        ]
+        problems += [Problem(one.line, one.reason + hint) for one in found]
     return CheckResult(sorted(problems, key=lambda problem: problem.line), statistics)
 
 
@@ -147,6 +137,8 @@ def _machine(limits: Limits, rapid_mm_per_s: float | None) -> Machine:
 def _unplayed(program: Program, rate_hz: float) -> str:
     """Why the program cannot be executed here; empty if it can."""
     moving = program.length_mm != 0
+    if not moving.any():
+        return "the program moves nothing"
     feed = np.minimum(program.feed_mm_per_s[moving], 1e3)
     if not (feed > 0).all():
         return "not executed, since it has moves of no feed: nothing is known of its motion"
@@ -202,13 +194,19 @@ def _dwells(program: Program, longest_s: float) -> list[Problem]:
 
 
 def _executed(
-    program: Program, motion: Motion, position_mm: np.ndarray, rate_hz: float, limits: Limits
-) -> list[Problem]:
-    """What the executed motion passes; positions are left to the programmed check."""
+    program: Program, motion: Motion, rate_hz: float, limits: Limits
+) -> tuple[list[Problem], MotionStatistics | None]:
+    """What the executed motion passes, and its statistics; positions are left to the programmed check."""
+    # A controller of next to no acceleration takes as long as it likes, whatever the feeds are.
+    if not motion.end_s * rate_hz <= MOST_SAMPLES:
+        took = f"not executed, since this controller would take {_long(motion.end_s)}: more than can be looked at"
+        return [Problem(1, took)], None
+    samples = max(int(np.ceil(motion.end_s * rate_hz - 1e-6)) + 1, 2)
+    position_mm = motion.position_at(np.arange(samples) / rate_hz)
     problems = []
     for excess in excesses(position_mm, rate_hz, limits):
         if excess.name == "position":
             continue
         block = min(int(np.searchsorted(motion.block_end_s, (excess.sample + 1) / rate_hz)), len(program.line) - 1)
         problems.append(Problem(int(program.line[block]), f"executed {excess.at(rate_hz)}"))
-    return problems
+    return problems, motion_statistics(position_mm, rate_hz)

@@ -36,18 +36,23 @@ def read_text(path: str | Path) -> str:
     return strict.read_text(path, "program", MOST_BYTES)
 
 
-def read_program(text: str) -> Program:
+def load_program(path: str | Path) -> Program:
+    """Read a file that must be a sound program; see `read_program`."""
+    return read_program(read_text(path), str(path))
+
+
+def read_program(text: str, source: str = "program") -> Program:
     """Read a program that must be sound.
 
     Raises
     ------
     UserError
-        With line number and reason of the first fault.
+        With `source`, line number and reason of the first fault.
     """
     program = parse_program(text)
     if program.problems:
         more = f" (and {len(program.problems) - 1} more; see gcode check)" if len(program.problems) > 1 else ""
-        raise UserError(f"program: {program.problems[0]}{more}")
+        raise UserError(f"{source}: {program.problems[0]}{more}")
     return program
 
 

@@ -9,14 +9,14 @@ from gcode.mach4.check import CheckResult
 from gcode.mach4.controller import Machine
 from gcode.mach4.controller import play as played
 from gcode.mach4.program import Program
-from gcode.mach4.reader import parse_program, read_program, read_text
+from gcode.mach4.reader import load_program, read_program, read_text
 from gcode.mach4.writer import FeedMode
 from gcode.programs.made_again import check_file
 from gcode.programs.make import Made, make
 from gcode.programs.request import changed
 from gcode.trajectories.bounds import Limits
-from gcode.trajectories.pieces import Piece, Protocol
 from gcode.trajectories.presets import preset
+from gcode.trajectories.protocol import Piece, Protocol
 from gcode.trajectories.toml_spec import read_spec
 from gcode.trajectories.trajectory import Trajectory, TrajectorySpec
 
@@ -83,7 +83,7 @@ def read(path: str | Path) -> Program:
     UserError
         If it cannot be read; the message names the first line that is refused.
     """
-    return read_program(read_text(path))
+    return load_program(path)
 
 
 def check(program: str | Path | Program, limits: Limits | None = None, **options: Any) -> CheckResult:
@@ -137,6 +137,11 @@ def play(program: str | Path | Program | Made, rate_hz: float = 20.0, machine: M
     Trajectory
         ``.time_s`` and ``.position_mm``, each shape (n,).
 
+    Raises
+    ------
+    UserError
+        If a line cannot be read: what would be left out could be any motion.
+
     Examples
     --------
     >>> import gcode
@@ -146,8 +151,8 @@ def play(program: str | Path | Program | Made, rate_hz: float = 20.0, machine: M
     if isinstance(program, Made):
         program = program.program
     if not isinstance(program, Program):
-        text = program if isinstance(program, str) and "\n" in program else read_text(program)
-        program = parse_program(text)
+        text = isinstance(program, str) and "\n" in program
+        program = read_program(str(program)) if text else load_program(program)
     return played(program, rate_hz, machine)
 
 

@@ -18,10 +18,10 @@ def first_problem(error: Exception) -> str:
     if details is None:
         return str(error)
     problem = details(include_url=False)[0]
-    where = ".".join(str(part) for part in problem["loc"]) or "value"
+    where = ".".join(str(part) for part in problem["loc"])
     message = problem["msg"].removeprefix("Value error, ")
     came = problem.get("input")
     if isinstance(came, str) and len(came) > MOST_SHOWN:
         came = came[:MOST_SHOWN] + "..."
     shown = f", got {came!r}" if isinstance(came, int | float | str | bool | type(None)) else ""
-    return f"{where}: {message}{shown}"
+    return f"{where}: {message}{shown}" if where else f"{message}{shown}"

@@ -87,8 +87,11 @@ def open_plain(path: str | Path, what: str = "file") -> int:
     return handle
 
 
-def check_plain(path: str | Path, what: str = "file", at_most: int = MOST_BYTES) -> int:
-    """The size of a plain file that others will read; see `read_bytes` for what is refused. What is empty is, too."""
+def check_plain(path: str | Path, what: str = "file", at_most: int = MOST_BYTES, may_be_empty: bool = False) -> int:
+    """The size of a plain file that others will read; see `read_bytes` for what is refused.
+
+    An empty file is refused unless it `may_be_empty`: a killed recorder has not always written its first line.
+    """
     handle = open_plain(path, what)
     try:
         size = os.fstat(handle).st_size
@@ -96,7 +99,7 @@ def check_plain(path: str | Path, what: str = "file", at_most: int = MOST_BYTES)
         os.close(handle)
     if size > at_most:
         raise UserError(f"{path}: not a {what}: it is larger than {_in_words(at_most)}")
-    if size == 0:
+    if size == 0 and not may_be_empty:
         raise UserError(f"{path}: not a {what}: the file is empty")
     return size
 

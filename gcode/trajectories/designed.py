@@ -17,7 +17,7 @@ from pydantic import Field, model_validator
 
 from gcode.motion.path import Frame, Path, join, rest, way
 from gcode.trajectories.natural import Noise
-from gcode.trajectories.pieces import Piece, Protocol, RangedPiece
+from gcode.trajectories.protocol import Piece, Protocol, RangedPiece
 from gcode.trajectories.quantities import Count, Duration, Percent, Positive, Rest
 
 __all__ = [

@@ -11,7 +11,7 @@ from gcode.motion.limits import drive_within
 from gcode.motion.path import Frame, Path
 from gcode.motion.perlin import MAX_OCTAVES, perlin_signal, perlin_walk
 from gcode.support.errors import UserError
-from gcode.trajectories.pieces import RangedPiece
+from gcode.trajectories.protocol import RangedPiece
 from gcode.trajectories.quantities import Duration, Positive
 from gcode.trajectories.target import Target, tuned
 

@@ -15,7 +15,7 @@ from gcode.support.errors import UserError
 from gcode.support.strict import check_plain
 from gcode.trajectories.bounds import Limits
 from gcode.trajectories.designed import AnyPiece, Protocol
-from gcode.trajectories.pieces import Piece
+from gcode.trajectories.protocol import Piece
 from gcode.trajectories.quantities import Positive
 
 

@@ -14,12 +14,13 @@ from testbench.api.arguments import Source, recording_of
 from testbench.api.running import program_file
 from testbench.campaigns import alignment
 from testbench.campaigns.alignment import PLANNED, Alignment
-from testbench.campaigns.campaign import vacant, write_derived
+from testbench.campaigns.campaign import write_derived
+from testbench.campaigns.clearing import vacant
 from testbench.campaigns.plan import PROGRAM
 from testbench.recordings.channels import DISPLACEMENT
 from testbench.recordings.recording import Recording
 from testbench.report import style
-from testbench.rig.motion import played
+from testbench.rig.played import played
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

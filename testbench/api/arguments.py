@@ -120,7 +120,8 @@ def recordings_for(
     clamp_play_mm : float
         0: as the model was fitted.
     """
-    gauge_length_mm = gauge_length_mm or (file.gauge_length_mm if file else None) or None
+    if gauge_length_mm is None and file is not None:
+        gauge_length_mm = file.gauge_length_mm or None  # 0: not known
     first = recording_of(recording, gauge_length_mm)
     if file is not None:
         check_same_set_up(file, first, model if isinstance(model, str | Path) else "model")

@@ -11,11 +11,11 @@ from typing import Any
 from gcode.support.files import existing_file
 from testbench.api.running import CampaignResult
 from testbench.campaigns import record as campaigns
-from testbench.campaigns.campaign import vacant
+from testbench.campaigns.clearing import vacant
 from testbench.campaigns.following import live_compensator
 from testbench.campaigns.record import Job, job_of
 from testbench.recordings.files import check_beside
-from testbench.rig.motion import played
+from testbench.rig.played import played
 from testbench.rig.ports import stated_port
 from testbench.rig.progress import as_dict, as_text
 from testbench.rig.recorder import Limits, Status

@@ -14,8 +14,8 @@ from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, mod
 from testbench.comparing import compare as comparing
 from testbench.comparing.cell import Cell
 from testbench.comparing.compare import Comparison
-from testbench.comparing.coordinates import LABELS
 from testbench.comparing.judged import Judged, judged
+from testbench.comparing.residual_coordinates import LABELS
 from testbench.comparing.tables import comparison_table
 from testbench.fitting.errors import channel_name
 from testbench.fitting.measurement import Measurement, prepare

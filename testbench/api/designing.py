@@ -179,7 +179,7 @@ def next_experiment(
             gauge, temperature = first.gauge_length_mm, temperature or first.has(TEMPERATURE)
         else:
             found, noise, gauge = _fitted(rivals, catalogue)
-            gauge = gauge_length_mm or gauge
+            gauge = gauge if gauge_length_mm is None else gauge_length_mm
         limits = _bounds({**(bounds or {}), "gauge_length_mm": gauge})
         return NextExperiment(
             tuple(found), tuple(experiment.propose(found, noise, limits, seed, temperature, tell)), gauge

@@ -8,7 +8,7 @@ from typing import Any
 
 from gcode.support.files import existing_file
 from gcode.support.html import card
-from testbench.campaigns.campaign import vacant
+from testbench.campaigns.clearing import check_vacant, vacant
 from testbench.importing import from_file
 from testbench.importing.imported import Imported, place_of, write_import
 from testbench.importing.wish import Wish
@@ -79,8 +79,9 @@ class ImportResult:
         """
         places = self.places(out)
         if Path(out).suffix.lower() != ".csv":
-            for place in places:
-                vacant(place, overwrite, "imported")
+            for make_room in (check_vacant, vacant):
+                for place in places:
+                    make_room(place, overwrite, "imported")
         for one, place in zip(self.imported, places, strict=True):
             write_import(one, place)
         return places

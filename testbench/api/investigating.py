@@ -8,6 +8,7 @@ from typing import Literal
 
 from gcode.support.errors import UserError
 from gcode.support.files import refuse_links, write_json
+from gcode.support.strict import validated
 from testbench.api.arguments import AnyModel, Effects, catalogue_of, model_file_of, model_name
 from testbench.api.investigation import InvestigationResult
 from testbench.api.progress import Tell, telling
@@ -119,20 +120,20 @@ def investigate(
     if not resume:
         if (hidden is None) == (port is None):
             raise UserError("investigate: give a SENSOR to simulate, or the port of a real rig")
-        given = {**(bounds or {}), "duration_s": 60 * run_minutes}
-        settings = Settings(
-            bounds=given,
-            budget_s=60 * budget_minutes,
-            sure=sure,
-            specimen=specimen,
-            motion=motion,
-            rest_s=rest_s,
-            seed=seed,
-            trials=trials,
-            effects_at_most=most,
-            force_max_N=force_max_N,
-            gauge_length_mm=gauge_length_mm,
-        )
+        asked = {
+            "bounds": {**(bounds or {}), "duration_s": 60 * run_minutes},
+            "budget_s": 60 * budget_minutes,
+            "sure": sure,
+            "specimen": specimen,
+            "motion": motion,
+            "rest_s": rest_s,
+            "seed": seed,
+            "trials": trials,
+            "effects_at_most": most,
+            "force_max_N": force_max_N,
+            "gauge_length_mm": gauge_length_mm,
+        }
+        settings = validated(asked, Settings, "investigate", "set of limits")
         loop.begin(folder, settings, str(port) if sensor is None else model_name(sensor))
         if hidden is not None:
             write_json(folder / SENSOR, hidden.to_dict())

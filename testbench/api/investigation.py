@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 from gcode.support.figures import panels, picture
 from gcode.support.html import card, frame_table
 from gcode.trajectories.trajectory import read_csv
-from testbench.investigating import loop
-from testbench.investigating.state import Investigation, RunState, program_folder
+from testbench.investigating.state import SURE, Investigation, RunState, program_folder
 from testbench.investigating.words import ending_words, investigation_words, spoken
 from testbench.knit.effect import FloatArray
 from testbench.report.investigation_figures import COLOURS, hypotheses
@@ -55,7 +54,7 @@ class InvestigationResult:
     @property
     def is_sure(self) -> bool:
         """Whether it ended because one hypothesis was sure."""
-        return self.state.ended == loop.SURE
+        return self.state.ended == SURE
 
     @property
     def minutes(self) -> float:

@@ -14,15 +14,16 @@ from gcode.support.errors import UserError
 from gcode.support.files import write_text
 from gcode.support.html import card
 from testbench.api.arguments import AnyModel, catalogue_of, model_file_of, model_name
-from testbench.campaigns.campaign import matches, simulate_campaign, simulate_live, vacant
+from testbench.campaigns.campaign import matches, simulate_campaign, simulate_live
+from testbench.campaigns.clearing import vacant
 from testbench.campaigns.plan import Plan, programs_before
 from testbench.knit.model import KnitModel
 from testbench.recordings.files import check_beside, read_recording
 from testbench.recordings.instruments import Instruments
 from testbench.recordings.recording import Recording
 from testbench.rig.links import real_time as at_the_machines_pace
-from testbench.rig.motion import played
 from testbench.rig.past import DEFAULT_REST_S
+from testbench.rig.played import played
 from testbench.rig.recorder import Status
 from testbench.rig.simulated import Motion
 from testbench.rig.stopping import stop_signals

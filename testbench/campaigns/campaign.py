@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import shutil
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from itertools import chain
@@ -15,14 +14,14 @@ from gcode.support.files import copy_file, drafted_folder, make_folder
 from testbench.campaigns.plan import EFFECTS, PROGRAM, Plan, past_names
 from testbench.recordings import manifest
 from testbench.recordings.files import write_recording_csv
-from testbench.recordings.manifest import CSV, Campaign, origin_of, read_manifest, write_manifest
+from testbench.recordings.manifest import CSV, Campaign, read_manifest, write_manifest
 from testbench.recordings.recording import Recording
 from testbench.recordings.versions import software_versions
 from testbench.rig.at_once import at_once
 from testbench.rig.parts import Part, in_memory
 from testbench.rig.recorder import DISK_STATES, Recorder, Status, counts
 from testbench.rig.simulated import Motion
-from testbench.rig.sink import EVENTS, Sink
+from testbench.rig.sink import BAD, EVENTS, Sink
 from testbench.rig.stream import Intake
 
 COMPENSATED = "compensated.csv"  # what a compensator made of it while it was recorded
@@ -47,7 +46,7 @@ def simulate_campaign(
     ----------
     plan : Plan
     folder : Path
-        Must not exist yet, or be empty (see `vacant`).
+        Must not exist yet, or be empty (see `testbench.campaigns.clearing.vacant`).
     motion : Motion
         What the controller makes of the plan's program.
     report : callable
@@ -154,26 +153,5 @@ def write_derived(folder: Path, recording: Recording, how: str, details: dict[st
 def campaign_files(folder: Path) -> list[str]:
     """The files of a campaign, recording first; the manifest itself is not among them."""
     count = len(list(folder.glob("before-*.tap")))
-    names = [CSV, PROGRAM, EVENTS, "recording.bad", COMPENSATED, *past_names(count), EFFECTS]
+    names = [CSV, PROGRAM, EVENTS, BAD, COMPENSATED, *past_names(count), EFFECTS]
     return [name for name in names if (folder / name).exists()]
-
-
-def vacant(folder: Path, overwrite: bool = False, origin: str = "simulated") -> None:
-    """Make sure that `folder` may be written; remove a campaign of that `origin` if `overwrite`.
-
-    Raises
-    ------
-    UserError
-        If something else is there. A recorded campaign is never removed.
-    """
-    if not folder.exists() or (folder.is_dir() and not any(folder.iterdir())):
-        return
-    if not folder.is_dir() or not (folder / manifest.NAME).is_file():
-        raise UserError(f"{folder}: exists and is not a campaign; choose another place with -o")
-    if (there := origin_of(folder)) != origin:
-        raise UserError(
-            f"{folder}: holds a campaign that was {there}, which is not overwritten; choose another with -o"
-        )
-    if not overwrite:
-        raise UserError(f"{folder}: holds another campaign; choose another place with -o, or add --overwrite")
-    shutil.rmtree(folder)

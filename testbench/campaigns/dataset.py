@@ -14,7 +14,8 @@ from pathlib import Path
 from gcode.support import strict
 from gcode.support.errors import UserError
 from gcode.support.files import clear_drafts, sha256_of, write_text
-from testbench.campaigns.campaign import matches, simulate_campaign, vacant
+from testbench.campaigns.campaign import matches, simulate_campaign
+from testbench.campaigns.clearing import vacant
 from testbench.campaigns.dataset_index import write_entries
 from testbench.campaigns.dataset_tasks import Task, motion_of
 from testbench.campaigns.plan import Plan

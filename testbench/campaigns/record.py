@@ -17,8 +17,8 @@ from testbench.recordings.manifest import CSV, IN_PROGRESS, NAME, Campaign, read
 from testbench.recordings.versions import software_versions
 from testbench.rig.ending import EndOfMotion
 from testbench.rig.held import held
-from testbench.rig.motion import played
 from testbench.rig.parts import Part
+from testbench.rig.played import played
 from testbench.rig.ports import remembered_port, stated_port
 from testbench.rig.recorder import PROGRESS_S, Follow, Limits, Recorder, Status
 from testbench.rig.resume import continued, mend, watched
@@ -144,13 +144,7 @@ def _record(
     ending, intake = EndOfMotion.of(job.motion), Intake()
     first: list[Event] = []
     if resume:
-        job_of(folder, job.port)  # another recorder may have finished it since somebody looked
-        Sink(folder).close()  # where folders cannot be locked: refuses what is being written, before anything is cut
-        now_s = clock()  # reading a day's rows takes a while
-        left = mend(folder, time.time())
-        intake, ending = continued(left, now_s), watched(ending, left)
-        _mark_in_progress(folder, job.gauge_length_mm, job.recipe())
-        first.append(Event("resume", intake.time_us, {"idle_s": round(left.idle_s, 3)}))
+        intake, ending, first = _taken_up(job, folder, ending, clock)
     sink = Sink(folder, ROOM_BYTES)
     try:
         sink.write(first)
@@ -172,6 +166,20 @@ def _record(
     status.sync_failures = sink.sync_failures
     again = _paused(pause, job.give_up_s)
     return finish(folder, job.gauge_length_mm, "recorded", status, whole, job.recipe(), intake, again)
+
+
+def _taken_up(
+    job: Job, folder: Path, ending: EndOfMotion, clock: Callable[[], float]
+) -> tuple[Intake, EndOfMotion, list[Event]]:
+    """Where an interrupted recording goes on, its files mended, and the event that says so."""
+    job_of(folder, job.port)  # another recorder may have finished it since somebody looked
+    Sink(folder).close()  # where folders cannot be locked: refuses what is being written, before anything is cut
+    now_s = clock()  # reading a day's rows takes a while
+    left = mend(folder, time.time())
+    intake = continued(left, now_s)
+    _mark_in_progress(folder, job.gauge_length_mm, job.recipe())
+    event = Event("resume", intake.time_us, {"idle_s": round(left.idle_s, 3)})
+    return intake, watched(ending, left), [event]
 
 
 def _paused(pause: Callable[[float], None], patience_s: float) -> Iterator[None]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 
 
 def add_recording(parser: argparse.ArgumentParser) -> None:
@@ -17,7 +18,7 @@ def add_held_out(parser: argparse.ArgumentParser) -> None:
         "--held-out", metavar="B", help="recording to judge on (default: the last third of RECORDING)"
     )
     parser.add_argument(
-        "--gauge-length-mm", type=float, metavar="L", help="needed for a bare CSV; a campaign knows its own"
+        "--gauge-length-mm", type=positive, metavar="L", help="needed for a bare CSV; a campaign knows its own"
     )
 
 
@@ -59,23 +60,37 @@ def bounds_of(args: argparse.Namespace) -> dict[str, float]:
 
 def positive(text: str) -> float:
     """argparse type: a positive, finite number."""
-    value = float(text)
+    value = _number(text)
     if not 0 < value < float("inf"):
-        raise argparse.ArgumentTypeError(f"must be a positive number, got {text}")
+        raise argparse.ArgumentTypeError(f"must be a positive number, got {text!r}")
     return value
 
 
 def natural(text: str) -> int:
     """argparse type: a whole number, 0 or more."""
-    value = int(text)
-    if value < 0:
-        raise argparse.ArgumentTypeError(f"must be 0 or more, got {text}")
-    return value
+    if not re.fullmatch(r"\d{1,18}", text, re.ASCII):
+        raise argparse.ArgumentTypeError(f"must be a whole number, 0 or more, got {text!r}")
+    return int(text)
+
+
+def count(text: str) -> int:
+    """argparse type: a whole number, 1 or more."""
+    if natural(text) < 1:
+        raise argparse.ArgumentTypeError(f"must be 1 or more, got {text!r}")
+    return int(text)
 
 
 def rest(text: str) -> float:
     """argparse type: seconds, 0 to a day or so."""
-    value = float(text)
+    value = _number(text)
     if not 0 <= value <= 1e5:
-        raise argparse.ArgumentTypeError(f"must be 0 to 100000 s, got {text}")
+        raise argparse.ArgumentTypeError(f"must be 0 to 100000 s, got {text!r}")
     return value
+
+
+def _number(text: str) -> float:
+    """What the words say; NaN where they are no number."""
+    try:
+        return float(text)
+    except ValueError:
+        return float("nan")

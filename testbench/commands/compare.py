@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from testbench.commands._arguments import add_clamp_play, add_effects
+from testbench.commands._arguments import add_clamp_play, add_effects, positive
 from testbench.commands._output import show, show_notes
 
 SUMMARY = "show a model over a measurement and say where it fails"
@@ -14,7 +14,7 @@ EXAMPLE = "testbench compare campaign-2 --model model.json --json"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("recording", help="a CSV, or a campaign folder")
     parser.add_argument("--model", metavar="M", required=True, help="a model.json")
-    parser.add_argument("--gauge-length-mm", type=float, metavar="L", help="for a bare CSV (default: the model's)")
+    parser.add_argument("--gauge-length-mm", type=positive, metavar="L", help="for a bare CSV (default: the model's)")
     add_clamp_play(parser, of="this recording")
     add_effects(parser)
     parser.add_argument("--json", action="store_true", help="print the whole comparison as JSON")

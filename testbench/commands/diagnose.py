@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from testbench.api.progress import Telling, clear_line
-from testbench.commands._arguments import add_clamp_play, add_effects, add_recording
+from testbench.commands._arguments import add_clamp_play, add_effects, add_recording, count
 from testbench.commands._output import show
 
 SUMMARY = "say which physical effect the model is missing, with the evidence"
@@ -19,7 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_clamp_play(parser)
     add_effects(parser)
     parser.add_argument(
-        "--repeat", type=int, default=4, metavar="N", help="find at most N effects, one after the other (default 4)"
+        "--repeat", type=count, default=4, metavar="N", help="find at most N effects, one after the other (default 4)"
     )
     parser.add_argument("--json", metavar="OUT", help="write the whole diagnosis here ('-' prints it)")
     parser.add_argument("-o", "--output", metavar="MODEL", help="write the model with what was found put in")
@@ -27,12 +27,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    from gcode.support.errors import UserError
     from gcode.support.files import check_place
     from testbench.api.diagnosing import diagnose
 
-    if args.repeat < 1:
-        raise UserError(f"--repeat: must be 1 or more, got {args.repeat}")
     check_place(args.json, "--json")
     check_place(args.output)
     tell = False if args.quiet else Refits(min(args.repeat, USUAL_ROUNDS))

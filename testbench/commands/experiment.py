@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 
 from testbench.commands._arguments import add_bounds, add_effects, add_held_out, bounds_of
+from testbench.commands._output import show
 
 SUMMARY = "propose the next trajectory: the one that separates two rival models best"
 EXAMPLE = "testbench experiment creep.json relaxation.json --strain-max 30 -o next-run --plot next-run.png"
@@ -22,12 +23,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--temperature", action="store_true", help="the temperature will be measured too")
     parser.add_argument("-o", "--output", metavar="DIR", help="write the best one's program and trajectory here")
     parser.add_argument("--plot", metavar="FILE.png", help="draw the best one and what it would show")
-    parser.add_argument("--json", metavar="OUT", help="write the whole ranking here")
+    parser.add_argument("--json", metavar="OUT", help="write the whole ranking here ('-' prints it)")
 
 
 def run(args: argparse.Namespace) -> int:
     from gcode.support.errors import UserError
-    from gcode.support.files import check_place, write_json
+    from gcode.support.files import check_place
     from testbench.api.designing import next_experiment
     from testbench.api.progress import Telling
     from testbench.design.protocols import MENU
@@ -51,13 +52,12 @@ def run(args: argparse.Namespace) -> int:
         progress=tell,
     )
     tell("")
-    print(found)
-    if args.json:
-        write_json(args.json, found.to_dict())
+    show(found, args.json)
+    written = found.program.write(args.output) if args.output else []
     if args.plot:
         found.write_picture(args.plot)
-        print(f"picture: {args.plot}")
-    if args.output:
-        for path in found.program.write(args.output):
-            print(path)
+        written.append(args.plot)
+    if args.json != "-":
+        for path in written:
+            print(f"wrote {path}")
     return 0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from testbench.commands._arguments import add_bounds, add_effects, bounds_of, natural, positive, rest
+from testbench.commands._arguments import add_bounds, add_effects, bounds_of, count, natural, positive, rest
 
 SUMMARY = "run experiments until it is sure what is missing: plan, run, diagnose, design the next motion"
 EXAMPLE = (
@@ -44,11 +44,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_bounds(parser)
     parser.add_argument("--max-force-n", type=positive, metavar="F", help="no motion that may need more force")
     parser.add_argument("--gauge-length-mm", type=positive, default=25.0, metavar="L", help="default 25")
-    parser.add_argument(
-        "--trials", type=natural, default=24, metavar="N", help="motions a design weighs (default 24)"
-    )
+    parser.add_argument("--trials", type=count, default=24, metavar="N", help="motions a design weighs (default 24)")
     parser.add_argument("--seed", type=natural, default=1, help="of noise and random motion (default 1)")
-    parser.add_argument("--repeat", type=natural, default=2, metavar="N", help="effects of a diagnosis (default 2)")
+    parser.add_argument("--repeat", type=count, default=2, metavar="N", help="effects of a diagnosis (default 2)")
     parser.add_argument(
         "--motion", choices=("designed", "perlin"), default="designed", help="perlin: random motion, to compare with"
     )
@@ -110,7 +108,7 @@ def _asked(args: argparse.Namespace) -> dict[str, Any]:
         "motion": args.motion,
         "rest_s": args.rest_s,
         "seed": args.seed,
-        "trials": max(args.trials, 1),
+        "trials": args.trials,
         "most": args.repeat,
         "force_max_N": args.max_force_n,
         "gauge_length_mm": args.gauge_length_mm,

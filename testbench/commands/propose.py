@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from testbench.commands._arguments import add_effects, add_recording
+from testbench.commands._arguments import add_effects, add_recording, count
 from testbench.commands._output import show
 
 SUMMARY = "when no effect fits: find a law in what the model leaves, and write it down as an effect"
@@ -24,7 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="write the effect here; its name becomes the effect's",
     )
     parser.add_argument(
-        "--laws", type=int, default=2, metavar="N", help="at most N laws, one after the other (default 2)"
+        "--laws", type=count, default=2, metavar="N", help="at most N laws, one after the other (default 2)"
     )
     parser.add_argument("--plot", metavar="FILE.png", help="the picture (default: beside the effect)")
     parser.add_argument("--save-model", metavar="MODEL", help="write the model with the law put in")
@@ -33,14 +33,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    from gcode.support.errors import UserError
     from gcode.support.files import check_place
     from testbench.api.arguments import catalogue_of
     from testbench.api.progress import Counting, clear_line
     from testbench.api.proposing import check_effect_file, propose
 
-    if args.laws < 1:
-        raise UserError(f"--laws: must be 1 or more, got {args.laws}")
     check_place(args.json, "--json")
     check_place(args.save_model, "--save-model")
     catalogue = catalogue_of(args.effects)
@@ -60,10 +57,9 @@ def run(args: argparse.Namespace) -> int:
         clear_line()
     show(found, args.json)
     if found.is_proposed:
-        found.write(output, picture)
+        written = [*found.write(output, picture), *([args.save_model] if args.save_model else [])]
         if args.save_model:
             found.save(args.save_model)
         if args.json != "-":
-            print(f"\nwrote {output} and {picture}" + (f" and {args.save_model}" if args.save_model else ""))
-            print(f"next: testbench effects --effects {output} --check")
+            print(f"\nwrote {' and '.join(map(str, written))}\nnext: testbench effects --effects {output} --check")
     return 0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from testbench.commands._arguments import add_effects
+from testbench.commands._arguments import add_effects, positive
 
 SUMMARY = "put recordings, model, diagnosis and compensator into one self-contained HTML page"
 EXAMPLE = "testbench report --recording campaign-1 --held-out campaign-2 --model model.json -o report.html"
@@ -26,7 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--compensator", metavar="SCORE", help="the JSON of `compensation score`")
     parser.add_argument("--commands", metavar="TXT", help="the command lines that led here, one a line")
-    parser.add_argument("--gauge-length-mm", type=float, metavar="L", help="for bare CSVs")
+    parser.add_argument("--gauge-length-mm", type=positive, metavar="L", help="for bare CSVs")
     parser.add_argument("--resistance", action="store_true", help="show the resistance in kΩ, not the conductance")
     parser.add_argument("--title", default="", help="heading of the page")
     parser.add_argument("--format", choices=("html", "md"), default="html", help="html (default) or md")

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from testbench.comparing.cell import Cell
-from testbench.comparing.coordinates import LABELS, coordinates
+from testbench.comparing.residual_coordinates import LABELS, coordinates
 from testbench.comparing.words import place_in_words
 from testbench.fitting.errors import channel_name, noise_floors, rms_errors
 from testbench.fitting.measurement import Measurement

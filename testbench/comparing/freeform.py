@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.signal import lfilter
 
-from testbench.comparing.coordinates import coordinates
+from testbench.comparing.residual_coordinates import coordinates
 from testbench.fitting.measurement import Measurement
 from testbench.knit.effect import FloatArray
 

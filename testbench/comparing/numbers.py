@@ -17,10 +17,10 @@ def plain(value: float, digits: int = 3) -> str:
     """A number with `digits` significant digits: ``966``, ``1100``, ``0.036``, ``2.1·10⁻⁷``."""
     if value == 0 or not math.isfinite(value):
         return "0" if value == 0 else str(value)
-    size = math.floor(math.log10(abs(value)))
     if not SMALL <= abs(value) < LARGE:
-        power = str(size).translate(SUPERSCRIPTS)
-        return f"{value / 10**size:.{digits - 1}f}·10{power}"
+        mantissa, _, power = f"{value:.{digits - 1}e}".partition("e")
+        return f"{mantissa}·10{str(int(power)).translate(SUPERSCRIPTS)}"
+    size = math.floor(math.log10(abs(value)))
     return _fixed(value, digits - 1 - size)
 
 

@@ -14,8 +14,8 @@ import numpy as np
 from gcode.support.errors import UserError
 from gcode.trajectories.designed import Hold, Multisine, Ramp, RateSweep, ReturnToZero, Staircase, Triangle
 from gcode.trajectories.natural import Noise
-from gcode.trajectories.pieces import Piece
 from gcode.trajectories.planning import plan
+from gcode.trajectories.protocol import Piece
 from gcode.trajectories.trajectory import Trajectory, TrajectorySpec
 from testbench.design.protocols import Bounds, spec_of
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from gcode.support.errors import UserError
 from testbench.design.information import Prediction
 from testbench.diagnosis.constants import ALIKE_S
 from testbench.diagnosis.priors import priors_of
@@ -107,6 +108,11 @@ class Forecaster:
     def _linearised(self, measurement: Measurement, share: float) -> tuple[FloatArray, FloatArray, _Modelled]:
         """Means and sensitivities over the noise, channels in a row, shapes (m,) and (p, m); and what is read."""
         modelled, jacobian = sensitivities(self.likely.model, self._parameters, measurement, SimulationCache())
+        if unread := [channel for channel in self.reading.noise if channel not in modelled]:
+            raise UserError(
+                f"the model of {self.likely.name} says nothing of {unread[0]}: it needs a law of that channel, "
+                "and the recordings a column of it"
+            )
         over = {c: np.sqrt(share) / noise for c, noise in self.reading.noise.items()}
         counts = measurement.counts
         mean = np.concatenate([modelled[c][counts] * over[c] for c in over])

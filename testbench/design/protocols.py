@@ -20,7 +20,7 @@ from gcode.trajectories.designed import (
     Triangle,
 )
 from gcode.trajectories.natural import Noise
-from gcode.trajectories.pieces import Piece
+from gcode.trajectories.protocol import Piece
 from gcode.trajectories.trajectory import Limits, TrajectorySpec
 
 RATE_HZ = 20.0

@@ -158,8 +158,14 @@ class _Option(OpenModel):
 
 
 class _Left(StrictModel):
-    time_s: Annotated[list[Finite], Field(max_length=MOST_POINTS)]
-    over_noise: Annotated[list[Finite], Field(max_length=MOST_POINTS)]
+    time_s: Annotated[list[Finite], Field(min_length=1, max_length=MOST_POINTS)]
+    over_noise: Annotated[list[Finite], Field(min_length=1, max_length=MOST_POINTS)]
+
+    @model_validator(mode="after")
+    def _of_one_length(self) -> _Left:
+        if len(self.time_s) != len(self.over_noise):
+            raise ValueError("time_s and over_noise must be of one length")
+        return self
 
 
 class StoredExperiment(OpenModel):
@@ -168,7 +174,7 @@ class StoredExperiment(OpenModel):
     rivals: Annotated[list[Label], Field(min_length=2, max_length=100)]
     gauge_length_mm: GaugeLength
     options: Annotated[list[_Option], Field(min_length=1, max_length=1000)]
-    left: dict[Label, _Left]
+    left: dict[Literal["force", "conductance"], _Left]
 
 
 def read_diagnosis(path: str | Path) -> Mapping[str, Any]:

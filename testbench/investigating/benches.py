@@ -11,7 +11,8 @@ from pathlib import Path
 from typing import Protocol
 
 from gcode.support.errors import UserError
-from testbench.campaigns.campaign import matches, simulate_campaign, vacant
+from testbench.campaigns.campaign import matches, simulate_campaign
+from testbench.campaigns.clearing import vacant
 from testbench.campaigns.plan import Plan
 from testbench.campaigns.record import Job, begin, job_of, record
 from testbench.knit.model import KnitModel
@@ -19,7 +20,7 @@ from testbench.recordings import manifest
 from testbench.recordings.instruments import Instruments
 from testbench.recordings.manifest import read_manifest
 from testbench.rig.links import paced
-from testbench.rig.motion import played
+from testbench.rig.played import played
 from testbench.rig.pty_port import PtyPort, serve
 from testbench.rig.recorder import Limits, Status
 from testbench.rig.serial_port import SerialLink
@@ -127,7 +128,8 @@ class PtyBench:
     def run(self, order: Order, report: Report, stopped: Callable[[], bool] = lambda: False) -> None:
         if is_complete(order.folder):
             return
-        _remove_unfinished(order.folder)
+        if order.folder.exists():  # cut short: it is made again from its start, and so is the rig
+            vacant(order.folder, overwrite=True, origin="recorded")
         motion, _ = played(order.program, order.gauge_length_mm)
         lines = self.simulated.plan(order).wire_lines(motion)
         port, heard = PtyPort(), threading.Event()
@@ -191,14 +193,6 @@ class PortBench:
 def is_complete(folder: Path) -> bool:
     """Whether a campaign is there and was recorded to its end."""
     return (folder / manifest.NAME).is_file() and read_manifest(folder)[0].status == "complete"
-
-
-def _remove_unfinished(folder: Path) -> None:
-    """A simulated run that was cut short is made again from its start: the rig is, too."""
-    import shutil
-
-    if (folder / manifest.NAME).is_file() and not is_complete(folder):
-        shutil.rmtree(folder)
 
 
 def now_s() -> float:

@@ -17,6 +17,8 @@ from testbench.investigating.benches import Bench, Order, now_s
 from testbench.investigating.joining import joined
 from testbench.investigating.state import (
     NAME,
+    SPENT,
+    SURE,
     BeliefState,
     Investigation,
     LikelyState,
@@ -31,8 +33,6 @@ from testbench.knit.catalogue import Catalogue
 from testbench.knit.model import KnitModel
 from testbench.recordings.files import read_recording
 from testbench.rig.recorder import Status
-
-SURE, SPENT = "sure", "the time is spent"
 
 Tell = Callable[[str], None]
 
@@ -65,17 +65,12 @@ def begin(folder: Path, settings: Settings, sensor: str = "") -> Investigation:
     Raises
     ------
     UserError
-        If something is there already, or a run cannot be planned within the limits and the budget.
+        If something is there already.
     """
     if (folder / NAME).exists():
         raise UserError(f"{folder}: holds an investigation already; continue it with --resume, or choose another -o")
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise UserError(f"{folder}: exists and is not empty; choose another place with -o")
-    menu(settings.limits)  # refuses a length that no run can have
-    if settings.budget_s < settings.limits.duration_s:
-        raise UserError(
-            f"budget: {settings.budget_s / 60:g} min are less than one run of {settings.limits.duration_s / 60:g} min"
-        )
     investigation = Investigation(sensor=sensor, settings=settings)
     make_folder(folder)
     save_investigation(folder, investigation)

@@ -5,21 +5,27 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import AfterValidator, Field, field_validator, model_validator
 
 from gcode.support.errors import UserError
 from gcode.support.files import write_json
 from gcode.support.strict import StrictModel, load
 from testbench.design.forecast import Likely, Reading
-from testbench.design.protocols import Bounds
+from testbench.design.protocols import Bounds, menu
+from testbench.fitting.responses import UNIT_OF
 from testbench.knit.catalogue import Catalogue, model_from_dict
+from testbench.recordings.stored import GaugeLength, Label, Remark, checked_model
 
 NAME = "investigation.json"
 FORMAT, VERSION = "knitbench-investigation", 1
 MOST_RUNS = 200
+SURE, SPENT = "sure", "the time is spent"
 
-Positive = Annotated[float, Field(gt=0)]
-Chance = Annotated[float, Field(ge=0, le=1)]
+Positive = Annotated[float, Field(gt=0, le=1e9)]
+Chance = Annotated[float, Field(ge=0, le=1 + 1e-9)]
+Noise = Annotated[float, Field(ge=1e-12, le=1e9)]  # N or ln S
+Rest = Annotated[float, Field(ge=0, le=1e5)]
+Seconds = Annotated[float, Field(gt=0, le=2 * 24 * 3600)]
 
 
 class Settings(StrictModel):
@@ -41,17 +47,35 @@ class Settings(StrictModel):
         Rest of an aged specimen before each run but the first.
     """
 
-    bounds: dict[str, Positive]
+    bounds: dict[Label, Positive]
     budget_s: Positive
     sure: float = Field(0.95, gt=0.5, lt=1)
     specimen: Literal["aged", "fresh"] = "aged"
     motion: Literal["designed", "perlin"] = "designed"
-    rest_s: float = Field(30.0, ge=0, le=1e5)
+    rest_s: Rest = 30.0
     seed: int = Field(1, ge=0, lt=2**31)
     trials: int = Field(24, ge=1, le=10_000)
     effects_at_most: int = Field(1, ge=1, le=10)
     force_max_N: Positive | None = None
-    gauge_length_mm: Positive = 25.0
+    gauge_length_mm: GaugeLength = 25.0
+
+    @field_validator("bounds")
+    @classmethod
+    def _known(cls, bounds: dict[str, float]) -> dict[str, float]:
+        known = {name for name in Bounds.__dataclass_fields__ if name != "gauge_length_mm"}
+        if strange := sorted(set(bounds) - known):
+            raise ValueError(f"known are {', '.join(sorted(known))}, got {strange[0]!r}")
+        return bounds
+
+    @model_validator(mode="after")
+    def _some_runs(self) -> Settings:
+        menu(self.limits)  # refuses limits that no run can keep
+        run_s = self.limits.duration_s
+        if not run_s <= self.budget_s <= MOST_RUNS * run_s:
+            few = self.budget_s < run_s
+            bound = "are less than one run" if few else f"are more than {MOST_RUNS} runs"
+            raise ValueError(f"budget: {self.budget_s / 60:g} min {bound} of {run_s / 60:g} min")
+        return self
 
     @property
     def limits(self) -> Bounds:
@@ -62,10 +86,10 @@ class Settings(StrictModel):
 class LikelyState(StrictModel):
     """A hypothesis that was still likely, with its model as JSON."""
 
-    name: str
+    name: Label
     chance: Chance
-    model: dict[str, Any]
-    scales: dict[str, float]
+    model: Annotated[dict[str, Any], AfterValidator(lambda data: checked_model(data, "model"))]
+    scales: dict[Label, Annotated[float, Field(ge=1e-12, le=1e12)]]
 
 
 class BeliefState(StrictModel):
@@ -77,12 +101,20 @@ class BeliefState(StrictModel):
         What this run's recording says alone, where each run has a fresh specimen; else as `probabilities`.
     """
 
-    probabilities: dict[str, Chance] = Field(min_length=1)
-    own: dict[str, Chance]
+    probabilities: dict[Label, Chance] = Field(min_length=1, max_length=1000)
+    own: dict[Label, Chance] = Field(min_length=1, max_length=1000)
     verdict: Literal["missing", "nothing_missing", "unknown"]
-    noise: dict[str, Positive]
+    noise: dict[str, Noise] = Field(min_length=1)
     pieces: Positive
-    likely: list[LikelyState]
+    likely: list[LikelyState] = Field(max_length=100)
+
+    @model_validator(mode="after")
+    def _agrees_with_itself(self) -> BeliefState:
+        if strange := [one.name for one in self.likely if one.name not in self.probabilities]:
+            raise ValueError(f"likely: {strange[0]!r} has no probability")
+        if strange := sorted(set(self.noise) - set(UNIT_OF)):
+            raise ValueError(f"noise: channels are {', '.join(UNIT_OF)}, got {strange[0]!r}")
+        return self
 
     @property
     def top(self) -> tuple[str, float]:
@@ -117,14 +149,20 @@ class RunState(StrictModel):
         What it was expected to tell, and what random motion would have; None where it was not designed.
     """
 
-    words: str
-    seconds: Positive
-    rest_s: float | None = None
+    words: Remark
+    seconds: Seconds
+    rest_s: Rest | None = None
     expected_nats: float | None = None
     perlin_nats: float | None = None
     recorded: bool = False
-    ended_s: float | None = None
+    ended_s: Annotated[float, Field(ge=0, le=1e12)] | None = None
     belief: BeliefState | None = None
+
+    @model_validator(mode="after")
+    def _in_turn(self) -> RunState:
+        if self.belief is not None and not self.recorded:
+            raise ValueError("belief: a run is recorded before it is judged")
+        return self
 
 
 class Investigation(StrictModel):
@@ -134,8 +172,14 @@ class Investigation(StrictModel):
     version: Literal[1] = 1
     sensor: str = Field("", max_length=500)
     settings: Settings
-    runs: list[RunState] = Field([], max_length=MOST_RUNS)
-    ended: str = ""
+    runs: list[RunState] = Field([], max_length=2 * MOST_RUNS)  # a motion may be shorter than a run may take
+    ended: Literal["", "sure", "the time is spent"] = ""
+
+    @model_validator(mode="after")
+    def _one_run_after_the_other(self) -> Investigation:
+        if any(run.belief is None for run in self.runs[:-1]):
+            raise ValueError("runs: only the last one may be without a belief")
+        return self
 
     @property
     def spent_s(self) -> float:

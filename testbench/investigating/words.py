@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from testbench.comparing.words import percent
 from testbench.diagnosis.rounds import NOTHING, UNKNOWN
-from testbench.investigating.state import Investigation, RunState
+from testbench.investigating.state import SURE, Investigation, RunState
 
 SHOWN = 4
 SPOKEN = {NOTHING: "nothing is missing", UNKNOWN: "something that no effect explains"}
@@ -44,9 +44,9 @@ def ending_words(investigation: Investigation) -> str:
     if belief is None:
         return "nothing was judged yet"
     name, chance = belief.top
-    if investigation.ended == "sure":
+    if investigation.ended == SURE:
         return f"{spoken(name)}: {percent(chance)} after {minutes:.1f} min of motion"
-    state = "the time is spent" if investigation.ended else "not ended yet"
+    state = investigation.ended or "not ended yet"
     return f"{state}: after {minutes:.1f} min of motion {belief_words(belief.probabilities)}"
 
 

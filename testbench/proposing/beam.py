@@ -10,12 +10,12 @@ import numpy as np
 from scipy.optimize import minimize
 
 from testbench.knit.effect import FloatArray
-from testbench.proposing.coordinates import KINETICS
 from testbench.proposing.grammar import NO_MEMORY, SIGNAL_ONLY, coordinates_at, fits, price_of
 from testbench.proposing.grids import Grid, rounded, usual_size
 from testbench.proposing.law import Law, Term
+from testbench.proposing.law_coordinates import KINETICS
+from testbench.proposing.law_parts import Operator, Slot
 from testbench.proposing.operators import OPERATORS
-from testbench.proposing.pieces import Operator, Slot
 from testbench.proposing.places import Place
 from testbench.proposing.screening import Projector
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from testbench.comparing.coordinates import coordinates
+from testbench.comparing.residual_coordinates import coordinates
 from testbench.fitting.measurement import Measurement
 from testbench.fitting.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL
 from testbench.knit.kernels import turns

@@ -13,7 +13,7 @@ import numpy as np
 
 from testbench.knit import filters, memories
 from testbench.knit.effect import FloatArray, Signals
-from testbench.proposing.pieces import Coordinate, Operator, Slot
+from testbench.proposing.law_parts import Coordinate, Operator, Slot
 from testbench.proposing.places import Place
 from testbench.proposing.units import PER_SECOND, SECOND, Unit
 

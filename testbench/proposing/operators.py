@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from testbench.proposing.pieces import FORCE, LN_G, PRESSING, STRAIN, TIME, Operator, Slot
+from testbench.proposing.law_parts import FORCE, LN_G, PRESSING, STRAIN, TIME, Operator, Slot
 from testbench.proposing.units import NEWTON, ONE, SECOND
 
 OPERATORS = {

@@ -11,6 +11,7 @@ from gcode.support.errors import UserError
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE, TIME
 
 # Far beyond any tester: what lies outside is another unit, or a broken file, and would only overflow later.
+LONGEST_GAUGE_MM = 1e6
 LIMITS = {
     TIME: (-1e11, 1e11),  # 3,000 years; the s since 1970 lie inside, the ms do not
     DISPLACEMENT: (-1e6, 1e6),  # 1 km
@@ -34,8 +35,8 @@ def check(source: str, time_s: FloatArray, channels: Mapping[str, FloatArray], g
     channels : mapping of str to ndarray, each shape (n,)
     gauge_length_mm : float
     """
-    if DISPLACEMENT in channels and not (np.isfinite(gauge_length_mm) and gauge_length_mm > 0):
-        raise UserError(f"{source}: the gauge length must be a positive number of mm, got {gauge_length_mm}")
+    if DISPLACEMENT in channels:
+        check_gauge_length(gauge_length_mm, source)
     if len(time_s) < 2:
         raise UserError(f"{source}: a recording needs at least 2 samples, got {len(time_s)}")
     if DISPLACEMENT not in channels and not _goes_without_displacement(channels):
@@ -51,6 +52,15 @@ def check(source: str, time_s: FloatArray, channels: Mapping[str, FloatArray], g
         _check_within(source, name, values)
     if DISPLACEMENT in channels:
         _check_strain(source, channels[DISPLACEMENT], gauge_length_mm)
+
+
+def check_gauge_length(gauge_length_mm: float, source: str) -> None:
+    """Raise `UserError`, which names `source`, unless it is a length that a sample can have."""
+    if not 0 < gauge_length_mm <= LONGEST_GAUGE_MM:
+        raise UserError(
+            f"{source}: the gauge length must be a positive number of mm, at most {LONGEST_GAUGE_MM:.0f}, "
+            f"got {gauge_length_mm:g}"
+        )
 
 
 def _goes_without_displacement(channels: Mapping[str, FloatArray]) -> bool:

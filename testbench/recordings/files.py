@@ -60,8 +60,8 @@ def _load_campaign(folder: Path, gauge_length_mm: float | None) -> Recording:
     columns = read_columns(path, growing=campaign.in_progress)
     own_mm = campaign.gauge_length_mm
     if np.isnan(own_mm):
-        own_mm = gauge_length_mm or own_mm
-    elif gauge_length_mm and gauge_length_mm != own_mm:
+        own_mm = own_mm if gauge_length_mm is None else gauge_length_mm
+    elif gauge_length_mm is not None and gauge_length_mm != own_mm:
         say_once(
             f"{folder}: its manifest says a gauge length of {own_mm:g} mm, which is used, not {gauge_length_mm:g} mm"
         )

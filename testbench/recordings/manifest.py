@@ -148,7 +148,8 @@ def _text_of(folder: Path) -> tuple[str, str]:
     try:
         path.lstat()
     except (FileNotFoundError, NotADirectoryError):
-        raise UserError(f"{folder}: no {NAME} in this folder, so it is not a campaign") from None
+        what = f"no {NAME} in this folder, so it is not a campaign" if folder.is_dir() else "no such campaign folder"
+        raise UserError(f"{folder}: {what}; `testbench run`, `record` and `import` make one") from None
     except (OSError, ValueError) as error:
         raise UserError(f"{folder}: cannot look into this folder: {getattr(error, 'strerror', error)}") from None
     link = _link_in_words(folder)

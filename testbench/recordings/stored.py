@@ -11,6 +11,7 @@ from typing import Annotated, Any, Literal
 from pydantic import ConfigDict, Field, model_validator
 
 from gcode.support.strict import StrictModel, read_json, validated
+from testbench.recordings.checks import LONGEST_GAUGE_MM
 from testbench.recordings.instruments import Instruments
 
 # As in testbench.knit.model, not imported: the hidden worlds read recordings and must not know the physics.
@@ -20,7 +21,7 @@ Label = Annotated[str, Field(max_length=500)]
 Remark = Annotated[str, Field(max_length=20_000)]
 Count = Annotated[int, Field(ge=0, le=1 << 53)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
-GaugeLength = Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False)]
+GaugeLength = Annotated[float, Field(gt=0, le=LONGEST_GAUGE_MM, allow_inf_nan=False)]
 # The name of a file beside the manifest: nothing that leads anywhere else.
 FileName = Annotated[str, Field(pattern=r"^[^./\\\x00-\x1f\x7f][^/\\\x00-\x1f\x7f]{0,199}$")]
 Number = float | int | bool | str | None

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from testbench.comparing.compare import Comparison, residual_maps
-from testbench.comparing.coordinates import coordinates
 from testbench.comparing.judged import kept_zero
+from testbench.comparing.residual_coordinates import coordinates
 from testbench.fitting.errors import noise_floors
 from testbench.fitting.measurement import Measurement
 from testbench.fitting.model_file import ModelFile

@@ -116,33 +116,31 @@ def heat_maps(both: Overlay, label: str | None = None) -> style.Figure:
     panels = [("Strain / %", "Strain rate / %/s" if i == 0 else "") for i in range(len(both.measured))]
     traces = []
     for column, channel in enumerate(both.measured):
-        x, y, z = _heat(100 * both.strain[inside], 100 * rate[inside], both.residual(channel, label)[inside])
-        size = float(np.nanquantile(np.abs(z), 0.98)) if np.isfinite(z).any() else 1.0
-        traces.append(
-            {
-                "type": "heatmap",
-                "x": x,
-                "y": y,
-                "z": z,
-                "zmin": -size,
-                "zmax": size,
-                "colorscale": style.DIVERGING,
-                **style.place(column),
-                "colorbar": {
-                    "title": {"text": RESIDUAL_TITLES[channel].rpartition(" / ")[2]},
-                    "thickness": 10,
-                    "outlinewidth": 0,
-                    "x": (1.0 if column == len(both.measured) - 1 else 0.42) + 0.01,
-                },
-                "hovertemplate": "strain %{x:.1f} %, rate %{y:.2f} %/s: %{z:.3g}<extra></extra>",
-            }
-        )
+        cells = _heat(100 * both.strain[inside], 100 * rate[inside], both.residual(channel, label)[inside])
+        bar_x = (1.0 if column == len(both.measured) - 1 else 0.42) + 0.01
+        unit = RESIDUAL_TITLES[channel].rpartition(" / ")[2]
+        bar = {"title": {"text": unit}, "thickness": 10, "outlinewidth": 0, "x": bar_x}
+        traces.append(_heat_map(*cells) | {**style.place(column), "colorbar": bar})
     axes = style.side_by_side_axes(panels, gap=0.16)
     notes = [
         style.note(f"<b>{channel}</b>: measured minus modelled", index * 0.58, 1.0, xanchor="left", yanchor="bottom")
         for index, channel in enumerate(both.measured)
     ]
     return style.figure(traces, height=360, margin={"l": 64, "r": 80, "t": 36, "b": 44}, annotations=notes, **axes)
+
+
+def _heat_map(x: FloatArray, y: FloatArray, z: FloatArray) -> dict[str, Any]:
+    size = float(np.nanquantile(np.abs(z), 0.98)) if np.isfinite(z).any() else 1.0
+    return {
+        "type": "heatmap",
+        "x": x,
+        "y": y,
+        "z": z,
+        "zmin": -size,
+        "zmax": size,
+        "colorscale": style.DIVERGING,
+        "hovertemplate": "strain %{x:.1f} %, rate %{y:.2f} %/s: %{z:.3g}<extra></extra>",
+    }
 
 
 def _heat(x: FloatArray, y: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -132,6 +132,9 @@ def parameters_section(fit: Mapping[str, Any], model: KnitModel) -> Section | No
     return Section("The model's parameters", [table]) if table else None
 
 
+_SCORE_HEAD = ("Recording", "", "r² raw", "best line", "r² after", "95 %", "Gain")
+
+
 def compensator_section(score: Mapping[str, Any]) -> Section:
     """What the compensator makes of the sensor.
 
@@ -143,16 +146,7 @@ def compensator_section(score: Mapping[str, Any]) -> Section:
     target, rows = score["compensator"]["target"], score["recordings"]
     names = [short_name(row["source"]) for row in rows]
     symbol = compensator_figures.SYMBOLS[target]
-    head = (
-        "Recording",
-        "",
-        "r² raw",
-        "best line",
-        "r² after",
-        "95 %",
-        "Gain",
-        f"RMS error / {score['compensator']['unit']}",
-    )
+    head = (*_SCORE_HEAD, f"RMS error / {score['compensator']['unit']}")
     table = Table(head, [_score_row(name, row) for name, row in zip(names, rows, strict=True)], _score_caption(score))
     shown = next((row for row in rows if row["role"] == "held-out"), rows[0])
     items: list[Item] = [table]

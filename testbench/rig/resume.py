@@ -84,8 +84,7 @@ def mend(folder: Path, wall_s: float) -> Left:
         if (folder / name).exists() or (folder / name).is_symlink():
             # Opened as the recorder will: a link or a second name is refused before anything is cut.
             disk.DISK.close(disk.open_growing(folder / name))
-            if (folder / name).stat().st_size:
-                check_plain(folder / name, "recording", MOST_BYTES)
+            check_plain(folder / name, "recording", MOST_BYTES, may_be_empty=True)
     events = [(_event(folder / EVENTS, line), line) for line, _ in _lines(folder / EVENTS)]
     if (folder / CSV).exists():
         left.idle_s = max(0.0, wall_s - (folder / CSV).stat().st_mtime)

@@ -189,16 +189,19 @@ def add_fit_form(studio: Studio, c: str, again: bool = False) -> None:
 
         def start() -> None:
             check(play)
-            argv = ["testbench", "fit", str(studio.workspace.campaign(c).folder)]
-            argv += held_out_arguments(studio, str(held.value)) + studio.effects_arguments()
-            if play.value and held.value != LAST_THIRD:
-                argv += ["--clamp-play-mm", typed(play)]
             if again:
                 shutil.copyfile(model_path(studio, c), model_path(studio, c).with_name(BEFORE))
-            command = (f"Fitting the baseline to {c}", [*argv, "-o", str(model_path(studio, c))])
-            run_in_turn(studio, f"model:{c}", [command], holder, ui.navigate.reload)
+            argv = _fit_command(studio, c, str(held.value), typed(play) if play.value else "")
+            run_in_turn(studio, f"model:{c}", [(f"Fitting the baseline to {c}", argv)], holder, ui.navigate.reload)
 
         words = "Fit the baseline anew" if again else "Fit the baseline"
         button = ui.button(words, icon="tune", on_click=lambda: attempt(start))
         button.props("outline" if again else "unelevated")
         join_running(studio, f"model:{c}", holder, ui.navigate.reload)
+
+
+def _fit_command(studio: Studio, c: str, held_out: str, play_mm: str) -> list[str]:
+    argv = ["testbench", "fit", str(studio.workspace.campaign(c).folder)]
+    argv += held_out_arguments(studio, held_out) + studio.effects_arguments()
+    argv += ["--clamp-play-mm", play_mm] if play_mm and held_out != LAST_THIRD else []
+    return [*argv, "-o", str(model_path(studio, c))]

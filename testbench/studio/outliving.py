@@ -17,6 +17,9 @@ import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
+
+from pydantic import Field
 
 from gcode.support.errors import UserError
 from gcode.support.files import make_folder, write_text
@@ -47,7 +50,7 @@ class About:
     identity: str
     title: str
     argv: tuple[str, ...]
-    pid: int
+    pid: Annotated[int, Field(gt=1)]  # 0 and -1 would name the studio's own processes, or all
 
 
 class Outliving:

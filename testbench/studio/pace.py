@@ -8,13 +8,16 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import Field
 
 from gcode.support.errors import UserError
 from gcode.support.files import make_folder, write_text
 from gcode.support.strict import read_json, validated
 
 LIKE_LAST_TIME = 0.03  # so much of the whole is believed to go as fast as it did last time
+LONGEST_S = 1e7  # of a job that is believed
 EARLY = 0.08  # below this share of its steps a job that was never seen before is not extrapolated
 SCORE = re.compile(r"\b(cost|r2|E) (-?[\d.]+(?:e[-+]?\d+)?)")
 SCORE_NAMES = {"cost": "misfit", "r2": "r²", "E": "error E"}
@@ -31,8 +34,8 @@ class Profile:
         Seconds after the start.
     """
 
-    total_s: float
-    marks: Mapping[str, float]
+    total_s: Annotated[float, Field(gt=0, le=LONGEST_S)]
+    marks: Mapping[str, Annotated[float, Field(ge=0, le=LONGEST_S)]]
 
 
 @dataclass

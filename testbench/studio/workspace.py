@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import os
-import shutil
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -198,7 +197,9 @@ class Workspace:
         made = self.root / RESULTS / results_name(name)
         if (place / "results").is_dir() and not made.exists():
             (place / "results").replace(made)
-        shutil.rmtree(place)
+        (place / "name.txt").unlink()
+        with contextlib.suppress(OSError):
+            place.rmdir()  # not empty where other results have been made since: the old ones stay here
         return name
 
     def free_name(self, wanted: str) -> Path:

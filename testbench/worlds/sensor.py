@@ -11,8 +11,8 @@ from testbench.worlds.base import draw_world
 from testbench.worlds.case import PARTS, Bench, ambient_K, choose, names_of, rng_of
 from testbench.worlds.chain import Scene, run
 from testbench.worlds.kernels import FloatArray
-from testbench.worlds.motion import GAUGE_LENGTH_MM, sample_times
 from testbench.worlds.noise import quantised, unit_noise
+from testbench.worlds.protocols import GAUGE_LENGTH_MM, sample_times
 
 HORIZON_S = 4 * 3600.0  # the room is drawn for so long
 

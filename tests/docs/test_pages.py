@@ -25,7 +25,7 @@ def test_the_map_names_every_room_that_the_contracts_name():
         for package in ("testbench", "gcode")
         for path in (DOCS.parent / package).glob("*/__init__.py")
     }
-    missing = {room for room in rooms if room not in told and not room.startswith("worlds_")}
+    missing = {room for room in rooms if room not in told}
     assert not missing
 
 

@@ -158,7 +158,7 @@ EXPERIMENT = {
     "options": [
         {"protocol": "noise", "duration_s": 600.0, "log_odds": 3.0, "grade": "decisive", "channel": "force"},
     ],
-    "left": {"creep": {"time_s": [0.0, 1.0], "over_noise": [0.0, 2.0]}},
+    "left": {"force": {"time_s": [0.0, 1.0], "over_noise": [0.0, 2.0]}},
 }
 INDEX = {
     "format": "knitbench-dataset",

@@ -9,6 +9,7 @@ import sys
 import numpy as np
 import pytest
 
+import gcode
 from gcode.cli import main
 from gcode.trajectories.trajectory import read_csv
 
@@ -58,6 +59,13 @@ def test_the_program_alone_makes_all_files_again(folder, tmp_path):
     assert main(["generate", "--again", str(folder / "program.tap"), "-o", str(tmp_path)]) == 0
     for name in ("program.tap", "trajectory.csv", "trajectory.json"):
         assert (tmp_path / name).read_bytes() == (folder / name).read_bytes()
+
+
+@pytest.mark.parametrize("option", ["--seed", "--gauge-length-mm", "--v-max", "--duration-s", "--x-min"])
+def test_what_the_header_says_is_not_said_again(folder, tmp_path, capsys, option):
+    assert main(["generate", "--again", str(folder / "program.tap"), option, "1", "-o", str(tmp_path / "n")]) == 2
+    assert f"as its header says; leave {option} out" in capsys.readouterr().err
+    assert not (tmp_path / "n").exists()
 
 
 def test_a_gauge_length_that_the_target_does_not_suit_is_noted(tmp_path, capsys):
@@ -124,3 +132,13 @@ def test_help_does_not_import_numpy():
     code += "print('numpy' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip().endswith("False")
+
+
+def test_a_program_with_a_line_that_cannot_be_read_is_not_played_and_is_named(tmp_path, capsys):
+    path = tmp_path / "mine.tap"
+    path.write_text("G90 G21 G94\nG1 X1 F60\nG1 X[#5]\nG1 X2 F60\nM30\n")
+    assert main(["play", str(path), "-o", str(tmp_path / "out.csv")]) == 2
+    assert f"{path}: line 3: cannot read" in capsys.readouterr().err
+    for program in (path, path.read_text()):
+        with pytest.raises(gcode.UserError, match="line 3: cannot read"):
+            gcode.play(program)

@@ -23,6 +23,11 @@ def test_a_file_without_a_size_is_handed_to_no_other_reader():
         check_plain(MADE_UP)
 
 
+def test_a_file_that_a_kill_left_empty_may_be_taken_up(tmp_path):
+    (tmp_path / "recording.bad").touch()
+    assert check_plain(tmp_path / "recording.bad", may_be_empty=True) == 0
+
+
 def test_a_file_is_read_to_its_end_and_no_larger_one(tmp_path):
     path, data = tmp_path / "file", bytes(range(256)) * 10_000
     path.write_bytes(data)

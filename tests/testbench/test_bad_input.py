@@ -120,3 +120,15 @@ def test_a_model_of_another_gauge_length(tmp_path, csv, capsys, command):
     ModelFile(truth(), 60.0, "r", "h", {}, (step,)).save(tmp_path / "model.json")
     error = refused(capsys, command, csv, "--model", str(tmp_path / "model.json"), "--gauge-length-mm", "25")
     assert "fitted at a gauge length of 60 mm" in error
+
+
+@pytest.mark.parametrize(
+    "words", ["diagnose a.csv --repeat", "propose a.csv -o b.py --laws", "investigate pes -o i --repeat"]
+)
+@pytest.mark.parametrize("number", ["0", "-1", "1.5", "x", ""])
+def test_a_count_is_a_whole_number_from_1(capsys, words, number):
+    with pytest.raises(SystemExit, match="2"):
+        main([*words.split(), number])
+    assert re.search(
+        r"must be (1 or more|a whole number, 0 or more), got|expected one argument", capsys.readouterr().err
+    )

@@ -108,15 +108,7 @@ def _scoring(studio: Studio, c: str, target: str, judged: list[str]) -> list[str
 def _show(studio: Studio, c: str, target: str, score: Mapping[str, Any]) -> None:
     rows = score["recordings"]
     names = [short_name(row["source"]) for row in rows]
-    summary = score["summary"]
-    facts(
-        [
-            (f"r² after compensation, {_judged_on(summary)}", f"{summary['r2_after']:.3f}"),
-            ("r² of the raw conductance", f"{summary['r2_before']:.3f}"),
-            ("gained by compensation", f"{summary['gain']:+.3f}"),
-            ("parameters of the network", str(score["compensator"]["parameters"])),
-        ]
-    )
+    _facts(score)
     with ui.row():
         path = compensator_path(studio, c, target)
         ui.button("Export for the chip (C header)", icon="memory", on_click=lambda: attempt(export)).props("outline")
@@ -137,6 +129,18 @@ def _show(studio: Studio, c: str, target: str, score: Mapping[str, Any]) -> None
         "means that the paper reports for its two knits.",
     )
     later(partial(_recordings, rows, names, target))
+
+
+def _facts(score: Mapping[str, Any]) -> None:
+    summary = score["summary"]
+    facts(
+        [
+            (f"r² after compensation, {_judged_on(summary)}", f"{summary['r2_after']:.3f}"),
+            ("r² of the raw conductance", f"{summary['r2_before']:.3f}"),
+            ("gained by compensation", f"{summary['gain']:+.3f}"),
+            ("parameters of the network", str(score["compensator"]["parameters"])),
+        ]
+    )
 
 
 def _recordings(rows: list[dict[str, Any]], names: list[str], target: str) -> None:

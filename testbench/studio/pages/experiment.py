@@ -74,19 +74,23 @@ def _ask(studio: Studio, c: str, diagnosis: Mapping[str, Any], where: Address) -
 
     def start() -> None:
         check(strain, minutes, speed, acceleration)
-        limits = {"--strain-max": strain, "--v-max": speed, "--a-max": acceleration}
-        argv = ["testbench", "experiment", "--diagnosis", str(models.diagnosis_path(studio, c))]
-        argv += ["--fit", str(studio.workspace.campaign(c).folder), *studio.effects_arguments()]
-        argv += models.held_out_arguments(studio, models.held_out_of(studio, c))
-        for option, field in limits.items():
-            argv += [option, typed(field)]
-        argv += ["--duration-s", f"{60 * minutes.value:.12g}", "--json", str(experiment_path(studio, c))]
-        argv += ["-o", str(studio.workspace.root / PROGRAMS / program_name(c))]
+        limits = {"--strain-max": typed(strain), "--v-max": typed(speed), "--a-max": typed(acceleration)}
+        argv = _command(studio, c, limits | {"--duration-s": f"{60 * minutes.value:.12g}"})
         title = f"Looking for the motion that tells {' from '.join(rivals_of(diagnosis))}"
         models.run_in_turn(studio, key, [(title, argv)], holder, ui.navigate.reload)
 
     button.on_click(lambda: attempt(start))
     models.join_running(studio, key, holder, ui.navigate.reload)
+
+
+def _command(studio: Studio, c: str, limits: Mapping[str, str]) -> list[str]:
+    argv = ["testbench", "experiment", "--diagnosis", str(models.diagnosis_path(studio, c))]
+    argv += ["--fit", str(studio.workspace.campaign(c).folder), *studio.effects_arguments()]
+    argv += models.held_out_arguments(studio, models.held_out_of(studio, c))
+    for option, value in limits.items():
+        argv += [option, value]
+    argv += ["--json", str(experiment_path(studio, c))]
+    return [*argv, "-o", str(studio.workspace.root / PROGRAMS / program_name(c))]
 
 
 async def _answer(studio: Studio, c: str, found: Mapping[str, Any]) -> None:

@@ -88,16 +88,7 @@ class _Ladder:
         for note in (*ladder_notes(step.label for step in self.steps), self.zero):
             if note:
                 ui.label(note).classes("quiet text-sm")
-        with ui.column().classes("card gap-1"):
-            under = "Move along the steps; the pictures follow."
-            subheading(
-                "Through the history", under if last else "One step so far. Ask what is missing to find the next."
-            )
-            self.slider = ui.slider(min=0, max=max(last, 1), step=1, value=step).props(
-                "label snap markers aria-label='Step of the ladder'"
-            )
-            self.slider.set_enabled(last > 0)
-        self.slider.on_value_change(lambda event: self._go(int(event.value)))
+        self._slider(step, last)
         self._tell(step)
         self._buttons(last)
         self.glance = plot(
@@ -109,6 +100,18 @@ class _Ladder:
         if parameters:
             subheading("The model's parameters", "After the last step; what speaks against a value stands beside it.")
             table(parameters.head, parameters.rows, parameters.caption)
+
+    def _slider(self, step: int, last: int) -> None:
+        with ui.column().classes("card gap-1"):
+            under = "Move along the steps; the pictures follow."
+            subheading(
+                "Through the history", under if last else "One step so far. Ask what is missing to find the next."
+            )
+            self.slider = ui.slider(min=0, max=max(last, 1), step=1, value=step).props(
+                "label snap markers aria-label='Step of the ladder'"
+            )
+            self.slider.set_enabled(last > 0)
+        self.slider.on_value_change(lambda event: self._go(int(event.value)))
 
     def _why(self, step: int, diagnosis: Mapping[str, Any]) -> None:
         """The diagnosis that led to a step, as it was then."""

@@ -69,17 +69,8 @@ def _form(studio: Studio, where: Address) -> None:
             seed = number_field("Seed", asked(where, "seed", 51), whole=True)
             gauge = number_field("Gauge length / mm", asked(where, "gauge", 25))
             minutes = number_field("Duration / min", asked(where, "minutes", 23))
-        limited = any(where.query[key] for key in LIMITS.values())
-        fold = ui.expansion("Limits of the machine", value=limited).classes("w-full")
-        with fold, ui.row().classes("items-start"):
-            limits = {
-                option: number_field(
-                    LIMIT_NAMES[key], asked(where, key, None), positive=not key.endswith("est"), optional=True
-                )
-                for option, key in LIMITS.items()
-            }
+        limits = _limits(where)
         keep_in(where, motion=preset, seed=seed, gauge=gauge, minutes=minutes)
-        keep_in(where, **{key: limits[option] for option, key in LIMITS.items()})
         _say_which_hold(limits, str(preset.value))
         preset.on_value_change(lambda event: _say_which_hold(limits, str(event.value)))
         holder = ui.column().classes("w-full")
@@ -98,6 +89,21 @@ def _form(studio: Studio, where: Address) -> None:
                 job_card(studio, job, partial(_planned, where))
 
         ui.button("Plan", icon="timeline", on_click=lambda: attempt(start)).props("unelevated")
+
+
+def _limits(where: Address) -> dict[str, ui.number]:
+    """The fields for the limits of the machine, by their options; folded where none was asked for."""
+    limited = any(where.query[key] for key in LIMITS.values())
+    fold = ui.expansion("Limits of the machine", value=limited).classes("w-full")
+    with fold, ui.row().classes("items-start"):
+        limits = {
+            option: number_field(
+                LIMIT_NAMES[key], asked(where, key, None), positive=not key.endswith("est"), optional=True
+            )
+            for option, key in LIMITS.items()
+        }
+    keep_in(where, **{key: limits[option] for option, key in LIMITS.items()})
+    return limits
 
 
 def _planned(where: Address, job: Job) -> None:

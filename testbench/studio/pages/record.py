@@ -32,7 +32,7 @@ def page(studio: Studio) -> None:
             return
         programs = sorted(path.parent.name for path in (studio.workspace.root / PROGRAMS).glob("*/program.tap"))
         if programs:
-            _form(studio, holder, programs)
+            _Form(studio, holder, programs)
             return
         with invitation(
             "No program yet", "A recording follows a program. Plan a motion first; it is written for you."
@@ -40,51 +40,67 @@ def page(studio: Studio) -> None:
             ui.button("Plan and run", icon="timeline", on_click=lambda: ui.navigate.to("/plan")).props("unelevated")
 
 
-def _form(studio: Studio, holder: ui.column, programs: list[str]) -> None:
-    with ui.column().classes("card gap-3"):
-        with ui.row().classes("items-center"):
-            port = ui.input("Port", value=SIMULATED, autocomplete=[SIMULATED, *ports_here()])
-            port.props("outlined dense").style("min-width:230px")
-            sensor = ui.select(SENSORS, value="pes", label="Simulated sensor").props("outlined dense")
-            sensor.style("width:170px").bind_visibility_from(port, "value", lambda value: value == SIMULATED)
-            program = ui.select(programs, value=programs[-1], label="Program").props("outlined dense")
-            program.style("min-width:300px")
-        with ui.row().classes("items-center"):
-            name = ui.input("Campaign name", value=_free(studio, "recorded")).props("outlined dense")
-            specimen = ui.input("Specimen").props("outlined dense")
-            force = number_field("Force limit / N", None, optional=True)
-            strain = number_field("Strain limit / %", None, optional=True)
-            trained = compensators(studio)
-            compensator = ui.select({"": "none", **trained}, value="", label="Compensator").props("outlined dense")
-            compensator.style("min-width:200px").set_visibility(bool(trained))
-        ui.label(_hint(ports_here())).classes("quiet text-sm")
+class _Form:
+    """What a person says before a recording, and its start."""
 
-        async def start() -> None:
-            check(force, strain)
-            target = studio.workspace.free_name(name.value)
-            tap = studio.workspace.root / PROGRAMS / program.value / "program.tap"
-            running = studio.jobs.find(KEY_RECORDING)
-            if running and running.running:
-                raise UserError(f"{running.title}: this is still under way, and there is one recording at a time")
-            url = await _simulated_port(studio, sensor.value, tap) if port.value == SIMULATED else port.value
-            argv = ["testbench", "record", "--port", url, "--program", str(tap), "--progress-json"]
-            argv += _said("--specimen", specimen.value)
-            argv += _said("--max-force-n", typed(force) if force.value else "")
-            argv += _said("--max-strain", f"{strain.value / 100:.12g}" if strain.value else "")
-            argv += _said("--compensator", compensator.value)
-            job = studio.jobs.start(KEY_RECORDING, f"Recording {name.value}", [*argv, "-o", str(target)])
-            holder.clear()
-            with holder:
-                Live(studio, job)
+    def __init__(self, studio: Studio, holder: ui.column, programs: list[str]) -> None:
+        self.studio, self.holder = studio, holder
+        with ui.column().classes("card gap-3"):
+            with ui.row().classes("items-center"):
+                self._rig(programs)
+            with ui.row().classes("items-center"):
+                self._campaign()
+            ui.label(_hint(ports_here())).classes("quiet text-sm")
+            button = ui.button("Record", icon="fiber_manual_record", on_click=lambda: attempt(self.start))
+            button.props("unelevated color=accent")
 
-        ui.button("Record", icon="fiber_manual_record", on_click=lambda: attempt(start)).props(
-            "unelevated color=accent"
-        )
+    def _rig(self, programs: list[str]) -> None:
+        self.port = ui.input("Port", value=SIMULATED, autocomplete=[SIMULATED, *ports_here()])
+        self.port.props("outlined dense").style("min-width:230px")
+        self.sensor = ui.select(SENSORS, value="pes", label="Simulated sensor").props("outlined dense")
+        self.sensor.style("width:170px").bind_visibility_from(self.port, "value", lambda value: value == SIMULATED)
+        self.program = ui.select(programs, value=programs[-1], label="Program").props("outlined dense")
+        self.program.style("min-width:300px")
+
+    def _campaign(self) -> None:
+        self.name = ui.input("Campaign name", value=_free(self.studio, "recorded")).props("outlined dense")
+        self.specimen = ui.input("Specimen").props("outlined dense")
+        self.force = number_field("Force limit / N", None, optional=True)
+        self.strain = number_field("Strain limit / %", None, optional=True)
+        trained = compensators(self.studio)
+        choices = {"": "none", **trained}
+        self.compensator = ui.select(choices, value="", label="Compensator").props("outlined dense")
+        self.compensator.style("min-width:200px").set_visibility(bool(trained))
+
+    async def start(self) -> None:
+        """Start the recorder, and follow it where the form stood."""
+        check(self.force, self.strain)
+        target = self.studio.workspace.free_name(self.name.value)
+        tap = self.studio.workspace.root / PROGRAMS / self.program.value / "program.tap"
+        _refuse_a_second(self.studio)
+        simulated = self.port.value == SIMULATED
+        url = await _simulated_port(self.studio, self.sensor.value, tap) if simulated else self.port.value
+        argv = ["testbench", "record", "--port", url, "--program", str(tap), "--progress-json", *self._said()]
+        job = self.studio.jobs.start(KEY_RECORDING, f"Recording {self.name.value}", [*argv, "-o", str(target)])
+        self.holder.clear()
+        with self.holder:
+            Live(self.studio, job)
+
+    def _said(self) -> list[str]:
+        """Options of the command line, but for those whose field is empty."""
+        said = {
+            "--specimen": self.specimen.value,
+            "--max-force-n": typed(self.force) if self.force.value else "",
+            "--max-strain": f"{self.strain.value / 100:.12g}" if self.strain.value else "",
+            "--compensator": self.compensator.value,
+        }
+        return [word for flag, text in said.items() if text for word in (flag, text)]
 
 
-def _said(flag: str, text: str) -> list[str]:
-    """An option of the command line; nothing where its field is empty."""
-    return [flag, text] if text else []
+def _refuse_a_second(studio: Studio) -> None:
+    running = studio.jobs.find(KEY_RECORDING)
+    if running and running.running:
+        raise UserError(f"{running.title}: this is still under way, and there is one recording at a time")
 
 
 def ports_here() -> list[str]:

@@ -17,7 +17,7 @@ from gcode.support.files import write_json
 from testbench.campaigns.plan import Plan
 from testbench.cli import main
 from testbench.rig.links import paced
-from testbench.rig.motion import played
+from testbench.rig.played import played
 from testbench.rig.pty_port import PtyPort, serve
 from tests.testbench.api.samples import diagnosed, fitted, relaxed
 from tests.testbench.builders import write_csv
@@ -185,7 +185,7 @@ def test_verify_says_what_the_command_says(tmp_path, capsys):
     found = tb.verify(done.folder)
     assert capsys.readouterr().err == "".join(f"{problem}\n" for problem in found.problems)
     assert found.to_frame().intact.tolist() == [False]
-    with pytest.raises(UserError, match="so it is not a campaign"):
+    with pytest.raises(UserError, match="none: no such campaign folder"):
         tb.verify(tmp_path / "none")
 
 

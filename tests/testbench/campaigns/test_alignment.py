@@ -13,7 +13,7 @@ from testbench.campaigns.alignment import PLANNED, align, applied, best_lag
 from testbench.campaigns.campaign import simulate_campaign
 from testbench.recordings.files import read_recording
 from testbench.recordings.recording import Recording
-from testbench.rig.motion import played
+from testbench.rig.played import played
 from testbench.rig.simulated import GRID_HZ, Motion
 from tests.testbench.rig.rigs import plan
 

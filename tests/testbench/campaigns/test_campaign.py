@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import random
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -12,17 +13,18 @@ import pytest
 from gcode.support.errors import UserError
 from testbench import cli
 from testbench.api.arguments import recordings_for
-from testbench.campaigns.campaign import matches, simulate_campaign, vacant
+from testbench.campaigns.campaign import matches, simulate_campaign
+from testbench.campaigns.clearing import vacant
 from testbench.campaigns.plan import plan_of, programs_before
 from testbench.campaigns.remake import Remade, made_again
 from testbench.fitting.model_file import ModelFile, load_model_file
 from testbench.knit.catalogue import baseline, load_catalogue
 from testbench.knit.model import inputs
 from testbench.recordings.files import read_recording
-from testbench.recordings.manifest import problems, read_manifest
+from testbench.recordings.manifest import problems, read_manifest, write_manifest
 from testbench.recordings.versions import software_versions
-from testbench.rig.motion import played
 from testbench.rig.past import past_displacement
+from testbench.rig.played import played
 from testbench.rig.simulated import GRID_HZ, SimulatedRig
 from tests.testbench.rig.rigs import plan, program, triangle
 
@@ -148,6 +150,30 @@ def test_other_peoples_folders_are_never_overwritten(campaign, tmp_path):
         vacant(campaign)
     with pytest.raises(UserError, match="a campaign that was simulated, which is not overwritten"):
         vacant(campaign, overwrite=True, origin="imported")
+    vacant(campaign, overwrite=True)
+    assert not campaign.exists()
+
+
+@pytest.mark.parametrize("name", ["notes.txt", "Thesis.tap", "recording.csv.bak", ".hidden", "before-x.tap", "plots"])
+def test_what_somebody_put_beside_a_campaign_stays(campaign, name):
+    (campaign / name).mkdir() if name == "plots" else (campaign / name).write_text("mine")
+    before = sorted(path.name for path in campaign.iterdir())
+    with pytest.raises(UserError, match=f"holds '{re.escape(name)}', which would be lost; move that away"):
+        vacant(campaign, overwrite=True)
+    assert sorted(path.name for path in campaign.iterdir()) == before
+
+
+def test_a_manifest_that_lists_somebodys_file_does_not_make_it_ours(campaign):
+    (campaign / "thesis.docx").write_text("mine")
+    about, resources = read_manifest(campaign)
+    write_manifest(campaign, about, [*(one.path for one in resources), "thesis.docx"])
+    with pytest.raises(UserError, match=r"thesis\.docx"):
+        vacant(campaign, overwrite=True)
+
+
+def test_what_a_kill_left_of_our_own_files_goes_with_them(campaign):
+    for name in (".room", ".recording.csv.0123abcd.csv", "before-1.tap", "recording.bad"):
+        (campaign / name).write_text("")
     vacant(campaign, overwrite=True)
     assert not campaign.exists()
 

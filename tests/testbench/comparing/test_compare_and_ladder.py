@@ -7,8 +7,8 @@ import pytest
 
 from gcode.support.errors import UserError
 from testbench.comparing.compare import compare, residual_maps
-from testbench.comparing.coordinates import coordinates
 from testbench.comparing.ladder import fitted_file, idle_effects, undo
+from testbench.comparing.residual_coordinates import coordinates
 from testbench.diagnosis.adding import add_effect
 from testbench.fitting.measurement import prepare, split
 from testbench.fitting.model_file import load_model_file

@@ -71,7 +71,6 @@ def test_the_result_shows_itself(tmp_path, monkeypatch):
         (["pes", "--sure", "2"], "sure"),
         (["pes", "--budget-minutes", "1"], "less than one run"),
         (["pes", "--run-minutes", "0.1"], "duration_s"),
-        (["pes", "--repeat", "0"], "effects_at_most"),
         (["pes", "--effects", "absent.py"], "absent.py"),
         (["--resume"], "no investigation"),
     ],

@@ -7,6 +7,7 @@ import shutil
 
 import numpy as np
 import pytest
+from pydantic import ValidationError
 
 from gcode.support.errors import UserError
 from testbench.campaigns.plan import plan_of
@@ -203,6 +204,11 @@ def test_it_can_be_stopped_between_steps(tmp_path, monkeypatch):
         (lambda data: data.update(extra=1), "extra"),
         (lambda data: data["settings"].update(sure=1.5), "sure"),
         (lambda data: data["settings"]["bounds"].update(v_max_mm_per_s=-1), "v_max_mm_per_s"),
+        (lambda data: data["settings"]["bounds"].update(speed=1), "settings.bounds: known are .*, got 'speed'"),
+        (lambda data: data["runs"][0]["belief"]["noise"].update(sound=1), "got 'sound'"),
+        (lambda data: data["runs"][0]["belief"]["probabilities"].pop("permanent_set"), "'permanent_set' has no prob"),
+        (lambda data: data["runs"].insert(0, {"words": "x", "seconds": 1}), "only the last one"),
+        (lambda data: data["runs"][0].update(recorded=False), "recorded before it is judged"),
         (lambda data: data["runs"][0]["belief"]["probabilities"].update(permanent_set=7), "permanent_set"),
         (lambda data: data["runs"][0].update(seconds="long"), "seconds"),
     ],
@@ -227,9 +233,15 @@ def test_a_folder_that_is_taken_is_left_alone(tmp_path, one_run):
     assert (tmp_path / "other" / "thesis.txt").read_text() == "mine"
 
 
-def test_less_time_than_one_run_needs_is_refused(tmp_path):
-    with pytest.raises(UserError, match="less than one run"):
-        loop.begin(tmp_path / "i", asked(budget_s=60), "sample")
-    with pytest.raises(UserError, match="duration_s"):
-        loop.begin(tmp_path / "i", asked(bounds={"duration_s": 10}), "sample")
-    assert not (tmp_path / "i").exists()
+@pytest.mark.parametrize(
+    ("changes", "match"),
+    [
+        ({"budget_s": 60}, "1 min are less than one run of 2 min"),
+        ({"budget_s": 1e6}, "are more than 200 runs of 2 min"),
+        ({"bounds": {"duration_s": 10}}, "duration_s"),
+        ({"bounds": {"duration_s": 120, "speed": 1}}, "known are a_max_mm_per_s2, .*, got 'speed'"),
+    ],
+)
+def test_what_no_run_can_be_planned_within_is_refused(changes, match):
+    with pytest.raises(ValidationError, match=match):
+        asked(**changes)

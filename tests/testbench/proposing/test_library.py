@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from testbench.knit.laws import applied, check, example_signals
-from testbench.proposing.coordinates import COORDINATES, KINETICS
 from testbench.proposing.formulas import latex_of, plain
 from testbench.proposing.grids import Grid
 from testbench.proposing.law import Law, Term
+from testbench.proposing.law_coordinates import COORDINATES, KINETICS
 from testbench.proposing.operators import OPERATORS
 from testbench.proposing.places import PLACES, READABLE
 from testbench.proposing.units import KELVIN, NEWTON, ONE, SECOND

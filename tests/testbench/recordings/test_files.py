@@ -96,7 +96,7 @@ def test_a_file_that_is_no_text_is_refused(tmp_path, data):
         read_recording(path, 25.0)
 
 
-@pytest.mark.parametrize("gauge_mm", [0.0, -1.0, float("nan"), float("inf")])
+@pytest.mark.parametrize("gauge_mm", [0.0, -1.0, 1e300, float("nan"), float("inf")])
 def test_a_gauge_length_that_is_no_length_is_refused(tmp_path, gauge_mm):
     with pytest.raises(UserError, match="gauge length must be a positive number"):
         read_recording(written(tmp_path, GOOD), gauge_mm)

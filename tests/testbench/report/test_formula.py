@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from testbench.proposing.coordinates import COORDINATES, KINETICS
+from testbench.proposing.law_coordinates import COORDINATES, KINETICS
 from testbench.proposing.places import PLACES
 from testbench.report.formula import formula_svg, lines_of
 

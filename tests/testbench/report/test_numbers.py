@@ -18,7 +18,16 @@ from testbench.report.worst_places import beyond_noise, busiest, spots
 
 @pytest.mark.parametrize(
     ("value", "text"),
-    [(966, "966"), (1100, "1100"), (0.0364, "0.0364"), (0, "0"), (2.14e-7, "2.14·10⁻⁷"), (-5.796, "-5.80")],
+    [
+        (966, "966"),
+        (1100, "1100"),
+        (0.0364, "0.0364"),
+        (0, "0"),
+        (2.14e-7, "2.14·10⁻⁷"),
+        (-5.796, "-5.80"),
+        (5e-324, "4.94·10⁻³²⁴"),
+        (9.999e-5, "1.00·10⁻⁴"),
+    ],
 )
 def test_numbers_have_three_digits_and_no_exponent(value: float, text: str) -> None:
     assert plain(value) == text

@@ -16,7 +16,7 @@ from testbench.campaigns.record import Job, begin, job_of
 from testbench.knit.catalogue import baseline
 from testbench.recordings.files import read_recording
 from testbench.recordings.manifest import problems, read_manifest, sealed
-from testbench.rig.motion import played
+from testbench.rig.played import played
 from testbench.rig.ports import stated_port
 from testbench.rig.recorder import Limits
 from testbench.trust import is_trusted, trust

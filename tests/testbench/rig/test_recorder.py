@@ -15,8 +15,8 @@ from testbench.knit.catalogue import baseline
 from testbench.recordings.files import read_recording
 from testbench.rig.appender import Appender
 from testbench.rig.ending import EndOfMotion
-from testbench.rig.motion import played
 from testbench.rig.parts import Chunk, End, Lost, Tick, in_memory
+from testbench.rig.played import played
 from testbench.rig.recorder import Limits, Recorder
 from testbench.rig.resume import mend
 from testbench.rig.simulated import SimulatedRig

@@ -14,8 +14,8 @@ from testbench.knit.catalogue import baseline
 from testbench.recordings.files import read_recording
 from testbench.recordings.manifest import problems
 from testbench.rig.links import paced
-from testbench.rig.motion import played
 from testbench.rig.parts import in_memory
+from testbench.rig.played import played
 from testbench.rig.wire import decode
 from tests.testbench.rig.rigs import plan, program, rig
 

@@ -83,6 +83,17 @@ def test_deleting_is_undone_with_all_that_was_made(studio: Studio) -> None:
     assert workspace.deleted() == []
 
 
+def test_old_results_are_kept_where_new_ones_have_been_made(studio: Studio) -> None:
+    workspace = studio.workspace
+    (workspace.results("sleeve") / "model.json").write_text("old")
+    place = workspace.delete("sleeve")
+    (workspace.results("sleeve") / "model.json").write_text("new")
+    workspace.restore(place)
+    assert (workspace.results("sleeve") / "model.json").read_text() == "new"
+    assert (place / "results" / "model.json").read_text() == "old"
+    assert workspace.deleted() == []
+
+
 def test_a_name_that_was_taken_meanwhile_is_not_overwritten(studio: Studio) -> None:
     place = studio.workspace.delete("sleeve")
     (studio.workspace.root / "sleeve").mkdir()

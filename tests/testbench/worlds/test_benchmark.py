@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
-import importlib
 import json
-import sys
-from pathlib import Path
 
+import bench_diagnosis
 import pytest
 
-BENCHMARKS = Path(__file__).parents[3] / "benchmarks"
 
-
-@pytest.fixture(scope="module")
+@pytest.fixture
 def bench():
-    sys.path.insert(0, str(BENCHMARKS))
-    yield importlib.import_module("bench_diagnosis")
-    sys.path.remove(str(BENCHMARKS))
+    return bench_diagnosis
 
 
 class Fake:

@@ -1,0 +1,248 @@
+"""A case: two recordings of one sensor, and what is hidden in them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE
+from testbench.recordings.recording import Recording
+from worlds_third import noise as noises
+from worlds_third.checks import check_arguments
+from worlds_third.clock import refined, sample_times, steps_between
+from worlds_third.effects import Effect, asked_for, choose_effect
+from worlds_third.protocols import PROTOCOLS
+from worlds_third.randoms import between, stream
+from worlds_third.sensor import Hook, Sensor, make_sensor, respond
+from worlds_third.signals import Array, Signals
+from worlds_third.strength import Absorption, size_for
+
+RECORDINGS = ("calibration", "held_out")
+CHANNELS = {FORCE: "force", RESISTANCE: "conductance"}
+ATTEMPTS = 6  # forms tried until one reaches the strength asked for
+NEAR = 0.05  # of it: near enough
+STROKE_S = (3.0, 15.0)  # time of a stroke
+SLOWEST, SAMPLES = 10.0, 12.0  # at least so many strokes in a recording, so many samples in a stroke
+ROOM_C = 1.2  # RMS of the room's temperature about 22 degrees
+STEPS_PER_MM = (160.0, 800.0)  # of the stepper motor
+
+
+@dataclass(frozen=True)
+class Case:
+    """Two recordings of one sensor, each of the rested specimen and with its own motion, and what is hidden in them.
+
+    Attributes
+    ----------
+    calibration, held_out : Recording
+    truth : dict
+        Ready for JSON: ``verdict`` (``missing`` where an effect of the catalogue's mechanisms is hidden, ``unknown``
+        where only others are, ``nothing_missing``), ``effects``, ``base``, ``noise_floor``, ``noise_kind``,
+        ``displacement_noise_mm`` and ``recipe``. An effect's ``magnitude`` is in its form's own measure.
+    """
+
+    calibration: Recording
+    held_out: Recording
+    truth: dict[str, Any]
+
+
+def make_case(
+    effect: str | None,
+    strength: float = 5.0,
+    seed: int = 0,
+    *,
+    minutes: float = 23.0,
+    rate_hz: float = 40.0,
+    noise: float = 1.0,
+    protocol: str = "perlin",
+    channels: Sequence[str] = (FORCE, RESISTANCE),
+    leave_out: str | Sequence[str] | None = None,
+    only_laws: Mapping[str, Sequence[str]] | None = None,
+    max_strain: float | None = None,
+    reclamped: bool = False,
+) -> Case:
+    """Make a sensor with a hidden effect and record it twice.
+
+    Parameters
+    ----------
+    effect : str, optional
+        A mechanism (`MECHANISMS`) or a kind of no catalogue (`UNKNOWN_KINDS`), as ``name`` or ``name:form``;
+        ``"none"``; ``"unknown"``, which draws such a kind; or two of these joined by a comma. None draws a mechanism.
+    strength : float
+        RMS, in noise floors of its main channel, of what smooth functions of strain, direction and time cannot absorb
+        of the effect (see `strength`); of the strain, the channel that shows it more. What is out of every form's
+        reach ends lower; the truth says what was reached.
+    seed : int
+        One seed is one sensor with its motions and noise, whatever the effect.
+    minutes, rate_hz : float
+        Length of each recording (1 to 240) and its sampling rate (0.2 to 200; at least 60 samples).
+    noise : float
+        1 is the noise of the paper's rig (5 mN, 8e-4 in ln G); 0.1 to 30.
+    protocol : str
+        ``perlin``, ``ramp_hold``, ``cyclic`` or ``multisine``.
+    channels : sequence of str
+        ``force_N``, ``resistance_ohm`` or both, and ``temperature_C`` if wanted. Where the resistance alone is
+        recorded and the effect is of the force, the contacts of this sensor are pressed by the force.
+    leave_out, only_laws
+        Base laws that are not drawn, or families restricted to some: see `choose_laws`.
+    max_strain : float, optional
+        Strain at the end of the stroke, 0.005 to 3; drawn otherwise: mostly 0.15 to 0.6, else 0.015 to 1.5.
+    reclamped : bool
+        The held-out recording has other zeros of displacement and force.
+
+    Raises
+    ------
+    UserError
+        If an argument is out of its range; the message says what is allowed.
+    """
+    recipe = {k: v for k, v in locals().items() if k in make_case.__annotations__}
+    check_arguments(strength, minutes, rate_hz, noise, protocol, channels, max_strain)
+    recorded = [CHANNELS[name] for name in channels if name in CHANNELS]
+    names = asked_for(effect, seed)
+    only = _felt(names, seed, recorded, only_laws)
+    sensor = make_sensor(seed, only, leave_out, max_strain)
+    rig = _Rig(sensor, seed, minutes, rate_hz, protocol, reclamped)
+    floors = {"force": noises.FORCE_N * noise, "conductance": noises.LOG_G * noise}
+    sized = [_sized(rig, name, strength, {k: floors[k] for k in recorded}) for name in names]
+    made = rig.run([(one, told["magnitude"]) for one, told in sized])
+    kind = noises.kind_of(stream(seed, "kind of noise"))
+    first, second = (_recording(rig, s, floors, kind, channels, k) for k, s in zip(RECORDINGS, made, strict=True))
+    told = [told for _, told in sized]
+    truth = {
+        "verdict": _verdict(told),
+        "effects": told,
+        "base": sensor.told(),
+        "noise_floor": {name: floors[name] for name in recorded},
+        "noise_kind": kind,
+        "displacement_noise_mm": float(rig.motor_step_mm / np.sqrt(12.0)),
+        "recipe": {**recipe, "channels": list(channels)},
+    }
+    return Case(first, second, truth)
+
+
+class _Rig:
+    """Sensor, motions and instruments of one seed."""
+
+    def __init__(
+        self, sensor: Sensor, seed: int, minutes: float, rate_hz: float, protocol: str, reclamped: bool
+    ) -> None:
+        self.sensor, self.seed, self.reclamped = sensor, seed, reclamped
+        self.motor_step_mm = 1.0 / between(stream(seed, "motor"), *STEPS_PER_MM)
+        parts = steps_between(rate_hz)
+        self.moved = [self._moved(name, minutes, rate_hz, parts, protocol) for name in RECORDINGS]
+        self.zero_force = between(stream(seed, "clamps/force"), -0.02, 0.02) if reclamped else 0.0
+        self.base = self.run([])
+        force, log_g = (np.concatenate(one) for one in zip(*((s.force, s.log_g) for s in self.base), strict=True))
+        self.tops = (float(force.max()), float(log_g.min()), float(log_g.max()))
+
+    tops = (1.0, -1.0, 0.0)
+
+    def run(self, effects: Sequence[tuple[Effect, float]]) -> list[Signals]:
+        """Signals of both recordings with effects of these sizes."""
+        made = []
+        for name, (time_s, drive, room, rate_hz, parts) in zip(RECORDINGS, self.moved, strict=True):
+            s = Signals(time_s, drive, room, rate_hz, parts, self.tops)
+            if name == RECORDINGS[1] and self.reclamped:
+                s.strain = s.strain + self._zero_strain
+            hooks: list[Hook] = [effect.hook(size, name) for effect, size in effects]
+            made.append(respond(self.sensor, s, hooks))
+        return made
+
+    @property
+    def _zero_strain(self) -> float:
+        return between(stream(self.seed, "clamps/strain"), -0.02, 0.03)
+
+    def _moved(
+        self, name: str, minutes: float, rate_hz: float, parts: int, protocol: str
+    ) -> tuple[Array, Array, Array, float, int]:
+        rng = stream(self.seed, f"{protocol}/{name}")
+        stroke_s = min(max(between(rng, *STROKE_S), SAMPLES / rate_hz), minutes * 60 / SLOWEST)
+        time_s = refined(sample_times(stream(self.seed, f"clock/{name}"), minutes, rate_hz), parts)
+        drive = PROTOCOLS[protocol](time_s, rng, stroke_s)
+        return time_s, drive, _room(stream(self.seed, f"room/{name}"), time_s), rate_hz, parts
+
+
+def _felt(
+    names: Sequence[str], seed: int, recorded: list[str], only: Mapping[str, Sequence[str]] | None
+) -> Mapping[str, Sequence[str]] | None:
+    """Contacts pressed by force, where nothing else would show an effect on the force."""
+    of_force = any(choose_effect(name, seed, 0, recorded).form.stage == "mechanics" for name in names)
+    if recorded == ["conductance"] and of_force and "drive" not in (only or {}):
+        return {**(only or {}), "drive": ["by_force"]}
+    return only
+
+
+def _sized(rig: _Rig, name: str, strength: float, floors: Mapping[str, float]) -> tuple[Effect, dict[str, Any]]:
+    """A form of the effect that reaches the strength, or the one of a few that comes closest, and what to tell."""
+    scaled = {k: v / rig.sensor.sizes["force_full_N"] if k == "force" else v for k, v in floors.items()}
+    absorption = Absorption(rig.base, scaled, rig.reclamped)
+    found: list[tuple[float, Effect, float]] = []
+    for attempt in range(ATTEMPTS):
+        effect = choose_effect(name, rig.seed, attempt, list(floors))
+        main = effect.form.main
+
+        def measured(size: float, effect: Effect = effect, main: str = main) -> float:
+            left = absorption.left(rig.run([(effect, size)]))
+            return left.get(main, max(left.values()))
+
+        size, reached = size_for(strength, effect.form.limit, measured)
+        found.append((reached, effect, size))
+        if abs(reached / strength - 1) <= NEAR:
+            break
+    reached, effect, size = min(found, key=lambda one: abs(np.log(max(one[0], 1e-9) / strength)))
+    told = {
+        **effect.told(),
+        "magnitude": size,
+        "main_channel": effect.form.main,
+        "strength_requested": strength,
+        "strength_reached": reached,
+        "strength_by_channel": absorption.left(rig.run([(effect, size)])),
+    }
+    return effect, told
+
+
+def _recording(
+    rig: _Rig, s: Signals, floors: Mapping[str, float], kind: str, channels: Sequence[str], name: str
+) -> Recording:
+    """What the instruments write down."""
+    sizes, keep = rig.sensor.sizes, slice(None, None, s.parts)
+    rng = stream(rig.seed, f"noise/{name}")
+    zero = rig.zero_force if name == RECORDINGS[1] else 0.0
+    count = len(s.time_s[keep])
+    force_N = s.force[keep] * sizes["force_full_N"] + zero + floors["force"] * noises.force_noise(rng, kind, count)
+    log_g = s.log_g[keep] + floors["conductance"] * noises.resistance_noise(rng, kind, s.log_g[keep])
+    room_C = 22.0 + ROOM_C * s.room[keep] + 0.02 * rng.normal(size=count)
+    step = rig.motor_step_mm
+    readings = {
+        FORCE: force_N,
+        RESISTANCE: sizes["resistance_full_ohm"] * np.exp(-log_g),
+        TEMPERATURE: room_C,
+    }
+    measured = {DISPLACEMENT: np.round(s.drive[keep] * rig.sensor.stroke_mm / step) * step}
+    measured |= {channel: readings[channel] for channel in channels}
+    source = f"third worlds, sensor {rig.seed}, {name.replace('_', '-')}"
+    return Recording(s.time_s[keep], measured, sizes["gauge_length_mm"], source)
+
+
+def _room(rng: np.random.Generator, time_s: Array) -> Array:
+    """Temperature of a room about its mean: a random walk that is drawn back, without corners, of unit spread."""
+    pace_s = between(rng, 40.0, 150.0)
+    count = int(time_s[-1] / pace_s) + 8
+    walk = np.zeros(count)
+    for k in range(1, count):
+        walk[k] = 0.85 * walk[k - 1] + rng.normal()
+    place = time_s / pace_s + 1.0
+    cell = place.astype(int)
+    u = place - cell
+    near = [walk[cell + j] for j in (-1, 0, 1, 2)]
+    weights = [(1 - u) ** 3, 3 * u**3 - 6 * u**2 + 4, -3 * u**3 + 3 * u**2 + 3 * u + 1, u**3]
+    smooth = sum(w * n for w, n in zip(weights, near, strict=True)) / 6.0
+    return (smooth - smooth.mean()) / max(float(np.std(smooth)), 1e-6)
+
+
+def _verdict(told: Sequence[Mapping[str, Any]]) -> str:
+    if not told:
+        return "nothing_missing"
+    return "missing" if any(one["in_catalogue"] for one in told) else "unknown"
