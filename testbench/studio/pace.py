@@ -17,7 +17,7 @@ from gcode.support.files import make_folder, write_text
 from gcode.support.strict import read_json, validated
 
 LIKE_LAST_TIME = 0.03  # so much of the whole is believed to go as fast as it did last time
-LONGEST_S = 1e7  # of a job that is believed
+SHORTEST_S, LONGEST_S = 1e-3, 1e7  # of a job that is believed
 EARLY = 0.08  # below this share of its steps a job that was never seen before is not extrapolated
 SCORE = re.compile(r"\b(cost|r2|E) (-?[\d.]+(?:e[-+]?\d+)?)")
 SCORE_NAMES = {"cost": "misfit", "r2": "r²", "E": "error E"}
@@ -34,7 +34,7 @@ class Profile:
         Seconds after the start.
     """
 
-    total_s: Annotated[float, Field(gt=0, le=LONGEST_S)]
+    total_s: Annotated[float, Field(ge=SHORTEST_S, le=LONGEST_S)]
     marks: Mapping[str, Annotated[float, Field(ge=0, le=LONGEST_S)]]
 
 
@@ -124,7 +124,7 @@ class Paces:
 
     def keep(self, argv: Sequence[str], pace: Pace, total_s: float) -> None:
         """Remember a job that has ended well."""
-        self._known[kind_of(argv)] = Profile(total_s, dict(pace.marks))
+        self._known[kind_of(argv)] = Profile(max(total_s, SHORTEST_S), dict(pace.marks))
         if self._path is not None:
             make_folder(self._path.parent)
             told: dict[str, Any] = {kind: vars(profile) for kind, profile in self._known.items()}
