@@ -1,16 +1,19 @@
-"""Attack every sub-command as a stranger would: every kind of wrong file in every place, every wrong number.
+"""Attack every sub-command as a stranger would: every wrong file in every place, every wrong word in every option.
 
-Each case must end within `HANGS_AFTER_CPU_S` with exit code 0, 1 or 2 and without a traceback. Prints a row a
-command, and each case that did not; exits with 1 if there is one.
+Each case must end within `HANGS_AFTER_CPU_S` with exit code 0, 1 or 2, without a traceback, with a sentence where it
+is 2, and with every recording as it was. Prints a row a command, and each case that did not; exits with 1 if there is
+one. Run by root, it gives up what lets root read and write everything. `tests/test_every_command.py` runs a share.
 
-    python benchmarks/attack_commands.py                  # all of it, some minutes
+    python benchmarks/attack_commands.py                  # all of it, hours
     python benchmarks/attack_commands.py --only gcode     # one package, or "gcode check" "testbench fit"
+    python benchmarks/attack_commands.py --each 7         # every seventh case
 """
 
 from __future__ import annotations
 
 import argparse
 import contextlib
+import ctypes
 import importlib
 import io
 import os
@@ -23,9 +26,14 @@ import warnings
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 HANGS_AFTER_S, HANGS_AFTER_CPU_S = 600, 60  # the first is for waiting, and far above what a busy machine takes
 NUMBERS = ("nan", "inf", "-inf", "-1", "0", "1e300", "-1e300", "1e-300", "9" * 400, "0x10", "1_0", "", "x", "١")
+TEXTS = (
+    "", " ", "-", "--", "x", "\x1b[31mred", "a" * 100_000, "knitted é 编织", "\udcff", "../../x", "/", "%s{}",
+    "a=b=c", ",", "1,,2", "nan,nan", "0", "-1", "1e400", "9" * 400, "['a']", "a\nb", "\0",
+)  # fmt: skip
 # {name} is a place for a file; each is replaced by every file of the zoo in turn, the others by a good one.
 COMMANDS = {
     "gcode check": "{program} --v-max 5 --a-max 20 --x-min -1 --x-max 10",
@@ -43,19 +51,32 @@ COMMANDS = {
     "testbench experiment": "{model} {rival} --duration-s 120",
     "testbench experiment ": "--diagnosis {diagnosis} --fit {recording} --gauge-length-mm 25 --duration-s 120",
     "testbench report": "--recording {recording} --gauge-length-mm 25 --diagnosis {diagnosis} -o {out}",
+    "testbench fit ": "{recording} --gauge-length-mm 25 --effects {effects} -o {out}",
+    "testbench compare ": "{campaign} --model {model} --effects {effects}",
+    "testbench propose ": "{recording} --gauge-length-mm 25 --quiet -o {law} --plot {picture} "
+    "--save-model {out} --json {page}",
+    "testbench add ": "--undo --model {rival} -o {out}",
+    "testbench experiment  ": "{model} {rival} --duration-s 120 -o {out} --plot {picture} --json {out}",
+    "testbench report  ": "--recording {recording} --gauge-length-mm 25 --figures {out} -o {page}",
     "testbench report ": "--compensator {score} --model {model} --commands {text} -o {out}",
     "testbench investigate ": "--resume --quiet -o {campaign} --json {out}",
     "testbench verify": "{campaign}",
     "testbench align": "{campaign} --program {driven} -o {out}",
     "testbench dataset": "{dataset} -o {out} --workers 1",
     "testbench import": "{table} --gauge-length-mm 25 -o {out}",
+    "testbench run ": "--program {program} --model {model} --after {campaign} --effects {effects} -o {out}",
+    "testbench rig": "--program {program} --model {model} --after {campaign} --link {out} --speed 1000",
     "testbench run": "--program {program} --sensor pes -o {out}",
     "testbench record": "--port /dev/knitbench-is-not-there --program {program} -o {out}",
     "testbench record ": "--resume -o {unfinished}",
+    "testbench effects ": "--effects {effects} --plot {picture} my_effect",
+    "testbench effects  ": "--new another_effect -o {out}",
     "testbench hide": "--minutes 1 -o {out}",
     "testbench effects": "--effects {effects} --check",
     "compensation train": "{campaign} --target force --hidden 1 --restarts 1 -o {out}",
-    "compensation score": "{compensator} {campaign} -o {out}",
+    "compensation train ": "{recording} --target force --gauge-length-mm 25 --twin {model} -o {out} --plot {picture}",
+    "compensation score": "{compensator} {campaign} -o {out} --plot {picture}",
+    "compensation table": "--seeds 1 --specimens 1 --sensor pes --quick --engine fast -o {out}",
     "compensation predict": "{campaign} --compensator {compensator} -o {out}",
     "compensation recalibrate": "{compensator} {campaign} -o {out}",
     "compensation export": "{compensator} -o {out}",
@@ -71,6 +92,8 @@ MADE_BY = (
     "compensation train {campaign} --target force --hidden 1 --restarts 1 -o {compensator}",
     "compensation score {compensator} {campaign} -o {score}",
 )
+SERVE, SERVES_S = {"testbench rig"}, 3  # what serves until it is interrupted, and is, then
+NO_ANSWER = {"testbench record", "gcode fit", "compensation table", *SERVE}  # no device, or it would take long
 NO_NUMBERS = {
     "--port",
     "--workers",
@@ -155,6 +178,23 @@ def zoo(folder: Path, good: dict[str, Path]) -> dict[str, Path]:
             cut = folder / f"half a {path.name}"
             cut.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
             found[cut.name] = cut
+    for name, source in {
+        "编织 é.csv": "recording",
+        "a file that must stay.json": "model",
+        "unreadable.csv": "recording",
+    }.items():
+        found[name] = shutil.copy(good[source], folder / name)
+    found["name that is no text"] = shutil.copy(good["recording"], folder / os.fsdecode(b"\xff.csv"))
+    (folder / "a file that must stay.json").chmod(0o444)
+    (folder / "unreadable.csv").chmod(0)
+    for end in ("csv", "json", "tap", "xlsx"):
+        found[f"5 GB.{end}"] = folder / f"5 GB.{end}"
+        with found[f"5 GB.{end}"].open("wb") as huge:
+            huge.truncate(5 << 30)
+    for name, mode in {"locked": 0, "read only": 0o555}.items():
+        (folder / name).mkdir()
+        found[f"a {name} folder"], found[f"below a {name} folder"] = folder / name, folder / name / "out"
+        (folder / name).chmod(mode)
     os.mkfifo(folder / "pipe")
     (folder / "loop").symlink_to(folder / "loop")
     (folder / "to nowhere").symlink_to(folder / "nowhere")
@@ -196,46 +236,109 @@ def _campaigns(folder: Path, good: Path) -> dict[str, Path]:
     return found
 
 
-def cases(
-    only: Sequence[str], good: dict[str, Path], bad: dict[str, Path], out: Path
-) -> Iterator[tuple[str, list[str], str]]:
-    """Command, words, and what is wrong with them."""
-    for command, template in COMMANDS.items():
-        if not command.startswith(tuple(only)):
+class Case(NamedTuple):
+    """One call: the command, its words, what is wrong with them, and whether what was written before is kept."""
+
+    command: str
+    words: list[str]
+    wrong: str
+    again: bool = False
+
+
+def cases(only: Sequence[str], good: dict[str, Path], bad: dict[str, Path], out: Path) -> Iterator[Case]:
+    """Every wrong file in every place, every wrong word behind every option, all twice, and all once more."""
+    for template_of, template in COMMANDS.items():
+        if not template_of.startswith(tuple(only)):
             continue
-        program, sub = command.split()[:2]
-        slots = template.split()
-        filled = [str((good | {"out": out})[word[1:-1]]) if word.startswith("{") else word for word in slots]
+        program, sub = template_of.split()[:2]
+        command, slots = f"{program} {sub}", template.split()
+        places = good | {"out": out, "picture": out.with_name("out.png"), "page": out.with_name("out.html")}
+        filled = [str(places[word[1:-1]]) if word.startswith("{") else word for word in slots]
+        yield Case(command, [sub, *filled], "nothing")
+        yield Case(command, [sub, *filled], "what is written is there", again=True)
+        yield Case(command, [sub, *filled, *filled], "all twice")
         for place, word in enumerate(slots):
             for name, path in bad.items() if word.startswith("{") else ():
-                yield f"{program} {sub}", [sub, *filled[:place], str(path), *filled[place + 1 :]], f"{word}: {name}"
+                yield Case(command, [sub, *filled[:place], str(path), *filled[place + 1 :]], f"{word}: {name}")
         # A second way to call a sub-command has the same options as the first.
-        for option in _number_options(program, sub) if not command.endswith(" ") else ():
-            for number in NUMBERS:
-                yield f"{program} {sub}", [sub, *filled, f"{option}={number}"], f"{option} {number[:10]}"
+        for option, words in _options(program, sub) if not template_of.endswith(" ") else ():
+            for word in words:
+                yield Case(command, [sub, *filled, f"{option}={word}"], f"{option} {word[:10]!a}")
 
 
-def _number_options(program: str, sub: str) -> list[str]:
+def _options(program: str, sub: str) -> Iterator[tuple[str, Sequence[str]]]:
+    """Each option that takes a value, with the words that are none."""
     parser = argparse.ArgumentParser()
     importlib.import_module(f"{program}.commands.{sub}").add_arguments(parser)
-    return [
-        a.option_strings[-1]
-        for a in parser._actions
-        if a.type and a.option_strings and not NO_NUMBERS & {*a.option_strings}
-    ]
+    for action in parser._actions:
+        if action.option_strings and action.nargs != 0 and not NO_NUMBERS & {*action.option_strings}:
+            yield action.option_strings[-1], NUMBERS if action.type else TEXTS
 
 
-def attacked(command: str, words: list[str]) -> str:
-    """What went wrong; empty if the command answered as it should."""
+class Kept:
+    """The files of a folder as they were, to see what a case has changed, and to put it back."""
+
+    def __init__(self, folder: Path, recorded: Sequence[Path]) -> None:
+        files = [path for path in folder.rglob("*") if path.is_file() and not path.is_symlink()]
+        self._files = {
+            path: (self._state(path), path.read_bytes()) for path in files if path.stat().st_size < 1 << 24
+        }
+        self._recorded = {path for path in files if any(place in (path, *path.parents) for place in recorded)}
+
+    def lost(self) -> list[str]:
+        """Recordings that are not as they were; everything is put back."""
+        lost = []
+        for path, (state, data) in self._files.items():
+            if self._state(path) == state:
+                continue
+            if path in self._recorded and (not path.is_file() or path.read_bytes() != data):
+                lost.append(path.name)
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.unlink(missing_ok=True)
+            path.write_bytes(data)
+            self._files[path] = self._state(path), data
+        return lost
+
+    @staticmethod
+    def _state(path: Path) -> tuple[int, ...]:
+        try:
+            found = path.lstat()
+        except OSError:
+            return ()
+        return found.st_ino, found.st_size, found.st_mtime_ns
+
+
+@contextlib.contextmanager
+def an_ordinary_user() -> Iterator[None]:
+    """Take from root what reads and writes past all permissions (CAP_DAC_OVERRIDE and CAP_DAC_READ_SEARCH)."""
+    libc = ctypes.CDLL(None, use_errno=True)
+    header, sets = (ctypes.c_uint32 * 2)(0x20080522, 0), (ctypes.c_uint32 * 6)()
+    if os.geteuid() or libc.capget(header, sets):
+        yield
+        return
+    before = sets[0]
+    sets[0] = before & ~0b110
+    libc.capset(header, sets)
+    try:
+        yield
+    finally:
+        sets[0] = before
+        libc.capset(header, sets)
+
+
+def attacked(command: str, words: list[str], good: bool = False) -> str:
+    """What went wrong; empty if the command answered as it should, which is an answer where all was `good`."""
     main = importlib.import_module(f"{command.split()[0]}.cli").main
-    said, told = io.StringIO(), io.StringIO()
+    said, told = (io.TextIOWrapper(io.BytesIO(), "utf-8", write_through=True) for _ in range(2))
+    said.reconfigure(errors="backslashreplace")  # as Python's own are
 
     def hung(*_: object) -> None:
         raise Hung
 
-    signal.signal(signal.SIGALRM, hung)
+    serves = command in SERVE
+    signal.signal(signal.SIGALRM, signal.default_int_handler if serves else hung)
     signal.signal(signal.SIGPROF, hung)
-    signal.alarm(HANGS_AFTER_S)
+    signal.alarm(SERVES_S if serves else HANGS_AFTER_S)
     signal.setitimer(signal.ITIMER_PROF, HANGS_AFTER_CPU_S)
     try:
         with contextlib.redirect_stdout(told), contextlib.redirect_stderr(said), warnings.catch_warnings():
@@ -251,37 +354,60 @@ def attacked(command: str, words: list[str]) -> str:
     finally:
         signal.alarm(0)
         signal.setitimer(signal.ITIMER_PROF, 0)
-    if code not in (0, 1, 2):
+    told, said = (stream.buffer.getvalue().decode() for stream in (told, said))
+    if code not in (0, 1, 2) and not (serves and code == 130):
         return f"exit code {code!r}"
-    if "Traceback" in said.getvalue():
+    if "Traceback" in said:
         return "a traceback on stderr"
-    if "\x1b" in said.getvalue() or "\x1b" in told.getvalue():
+    if "\x1b" in said or "\x1b" in told:
         return "escape codes of a stranger on the terminal"
-    return (
-        "" if code == 0 or said.getvalue().strip() or told.getvalue().strip() else f"exit code {code} without a word"
-    )
+    if code == 2 and "error: " not in said:
+        return "exit code 2 without a sentence"
+    if code == 1 and not (said.strip() or told.strip()):
+        return "exit code 1 without a word"
+    return f"exit code {code}: {said.strip()[:200]}" if code and good else ""
+
+
+class Attack:
+    """Good files and wrong ones in a folder of their own, and every case that is made of them."""
+
+    def __init__(self, folder: Path, only: Sequence[str] = ("",)) -> None:
+        self._folder = folder
+        good = good_files(folder)
+        bad = zoo(folder / "zoo", good)
+        self.cases = list(cases(only, good, bad, folder / "out"))
+        self._kept = Kept(folder, [good[name] for name in ("recording", "campaign")])
+
+    def fault(self, case: Case) -> str:
+        """What is wrong with how a case ends; empty if nothing is."""
+        if not case.again:
+            for place in self._folder.glob("out*"):
+                shutil.rmtree(place) if place.is_dir() and not place.is_symlink() else place.unlink()
+        with an_ordinary_user():
+            fault = attacked(case.command, case.words, case.wrong == "nothing" and case.command not in NO_ANSWER)
+        lost = self._kept.lost()
+        return fault or (f"lost: {', '.join(lost)}" if lost else "")
 
 
 def main() -> int:
     """Run; print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--only", default=("",), nargs="+", help="packages, or packages and commands")
+    parser.add_argument("--each", type=int, default=1, metavar="N", help="every Nth case alone")
     args = parser.parse_args()
     sys.path.insert(0, str(Path(__file__).parents[1]))
     os.environ["OMP_NUM_THREADS"] = "1"
     with tempfile.TemporaryDirectory() as name:
         os.chdir(name)
-        folder = Path(name)
-        good = good_files(folder)
-        bad = zoo(folder / "zoo", good)
+        attack = Attack(Path(name), args.only)
         count, wrong = Counter(), Counter()
-        for number, (command, words, what) in enumerate(cases(args.only, good, bad, folder / "out")):
-            shutil.rmtree(folder / "out", ignore_errors=True)
-            (folder / "out").unlink(missing_ok=True)
-            count[command] += 1
-            if fault := attacked(command, words):
-                wrong[command] += 1
-                print(f"case {number}: {command}, {what!a}: {fault}", flush=True)
+        for number, case in enumerate(attack.cases):
+            if number % args.each:
+                continue
+            count[case.command] += 1
+            if fault := attack.fault(case):
+                wrong[case.command] += 1
+                print(f"case {number}: {case.command}, {case.wrong!a}: {fault!a}", flush=True)
         width = max(map(len, count))
         print(f"{'command':{width}}  cases  faults")
         for command, cases_of in count.items():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -49,8 +49,8 @@ def check_long_enough(source: str, compensator: Compensator, duration_s: float) 
         )
 
 
-def check_places(output: str | None, picture: str | None, read: Sequence[str] = ()) -> None:
-    """Refuse a file that cannot be written, or that would replace one of those to `read`, before the work."""
+def check_places(output: str | None, picture: str | None) -> None:
+    """Refuse a file that cannot be written, before the work whose result would be lost there."""
     from pathlib import Path
 
     from gcode.support.errors import UserError
@@ -58,12 +58,8 @@ def check_places(output: str | None, picture: str | None, read: Sequence[str] = 
 
     if picture and Path(picture).suffix.lower() not in PICTURES:
         raise UserError(f"--plot must end in {', '.join(PICTURES)}, got {picture}")
-    for flag, place in (("-o", output), ("--plot", picture)):
-        check_place(place or None, flag)
-        for source in read:
-            held = Path(source) / "recording.csv" if Path(source).is_dir() else Path(source)
-            if place and held.exists() and Path(place).exists() and held.samefile(place):
-                raise UserError(f"{flag} {place} would replace what is read, {source}; choose another place")
+    check_place(output or None)
+    check_place(picture or None, "--plot")
 
 
 def score_table(scores: dict[str, Any]) -> str:

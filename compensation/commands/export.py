@@ -22,7 +22,7 @@ def run(args: argparse.Namespace) -> int:
     from compensation.model.files import load
     from gcode.support.files import write_text
 
-    check_places(args.output, None, [args.compensator])
+    check_places(args.output, None)
     compensator = load(args.compensator)
     if args.format == "onnx":
         from compensation.export.export_onnx import write_onnx

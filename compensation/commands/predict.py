@@ -33,7 +33,7 @@ def run(args: argparse.Namespace) -> int:
     from compensation.series.preprocessing import TARGETS
     from gcode.support.files import atomic_path
 
-    check_places(args.output, None, [args.compensator, args.recording])
+    check_places(args.output, None)
     compensator = load(args.compensator)
     _check_target(args, compensator)
     time_s, resistance_ohm = read_samples(args.recording)

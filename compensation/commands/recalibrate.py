@@ -11,6 +11,7 @@ if TYPE_CHECKING:
 
 SUMMARY = "Correct a compensator for another day or specimen, from a minute of reference."
 EXAMPLE = "compensation recalibrate pes.compensator.json today.csv --seconds 60 -o today.compensator.json"
+IN_PLACE = {"output": "compensator"}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -32,7 +33,7 @@ def run(args: argparse.Namespace) -> int:
 
     if not LEAST_S <= args.seconds < float("inf"):
         raise UserError(f"--seconds must be a number from {LEAST_S:g} on, got {args.seconds:g}")
-    check_places(args.output, None, [args.recording])
+    check_places(args.output, None)
     compensator = load(args.compensator)
     found = recalibrated(compensator, _reference(args, compensator))
     save(args.output, found)

@@ -26,7 +26,7 @@ def run(args: argparse.Namespace) -> int:
     from compensation.scoring.scorecard import score_recordings
     from gcode.support.files import write_text
 
-    check_places(args.output, args.plot, [args.compensator, *args.recordings])
+    check_places(args.output, args.plot)
     compensator = load(args.compensator)
     recordings = read_all(args, compensator.target)
     for recording in recordings:

@@ -56,7 +56,7 @@ def run(args: argparse.Namespace) -> int:
         print("\n".join(map(str, chosen)))
         return 0
     _check(args)
-    check_places(args.output, args.plot, args.recordings)
+    check_places(args.output, args.plot)
     paths = tuple(str(Path(path).resolve()) for path in args.recordings)
     task = search.Task(paths, args.gauge_length_mm, args.target, args.engine, args.per_recording)
     jobs = [(candidate, seed) for seed in range(args.seeds) for candidate in chosen]

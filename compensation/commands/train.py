@@ -70,7 +70,7 @@ def run(args: argparse.Namespace) -> int:
     from compensation.series.reading import check_distinct
 
     options = _options(args)
-    check_places(args.output, args.plot, args.recordings)
+    check_places(args.output, args.plot)
     recordings = read_all(args, "force" if args.twin else args.target)  # a twin is fitted on the force as well
     check_distinct(recordings)
     args.method = args.method or _implied(args)

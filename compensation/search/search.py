@@ -11,6 +11,7 @@ from typing import Any
 
 from compensation.search.search_space import Candidate
 from gcode.support.errors import UserError
+from gcode.support.files import write_text
 from gcode.support.strict import json_of, read_text
 
 DASK_ROUND = 50
@@ -164,12 +165,7 @@ def _open_results(path: Path, task: Task) -> list[dict[str, Any]]:
     """Rows so far; a new file gets a first line that says what it is about."""
     header = {"format": "knitbench-search", "version": 2, "task": json.loads(json.dumps(asdict(task)))}
     if not path.exists():
-        try:
-            path.write_text(json.dumps(header) + "\n", encoding="utf-8")
-        except OSError as error:
-            raise UserError(
-                f"cannot write {path}: {error.strerror or error}; choose another place with -o"
-            ) from error
+        write_text(path, json.dumps(header) + "\n")
         return []
     try:
         text = read_text(path, "search")
@@ -184,7 +180,7 @@ def _open_results(path: Path, task: Task) -> list[dict[str, Any]]:
             raise UserError(f"{path}: line {line} is not a result of a search; take the line out, or use another -o")
     if whole != text:
         # A kill in the middle of a line: that job is done again.
-        path.write_text(whole, encoding="utf-8")
+        write_text(path, whole)
     return rows
 
 

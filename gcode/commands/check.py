@@ -72,10 +72,9 @@ def run(args: argparse.Namespace) -> int:
 
 def _say(program: str, result: CheckResult, origin: str) -> None:
     """Problems, statistics and the verdict, for a person."""
-    from gcode.support.console import printable
 
     for problem in result.problems[:SHOWN]:
-        print(printable(f"{program}: {problem}"))
+        print(f"{program}: {problem}")
     if len(result.problems) > SHOWN:
         print(f"... and {len(result.problems) - SHOWN} more (all of them with --json)")
     if result.statistics:

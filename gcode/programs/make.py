@@ -108,6 +108,8 @@ class Made:
         """Write trajectory.csv, program.tap and trajectory.json into `folder`."""
         folder = files.make_folder(folder)
         paths = [folder / name for name in ("trajectory.csv", "program.tap", "trajectory.json")]
+        for path in paths:
+            files.check_place(path)
         self.trajectory.write_csv(paths[0])
         files.write_text(paths[1], self.program)
         files.write_json(paths[2], self.to_dict())

@@ -2,26 +2,31 @@
 
 A sub-command is a module with ``SUMMARY`` (one line), ``EXAMPLE`` (shown under ``--help``),
 ``add_arguments(parser)`` and ``run(args) -> int | None``. Heavy imports belong inside ``run``,
-so that ``--help`` answers at once.
+so that ``--help`` answers at once. A command never writes over a file that it reads, but where ``IN_PLACE`` says so:
+``{"output": "model"}`` lets a new model take the place of the one it came from.
 """
 
 from __future__ import annotations
 
 import argparse
+import contextlib
 import importlib
 import json
 import os
+import stat
 import sys
 import time
 from collections.abc import Callable, Sequence
 from importlib.metadata import PackageNotFoundError, version
-from typing import NoReturn
+from typing import Any, NoReturn, TextIO, cast
 
 from gcode.support.errors import UserError, first_problem
 
 # The folder that a command is started in may be a stranger's. Python looks for modules there in each process that we
 # start (workers, the studio's jobs); numba obeys a .numba_config.yaml there, and unpickles the cache that it names.
 KEPT_OUT = {"PYTHONSAFEPATH": "1", "NUMBA_CACHE_DIR": "", "NUMBA_CACHE_LOCATOR_CLASSES": ""}
+WRITTEN = frozenset({"output", "out", "json", "plot", "save_model"})  # arguments that name files to write
+WORDS = frozenset({"title", "name", "specimen"})  # arguments that are no file, though one may have that name
 EXIT_BAD_INPUT = 2
 EXIT_INTERRUPTED = 130
 
@@ -54,7 +59,8 @@ def build_parser(prog: str, description: str, package: str, commands: Sequence[s
             name, help=module.SUMMARY, description=module.SUMMARY, epilog=epilog, formatter_class=raw
         )
         module.add_arguments(sub)
-        sub.set_defaults(run=module.run, command=f"{prog} {name}")
+        in_place = getattr(module, "IN_PLACE", {})
+        sub.set_defaults(run=module.run, command=f"{prog} {name}", in_place=in_place)
     return parser
 
 
@@ -67,7 +73,10 @@ def main(prog: str, description: str, package: str, commands: Sequence[str], arg
     chosen = [words[0]] if words and words[0] in commands else list(commands)
     args = build_parser(prog, description, package, chosen).parse_args(words)
     try:
-        return int(args.run(args) or 0)
+        check_words(words)
+        check_apart(args)
+        with contextlib.redirect_stdout(cast(TextIO, _Printable(sys.stdout))):
+            return int(args.run(args) or 0)
     except UserError as error:
         return _fail(args.command, str(error))
     except KeyboardInterrupt:
@@ -90,6 +99,40 @@ def main(prog: str, description: str, package: str, commands: Sequence[str], arg
         return _fail(args.command, first_problem(error))
 
 
+def check_words(words: Sequence[str]) -> None:
+    """Refuse ``--option=--``, of which argparse makes an empty list."""
+    if found := [word for word in words if word.startswith("-") and word.endswith("=--")]:
+        raise UserError(f"{found[0]}: -- is no value; it stands alone, before words that begin with a dash")
+
+
+def check_apart(args: argparse.Namespace) -> None:
+    """Refuse a file that is read and would be written over, or would be written twice.
+
+    Raises
+    ------
+    UserError
+        If two arguments name one file, at least one of them for writing.
+    """
+    taken: dict[tuple[int, int] | str, str] = {}
+    for name, value in sorted(vars(args).items(), key=lambda item: item[0] in WRITTEN):
+        for word in value if isinstance(value, list) else [value]:
+            place = _file(word, name in WRITTEN) if isinstance(word, str) and name not in WORDS else None
+            if place in taken and name in WRITTEN and args.in_place.get(name) != taken[place]:
+                why = "would be written twice" if taken[place] in WRITTEN else "is read, and would be written over"
+                raise UserError(f"{word}: {why}; give another place")
+            if place is not None:
+                taken[place] = name
+
+
+def _file(word: str, written: bool) -> tuple[int, int] | str | None:
+    """What is the same for all names of a file; None for what is none, but for one that will be written."""
+    try:
+        found = os.stat(word)
+    except (OSError, ValueError):
+        return os.path.abspath(word) if written and word not in ("", "-") else None
+    return (found.st_dev, found.st_ino) if stat.S_ISREG(found.st_mode) else None
+
+
 def _fail(command: str, message: str) -> int:
     print(f"{command}: error: {printable(message)}", file=sys.stderr)
     return EXIT_BAD_INPUT
@@ -97,7 +140,24 @@ def _fail(command: str, message: str) -> int:
 
 def printable(text: str) -> str:
     """`text` with what would steer a terminal escaped: messages quote files, and files come from strangers."""
-    return "".join(char if char.isprintable() or char == "\n" else ascii(char)[1:-1] for char in text)
+    if text.replace("\n", "").replace("\t", "").isprintable():
+        return text
+    return "".join(char if char.isprintable() or char in "\n\t" else ascii(char)[1:-1] for char in text)
+
+
+class _Printable:
+    """A stream that is written to through `printable`, which shows names that are no text (lone surrogates), too."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+
+    def write(self, text: str) -> int:
+        """Write what may be shown."""
+        self._stream.write(printable(text))
+        return len(text)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
 
 
 class Progress:

@@ -16,6 +16,9 @@ from typing import Any
 from gcode.support import disk
 from gcode.support.errors import UserError
 
+MANIFEST = "datapackage.json"  # the name that Frictionless gives it
+MEASURED = frozenset((b"displacement_mm", b"force_N", b"resistance_ohm"))  # columns of a recording
+
 
 @contextlib.contextmanager
 def atomic_path(path: str | Path) -> Iterator[Path]:
@@ -63,7 +66,7 @@ def check_place(path: str | Path | None, flag: str = "-o") -> None:
     _check_replaceable(Path(path), flag)
     try:
         folder = Path(path).resolve().parent
-        there, free = folder.is_dir(), os.access(folder, os.W_OK | os.X_OK)
+        there, free = folder.is_dir(), os.access(folder, os.W_OK | os.X_OK, effective_ids=True)
     except (OSError, RuntimeError, ValueError) as error:
         raise UserError(f"cannot write {path}: {error}; choose another place with {flag}") from None
     if not there or not free:
@@ -72,15 +75,41 @@ def check_place(path: str | Path | None, flag: str = "-o") -> None:
 
 
 def _check_replaceable(path: Path, flag: str = "-o") -> None:
-    """A file takes the place of a file, or of nothing: root must not lose /dev/null to a model."""
+    """A file takes the place of a file, or of nothing: root must not lose /dev/null to a model.
+
+    What was recorded is not replaced at all.
+    """
     try:
         mode = path.lstat().st_mode
-    except (OSError, ValueError):
+    except OSError:
         return
+    except ValueError as error:  # a zero byte in its name
+        raise UserError(f"cannot write {path}: {error}; choose another place with {flag}") from None
     if stat.S_ISREG(mode) or (stat.S_ISLNK(mode) and not path.is_dir()):
+        if _recorded(path):
+            raise UserError(
+                f"cannot write {path}: a recording is there, or a part of one; choose another place with {flag}"
+            )
+        if stat.S_ISREG(mode) and not os.access(path, os.W_OK, effective_ids=True):
+            raise UserError(f"cannot write {path}: it is write-protected; choose another place with {flag}")
         return
     what = "a folder" if path.is_dir() else "a device or a pipe"
     raise UserError(f"cannot write {path}: it is {what}; give the name of a file with {flag}")
+
+
+def _recorded(path: Path) -> bool:
+    """Whether a file was measured, and so cannot be made again: one that a manifest names, or a bare recording."""
+    from gcode.support.strict import blocks_of, read_bytes
+
+    manifest = path.parent / MANIFEST
+    if manifest.is_file() and (path.name == MANIFEST or json.dumps(path.name).encode() in read_bytes(manifest)):
+        return True
+    try:
+        columns = next(blocks_of(path), b"").partition(b"\n")[0].rstrip().split(b",")
+    except UserError:
+        return False
+    # What a compensator predicts has its interval beside it; what a program does has a position.
+    return columns[0] == b"time_s" and not MEASURED.isdisjoint(columns) and b"low" not in columns
 
 
 def existing_file(path: str | Path, what: str = "file") -> Path:
@@ -99,23 +128,26 @@ def existing_file(path: str | Path, what: str = "file") -> Path:
     return path
 
 
-def write_bytes(path: str | Path, data: bytes) -> None:
+def write_bytes(path: str | Path, data: bytes, *, recorded: bool = False) -> None:
     """Write a whole file or none of it, to last: after a power cut the old content or the new one is there.
+
+    `recorded` says that it is one of a recording's own files and may be replaced.
 
     Raises
     ------
     UserError
         If the disk does not take it; what was there before is untouched.
     """
-    with atomic_writer(path) as write:
+    with atomic_writer(path, recorded=recorded) as write:
         write(data)
 
 
 @contextlib.contextmanager
-def atomic_writer(path: str | Path) -> Iterator[Callable[[bytes], None]]:
+def atomic_writer(path: str | Path, *, recorded: bool = False) -> Iterator[Callable[[bytes], None]]:
     """Yield a function that writes the next bytes of a file; `path` becomes that file when the block ends well."""
     path = Path(path)
-    _check_replaceable(path)
+    if not recorded:
+        _check_replaceable(path)
     temporary = _sibling(path)
     try:
         handle = disk.DISK.create(temporary)
@@ -134,8 +166,8 @@ def atomic_writer(path: str | Path) -> Iterator[Callable[[bytes], None]]:
 
 
 def write_text(path: str | Path, text: str) -> None:
-    """Write `text` (UTF-8, line feeds) whole, as `write_bytes` does."""
-    write_bytes(path, text.encode())
+    """Write `text` (UTF-8, line feeds) whole, as `write_bytes` does; bytes of a name that are no text are escaped."""
+    write_bytes(path, text.encode(errors="backslashreplace"))
 
 
 def copy_file(source: str | Path, target: str | Path) -> None:

@@ -18,5 +18,7 @@ def show(found: Any, place: str | None) -> None:
 
 def show_notes(found: Any) -> None:
     """Print what a reader should know of a result on stderr."""
+    from gcode.support.console import printable
+
     for note in found.notes:
-        print(f"note: {note}", file=sys.stderr)
+        print(printable(f"note: {note}"), file=sys.stderr)

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
 SUMMARY = "add an effect to a model, refit, and put the step on the ladder; --undo takes it back"
 EXAMPLE = "testbench add stress_relaxation --model model.json --fit campaign-1 --held-out campaign-2 -o model2.json"
+IN_PLACE = {"output": "model"}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

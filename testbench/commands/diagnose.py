@@ -10,6 +10,7 @@ from testbench.commands._output import show
 
 SUMMARY = "say which physical effect the model is missing, with the evidence"
 EXAMPLE = "testbench diagnose campaign-1 --held-out campaign-2 --json diagnosis.json"
+IN_PLACE = {"output": "model"}
 CANDIDATES_OF_A_ROUND, USUAL_ROUNDS = 12, 2  # refits of a round: the best mechanisms, three of them in two laws
 
 

@@ -9,6 +9,7 @@ from testbench.commands._output import show_notes
 
 SUMMARY = "calibrate the baseline (or a given model) on a recording; write model.json"
 EXAMPLE = "testbench fit campaign-1 --held-out campaign-2 -o model.json"
+IN_PLACE = {"output": "model"}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -114,12 +114,11 @@ def _add_repairs(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     import json
 
-    from gcode.support.console import printable
     from testbench.api.importing import import_file
 
     found = import_file(args.file, wish_of(args))
     found.write(args.out, args.overwrite)
-    print(json.dumps(found.to_dict(args.out)) if args.json else printable(found.words(args.out)))
+    print(json.dumps(found.to_dict(args.out)) if args.json else found.words(args.out))
     return 0
 
 

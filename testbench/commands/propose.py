@@ -9,6 +9,7 @@ from testbench.commands._output import show
 
 SUMMARY = "when no effect fits: find a law in what the model leaves, and write it down as an effect"
 EXAMPLE = "testbench propose campaign-1 --held-out campaign-2 --model model.json -o my_effect.py"
+IN_PLACE = {"save_model": "model"}
 STEPS_OF_A_LAW = 10  # about as many of the progress line: the growth of the beam, and the refits
 
 

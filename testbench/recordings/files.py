@@ -162,7 +162,7 @@ def write_recording_csv(path: str | Path, recording: Recording) -> None:
     columns = {TIME: recording.time_s, **recording.channels}
     names = [name for name in ORDER if name in columns] + sorted(set(columns) - set(ORDER))
     line = ",".join(f"%.{_decimals(name, columns[name])}f" for name in names) + "\n"
-    with atomic_writer(path) as write:
+    with atomic_writer(path, recorded=True) as write:
         write((",".join(names) + "\n").encode())
         for start in range(0, len(recording), ROWS_AT_ONCE):
             block = np.column_stack([columns[name][start : start + ROWS_AT_ONCE] for name in names])

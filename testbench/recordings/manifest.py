@@ -17,11 +17,11 @@ from typing import Any
 
 from gcode.support import strict
 from gcode.support.errors import UserError
-from gcode.support.files import sha256_of, write_text
+from gcode.support.files import MANIFEST as NAME
+from gcode.support.files import sha256_of, write_bytes
 from testbench.recordings.channels import UNITS
 from testbench.recordings.stored import Resource, StoredManifest
 
-NAME = "datapackage.json"
 FORMAT, FORMAT_VERSION = "knitbench-campaign", 1
 PROFILE = "https://datapackage.org/profiles/2.0/datapackage.json"
 NO_HASH = "0" * 64
@@ -94,7 +94,7 @@ def write_manifest(folder: Path, campaign: Campaign, files: Iterable[str]) -> No
     text = sealed(data)
     # What is written can be read again: a name or a number beyond the loader's bounds is refused here.
     strict.validated(strict.json_of(text), StoredManifest, folder / NAME, "campaign manifest")
-    write_text(folder / NAME, text)
+    write_bytes(folder / NAME, text.encode(), recorded=True)
 
 
 def _gauge(campaign: Campaign) -> dict[str, float | None]:

@@ -197,7 +197,7 @@ def _set_aside(folder: Path, left: Left, damaged: list[bytes]) -> None:
         elif number and left.channels:
             good.append(line + b"\n")
     _append(folder / BAD, (bad_line(Bad(DAMAGED, line)).encode() for line in damaged if line.strip(b"\0")))
-    write_bytes(folder / CSV, b"".join(good))
+    write_bytes(folder / CSV, b"".join(good), recorded=True)
 
 
 def _append(path: Path, lines: Iterable[bytes]) -> None:
@@ -240,7 +240,7 @@ def _kept_events(path: Path, found: list[tuple[StoredEvent | None, bytes]], last
     kept = [(event, line) for event, line in found if event and round(event.time_s * 1e6) <= last_time_us]
     text = b"".join(line + b"\n" for _, line in kept)
     if text != read_bytes(path, "list of events", MOST_BYTES):
-        write_bytes(path, text)
+        write_bytes(path, text, recorded=True)
     return [event for event, _ in kept]
 
 

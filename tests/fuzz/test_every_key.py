@@ -1,7 +1,7 @@
 """Each of our own documents with every key changed in every way, read by its loader and the commands that read it.
 
 No traceback, no hang, exit code 2 with a sentence; or an answer, where the change is one that is allowed. The quick
-suite tries a few mutants of each document, the slow one all of them, and those that load in every command.
+suite tries a few mutants of each document, the slow one all of them, and a share of those that load in every command.
 """
 
 from __future__ import annotations
@@ -15,11 +15,12 @@ from pathlib import Path
 import pytest
 
 from gcode.support.errors import UserError
-from tests.fuzz.every_key import Mutant, fault_of, mutants
+from tests.fuzz.every_key import Mutant, chosen, fault_of, mutants
 from tests.fuzz.kinds import KINDS, SLOWLY_MADE_BY, good_files, make
 from tests.fuzz.targets import no_hang
 
-QUICK, SLOW = 8, 40  # mutants of a document in the quick suite; allowed ones that a later command is given
+QUICK = 8  # mutants of a document in the quick suite
+FIRST, LATER = 250, 12  # in the slow one, of those that load: how many meet the first command, and each later one
 
 
 @pytest.fixture(scope="module")
@@ -105,7 +106,7 @@ def test_every_changed_key_gets_a_sentence(all_files, name):
     loaded = [mutant for mutant in found if attacked.load(mutant)]
     print(f"\n{name}: {len(found)} mutants, of which {len(loaded)} are allowed")
     for number, command in enumerate(attacked.kind.commands):
-        for mutant in loaded[:: max(len(loaded) // SLOW, 1) if number else 1]:
+        for mutant in chosen(loaded, LATER if number else FIRST, lambda one: one.change):
             attacked.run(mutant, command)
     attacked.place.write_text(attacked.text)
     assert "\n".join(attacked.faults) == ""

@@ -84,5 +84,5 @@ def test_what_is_read_is_never_replaced(place, capsys, monkeypatch, words):
     monkeypatch.chdir(place)
     before = {name: (place / name).read_bytes() for name in ("c.json", "r.csv")}
     assert main(words) == 2
-    assert f"-o {words[-1]} would replace what is read" in capsys.readouterr().err
+    assert f"{words[-1]}: is read, and would be written over" in capsys.readouterr().err
     assert {name: (place / name).read_bytes() for name in before} == before

@@ -176,20 +176,20 @@ def test_a_scheduler_that_is_not_there_is_said_in_a_sentence(tmp_path, capsys, m
 
 @pytest.mark.slow
 def test_a_killed_data_set_is_resumed_and_nothing_is_redone(tmp_path):
-    path, out = written(tmp_path, last=300), tmp_path / "out"
+    path, out = written(tmp_path, last=100), tmp_path / "out"
     words = ["dataset", str(path), "-o", str(out), "--workers", "2"]
     child = command(*words, start_new_session=True)
     until(lambda: len(campaigns(out)) > 20, child)
     os.killpg(child.pid, signal.SIGKILL)
     child.communicate()
     done = {folder: (folder / "recording.csv").stat().st_mtime_ns for folder in campaigns(out)}
-    assert 20 < len(done) < 300
+    assert 20 < len(done) < 100
     assert all(problems(folder) == [] for folder in done)
     child = command(*words)
     out_text, err = child.communicate(timeout=600)
     assert f"{len(done)} there already" in out_text, err
     assert {folder: (folder / "recording.csv").stat().st_mtime_ns for folder in done} == done
-    assert len(campaigns(out)) == 300
+    assert len(campaigns(out)) == 100
     assert not [path for path in out.iterdir() if path.name.startswith(".")]
 
 
@@ -197,7 +197,7 @@ def test_a_killed_data_set_is_resumed_and_nothing_is_redone(tmp_path):
 @pytest.mark.filterwarnings("ignore")
 def test_a_dask_cluster_gives_the_same_bytes_though_a_worker_is_killed(tmp_path):
     distributed = pytest.importorskip("distributed")
-    path = written(tmp_path, last=200)
+    path = written(tmp_path, last=80)
     assert cli.main(["dataset", str(path), "-o", str(tmp_path / "here"), "--workers", "1"]) == 0
     with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as local:
 

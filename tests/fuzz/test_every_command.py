@@ -1,0 +1,36 @@
+"""A share of the attack on every command (`benchmarks/attack_commands.py` runs all of it)."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+from attack_commands import COMMANDS, Attack
+
+from compensation import cli as compensation
+from gcode import cli as gcode
+from testbench import cli as testbench
+from tests.fuzz.every_key import chosen
+
+SHARE = 200  # of some 9,000 cases
+
+
+def test_every_command_is_attacked():
+    packages = {"gcode": gcode, "testbench": testbench, "compensation": compensation}
+    every = {f"{package} {command}" for package, cli in packages.items() for command in cli.COMMANDS}
+    # The studio is a server; hostile folders and addresses of it have tests of their own.
+    assert {" ".join(command.split()) for command in COMMANDS} == every - {"testbench studio"}
+
+
+@pytest.mark.slow
+def test_a_wrong_file_or_word_gets_a_sentence(tmp_path):
+    before = Path.cwd()
+    os.chdir(tmp_path)
+    try:
+        attack = Attack(tmp_path)
+        some = chosen(attack.cases, SHARE, lambda case: f"{case.command} {case.wrong}")
+        faults = {f"{case.command}, {case.wrong!a}": attack.fault(case) for case in some}
+    finally:
+        os.chdir(before)
+    assert {case: fault for case, fault in faults.items() if fault} == {}

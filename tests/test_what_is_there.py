@@ -1,0 +1,93 @@
+"""What is there already is not lost to what a command writes: recordings, files that are read, protected ones."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from pathlib import Path
+
+import pytest
+from attack_commands import an_ordinary_user
+
+import gcode.cli
+import testbench.cli
+from tests.testbench.builders import record, truth, write_csv
+from tests.testbench.rig.rigs import program
+
+
+def called(words: str | list[str]) -> int:
+    """The exit code of a command."""
+    package, *rest = words.split() if isinstance(words, str) else words
+    return {"gcode": gcode.cli, "testbench": testbench.cli}[package].main(rest)
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("there")
+    for name in ("a.csv", "b.csv"):
+        write_csv(record(truth(), 30), folder / name)
+    wish = shutil.copy(program(folder), folder / "program.tap")
+    assert called(f"testbench run --sensor pes --program {wish} --gauge-length-mm 25 -o {folder / 'campaign'}") == 0
+    assert called(f"testbench fit {folder / 'a.csv'} --gauge-length-mm 25 -o {folder / 'model.json'}") == 0
+    return folder
+
+
+@pytest.fixture
+def place(made, tmp_path, monkeypatch):
+    """Two bare recordings, a campaign, a model and a program, in the folder that commands are started in."""
+    shutil.copytree(made, tmp_path / "place")
+    monkeypatch.chdir(tmp_path / "place")
+    return tmp_path / "place"
+
+
+def contents(folder: Path) -> dict[Path, bytes]:
+    """Every file and what is in it."""
+    return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+@pytest.mark.parametrize(
+    ("words", "why"),
+    [
+        ("testbench fit a.csv --gauge-length-mm 25 -o a.csv", "is read, and would be written over"),
+        ("testbench fit a.csv --gauge-length-mm 25 -o ./link.csv", "is read, and would be written over"),
+        ("testbench fit a.csv --gauge-length-mm 25 -o b.csv", "a recording is there"),
+        ("testbench fit a.csv --gauge-length-mm 25 -o campaign/recording.csv", "a recording is there, or a part of"),
+        ("testbench fit a.csv --gauge-length-mm 25 -o campaign/datapackage.json", "a recording is there"),
+        ("testbench diagnose a.csv --gauge-length-mm 25 --json x -o ./x", "would be written twice"),
+        ("testbench diagnose a.csv --gauge-length-mm 25 --model model.json --json model.json", "written over"),
+        ("testbench report --recording campaign --figures f -o campaign/events.jsonl", "a recording is there"),
+        ("testbench fit a.csv --gauge-length-mm 25 -o=--", "-- is no value"),
+        ("testbench fit a.csv --gauge-length-mm 25 --output=--", "-- is no value"),
+        (
+            "gcode generate --preset paper-1 --seed 1 --duration-s 20 --gauge-length-mm 25 -o campaign",
+            "a recording is there",
+        ),
+        ("gcode play program.tap -o campaign/program.tap", "a recording is there"),
+        ("gcode play program.tap -o program.tap", "is read, and would be written over"),
+    ],
+)
+def test_what_was_recorded_is_kept(place, capsys, words, why):
+    (place / "link.csv").symlink_to(place / "a.csv")
+    before = contents(place)
+    assert called(words) == 2
+    assert why in capsys.readouterr().err
+    assert contents(place) == before
+
+
+def test_a_model_may_take_the_place_of_the_one_it_came_from(place):
+    assert called("testbench fit a.csv --gauge-length-mm 25 --model model.json -o model.json") == 0
+
+
+def test_a_protected_file_is_kept(place, capsys):
+    (place / "model.json").chmod(0o444)
+    with an_ordinary_user():
+        assert called("testbench fit a.csv --gauge-length-mm 25 -o model.json") == 2
+    assert "it is write-protected" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", [os.fsdecode(b"\xff.csv"), "\x1b[31m.csv"])
+def test_a_name_that_is_no_text_is_shown_as_one(place, capsys, name):
+    shutil.copy("a.csv", name)
+    assert called(["testbench", "report", "--recording", name, "--gauge-length-mm", "25", "-o", "report.html"]) == 0
+    assert called(["testbench", "fit", name, "--gauge-length-mm", "25", "-o", f"{name}.json"]) == 0
+    assert "\x1b" not in capsys.readouterr().out
