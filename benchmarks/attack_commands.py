@@ -38,9 +38,9 @@ TEXTS = (
 COMMANDS = {
     "gcode check": "{program} --v-max 5 --a-max 20 --x-min -1 --x-max 10",
     "gcode play": "{program} -o {out}",
-    "gcode generate": "--spec {spec} --seed 1 -o {out}",
+    "gcode generate": "--spec {spec} --seed 1 --gauge-length-mm 25 -o {out}",
     "gcode generate ": "--again {program} -o {out}",
-    "gcode generate  ": "--preset paper-1 --seed 1 --duration-s 20 -o {out}",
+    "gcode generate  ": "--preset paper-1 --seed 1 --duration-s 20 --gauge-length-mm 25 -o {out}",
     "gcode fit": "--v-mean 0 --v-sd 1 --a-mean 0 --a-sd 10 -o {out}",
     "testbench fit": "{recording} --gauge-length-mm 25 --model {model} --held-out {recording} -o {out}",
     "testbench compare": "{recording} --model {model} --gauge-length-mm 25",
@@ -56,10 +56,12 @@ COMMANDS = {
     "testbench propose ": "{recording} --gauge-length-mm 25 --quiet -o {law} --plot {picture} "
     "--save-model {out} --json {page}",
     "testbench add ": "--undo --model {rival} -o {out}",
-    "testbench experiment  ": "{model} {rival} --duration-s 120 -o {out} --plot {picture} --json {out}",
+    "testbench experiment  ": "{model} {rival} --duration-s 120 -o {out} --plot {picture} --json {page}",
     "testbench report  ": "--recording {recording} --gauge-length-mm 25 --figures {out} -o {page}",
     "testbench report ": "--compensator {score} --model {model} --commands {text} -o {out}",
-    "testbench investigate ": "--resume --quiet -o {campaign} --json {out}",
+    "testbench investigate": "{model} --run-minutes 2 --budget-minutes 2 --sure 0.51 --trials 1 --repeat 1 --quiet "
+    "-o {out}",
+    "testbench investigate ": "--resume --quiet -o {investigation} --json {out}",
     "testbench verify": "{campaign}",
     "testbench align": "{campaign} --program {driven} -o {out}",
     "testbench dataset": "{dataset} -o {out} --workers 1",
@@ -76,7 +78,7 @@ COMMANDS = {
     "compensation train": "{campaign} --target force --hidden 1 --restarts 1 -o {out}",
     "compensation train ": "{recording} --target force --gauge-length-mm 25 --twin {model} -o {out} --plot {picture}",
     "compensation score": "{compensator} {campaign} -o {out} --plot {picture}",
-    "compensation table": "--seeds 1 --specimens 1 --sensor pes --quick --engine fast -o {out}",
+    "compensation table": "--seeds 2 --specimens 1 --sensor pes --quick --engine fast -o {out}",
     "compensation predict": "{campaign} --compensator {compensator} -o {out}",
     "compensation recalibrate": "{compensator} {campaign} -o {out}",
     "compensation export": "{compensator} -o {out}",
@@ -84,8 +86,10 @@ COMMANDS = {
     "-o {out}",
 }
 MADE_BY = (
-    "testbench run --program {driven} --sensor pes -o {campaign}",
     "testbench fit {recording} --gauge-length-mm 25 -o {model}",
+    "testbench run --program {driven} --model {model} -o {campaign}",
+    "testbench investigate {model} --run-minutes 2 --budget-minutes 2 --sure 0.51 --trials 1 --repeat 1 --quiet "
+    "-o {investigation}",
     "testbench add stress_relaxation --model {model} --fit {recording} --gauge-length-mm 25 -o {rival}",
     "testbench diagnose {recording} --gauge-length-mm 25 --json {diagnosis}",
     "testbench effects --new my_effect -o {effects}",
@@ -93,7 +97,7 @@ MADE_BY = (
     "compensation score {compensator} {campaign} -o {score}",
 )
 SERVE, SERVES_S = {"testbench rig"}, 3  # what serves until it is interrupted, and is, then
-NO_ANSWER = {"testbench record", "gcode fit", "compensation table", *SERVE}  # no device, or it would take long
+NO_ANSWER = {"testbench record", "gcode fit"}  # no device, or it would take long
 NO_NUMBERS = {
     "--port",
     "--workers",
@@ -132,7 +136,7 @@ def good_files(folder: Path) -> dict[str, Path]:
     paths = {name.partition(".")[0]: folder / name for name in texts}
     paths |= {name: folder / f"{name}.json" for name in ("model", "rival", "diagnosis", "score", "compensator")}
     paths |= {"recording": folder / "recording.csv", "effects": folder / "effects.py", "law": folder / "law.py"}
-    paths |= {"campaign": folder / "campaign", "unfinished": folder / "unfinished"}
+    paths |= {name: folder / name for name in ("campaign", "unfinished", "investigation")}
     write_csv(record(truth(), 30), paths["recording"])
     for command in MADE_BY:
         sub, *words = command.format(**paths).split()[1:]
@@ -202,34 +206,38 @@ def zoo(folder: Path, good: dict[str, Path]) -> dict[str, Path]:
     (folder / "a\nb\x1b[31m.csv").write_bytes(b"x")
     for name in ("pipe", "loop", "to nowhere", "a folder", "a\nb\x1b[31m.csv", "missing", "pipe/below", "n" * 300):
         found[name] = folder / name
-    folders = _campaigns(folder, good["campaign"])
+    folders = _folders(folder, good)
     devices = {name: Path(name) for name in ("/dev/zero", "/dev/full", "/dev/null", "/proc/self/mem", "/")}
     return found | folders | devices
 
 
-def _campaigns(folder: Path, good: Path) -> dict[str, Path]:
-    """Campaign folders in which one file is wrong."""
+def _folders(folder: Path, good: dict[str, Path]) -> dict[str, Path]:
+    """Campaigns and investigations in which one file is wrong."""
     found = {}
 
-    def changed(name: str) -> Path:
-        found[f"campaign: {name}"] = folder / f"campaign {name}"
-        shutil.copytree(good, folder / f"campaign {name}")
-        return folder / f"campaign {name}"
+    def changed(kind: str, name: str) -> Path:
+        found[f"{kind}: {name}"] = folder / f"{kind} {name}"
+        shutil.copytree(good[kind], folder / f"{kind} {name}")
+        return folder / f"{kind} {name}"
 
-    for file in ("datapackage.json", "recording.csv", "program.tap", "events.jsonl"):
-        (changed(f"no {file}") / file).unlink()
-        place = changed(f"a pipe for {file}") / file
+    files = {
+        "campaign": ("datapackage.json", "recording.csv", "program.tap", "events.jsonl"),
+        "investigation": ("investigation.json", "sensor.json"),
+    }
+    for kind, file in ((kind, file) for kind, names in files.items() for file in names):
+        (changed(kind, f"no {file}") / file).unlink()
+        place = changed(kind, f"a pipe for {file}") / file
         place.unlink()
         os.mkfifo(place)
-        place = changed(f"a link loop for {file}") / file
+        place = changed(kind, f"a link loop for {file}") / file
         place.unlink()
         place.symlink_to(place)
-        place = changed(f"a folder for {file}") / file
+        place = changed(kind, f"a folder for {file}") / file
         place.unlink()
         place.mkdir()
-        place = changed(f"half of {file}") / file
+        place = changed(kind, f"half of {file}") / file
         place.write_bytes(place.read_bytes()[: place.stat().st_size // 2])
-        place = changed(f"one bit of {file}") / file
+        place = changed(kind, f"one bit of {file}") / file
         data = bytearray(place.read_bytes())
         data[len(data) // 2] ^= 1
         place.write_bytes(data)
@@ -355,7 +363,9 @@ def attacked(command: str, words: list[str], good: bool = False) -> str:
         signal.alarm(0)
         signal.setitimer(signal.ITIMER_PROF, 0)
     told, said = (stream.buffer.getvalue().decode() for stream in (told, said))
-    if code not in (0, 1, 2) and not (serves and code == 130):
+    if serves and code == 130:  # interrupted, as it should end
+        code = 0
+    if code not in (0, 1, 2):
         return f"exit code {code!r}"
     if "Traceback" in said:
         return "a traceback on stderr"
@@ -376,7 +386,7 @@ class Attack:
         good = good_files(folder)
         bad = zoo(folder / "zoo", good)
         self.cases = list(cases(only, good, bad, folder / "out"))
-        self._kept = Kept(folder, [good[name] for name in ("recording", "campaign")])
+        self._kept = Kept(folder, [good[name] for name in ("recording", "campaign", "investigation")])
 
     def fault(self, case: Case) -> str:
         """What is wrong with how a case ends; empty if nothing is."""

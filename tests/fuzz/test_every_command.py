@@ -13,7 +13,7 @@ from gcode import cli as gcode
 from testbench import cli as testbench
 from tests.fuzz.every_key import chosen
 
-SHARE = 200  # of some 9,000 cases
+SHARE = 200  # of some 17,000 cases
 
 
 def test_every_command_is_attacked():
@@ -23,14 +23,26 @@ def test_every_command_is_attacked():
     assert {" ".join(command.split()) for command in COMMANDS} == every - {"testbench studio"}
 
 
+@pytest.fixture(scope="module")
+def attack(tmp_path_factory):
+    before, folder = Path.cwd(), tmp_path_factory.mktemp("attack")
+    os.chdir(folder)
+    yield Attack(folder)
+    os.chdir(before)
+
+
+def faults(attack, some):
+    found = {f"{case.command}, {case.wrong!a}": attack.fault(case) for case in some}
+    return {case: fault for case, fault in found.items() if fault}
+
+
 @pytest.mark.slow
-def test_a_wrong_file_or_word_gets_a_sentence(tmp_path):
-    before = Path.cwd()
-    os.chdir(tmp_path)
-    try:
-        attack = Attack(tmp_path)
-        some = chosen(attack.cases, SHARE, lambda case: f"{case.command} {case.wrong}")
-        faults = {f"{case.command}, {case.wrong!a}": attack.fault(case) for case in some}
-    finally:
-        os.chdir(before)
-    assert {case: fault for case, fault in faults.items() if fault} == {}
+def test_what_is_attacked_answers_when_nothing_is_wrong(attack):
+    # A call that is refused for another reason never meets the wrong file beside it.
+    assert faults(attack, [case for case in attack.cases if case.wrong == "nothing"]) == {}
+
+
+@pytest.mark.slow
+def test_a_wrong_file_or_word_gets_a_sentence(attack):
+    some = chosen(attack.cases, SHARE, lambda case: f"{case.command} {case.wrong}")
+    assert faults(attack, some) == {}
