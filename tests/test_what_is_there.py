@@ -56,6 +56,9 @@ def contents(folder: Path) -> dict[Path, bytes]:
         ("testbench diagnose a.csv --gauge-length-mm 25 --json x -o ./x", "would be written twice"),
         ("testbench diagnose a.csv --gauge-length-mm 25 --model model.json --json model.json", "written over"),
         ("testbench report --recording campaign --figures f -o campaign/events.jsonl", "a recording is there"),
+        ("testbench import a.csv --gauge-length-mm 25 -o b.csv", "a recording is there"),
+        ("testbench import a.csv --gauge-length-mm 25 --overwrite -o campaign/recording.csv", "a recording is there"),
+        ("testbench hide --minutes 1 -o x\0", "a zero byte"),
         ("testbench fit a.csv --gauge-length-mm 25 -o=--", "-- is no value"),
         ("testbench fit a.csv --gauge-length-mm 25 --output=--", "-- is no value"),
         (

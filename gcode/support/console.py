@@ -100,7 +100,9 @@ def main(prog: str, description: str, package: str, commands: Sequence[str], arg
 
 
 def check_words(words: Sequence[str]) -> None:
-    """Refuse ``--option=--``, of which argparse makes an empty list."""
+    """Refuse ``--option=--``, of which argparse makes an empty list, and a zero byte, which no file's name has."""
+    if found := [word for word in words if "\0" in word]:
+        raise UserError(f"{found[0][:100]}: a zero byte stands in it")
     if found := [word for word in words if word.startswith("-") and word.endswith("=--")]:
         raise UserError(f"{found[0]}: -- is no value; it stands alone, before words that begin with a dash")
 

@@ -218,10 +218,9 @@ def make_folder(path: str | Path) -> Path:
     path = Path(path)
     try:
         path.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise UserError(
-            f"cannot make the folder {path}: {error.strerror or error}; choose another with -o"
-        ) from error
+    except (OSError, ValueError) as error:  # ValueError: a zero byte in its name
+        why = getattr(error, "strerror", None) or error
+        raise UserError(f"cannot make the folder {path}: {why}; choose another with -o") from error
     return path
 
 

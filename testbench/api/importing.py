@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from gcode.support.files import existing_file
+from gcode.support.files import check_place, existing_file
 from gcode.support.html import card
 from testbench.campaigns.clearing import check_vacant, vacant
 from testbench.importing import from_file
@@ -75,10 +75,13 @@ class ImportResult:
         Raises
         ------
         UserError
-            If a folder holds something else; nothing is written then.
+            If a folder holds something else, or a file is a recording; nothing is written then.
         """
         places = self.places(out)
-        if Path(out).suffix.lower() != ".csv":
+        if Path(out).suffix.lower() == ".csv":
+            for place in places:
+                check_place(place)
+        else:
             for make_room in (check_vacant, vacant):
                 for place in places:
                     make_room(place, overwrite, "imported")
