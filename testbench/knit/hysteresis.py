@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from statistics import NormalDist
+
 import numpy as np
 
 from testbench.knit.additive import ForceLaw
@@ -9,7 +11,9 @@ from testbench.knit.effect import FloatArray, Signals, parameter
 
 # Relative break-away strains of the slip elements: a wide, fixed distribution whose scale is a parameter.
 SPREAD = np.geomspace(0.15, 2.5, 6)
-QUANTILES = np.array([-1.383, -0.674, -0.210, 0.210, 0.674, 1.383])  # of a normal law, in the middle of six parts
+QUANTILES = np.array(
+    [NormalDist().inv_cdf((k + 0.5) / 12) for k in range(12)]
+)  # of a normal law, in the middle of twelve equal parts
 
 
 def mean_slip(x: FloatArray, threshold: float) -> FloatArray:
@@ -88,7 +92,7 @@ class HysteresisOnTension(PressedFriction):
     """Friction that grows with the tension, of slip elements whose break-away strains differ as much as they do.
 
     F += friction * (1 - pressed + pressed * max(F, 0) / tension) * mean_k( stop_k(e) / r_k )
-    r_k = threshold * exp(spread * q_k),   q_k: quantiles of a normal law in the middle of six equal parts
+    r_k = threshold * exp(spread * q_k),   q_k: quantiles of a normal law in the middle of twelve equal parts
 
     Source: Iwan, J. Appl. Mech. 33 (1966) 893 (break-away strains of any spread); tension as in `PressedFriction`.
     Valid: slow, rate-independent friction.
@@ -108,12 +112,13 @@ class HysteresisOnTension(PressedFriction):
 
 
 class HysteresisBoucWen(PressedFriction):
-    """Friction that grows with the tension, as one smooth hysteretic variable (Bouc-Wen, exponent 1).
+    """Friction that grows with the tension, as one smooth hysteretic variable (Bouc-Wen).
 
     F += friction * (1 - pressed + pressed * max(F, 0) / tension) * z
-    dz/de = (1 - (1 - skew) sgn(de) z - skew |z|) / threshold
+    dz/de = (1 - |z|^exponent ((1 - skew) sgn(z de) + skew)) / threshold
 
-    `skew` 0 is Dahl's friction; 1 makes unloading elastic.
+    With exponent 1, `skew` 0 is Dahl's friction; `skew` 1 makes unloading elastic. The larger the exponent, the
+    sharper the corner between sticking and slipping.
 
     Source: Wen, J. Eng. Mech. Div. ASCE 102 (1976) 249; the tension as in `PressedFriction`.
     Valid: slow, rate-independent friction.
@@ -123,8 +128,11 @@ class HysteresisBoucWen(PressedFriction):
     look = "force is higher while stretching than while releasing, with smooth corners"
 
     skew: float = parameter(0.3, unit="1", low=0, high=0.9, doc="how much stiffer unloading is than loading")
+    exponent: float = parameter(
+        1.0, unit="1", low=0.5, high=5, scale="log", doc="how sharp the corner between sticking and slipping is"
+    )
 
     def deflection(self, e: FloatArray) -> FloatArray:
         from testbench.knit.kernels import bouc_wen
 
-        return bouc_wen(e, self.threshold, self.skew)
+        return bouc_wen(e, self.threshold, self.skew, self.exponent)

@@ -148,7 +148,7 @@ def heading(x: FloatArray, span: float) -> FloatArray:
     """+1 while `x` goes up, -1 while it comes down, turning over within `BACK` of the span."""
     from testbench.knit.kernels import bouc_wen
 
-    return bouc_wen(np.ascontiguousarray(x), BACK * span, 0.5)
+    return bouc_wen(np.ascontiguousarray(x), BACK * span, 0.5, 1.0)
 
 
 def since_turn(x: FloatArray, span: float, dt_s: float) -> FloatArray:
