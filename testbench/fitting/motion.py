@@ -23,8 +23,7 @@ NEIGHBOURS = (-3, -2, -1, 1, 2, 3)
 WINDOWS = {0: (1, 2, 4, 8, 16, 32), 2: (2, 4, 8, 16, 32), 4: (4, 8, 16, 32, 64)}  # order: samples on either side
 AROUND = 17  # samples over which the risk of a window is averaged
 SLOWEST = 0.2  # share of the samples
-TURN = 3.5  # standard deviations of the reading that a turn has at least
-STILL = 6.0  # standard deviations
+TURN = 6.0  # standard deviations of the reading that a turn has at least
 
 
 def reading_noise(time_s: FloatArray, values: FloatArray) -> float:
