@@ -13,7 +13,8 @@ from testbench.proposing.law_parts import Slot
 
 LEVELS = (0.1, 0.3, 0.5, 0.7, 0.9)  # quantiles
 SIZES = (0.03, 0.1, 0.3, 1.0, 3.0)  # of the usual size
-EDGES = tuple(np.linspace(0.06, 0.94, 12))  # quantiles at which a switch is tried: a sharp thing is found only nearby
+EDGES = tuple(np.linspace(0.04, 0.96, 16))  # quantiles at which a switch is tried: a sharp thing is found only nearby
+NARROW = 0.02  # of the usual size, between the two levels of a switch that share a quantile
 CYCLES = np.arange(1.5, 40.0, 0.75)  # over the range: what comes again is found only where its count is nearly right
 STRAINS = (0.1, 0.25, 0.4, 0.55, 0.7, 0.85)  # of the span
 WIDTHS = np.geomspace(0.03, 0.3, 7)  # of the span, within which a strain is one and the same
@@ -50,9 +51,9 @@ class Grid:
             yield from self._waves(x)
             return
         if name == "switch" and x is not None:
-            for level in np.unique(np.quantile(x, EDGES)):
-                for share in (0.02, 0.2, 0.6, 1.5):
-                    yield {"on": float(level), "gap": share * usual_size(x)}
+            levels = np.unique(np.quantile(x, EDGES))
+            for off, on in itertools.combinations_with_replacement(levels, 2):
+                yield {"on": float(on), "gap": float(max(on - off, NARROW * usual_size(x)))}
             return
         if name in TEETH and x is not None:
             for cycles in CYCLES:
