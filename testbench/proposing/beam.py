@@ -22,8 +22,7 @@ from testbench.proposing.screening import Projector
 WIDTH, PER_FAMILY = 14, 2  # laws that grow on; of them, with the same place, coordinate and memory
 LEVELS, POLISHED = 2, 10  # times that they grow; how many have their numbers optimised each time
 EVALUATIONS = 60
-SHARP = {"switch", "stick", "dead band", "wave"}  # whose gain is a needle: a simplex beside it does not feel it
-CLOUDS, IN_CLOUD, CLOSER = 6, 40, 0.5  # clouds of points around the best, how many in each, and each over the last
+CLOUDS, IN_CLOUD, CLOSER = 6, 30, 0.5  # clouds of points around the best, how many in each, and each over the last
 
 
 @dataclass(frozen=True)
@@ -194,8 +193,7 @@ class Beam:
                 return np.inf
 
         steps = np.array([_step(slot, law.values[slot.key], self.grid) for slot in slots])
-        if SHARP & {one.name for one in law.term.operators}:
-            start = _condensed(cost, start, steps)
+        start = _condensed(cost, start, steps)  # the gain of what jumps is a needle: a simplex does not feel it
         simplex = np.vstack([start, start + np.diag(steps)])
         options = {"initial_simplex": simplex, "maxfev": EVALUATIONS * len(slots), "xatol": 1e-3, "fatol": 0.1}
         best = minimize(cost, start, method="Nelder-Mead", options=options)

@@ -23,6 +23,7 @@ TIMES, FEWER_TIMES = 8, 4
 HERTZ = (0.15, 3.0)
 DAMPINGS = (0.03, 0.15, 0.5)
 NUMBERS = (0.5, 1.5, 2.0, 3.0)
+DECADES = (1.5, 3.0)
 DELAYS_S = (0.1, 0.3, 1.0)
 TEETH = ("stick", "dead band")  # that come again with each length of travel
 LINES = 4  # strongest frequencies of a residual that are tried
@@ -78,7 +79,7 @@ class Grid:
         if slot.kind == "path":
             return [share * self.span for share in PATHS]
         if slot.kind == "number":
-            return DAMPINGS if slot.key == "damping" else NUMBERS
+            return {"damping": DAMPINGS, "decades": DECADES}.get(slot.key, NUMBERS)
         if x is None:  # a size of a strain
             return [share * self.span for share in WIDTHS]
         if slot.kind == "level":

@@ -149,12 +149,6 @@ _ENDS = {
         (Slot("wipe", "l_2", "path that wipes it out", "path"),),
         "is wiped out by motion",
     ),
-    "with each turn": (
-        r"\frac{\dot N}{N_2}",
-        "np.diff(turns_so_far(e, {span}), prepend=0.0) / (dt_s * self.turns)",
-        (Slot("turns", "N_2", "turns that wipe it out", "number", 0.1, 30.0),),
-        "goes with each turn",
-    ),
     "when short": (
         r"\frac{(e_1 - e)^+}{s\,\tau_2}",
         "over(self.edge - e, 0.0) / ({span} * self.end_s)",
@@ -175,7 +169,6 @@ _SENSIBLE = (
     ("with time", "with motion"),
     ("under stretch", "with time"),
     ("under stretch", "with motion"),
-    ("under stretch", "with each turn"),
     ("steeply", "with time"),
     ("while stretching", "with time"),
     ("under stretch", "when short"),

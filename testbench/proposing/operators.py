@@ -28,6 +28,18 @@ OPERATORS = {
             (r"\tau\,\dot y = {x} - y",),
         ),
         Operator(
+            "broad lag",
+            "broad_memory(x, self.tau_s, self.decades, dt_s)",
+            "y",
+            "the memory over decades of time of {x}",
+            "memory",
+            (
+                Slot("tau_s", r"\tau", "middle time of the memory"),
+                Slot("decades", "D", "decades over which its times are spread", "number", 0.3, 5.0),
+            ),
+            (r"y = \text{mean } y_k,\quad \tau_k\,\dot y_k = {x} - y_k,\quad \tau_k = \tau\,10^{-D/2 \ldots D/2}",),
+        ),
+        Operator(
             "slip",
             "stop(x, self.reach)",
             "h",
