@@ -201,6 +201,20 @@ def broad_memory(x: FloatArray, tau_s: float, decades: float, dt_s: float) -> Fl
     return np.mean([lowpass(x, float(one), dt_s) for one in times_s], axis=0)
 
 
+@njit("float64[:](float64[:], float64, float64, float64)", cache=True, nogil=True)
+def two_way_lag(x: FloatArray, up_s: float, down_s: float, dt_s: float) -> FloatArray:
+    """Lag with one time for the way up and another for the way down; `x` is held at its mean in a step."""
+    out = np.empty_like(x)
+    y = x[0]
+    up, down = math.exp(-dt_s / up_s), math.exp(-dt_s / down_s)
+    out[0] = y
+    for i in range(1, len(x)):
+        goal = 0.5 * (x[i - 1] + x[i])
+        y = goal + (y - goal) * (up if goal > y else down)
+        out[i] = y
+    return out
+
+
 def stop(x: FloatArray, reach: float) -> FloatArray:
     """What a slip element of this reach carries, -reach to reach: `x` less its play."""
     from testbench.knit.kernels import play

@@ -40,6 +40,18 @@ OPERATORS = {
             (r"y = \text{mean } y_k,\quad \tau_k\,\dot y_k = {x} - y_k,\quad \tau_k = \tau\,10^{-D/2 \ldots D/2}",),
         ),
         Operator(
+            "two-way lag",
+            "two_way_lag(x, self.tau_s, self.back_s, dt_s)",
+            "y",
+            "the memory, with a time of its own for each way, of {x}",
+            "memory",
+            (
+                Slot("tau_s", r"\tau", "time of the memory on the way up"),
+                Slot("back_s", r"\tau_b", "time of the memory on the way back"),
+            ),
+            (r"\dot y = ({x} - y) / (\tau \text{ while } {x} > y,\ \tau_b \text{ while } {x} < y)",),
+        ),
+        Operator(
             "slip",
             "stop(x, self.reach)",
             "h",
