@@ -197,7 +197,7 @@ def broad_memory(x: FloatArray, tau_s: float, decades: float, dt_s: float) -> Fl
 
     Source: box spectrum, Tschoegl, The Phenomenological Theory of Linear Viscoelastic Behavior (1989), ch. 6.
     """
-    times_s = tau_s * 10.0 ** (decades * np.linspace(-0.5, 0.5, BROAD))
+    times_s = tau_s * 10.0 ** (decades * ((np.arange(BROAD) + 0.5) / BROAD - 0.5))
     return np.mean([lowpass(x, float(one), dt_s) for one in times_s], axis=0)
 
 

@@ -37,7 +37,11 @@ OPERATORS = {
                 Slot("tau_s", r"\tau", "middle time of the memory"),
                 Slot("decades", "D", "decades over which its times are spread", "number", 0.3, 5.0),
             ),
-            (r"y = \text{mean } y_k,\quad \tau_k\,\dot y_k = {x} - y_k,\quad \tau_k = \tau\,10^{-D/2 \ldots D/2}",),
+            (
+                r"y = \text{mean of all } y_k",
+                r"\tau_k\,\dot y_k = {x} - y_k",
+                r"\tau_k \text{ spread over } D \text{ decades around } \tau",
+            ),
         ),
         Operator(
             "two-way lag",
@@ -49,7 +53,7 @@ OPERATORS = {
                 Slot("tau_s", r"\tau", "time of the memory on the way up"),
                 Slot("back_s", r"\tau_b", "time of the memory on the way back"),
             ),
-            (r"\dot y = ({x} - y) / (\tau \text{ while } {x} > y,\ \tau_b \text{ while } {x} < y)",),
+            (r"\tau\,\dot y = {x} - y \text{ while } {x} > y", r"\tau_b\,\dot y = {x} - y \text{ while } {x} < y"),
         ),
         Operator(
             "slip",
