@@ -184,8 +184,7 @@ class Search:
 
     def likelihood_on(self, measurement: Measurement) -> Likelihood:
         """How the samples of a grid count."""
-        likelihood = likelihood_of(self.reference, measurement, self.noise, self.jitter_s)
-        return replace(likelihood, pieces=self.pieces)
+        return likelihood_of(self.reference, measurement, self.noise, self.jitter_s, self.pieces)
 
     def round(self, current: Hypothesis, others: Sequence[Hypothesis]) -> Round:
         """One step.
