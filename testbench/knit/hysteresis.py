@@ -129,7 +129,7 @@ class HysteresisBoucWen(PressedFriction):
 
     skew: float = parameter(0.3, unit="1", low=0, high=0.9, doc="how much stiffer unloading is than loading")
     exponent: float = parameter(
-        1.0, unit="1", low=0.5, high=5, scale="log", doc="how sharp the corner between sticking and slipping is"
+        1.0, unit="1", low=1, high=3, scale="log", doc="how sharp the corner between sticking and slipping is"
     )
 
     def deflection(self, e: FloatArray) -> FloatArray:
