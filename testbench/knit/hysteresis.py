@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from statistics import NormalDist
-
 import numpy as np
 
 from testbench.knit.additive import ForceLaw
@@ -11,9 +9,9 @@ from testbench.knit.effect import FloatArray, Signals, parameter
 
 # Relative break-away strains of the slip elements: a wide, fixed distribution whose scale is a parameter.
 SPREAD = np.geomspace(0.15, 2.5, 6)
-QUANTILES = np.array(
+QUANTILES = np.array([-1.383, -0.674, -0.210, 0.210, 0.674, 1.383])  # of a normal law, in the middle of six parts
     [NormalDist().inv_cdf((k + 0.5) / 12) for k in range(12)]
-)  # of a normal law, in the middle of twelve equal parts
+)  # of a normal law, in the middle of six equal parts
 
 
 def mean_slip(x: FloatArray, threshold: float) -> FloatArray:
@@ -92,7 +90,7 @@ class HysteresisOnTension(PressedFriction):
     """Friction that grows with the tension, of slip elements whose break-away strains differ as much as they do.
 
     F += friction * (1 - pressed + pressed * max(F, 0) / tension) * mean_k( stop_k(e) / r_k )
-    r_k = threshold * exp(spread * q_k),   q_k: quantiles of a normal law in the middle of twelve equal parts
+    r_k = threshold * exp(spread * q_k),   q_k: quantiles of a normal law in the middle of six equal parts
 
     Source: Iwan, J. Appl. Mech. 33 (1966) 893 (break-away strains of any spread); tension as in `PressedFriction`.
     Valid: slow, rate-independent friction.
