@@ -10,8 +10,6 @@ from testbench.knit.effect import FloatArray, Signals, parameter
 # Relative break-away strains of the slip elements: a wide, fixed distribution whose scale is a parameter.
 SPREAD = np.geomspace(0.15, 2.5, 6)
 QUANTILES = np.array([-1.383, -0.674, -0.210, 0.210, 0.674, 1.383])  # of a normal law, in the middle of six parts
-    [NormalDist().inv_cdf((k + 0.5) / 12) for k in range(12)]
-)  # of a normal law, in the middle of six equal parts
 
 
 def mean_slip(x: FloatArray, threshold: float) -> FloatArray:
