@@ -220,6 +220,7 @@ def likelihood_of(
     measurement: Measurement,
     noise: Mapping[str, float],
     jitter_s: Mapping[str, float] | None = None,
+    pieces: float = constants.INDEPENDENT,
 ) -> Likelihood:
     """Samples and their relative noise, taken as independent.
 
@@ -227,12 +228,15 @@ def likelihood_of(
     ----------
     noise, jitter_s : mapping of channel to float
         See `noise_of` and `jitter_of`; without the latter there is no jitter.
+    pieces : float
+        See `Likelihood`; several recordings have each their own share of a last fit, too.
     """
     counting = np.flatnonzero(measurement.counts)
     rows = counting
     if len(counting) > constants.SAMPLES:
         rows = counting[np.linspace(0, len(counting) - 1, constants.SAMPLES).astype(int)]
-    news = min(len(counting) * measurement.dt_s / constants.ALIKE_S, constants.IN_LAST_FIT)
+    most = constants.IN_LAST_FIT * pieces / constants.INDEPENDENT
+    news = min(len(counting) * measurement.dt_s / constants.ALIKE_S, most)
     share = min(news / len(rows), 1.0)
     modelled = measurement.modelled(model)
     slope = _slopes(model, measurement, modelled)
@@ -245,7 +249,7 @@ def likelihood_of(
         sd = np.hypot(sd, (jitter_s or {}).get(channel, 0.0) * speed)
         floor[channel] = float(np.mean(sd**-2.0) ** -0.5)
         weight[channel] = floor[channel] / sd
-    return Likelihood(measurement, rows, weight, floor, share)
+    return Likelihood(measurement, rows, weight, floor, share, pieces=pieces)
 
 
 def _slopes(model: KnitModel, measurement: Measurement, modelled: Mapping[str, FloatArray]) -> dict[str, FloatArray]:

@@ -184,8 +184,7 @@ class Search:
 
     def likelihood_on(self, measurement: Measurement) -> Likelihood:
         """How the samples of a grid count."""
-        likelihood = likelihood_of(self.reference, measurement, self.noise, self.jitter_s)
-        return replace(likelihood, pieces=self.pieces)
+        return likelihood_of(self.reference, measurement, self.noise, self.jitter_s, self.pieces)
 
     def round(self, current: Hypothesis, others: Sequence[Hypothesis]) -> Round:
         """One step.
@@ -212,7 +211,7 @@ class Search:
         before = [current]
         if entries:
             best = max(entries, key=lambda e: e.log_z)
-            before.append(self.compare(best.hypothesis.model.without(best.name), best.hypothesis))
+            before.append(self.at_rest(self.compare(best.hypothesis.model.without(best.name), best.hypothesis)))
             likelihood = replace(likelihood, explained=explained(current, best.hypothesis))
         bare = max((self.judged(Entry("", "", "", h, h.log_z), likelihood) for h in before), key=lambda e: e.log_z)
         entries = _best_first(self.judged(e, likelihood) for e in entries)
@@ -296,12 +295,16 @@ class Search:
         """A law on the base of another."""
         base = best.hypothesis.model.without(best.name)
         h = self.compare(base.plus(e.hypothesis.model[e.name], e.name), best.hypothesis)
+        if h.log_z > best.log_z - 3 * constants.EVIDENCE_ERROR:
+            h = self.at_rest(h)
         return replace(e, hypothesis=h, log_z=h.log_z, is_settled=True)
 
     def champions(self, entries: Sequence[Entry]) -> list[Entry]:
-        """The best law of the best mechanisms refitted in full, and all the others as they are, the best first."""
+        """The best law of the best mechanisms, and some more of the best two, refitted in full; the best first."""
         laws = _first_of_each(_best_first(entries), lambda e: e.law)
         best = _first_of_each(laws, lambda e: e.mechanism)[: constants.SETTLED]
+        for one in best[:2]:
+            best += [e for e in laws if e.mechanism == one.mechanism and e is not one][: constants.SETTLED_LAWS - 1]
         rest = [e for e in laws if e not in best]
         return _best_first([*self.pool.map(self.settled, best), *rest])
 
@@ -313,12 +316,25 @@ class Search:
         if e.is_settled:
             return e
         h, effect = e.hypothesis, e.hypothesis.model[e.name]
-        found = [self.compare(h.model, h)]
+        found = [self.at_rest(h)]
         on_force = {"strain", "force_N"} & set(effect.writes)
         if on_force and getattr(h.model.effects.get("contact_drive"), "strain_share", 0.0) > 0.02:
             found.append(self.compare(h.model.with_parameters({"contact_drive.strain_share": 0.0}), h))
         found_best = max(found, key=_evidence)
         return replace(e, hypothesis=found_best, log_z=found_best.log_z, is_settled=True)
+
+    def at_rest(self, h: Hypothesis) -> Hypothesis:
+        """Refitted until nothing is gained, at first with shapes as free as they are without data.
+
+        Shapes that were fitted beside another law hold what is in the way of this one.
+        """
+        best = max(self.compare(h.model), h, key=_evidence)
+        for _ in range(constants.REFITS):
+            better = self.compare(best.model, best)
+            if better.log_z < best.log_z + constants.EVIDENCE_ERROR:
+                return better
+            best = better
+        return best
 
     def entered(self, chosen: Sequence[tuple[Ground, Proposal]]) -> list[Entry]:
         """Laws put in, each on its ground, and refitted quickly."""

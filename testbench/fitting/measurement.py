@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gcode.support.errors import UserError
-from testbench.fitting.motion import STILL, reading_noise, without_reading_noise, without_small_turns
+from testbench.fitting.motion import TURN, reading_noise, without_reading_noise, without_small_turns
 from testbench.fitting.noise import even_step, noise_floor
 from testbench.fitting.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL, SIGNAL_OF
 from testbench.knit.cache import SimulationCache
@@ -227,7 +227,7 @@ def _turns_kept(strain: FloatArray, every: int, noise: float) -> np.ndarray:
     above = cells.max(1) - np.maximum(before, after)
     below = np.minimum(before, after) - cells.min(1)
     inside = np.where(above >= below, cells.argmax(1), cells.argmin(1))
-    inside[np.maximum(above, below) <= STILL * noise] = every // 2
+    inside[np.maximum(above, below) <= TURN * noise] = every // 2
     inside[:1] = 0  # memories begin at rest there
     return np.arange(len(cells)) * every + inside
 

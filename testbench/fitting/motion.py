@@ -2,23 +2,28 @@
 
 Friction remembers every turn of the strain, so a model that is driven by the noise of the reading relaxes in a hold
 where the fabric did not, as if somebody shook it. Where the reading stands still, many samples are averaged; where it
-moves by more than its noise, every sample is kept.
+turns by more than its noise, nearly every sample is kept.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
+from scipy.ndimage import uniform_filter1d
+from scipy.optimize import isotonic_regression
 from scipy.signal import savgol_coeffs
+from scipy.special import softmax
 
 from testbench.fitting.noise import robust_sd
 from testbench.knit.effect import FloatArray
 from testbench.knit.kernels import play
 
 NEIGHBOURS = (-3, -2, -1, 1, 2, 3)
-HALF_WIDTHS = (1, 2, 4, 8, 16, 32)  # samples on either side
+WINDOWS = {0: (1, 2, 4, 8, 16, 32), 2: (2, 4, 8, 16, 32), 4: (4, 8, 16, 32, 64)}  # order: samples on either side
+AROUND = 17  # samples over which the risk of a window is averaged
 SLOWEST = 0.2  # share of the samples
-AGREE = 3.5  # standard errors
-STILL = 6.0  # standard deviations
+TURN = 6.0  # standard deviations of the reading that a turn has at least
 
 
 def reading_noise(time_s: FloatArray, values: FloatArray) -> float:
@@ -49,7 +54,7 @@ def reading_noise(time_s: FloatArray, values: FloatArray) -> float:
 
 
 def without_reading_noise(values: FloatArray, noise: float) -> tuple[FloatArray, FloatArray]:
-    """Each sample replaced by the widest mean, or the widest parabola, around it that the reading agrees with.
+    """Polynomials through windows around each sample, weighted by how near they are thought to come to the motion.
 
     Parameters
     ----------
@@ -61,35 +66,46 @@ def without_reading_noise(values: FloatArray, noise: float) -> tuple[FloatArray,
     Returns
     -------
     found : ndarray, shape (n,)
-        No further from the reading than a few standard deviations of its noise; the same where it has none.
+        The same where the reading has no noise.
     error : ndarray, shape (n,)
-        Standard deviation of the noise that is left; where the motion bends, the error may be twice that.
+        Standard deviation of what it is off the motion, bends that were cut off included.
 
     Notes
     -----
-    A window has to agree with all narrower ones (Lepski's rule; Katkovnik, IEEE Trans. Signal Process. 47 (1999)
-    2567): what is found in it and in a part of it differ by the difference of their variances. A mean is for a motion
-    that stands still, or nearly: the halves of its window have to lie within `STILL` sigma of each other, since it
-    would cut turns off. A parabola (Savitzky & Golay, Anal. Chem. 36 (1964) 1627) is for the motion.
+    The polynomials are of order 0, 2 and 4 (Savitzky & Golay, Anal. Chem. 36 (1964) 1627); the narrowest window is
+    the sample alone. Stein's unbiased estimate says from the reading how far each is off, noise and bias together.
+    The weights are exp(-sum of risks / (4 noise^2)). Sources: Stein, Ann. Statist. 9 (1981) 1135; Leung & Barron,
+    IEEE Trans. Inf. Theory 52 (2006) 3396.
     """
-    found, variance = values.copy(), np.ones(len(values))
-    means = ((half, *_window_mean(values, half)) for half in HALF_WIDTHS)
-    parabolas = ((half, *_parabola(values, half)) for half in HALF_WIDTHS[1:])
-    for fits, is_mean in ((means, True), (parabolas, False)):
-        narrower, good = [(values, np.ones(len(values)))], np.ones(len(values), bool)
-        for half, fit, left in fits:
-            if is_mean:
-                good &= _moved(narrower[-1][0], (half + 1) // 2) <= STILL * noise
-            for part, more in narrower:
-                good &= np.abs(fit - part) <= AGREE * noise * np.sqrt(np.maximum(more - left, 0.0))
-            better = good & (left < variance)
-            found[better], variance[better] = fit[better], left[better]
-            narrower.append((fit, left))
-    return found, noise * np.sqrt(variance)
+    if noise <= 0:
+        return values.copy(), np.zeros(len(values))
+    fits = [values, *(fit for fit, _ in _windows(values))]
+    risks = [np.full(len(values), noise**2), *(_risk(values, *one, noise) for one in _windows(values))]
+    weights = softmax(np.stack(risks) * (-AROUND / (4 * noise**2)), axis=0)
+    risk = np.einsum("ij,ij->j", weights, risks)
+    return np.einsum("ij,ij->j", weights, fits), np.sqrt(np.maximum(risk, 0.0))
+
+
+def _windows(values: FloatArray) -> Iterator[tuple[FloatArray, float]]:
+    """Each window's polynomial in its middle, shape (n,), and the weight of the middle sample in it.
+
+    Near the ends, where there is no whole window, the values as they are.
+    """
+    for order, halves in WINDOWS.items():
+        for half in (one for one in halves if len(values) > 2 * one):
+            weights, fit = savgol_coeffs(2 * half + 1, order), values.copy()
+            fit[half : len(values) - half] = np.convolve(values, weights, mode="valid")
+            yield fit, float(weights[half])
+
+
+def _risk(values: FloatArray, fit: FloatArray, middle: float, noise: float) -> FloatArray:
+    """Stein's estimate of the squared error of a fit, averaged over neighbours, shape (n,)."""
+    off = (values - fit) ** 2
+    return uniform_filter1d(off, AROUND, mode="nearest") + noise**2 * (2 * middle - 1)
 
 
 def without_small_turns(values: FloatArray, noise: float) -> FloatArray:
-    """The motion without turns of less than `AGREE` standard deviations of the noise: it stands at the last turn.
+    """The nearest motion that goes one way between turns of more than `TURN` standard deviations of the noise.
 
     What is left of the noise in a hold is small, but it turns all the time, and narrow loops of friction can be made
     to say anything with it.
@@ -101,36 +117,24 @@ def without_small_turns(values: FloatArray, noise: float) -> FloatArray:
     noise : float
         Standard deviation of the noise of its reading.
     """
-    half = 0.5 * AGREE * noise
-    behind = play(values, np.array([half]))[0]
-    way = np.sign(np.diff(behind, prepend=behind[:1]))
-    newest = np.maximum.accumulate(np.where(way != 0, np.arange(len(way)), 0))
-    return behind + half * way[newest]
+    if noise <= 0:
+        return values.copy()
+    at, upwards = _turns(values, TURN * noise)
+    parts = zip(np.split(values, at), upwards, strict=True)
+    return np.concatenate([isotonic_regression(part, increasing=bool(up)).x for part, up in parts])
 
 
-def _moved(values: FloatArray, reach: int) -> FloatArray:
-    """How far apart the values so many samples before and after lie, shape (n,)."""
-    index, last = np.arange(len(values)), len(values) - 1
-    return np.abs(values[np.minimum(index + reach, last)] - values[np.maximum(index - reach, 0)])
-
-
-def _window_mean(values: FloatArray, half_width: int) -> tuple[FloatArray, FloatArray]:
-    """Mean over symmetric windows, narrower near the ends, and its variance over the noise's; each shape (n,)."""
-    index = np.arange(len(values))
-    half = np.minimum(half_width, np.minimum(index, index[::-1]))
-    sums = np.concatenate([[0.0], np.cumsum(values - values[0])])
-    count = 2.0 * half + 1.0
-    return values[0] + (sums[index + half + 1] - sums[index - half]) / count, 1 / count
-
-
-def _parabola(values: FloatArray, half_width: int) -> tuple[FloatArray, FloatArray]:
-    """Middle of the parabola through symmetric windows, and its variance over the noise's; each shape (n,).
-
-    Near the ends, where there is no whole window, the values as they are.
-    """
-    found, left = values.copy(), np.ones(len(values))
-    if len(values) > 2 * half_width:
-        weights = savgol_coeffs(2 * half_width + 1, 2)
-        whole = slice(half_width, len(values) - half_width)
-        found[whole], left[whole] = np.convolve(values, weights, mode="valid"), float(weights @ weights)
-    return found, left
+def _turns(values: FloatArray, least: float) -> tuple[list[int], list[bool]]:
+    """Where a motion turns by more than `least`, and whether it goes up in each part between."""
+    behind = play(values, np.array([0.5 * least]))[0]
+    step = np.diff(behind, prepend=behind[:1])
+    moves = np.flatnonzero(step)
+    if len(moves) == 0:
+        return [], [True]
+    up = step[moves] > 0
+    last = np.flatnonzero(np.diff(up.astype(int)))  # moves before a turn
+    at = []
+    for k in last:
+        between = values[moves[k] : moves[k + 1]]
+        at.append(int(moves[k] + (between.argmax() if up[k] else between.argmin())))
+    return at, [bool(up[0]), *(bool(one) for one in up[last + 1])]

@@ -108,12 +108,13 @@ class HysteresisOnTension(PressedFriction):
 
 
 class HysteresisBoucWen(PressedFriction):
-    """Friction that grows with the tension, as one smooth hysteretic variable (Bouc-Wen, exponent 1).
+    """Friction that grows with the tension, as one smooth hysteretic variable (Bouc-Wen).
 
     F += friction * (1 - pressed + pressed * max(F, 0) / tension) * z
-    dz/de = (1 - (1 - skew) sgn(de) z - skew |z|) / threshold
+    dz/de = (1 - |z|^exponent ((1 - skew) sgn(z de) + skew)) / threshold
 
-    `skew` 0 is Dahl's friction; 1 makes unloading elastic.
+    With exponent 1, `skew` 0 is Dahl's friction; `skew` 1 makes unloading elastic. The larger the exponent, the
+    sharper the corner between sticking and slipping.
 
     Source: Wen, J. Eng. Mech. Div. ASCE 102 (1976) 249; the tension as in `PressedFriction`.
     Valid: slow, rate-independent friction.
@@ -123,8 +124,11 @@ class HysteresisBoucWen(PressedFriction):
     look = "force is higher while stretching than while releasing, with smooth corners"
 
     skew: float = parameter(0.3, unit="1", low=0, high=0.9, doc="how much stiffer unloading is than loading")
+    exponent: float = parameter(
+        1.0, unit="1", low=1, high=3, scale="log", doc="how sharp the corner between sticking and slipping is"
+    )
 
     def deflection(self, e: FloatArray) -> FloatArray:
         from testbench.knit.kernels import bouc_wen
 
-        return bouc_wen(e, self.threshold, self.skew)
+        return bouc_wen(e, self.threshold, self.skew, self.exponent)

@@ -91,7 +91,7 @@ def _operators(e: FloatArray, span: float) -> FloatArray:
     stops /= sharp[:, None]
     for skew in SKEWS:
         for travel, row in zip(SMOOTH, others, strict=False):
-            row[:] = bouc_wen(e, travel * span, skew)
+            row[:] = bouc_wen(e, travel * span, skew, 1.0)
     for (up, down), row in zip(ONE_SIDED, others, strict=True):
         np.subtract(e, follower(e, up * span, down * span), out=row)
         row /= max(up, down) * span

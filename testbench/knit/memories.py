@@ -12,10 +12,11 @@ import numpy as np
 from numba import njit
 
 from testbench.knit.effect import FloatArray
-from testbench.knit.filters import rate
+from testbench.knit.filters import lowpass, rate
 from testbench.knit.kernels import running_max, travelled, turns
 
 BACK = 0.02  # of the span: a turn is known once the strain has come back so far
+BROAD = 7  # lags of a memory over decades
 WIGGLE = 0.005  # of the span: motion below this wears nothing
 
 
@@ -148,7 +149,7 @@ def heading(x: FloatArray, span: float) -> FloatArray:
     """+1 while `x` goes up, -1 while it comes down, turning over within `BACK` of the span."""
     from testbench.knit.kernels import bouc_wen
 
-    return bouc_wen(np.ascontiguousarray(x), BACK * span, 0.5)
+    return bouc_wen(np.ascontiguousarray(x), BACK * span, 0.5, 1.0)
 
 
 def since_turn(x: FloatArray, span: float, dt_s: float) -> FloatArray:
@@ -187,6 +188,31 @@ def delayed(x: FloatArray, delay_s: float, dt_s: float) -> FloatArray:
     """`x` as it was `delay_s` ago; its first value before that."""
     at = np.arange(len(x)) - delay_s / dt_s
     return np.interp(at, np.arange(len(x)), x)
+
+
+def broad_memory(x: FloatArray, tau_s: float, decades: float, dt_s: float) -> FloatArray:
+    """Mean of first-order lags whose times are spread evenly in ln over so many decades around `tau_s`.
+
+    Polymers relax over decades: within the spread a step is remembered as the logarithm of time.
+
+    Source: box spectrum, Tschoegl, The Phenomenological Theory of Linear Viscoelastic Behavior (1989), ch. 6.
+    """
+    times_s = tau_s * 10.0 ** (decades * ((np.arange(BROAD) + 0.5) / BROAD - 0.5))
+    return np.mean([lowpass(x, float(one), dt_s) for one in times_s], axis=0)
+
+
+@njit("float64[:](float64[:], float64, float64, float64)", cache=True, nogil=True)
+def two_way_lag(x: FloatArray, up_s: float, down_s: float, dt_s: float) -> FloatArray:
+    """Lag with one time for the way up and another for the way down; `x` is held at its mean in a step."""
+    out = np.empty_like(x)
+    y = x[0]
+    up, down = math.exp(-dt_s / up_s), math.exp(-dt_s / down_s)
+    out[0] = y
+    for i in range(1, len(x)):
+        goal = 0.5 * (x[i - 1] + x[i])
+        y = goal + (y - goal) * (up if goal > y else down)
+        out[i] = y
+    return out
 
 
 def stop(x: FloatArray, reach: float) -> FloatArray:

@@ -22,6 +22,7 @@ from testbench.proposing.screening import Projector
 WIDTH, PER_FAMILY = 14, 2  # laws that grow on; of them, with the same place, coordinate and memory
 LEVELS, POLISHED = 2, 10  # times that they grow; how many have their numbers optimised each time
 EVALUATIONS = 60
+CLOUDS, IN_CLOUD, CLOSER = 6, 30, 0.5  # clouds of points around the best, how many in each, and each over the last
 
 
 @dataclass(frozen=True)
@@ -192,11 +193,24 @@ class Beam:
                 return np.inf
 
         steps = np.array([_step(slot, law.values[slot.key], self.grid) for slot in slots])
+        start = _condensed(cost, start, steps)  # the gain of what jumps is a needle: a simplex does not feel it
         simplex = np.vstack([start, start + np.diag(steps)])
         options = {"initial_simplex": simplex, "maxfev": EVALUATIONS * len(slots), "xatol": 1e-3, "fatol": 0.1}
         best = minimize(cost, start, method="Nelder-Mead", options=options)
         then = self.at(law.place, law.term, _outward(slots, best.x, law.values, self.grid))
         return max(found, then, key=lambda one: one.gain)
+
+
+def _condensed(cost: Callable[[FloatArray], float], start: FloatArray, spread: FloatArray) -> FloatArray:
+    """The best of clouds of points, each around the best so far and closer than the last."""
+    rng = np.random.default_rng(0)
+    best, least = start, cost(start)
+    for cloud in range(CLOUDS):
+        for point in best + CLOSER**cloud * spread * rng.standard_normal((IN_CLOUD, len(start))):
+            there = cost(point)
+            if there < least:
+                best, least = point, there
+    return best
 
 
 def _inward(slot: Slot, value: float, grid: Grid) -> float:

@@ -13,7 +13,8 @@ from testbench.proposing.law_parts import Slot
 
 LEVELS = (0.1, 0.3, 0.5, 0.7, 0.9)  # quantiles
 SIZES = (0.03, 0.1, 0.3, 1.0, 3.0)  # of the usual size
-EDGES = tuple(np.linspace(0.06, 0.94, 12))  # quantiles at which a switch is tried: a sharp thing is found only nearby
+EDGES = tuple(np.linspace(0.04, 0.96, 16))  # quantiles at which a switch is tried: a sharp thing is found only nearby
+NARROW = 0.02  # of the usual size, between the two levels of a switch that share a quantile
 CYCLES = np.arange(1.5, 40.0, 0.75)  # over the range: what comes again is found only where its count is nearly right
 STRAINS = (0.1, 0.25, 0.4, 0.55, 0.7, 0.85)  # of the span
 WIDTHS = np.geomspace(0.03, 0.3, 7)  # of the span, within which a strain is one and the same
@@ -22,6 +23,7 @@ TIMES, FEWER_TIMES = 8, 4
 HERTZ = (0.15, 3.0)
 DAMPINGS = (0.03, 0.15, 0.5)
 NUMBERS = (0.5, 1.5, 2.0, 3.0)
+DECADES = (1.5, 3.0)
 DELAYS_S = (0.1, 0.3, 1.0)
 TEETH = ("stick", "dead band")  # that come again with each length of travel
 LINES = 4  # strongest frequencies of a residual that are tried
@@ -50,9 +52,9 @@ class Grid:
             yield from self._waves(x)
             return
         if name == "switch" and x is not None:
-            for level in np.unique(np.quantile(x, EDGES)):
-                for share in (0.02, 0.2, 0.6, 1.5):
-                    yield {"on": float(level), "gap": share * usual_size(x)}
+            levels = np.unique(np.quantile(x, EDGES))
+            for off, on in itertools.combinations_with_replacement(levels, 2):
+                yield {"on": float(on), "gap": float(max(on - off, NARROW * usual_size(x)))}
             return
         if name in TEETH and x is not None:
             for cycles in CYCLES:
@@ -77,7 +79,7 @@ class Grid:
         if slot.kind == "path":
             return [share * self.span for share in PATHS]
         if slot.kind == "number":
-            return DAMPINGS if slot.key == "damping" else NUMBERS
+            return {"damping": DAMPINGS, "decades": DECADES}.get(slot.key, NUMBERS)
         if x is None:  # a size of a strain
             return [share * self.span for share in WIDTHS]
         if slot.kind == "level":

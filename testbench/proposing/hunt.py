@@ -9,8 +9,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from testbench.diagnosis.hypothesis import Hypothesis
+from testbench.diagnosis.laplace import fitted
 from testbench.diagnosis.rounds import excess
 from testbench.diagnosis.search import Search
+from testbench.fitting.baseline import without_shapes
 from testbench.knit.effect import FloatArray
 from testbench.knit.laws import check
 from testbench.proposing.beam import Beam, Found
@@ -26,7 +28,7 @@ from testbench.proposing.writing import effect_class
 NOTHING_LEFT = 0.3  # squared noise floors above the noise, all channels: the floors themselves are known to a tenth
 LEAST_GAIN = 10.0  # nats: about ln of the number of laws that are tried
 LEAST_SHARE = 0.1  # of the squared error above the noise that a law takes off
-FINALISTS, OF_ONE_PLACE, OF_ONE_FAMILY, SETTLED = 6, 3, 2, 2
+FINALISTS, OF_ONE_PLACE, OF_ONE_FAMILY, SETTLED = 5, 3, 2, 2
 TIED = 3.0  # nats
 
 
@@ -71,10 +73,12 @@ class Hunt:
     def round(self, current: Hypothesis, name: str) -> tuple[Step, Hypothesis] | None:
         """The best law beside a model, if one gains.
 
-        It is sought twice: a base that has bent to take part of a law in makes another law of it. The second time
-        the base is where the best of the first look, refitted with it, has taken it to.
+        It is sought three times: a base that has bent to take part of a law in makes another law of it, so laws are
+        sought beside one that has not bent yet as well. The third time the base is where the best law so far,
+        refitted with it, has taken it to.
         """
-        trials = self.look(self.ground(current), name)
+        grounds = (self.ground(current), self.ground(self.about_to_bend(current)))
+        trials = [one for ground in grounds for one in self.look(ground, name)]
         if not trials:
             return None
         first = self.bench.settled(max(trials, key=_evidence))
@@ -93,6 +97,11 @@ class Hunt:
         won = self.simpler(trials[best], ground)
         option = replace(options[best], law=won.law, log_evidence=won.log_z - current.log_z)
         return Step(option, rest, tied, self.dependence(won)), won.hypothesis
+
+    def about_to_bend(self, h: Hypothesis) -> Hypothesis:
+        """A model whose base laws were fitted without their shapes, and may bend now."""
+        stiff = fitted(without_shapes(h.model), self.likelihood, self.search.reference, h)
+        return fitted(self.search.bent(stiff.model), self.likelihood, self.search.reference, stiff, iterations=0)
 
     def ground(self, h: Hypothesis) -> Ground:
         """Where laws are sought."""

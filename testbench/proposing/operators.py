@@ -28,6 +28,34 @@ OPERATORS = {
             (r"\tau\,\dot y = {x} - y",),
         ),
         Operator(
+            "broad lag",
+            "broad_memory(x, self.tau_s, self.decades, dt_s)",
+            "y",
+            "the memory over decades of time of {x}",
+            "memory",
+            (
+                Slot("tau_s", r"\tau", "middle time of the memory"),
+                Slot("decades", "D", "decades over which its times are spread", "number", 0.3, 5.0),
+            ),
+            (
+                r"y = \text{mean of all } y_k",
+                r"\tau_k\,\dot y_k = {x} - y_k",
+                r"\tau_k \text{ spread over } D \text{ decades around } \tau",
+            ),
+        ),
+        Operator(
+            "two-way lag",
+            "two_way_lag(x, self.tau_s, self.back_s, dt_s)",
+            "y",
+            "the memory, with a time of its own for each way, of {x}",
+            "memory",
+            (
+                Slot("tau_s", r"\tau", "time of the memory on the way up"),
+                Slot("back_s", r"\tau_b", "time of the memory on the way back"),
+            ),
+            (r"\tau\,\dot y = {x} - y \text{ while } {x} > y", r"\tau_b\,\dot y = {x} - y \text{ while } {x} < y"),
+        ),
+        Operator(
             "slip",
             "stop(x, self.reach)",
             "h",

@@ -7,7 +7,7 @@ import pytest
 
 from testbench.diagnosis import constants
 from testbench.diagnosis.likelihood import jitter_of, law_error_of, likelihood_of, noise_of
-from testbench.fitting.measurement import prepare
+from testbench.fitting.measurement import Measurement, prepare
 from testbench.knit.model import KnitModel
 from testbench.recordings.recording import Recording
 from tests.testbench.builders import CATALOGUE, record, truth
@@ -34,6 +34,18 @@ def test_where_laws_err_much_quiet_samples_count_no_more_than_others():
     by_sample = plain.floor["force"] / plain.weight["force"]
     assert compared.floor["force"] == pytest.approx(np.sqrt(np.mean(by_sample**2)), rel=0.1)
     np.testing.assert_allclose(compared.weight["conductance"], plain.weight["conductance"])
+
+
+def test_each_recording_of_a_specimen_brings_its_own_pieces():
+    measurement = prepare(record(truth(), 640.0, seed=2))
+    one, three = (pieces_of(measurement, runs) for runs in (1, 3))
+    assert three == pytest.approx(3 * one)
+
+
+def pieces_of(measurement: Measurement, runs: int) -> float:
+    """Independent samples that a model is compared by."""
+    noise = noise_of(measurement)
+    return likelihood_of(truth(), measurement, noise, pieces=constants.INDEPENDENT * runs).in_pieces.count
 
 
 def test_a_filter_that_came_to_rest_hides_no_noise():

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from testbench.fitting.measurement import prepare
-from testbench.fitting.motion import AGREE, reading_noise, without_reading_noise, without_small_turns
+from testbench.fitting.motion import TURN, reading_noise, without_reading_noise, without_small_turns
 from testbench.knit.hysteresis import HysteresisBoucWen
 from testbench.recordings.channels import DISPLACEMENT, FORCE
 from testbench.recordings.recording import Recording
@@ -29,6 +29,11 @@ def ramps_and_holds(time_s: np.ndarray, hold_s: float = 20.0, speed_per_s: float
 
 def noise(sd: float, seed: int) -> np.ndarray:
     return np.random.default_rng(seed).normal(0, sd, len(TIME_S))
+
+
+def moved(reading: np.ndarray, sd: float) -> np.ndarray:
+    """The motion behind a reading, as `prepare` takes it."""
+    return without_small_turns(without_reading_noise(reading, sd)[0], sd)
 
 
 def turns(motion: np.ndarray) -> int:
@@ -64,18 +69,17 @@ def test_without_noise_nothing_changes():
 @given(st.floats(1e-6, 1e-3), st.integers(0, 1000))
 def test_turns_stay_and_holds_become_still(sd, seed):
     strain = ramps_and_holds(TIME_S)
-    found, _ = without_reading_noise(strain + noise(sd, seed), sd)
+    found = moved(strain + noise(sd, seed), sd)
     assert np.max(np.abs(found - strain)) < 6 * sd
+    assert np.std(found - strain) < 0.5 * sd
     middle_of_hold = (TIME_S > 15) & (TIME_S < 25)  # the first hold lasts from 10 s to 30 s
-    # The widest window has 65 samples; now and then a narrower one has to do.
-    assert np.std(found[middle_of_hold]) < 0.5 * sd
     assert np.median(np.abs(found[middle_of_hold] - 0.2)) < 0.25 * sd
 
 
 def test_the_level_of_a_hold_is_found_ten_times_as_closely_as_it_is_read():
     strain = ramps_and_holds(TIME_S)
     middle_of_hold = (TIME_S > 15) & (TIME_S < 25)
-    found = [without_reading_noise(strain + noise(1e-4, seed), 1e-4)[0][middle_of_hold] for seed in range(30)]
+    found = [moved(strain + noise(1e-4, seed), 1e-4)[middle_of_hold] for seed in range(30)]
     assert np.mean([np.median(np.abs(one - 0.2)) for one in found]) < 0.1e-4
 
 
@@ -85,7 +89,16 @@ def test_a_smooth_motion_is_found_more_closely_than_it_is_read(sd, seed):
     found, left = without_reading_noise(strain + noise(sd, seed), sd)
     off = found - strain
     assert np.std(off) < 0.7 * sd
-    assert 0.4 * np.std(off) < np.sqrt(np.mean(left**2)) < 1.1 * np.std(off)
+    assert np.sqrt(np.mean(left**2)) == pytest.approx(np.std(off), rel=0.4)
+
+
+@pytest.mark.parametrize("sd", [1e-7, 1e-5, 1e-3])
+def test_it_is_never_further_off_than_the_reading(sd):
+    """However quickly the motion turns: its bends are not cut off for the sake of the noise."""
+    strain = 0.1 - 0.1 * np.cos(2 * np.pi * 2.0 * TIME_S)
+    found, left = without_reading_noise(strain + noise(sd, seed=0), sd)
+    assert np.std(found - strain) < 1.05 * sd
+    assert np.sqrt(np.mean(left**2)) == pytest.approx(np.std(found - strain), rel=0.2)
 
 
 @given(st.floats(1e-6, 1e-3), st.integers(0, 1000))
@@ -95,10 +108,8 @@ def test_a_hold_stands_still_and_turns_keep_their_place(sd, seed):
     found = without_small_turns(smooth, sd)
     middle_of_hold = (TIME_S > 15) & (TIME_S < 25)
     assert turns(found[middle_of_hold]) <= 2 < 20 < turns(smooth[middle_of_hold])
-    assert np.max(np.abs(found - smooth)) < 1.01 * AGREE * sd
-    assert np.max(found) == pytest.approx(np.max(smooth), abs=1e-12)
-    moving = np.abs(np.gradient(strain, TIME_S)) > 0.01
-    assert np.median(np.abs(found - smooth)[moving]) < 1e-12
+    assert turns(strain) <= turns(found) < turns(strain) + 10
+    assert np.max(np.abs(found - smooth)) < 1.01 * TURN * sd
 
 
 @pytest.mark.parametrize("step_mm", [0.002, 0.005, 0.02])
@@ -135,7 +146,7 @@ def test_friction_keeps_its_force_in_a_hold_that_was_read_with_noise():
     assert force_N(strain) > 0.99
     assert force_N(reading) < 0.1
     smooth = without_reading_noise(reading, 1e-4)[0]
-    assert force_N(smooth) > 0.85
+    assert force_N(smooth) > 0.8
     assert force_N(without_small_turns(smooth, 1e-4)) > 0.95
 
 

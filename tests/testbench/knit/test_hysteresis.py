@@ -94,7 +94,25 @@ def test_friction_returns_to_where_it_was_after_a_small_inner_loop() -> None:
 
 def test_bouc_wen_without_skew_is_dahl_friction() -> None:
     """z = sgn - (sgn - z0) exp(-|x - x0| / threshold) along each monotonic branch."""
-    z = bouc_wen(LOOP, 0.1, 0.0)
+    z = bouc_wen(LOOP, 0.1, 0.0, 1.0)
     np.testing.assert_allclose(z[:501], -np.expm1(-LOOP[:501] / 0.1), atol=1e-9)
     back = LOOP[500:1501]
     np.testing.assert_allclose(z[500:1501], -1 + (1 + z[500]) * np.exp((back - 1) / 0.1), atol=1e-9)
+
+
+@pytest.mark.parametrize("skew", [0.0, 0.6])
+def test_a_bouc_wen_exponent_near_one_is_that_of_one(skew) -> None:
+    """Two ways of integration: exactly, and in parts of a step."""
+    np.testing.assert_allclose(bouc_wen(LOOP, 0.1, skew, 1.0 + 1e-12), bouc_wen(LOOP, 0.1, skew, 1.0), atol=1e-3)
+
+
+def test_a_bouc_wen_exponent_of_two_grows_like_a_hyperbolic_tangent() -> None:
+    """dz/dx = (1 - z^2) / threshold from rest."""
+    z = bouc_wen(LOOP, 0.1, 0.3, 2.0)
+    np.testing.assert_allclose(z[:501], np.tanh(LOOP[:501] / 0.1), atol=1e-4)
+
+
+def test_the_larger_the_exponent_the_sharper_the_corner_between_sticking_and_slipping() -> None:
+    half_way, sharp = (bouc_wen(LOOP, 0.1, 0.0, exponent)[50] for exponent in (1.0, 5.0))
+    assert half_way == pytest.approx(1 - np.exp(-1), abs=0.01)
+    assert sharp > 0.85

@@ -7,7 +7,9 @@ import re
 import numpy as np
 import pytest
 
+from testbench.knit.filters import lowpass
 from testbench.knit.laws import applied, check, example_signals
+from testbench.knit.memories import broad_memory, two_way_lag
 from testbench.proposing.formulas import latex_of, plain
 from testbench.proposing.grids import Grid
 from testbench.proposing.law import Law, Term
@@ -105,7 +107,24 @@ def test_a_plain_formula_holds_nothing_of_the_typesetter(name: str):
     law = law_of("conductance", name) if name in EVERY else law_of("conductance", "speed", name)
     for line in (law.term.latex, *law.term.definitions):
         assert not set("{}\\") & set(plain(line))
-        assert not re.search("frac|text|left|right|mathrm", plain(line))
+        assert not re.search("frac|text|left|right|mathrm|quad|dots", plain(line))
+
+
+def test_a_memory_over_decades_forgets_as_the_logarithm_of_time():
+    step = np.ones(20_000)
+    step[0] = 0.0
+    y = broad_memory(step, 10.0, 3.0, 0.05)
+    at_s = np.array([1.0, 10.0, 100.0])
+    assert np.diff(np.interp(at_s, 0.05 * np.arange(len(step)), y)) == pytest.approx([1 / 3, 1 / 3], abs=0.05)
+
+
+def test_a_memory_with_two_times_is_a_lag_where_they_are_one():
+    x = SIGNALS["strain"]
+    assert two_way_lag(x, 2.0, 2.0, DT_S) == pytest.approx(lowpass(x, 2.0, DT_S), abs=2e-3 * np.ptp(x))
+    up = two_way_lag(np.r_[0.0, np.ones(100)], 1.0, 100.0, DT_S)
+    down = two_way_lag(np.r_[1.0, np.zeros(100)], 1.0, 100.0, DT_S)
+    assert up[-1] > 0.99
+    assert down[-1] > 0.94
 
 
 def test_the_file_says_what_its_symbols_are_and_where_it_is_valid():

@@ -168,5 +168,7 @@ def test_a_law_that_is_not_there_is_not_said():
 def test_a_real_strip_of_carbon_black_gets_a_law_as_good_as_one_by_hand():
     first, second = (read_recording(STRIP / f"cb7.5_s2_triangles_prestrain10_{x}.csv", 40.0) for x in "ab")
     proposed = propose_law(first, second)
-    assert proposed.error_after["conductance"] < 0.0145  # by hand: 0.0139, of 0.081 with the base laws alone
-    assert "wiped out by motion" in proposed.steps[0].option.law.key
+    assert proposed.error_after["conductance"] < 0.0139  # by hand, of 0.081 with the base laws alone
+    step = proposed.steps[0]  # what rest makes and motion wipes out, over decades of time or with one time
+    assert "bell" in step.option.law.key or "wiped out by motion" in step.option.law.key
+    assert any("wiped out by motion" in one.law.key for one in (step.option, *step.alternatives))
