@@ -363,8 +363,12 @@ def attacked(command: str, words: list[str], good: bool = False) -> str:
         signal.alarm(0)
         signal.setitimer(signal.ITIMER_PROF, 0)
     told, said = (stream.buffer.getvalue().decode() for stream in (told, said))
-    if serves and code == 130:  # interrupted, as it should end
-        code = 0
+    interrupted = serves and code == 130  # as it should end
+    return _fault(0 if interrupted else code, told, said, good)
+
+
+def _fault(code: object, told: str, said: str, good: bool) -> str:
+    """What is wrong with an answer; empty if nothing is."""
     if code not in (0, 1, 2):
         return f"exit code {code!r}"
     if "Traceback" in said:
