@@ -72,7 +72,6 @@ def run(args: argparse.Namespace) -> int:
 
 def _say(program: str, result: CheckResult, origin: str) -> None:
     """Problems, statistics and the verdict, for a person."""
-
     for problem in result.problems[:SHOWN]:
         print(f"{program}: {problem}")
     if len(result.problems) > SHOWN:

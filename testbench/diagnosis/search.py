@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -286,8 +287,7 @@ class Search:
         evidence.
         """
         best, *others = _first_of_each([e for e in entries if e.is_settled], lambda e: e.mechanism)
-        near = best.log_z - 3 * constants.EVIDENCE_ERROR
-        others += [e for e in entries if e not in (best, *others) and e.log_z > near]
+        others += [e for e in entries if e not in (best, *others) and _as_good(e, best)]
         found = list(self.pool.map(lambda e: self.in_place_of(best, e), others))
         return _first_of_each(_best_first([*entries, *found]), lambda e: e.law)
 
@@ -295,7 +295,7 @@ class Search:
         """A law on the base of another."""
         base = best.hypothesis.model.without(best.name)
         h = self.compare(base.plus(e.hypothesis.model[e.name], e.name), best.hypothesis)
-        if h.log_z > best.log_z - 3 * constants.EVIDENCE_ERROR:
+        if _as_good(h, best):
             h = self.at_rest(h)
         return replace(e, hypothesis=h, log_z=h.log_z, is_settled=True)
 
@@ -303,10 +303,10 @@ class Search:
         """The best law of the best mechanisms, and some more of the best two, refitted in full; the best first."""
         laws = _first_of_each(_best_first(entries), lambda e: e.law)
         best = _first_of_each(laws, lambda e: e.mechanism)[: constants.SETTLED]
-        for one in best[:2]:
-            best += [e for e in laws if e.mechanism == one.mechanism and e is not one][: constants.SETTLED_LAWS - 1]
-        rest = [e for e in laws if e not in best]
-        return _best_first([*self.pool.map(self.settled, best), *rest])
+        own = [[e for e in laws if e.mechanism == one.mechanism][1 : constants.SETTLED_LAWS] for one in best[:2]]
+        chosen = [*best, *itertools.chain(*own)]
+        rest = [e for e in laws if e not in chosen]
+        return _best_first([*self.pool.map(self.settled, chosen), *rest])
 
     def settled(self, e: Entry) -> Entry:
         """Refitted in full; contacts that were found to feel some strain are tried with the force alone, too.
@@ -376,6 +376,11 @@ def _newest(model: KnitModel, h: Hypothesis) -> str:
 
 def _evidence(h: Hypothesis) -> float:
     return h.log_z
+
+
+def _as_good(one: Entry | Hypothesis, best: Entry) -> bool:
+    """Within what is known of an evidence."""
+    return one.log_z > best.log_z - 3 * constants.EVIDENCE_ERROR
 
 
 def _promising(grounds: Iterable[Ground]) -> list[str]:

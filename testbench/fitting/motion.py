@@ -79,8 +79,9 @@ def without_reading_noise(values: FloatArray, noise: float) -> tuple[FloatArray,
     """
     if noise <= 0:
         return values.copy(), np.zeros(len(values))
-    fits = [values, *(fit for fit, _ in _windows(values))]
-    risks = [np.full(len(values), noise**2), *(_risk(values, *one, noise) for one in _windows(values))]
+    windows = list(_windows(values))
+    fits = [fit for fit, _ in windows]
+    risks = [_risk(values, *one, noise) for one in windows]
     weights = softmax(np.stack(risks) * (-AROUND / (4 * noise**2)), axis=0)
     risk = np.einsum("ij,ij->j", weights, risks)
     return np.einsum("ij,ij->j", weights, fits), np.sqrt(np.maximum(risk, 0.0))
@@ -91,6 +92,7 @@ def _windows(values: FloatArray) -> Iterator[tuple[FloatArray, float]]:
 
     Near the ends, where there is no whole window, the values as they are.
     """
+    yield values, 1.0
     for order, halves in WINDOWS.items():
         for half in (one for one in halves if len(values) > 2 * one):
             weights, fit = savgol_coeffs(2 * half + 1, order), values.copy()

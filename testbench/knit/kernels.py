@@ -81,6 +81,18 @@ def exponential_bank(x: FloatArray, a: FloatArray, b0: FloatArray, b1: FloatArra
     return out
 
 
+@njit("float64(float64, float64, float64)", cache=True, nogil=True)
+def _bouc_wen_of_exponent_1(z: float, step: float, skew: float) -> float:
+    """z after a step of x / threshold, exactly (up to a change of sign of z within it)."""
+    ahead = 1.0 if step > 0.0 else -1.0
+    side = ahead if z == 0.0 else (1.0 if z > 0.0 else -1.0)
+    rate = (1.0 - skew) * ahead + skew * side
+    # moved = (1 - exp(-rate step)) / rate, by its series for short steps
+    k = rate * step
+    moved = step * (1.0 - k / 2.0 * (1.0 - k / 3.0)) if abs(k) < 1e-4 else (1.0 - math.exp(-k)) / rate
+    return min(max(z + (1.0 - rate * z) * moved, -1.0), 1.0)
+
+
 @njit("float64(float64, float64, float64, float64)", cache=True, nogil=True)
 def _bouc_wen_slope(z: float, ahead: float, skew: float, exponent: float) -> float:
     """threshold dz/dx; `ahead` is the way that x goes, 1 or -1."""
@@ -88,14 +100,25 @@ def _bouc_wen_slope(z: float, ahead: float, skew: float, exponent: float) -> flo
     return 1.0 - size if z * ahead >= 0.0 else 1.0 + (1.0 - 2.0 * skew) * size
 
 
+@njit("float64(float64, float64, float64, float64)", cache=True, nogil=True)
+def _bouc_wen_in_parts(z: float, step: float, skew: float, exponent: float) -> float:
+    """z after a step of x / threshold, by Heun's rule over parts that move z by no more than a tenth or two."""
+    ahead = 1.0 if step > 0.0 else -1.0
+    parts = int(abs(step) / 0.1) + 1
+    part = step / parts
+    for _ in range(parts):
+        first = part * _bouc_wen_slope(z, ahead, skew, exponent)
+        there = min(max(z + first, -1.0), 1.0)
+        second = part * _bouc_wen_slope(there, ahead, skew, exponent)
+        z = min(max(z + 0.5 * (first + second), -1.0), 1.0)
+    return z
+
+
 @njit("float64[:](float64[:], float64, float64, float64)", cache=True, nogil=True)
 def bouc_wen(x: FloatArray, threshold: float, skew: float, exponent: float) -> FloatArray:
     """Bouc-Wen hysteretic variable, in [-1, 1], at zero in the beginning.
 
     dz = (1 - |z|^exponent ((1 - skew) sgn(dx z) + skew)) dx / threshold
-
-    With exponent 1 it is integrated exactly over each monotonic step (up to a change of sign of z within the step);
-    else by Heun's rule over parts of a step, none of which moves z by more than a tenth or two.
     """
     out = np.empty_like(x)
     z = 0.0
@@ -103,22 +126,10 @@ def bouc_wen(x: FloatArray, threshold: float, skew: float, exponent: float) -> F
     for i in range(1, len(x)):
         step = (x[i] - x[i - 1]) / threshold
         if step != 0.0:
-            ahead = 1.0 if step > 0.0 else -1.0
             if exponent == 1.0:
-                side = ahead if z == 0.0 else (1.0 if z > 0.0 else -1.0)
-                rate = (1.0 - skew) * ahead + skew * side
-                # moved = (1 - exp(-rate step)) / rate, by its series for short steps
-                k = rate * step
-                moved = step * (1.0 - k / 2.0 * (1.0 - k / 3.0)) if abs(k) < 1e-4 else (1.0 - math.exp(-k)) / rate
-                z = min(max(z + (1.0 - rate * z) * moved, -1.0), 1.0)
+                z = _bouc_wen_of_exponent_1(z, step, skew)
             else:
-                parts = int(abs(step) / 0.1) + 1
-                part = step / parts
-                for _ in range(parts):
-                    first = part * _bouc_wen_slope(z, ahead, skew, exponent)
-                    there = min(max(z + first, -1.0), 1.0)
-                    second = part * _bouc_wen_slope(there, ahead, skew, exponent)
-                    z = min(max(z + 0.5 * (first + second), -1.0), 1.0)
+                z = _bouc_wen_in_parts(z, step, skew, exponent)
         out[i] = z
     return out
 

@@ -11,9 +11,10 @@ import math
 import numpy as np
 from numba import njit
 
+from testbench.knit import spectra
 from testbench.knit.effect import FloatArray
-from testbench.knit.filters import lowpass, rate
-from testbench.knit.kernels import running_max, travelled, turns
+from testbench.knit.filters import memory, rate
+from testbench.knit.kernels import running_max, travelled, turns, two_way_lowpass
 
 BACK = 0.02  # of the span: a turn is known once the strain has come back so far
 BROAD = 7  # lags of a memory over decades
@@ -197,22 +198,14 @@ def broad_memory(x: FloatArray, tau_s: float, decades: float, dt_s: float) -> Fl
 
     Source: box spectrum, Tschoegl, The Phenomenological Theory of Linear Viscoelastic Behavior (1989), ch. 6.
     """
-    times_s = tau_s * 10.0 ** (decades * ((np.arange(BROAD) + 0.5) / BROAD - 0.5))
-    return np.mean([lowpass(x, float(one), dt_s) for one in times_s], axis=0)
+    half = 10.0 ** (0.5 * decades)
+    return x[0] + memory(x, *spectra.box(tau_s / half, tau_s * half, BROAD), dt_s)
 
 
-@njit("float64[:](float64[:], float64, float64, float64)", cache=True, nogil=True)
 def two_way_lag(x: FloatArray, up_s: float, down_s: float, dt_s: float) -> FloatArray:
     """Lag with one time for the way up and another for the way down; `x` is held at its mean in a step."""
-    out = np.empty_like(x)
-    y = x[0]
-    up, down = math.exp(-dt_s / up_s), math.exp(-dt_s / down_s)
-    out[0] = y
-    for i in range(1, len(x)):
-        goal = 0.5 * (x[i - 1] + x[i])
-        y = goal + (y - goal) * (up if goal > y else down)
-        out[i] = y
-    return out
+    means = np.r_[x[:1], 0.5 * (x[:-1] + x[1:])]
+    return two_way_lowpass(means, math.exp(-dt_s / up_s), math.exp(-dt_s / down_s))
 
 
 def stop(x: FloatArray, reach: float) -> FloatArray:
