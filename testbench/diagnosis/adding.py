@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 
 from threadpoolctl import threadpool_limits
 
@@ -44,7 +43,7 @@ def best_start(model: KnitModel, effect: Effect, calibration: Measurement) -> Ef
     """
     measurement = on_the_grid(calibration)
     likelihood = likelihood_of(model, measurement, noise_of(calibration))
-    with threadpool_limits(1, "blas"), ThreadPoolExecutor(1) as pool:
+    with threadpool_limits(1, "blas"):
         hypothesis = fitted(model, likelihood, model, iterations=1)
-        laws = laws_of(hypothesis, likelihood, Catalogue({effect.name: type(effect)}), pool)
+        laws = laws_of(hypothesis, likelihood, Catalogue({effect.name: type(effect)}))
         return Screen(hypothesis, likelihood).best_point(laws[0]).effect if laws else effect

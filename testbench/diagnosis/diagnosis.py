@@ -264,11 +264,12 @@ def _ladder(
     held: Measurement,
 ) -> ModelFile:
     """From the baseline over the freedom of its shapes to each effect that was found."""
-    after = before
+    steps = [(f"+ {entry.law}", entry.hypothesis) for entry in put_in]
     if not any(name in SHAPES for name in before.model):
-        after = on_the_ladder(_as_fit(search.sharp(bare)), after, "+ shape freedom", calibration, held)
-    for entry in put_in:
-        after = on_the_ladder(_as_fit(search.sharp(entry.hypothesis)), after, f"+ {entry.law}", calibration, held)
+        steps.insert(0, ("+ shape freedom", bare))
+    after = before
+    for (name, _), last in zip(steps, search.sharp([h for _, h in steps]), strict=True):
+        after = on_the_ladder(_as_fit(last), after, name, calibration, held)
     return after
 
 

@@ -26,10 +26,13 @@ class Directions:
     basis : ndarray, shape (p, q)
         Columns are directions; parameters without a group keep their own.
     group : ndarray of int, shape (q,)
+    member : ndarray of int, shape (p,)
+        Group of each parameter.
     """
 
     basis: FloatArray
     group: np.ndarray
+    member: np.ndarray
 
     @classmethod
     def seen(
@@ -57,11 +60,17 @@ class Directions:
             part[where] = vector[:, kept]
             parts.append(part)
             group.append(np.full(part.shape[1], g))
-        return cls(np.hstack(parts), np.concatenate(group))
+        return cls(np.hstack(parts), np.concatenate(group), priors.group)
 
     def rows(self, columns: FloatArray) -> FloatArray:
         """Residual and what each direction changes, shape (q + 1, k)."""
-        return np.vstack([columns[:1], self.basis.T @ columns[1:]])
+        found = np.empty((1 + len(self.group), columns.shape[1]))
+        found[0] = columns[0]
+        found[1:][self.group < 0] = columns[1:][self.member < 0]
+        for g in np.unique(self.group[self.group >= 0]):
+            mine, along = np.flatnonzero(self.member == g), np.flatnonzero(self.group == g)
+            found[1 + along] = self.basis[np.ix_(mine, along)].T @ columns[1 + mine]
+        return found
 
     def along(self, vector: FloatArray) -> FloatArray:
         """Coordinates of a vector of all parameters, shape (q,)."""

@@ -66,6 +66,16 @@ class Hypothesis:
         return float(np.sum(np.where(self.held, held, -self.priors.of_tails(self.vector))))
 
     @property
+    def opened(self) -> Hypothesis:
+        """The same with every scale as it is without data."""
+        return replace(self, evidence=replace(self.evidence, scale=np.ones_like(self.evidence.scale)))
+
+    def counts_as(self, likelihood: Likelihood) -> bool:
+        """Whether its samples count as in a likelihood."""
+        same = self.normal.count == likelihood.count and self.normal.share == likelihood.share
+        return same and all(np.array_equal(own, likelihood.weight[c]) for c, own in self.weight.items())
+
+    @property
     def pinned(self) -> NormalEquations:
         """The normal equations by which the model is compared with others."""
         return pinned(self.normal, self.held)

@@ -246,7 +246,7 @@ class _Search:
         return self.equations(self.columns, robust, *self.believed(), self.priors.group)
 
     def equations(self, rows: Mapping[str, FloatArray], robust, mean, precision, group) -> NormalEquations:
-        products = {c: _gram(values * robust[c]) for c, values in rows.items()}
+        products = {c: _gram(values, robust[c]) for c, values in rows.items()}
         likelihood = self.likelihood
         counts, typical = (likelihood.count, likelihood.share, likelihood.least), self.priors.typical
         return NormalEquations(products, *counts, mean, precision, group, typical)
@@ -286,5 +286,10 @@ class _Search:
         return sum(tail(rows[0] / sigma[c], robust[c], share) for c, rows in self.columns.items())
 
 
-def _gram(rows: FloatArray) -> FloatArray:
-    return rows @ rows.T
+def _gram(rows: FloatArray, root_weight: FloatArray) -> FloatArray:
+    """Weighted inner products; a channel does not answer to many of the parameters at all."""
+    answers = np.flatnonzero(rows.any(axis=1))
+    weighted = rows[answers] * root_weight
+    gram = np.zeros((len(rows), len(rows)))
+    gram[np.ix_(answers, answers)] = weighted @ weighted.T
+    return gram

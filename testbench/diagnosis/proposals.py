@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -75,17 +74,15 @@ class Proposal:
         return self.effect.near(**{self.effect.strength: WEAK * strength})
 
 
-def laws_of(hypothesis: Hypothesis, likelihood: Likelihood, catalogue: Catalogue, pool: Executor) -> list[Law]:
+def laws_of(hypothesis: Hypothesis, likelihood: Likelihood, catalogue: Catalogue) -> list[Law]:
     """Simulate every law of the catalogue beside the model, over a coarse grid of its shape parameters."""
     measurement, model = likelihood.measurement, hypothesis.model
     plain = measurement.modelled(model)
     residual = {c: measurement.measured[c] - values for c, values in plain.items()}
     state = model.simulate(measurement.signals, measurement.dt_s)
-
-    def of_mechanism(item: tuple[str, Sequence[type[Effect]]]) -> list[Law]:
-        mechanism, forms = item
+    found = []
+    for mechanism, forms in candidate_mechanisms(catalogue, model).items():
         cache = SimulationCache()
-        found = []
         for form in forms:
             tried, rows = [], []
             for candidate in expand([form], mechanism, model, measurement, state, residual):
@@ -97,10 +94,7 @@ def laws_of(hypothesis: Hypothesis, likelihood: Likelihood, catalogue: Catalogue
                     rows.append(row)
             if tried:
                 found.append(Law(mechanism, tuple(tried), {c: np.stack([row[c] for row in rows]) for c in plain}))
-        return found
-
-    parts = list(pool.map(of_mechanism, candidate_mechanisms(catalogue, model).items()))
-    return [law for part in parts for law in part]
+    return found
 
 
 class Screen:

@@ -5,9 +5,8 @@ from __future__ import annotations
 import itertools
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TypeVar
 
 from threadpoolctl import threadpool_limits
@@ -28,6 +27,7 @@ from testbench.diagnosis.likelihood import (
 )
 from testbench.diagnosis.proposals import Proposal, Screen, laws_of
 from testbench.diagnosis.rounds import Entry, Round, explained
+from testbench.diagnosis.side_by_side import SideBySide
 from testbench.diagnosis.starts import best_start
 from testbench.fitting.baseline import (
     SHAPES,
@@ -89,6 +89,7 @@ class Search:
         pieces: float = constants.INDEPENDENT,
     ):
         self.catalogue, self.tell, self.pieces = catalogue, tell, pieces
+        self.pool = SideBySide(catalogue.effects.values())
         self.whole, self.noise = measurement, noise_of(measurement)
         self.measurement = telling(on_the_grid(measurement))
         tell("fitting the baseline")
@@ -117,18 +118,17 @@ class Search:
         """
         rounds: list[Round] = []
         found: list[Entry] = []
-        with ThreadPoolExecutor(2) as self.pool:
-            current, *others = self.bases()
-            while len(rounds) < most:
-                step = self.round(current, others)
-                rounds.append(step)
-                if step.candidate is None or (len(rounds) > 1 and not step.is_named()):
-                    break
-                found.append(step.candidate)
-                current = step.candidate.hypothesis
-                if step.is_named() and step.is_enough(step.candidate):
-                    break
-                others = [self.compare(without_shapes(current.model))]
+        current, *others = self.bases()
+        while len(rounds) < most:
+            step = self.round(current, others)
+            rounds.append(step)
+            if step.candidate is None or (len(rounds) > 1 and not step.is_named()):
+                break
+            found.append(step.candidate)
+            current = step.candidate.hypothesis
+            if step.is_named() and step.is_enough(step.candidate):
+                break
+            others = [self.compare(without_shapes(current.model))]
         return rounds, found
 
     def bases(self) -> list[Hypothesis]:
@@ -162,7 +162,7 @@ class Search:
     def compare(self, model: KnitModel, like: Hypothesis | None = None) -> Hypothesis:
         """A model fitted as models are compared; one that was already is never left worse than it was."""
         found = fitted(model, self.compared, self.reference, like)
-        if like is None or like.model != model or like.weight is not self.compared.weight:
+        if like is None or like.model != model or not like.counts_as(self.compared):
             return found
         return max(found, like, key=_evidence)
 
@@ -170,10 +170,14 @@ class Search:
         """A model with base laws that may bend, but do not yet."""
         return with_shapes(model, self.measurement, self.catalogue)
 
-    def sharp(self, h: Hypothesis) -> Hypothesis:
-        """The last fit of a model that was chosen."""
+    def sharp(self, chosen: Sequence[Hypothesis]) -> list[Hypothesis]:
+        """The last fits of models that were chosen."""
         finest = self.finest
-        return fitted(h.model, finest, self.reference, h if finest is self.likelihood else None)
+
+        def last(h: Hypothesis) -> Hypothesis:
+            return fitted(h.model, finest, self.reference, h if finest is self.likelihood else None)
+
+        return list(self.pool.map(last, chosen))
 
     @cached_property
     def finest(self) -> Likelihood:
@@ -200,20 +204,21 @@ class Search:
         self.tell("screening the catalogue")
         likelihood = self.compared
         open_ones = [self.about_to_bend(h) for h in others]
-        bending = [self.ground(h, h) for h in (current, *open_ones)]
-        grounds = [*bending, *map(self.ground, others, open_ones)]
+        beside = [(h, h) for h in (current, *open_ones)] + list(zip(others, open_ones, strict=True))
+        proposed = self.pool.map(self.proposals, [h for h, _ in beside])
+        grounds = [Ground(h, like, found) for (h, like), found in zip(beside, proposed, strict=True)]
+        bending = grounds[: 1 + len(open_ones)]
         likely = _promising(bending)[: constants.BENDING]
         stiff = [m for m in _promising(grounds[len(bending) :]) if m not in likely]
         likely += stiff[: constants.STIFF]
         every = sorted((p for g in grounds for p in g.proposals), key=lambda p: -p.gain)
         proposals = _first_of_each(every, lambda p: p.law)
         counted = Counter(p.mechanism for p in proposals)
-        entries = self.contest(grounds, likely)
-        before = [current]
+        before, entries = [current], self.contest(grounds, likely)
         if entries:
-            best = max(entries, key=lambda e: e.log_z)
-            before.append(self.at_rest(self.compare(best.hypothesis.model.without(best.name), best.hypothesis)))
-            likelihood = replace(likelihood, explained=explained(current, best.hypothesis))
+            base, entries = self.on_one_base(entries)
+            before.append(base)
+            likelihood = replace(likelihood, explained=explained(current, entries[0].hypothesis))
         bare = max((self.judged(Entry("", "", "", h, h.log_z), likelihood) for h in before), key=lambda e: e.log_z)
         entries = _best_first(self.judged(e, likelihood) for e in entries)
         return Round(bare, tuple(entries), tuple(proposals), counted, likelihood)
@@ -224,11 +229,9 @@ class Search:
         own = own_part(h, e.name, likelihood) if e.name else {}
         return replace(e, hypothesis=h, log_z=log_z_with_map(h, likelihood), own_part=own)
 
-    def ground(self, h: Hypothesis, like: Hypothesis) -> Ground:
-        """A model, and what each law of the catalogue promises beside it."""
-        laws = laws_of(h, self.compared, self.catalogue, self.pool)
-        proposals = tuple(Screen(h, self.compared).proposals(laws))
-        return Ground(h, like, proposals)
+    def proposals(self, h: Hypothesis) -> tuple[Proposal, ...]:
+        """What each law of the catalogue promises beside a model, the best first."""
+        return tuple(Screen(h, self.compared).proposals(laws_of(h, self.compared, self.catalogue)))
 
     def chances(self, grounds: Sequence[Ground], mechanism: str) -> list[tuple[Ground, Proposal]]:
         """Where a mechanism is refitted: its best law on the first ground, then all its laws, the best first.
@@ -237,17 +240,18 @@ class Search:
         """
         every = _chances(grounds, mechanism)
         laws = _first_of_each(every[1:], lambda one: one[1].law)
-        refitted = self.pool.map(lambda one: self.stiff(*one), laws)
+        grounds = [ground for ground, _ in laws]
+        refitted = zip(grounds, self.pool.map(self.stiff, grounds, [p for _, p in laws]), strict=True)
         return [*every[:1], *sorted(refitted, key=lambda one: -one[1].gain)]
 
-    def stiff(self, ground: Ground, p: Proposal) -> tuple[Ground, Proposal]:
+    def stiff(self, ground: Ground, p: Proposal) -> Proposal:
         """A law refitted, if the base does not bend."""
         h = ground.hypothesis
         if ground.like is h:
-            return ground, p
+            return p
         model = best_start(h, p, self.compared)
         there = fitted(model, self.compared, self.reference, h, believed=self.believed(h, model, p))
-        return ground, replace(p, gain=there.log_z - h.log_z, model=there.model)
+        return replace(p, gain=there.log_z - h.log_z, model=there.model)
 
     def believed(self, h: Hypothesis, model: KnitModel, p: Proposal) -> dict[str, tuple[float, float]]:
         """Priors of a law's strength that only the data have a scale for."""
@@ -273,23 +277,29 @@ class Search:
         entries = self.entered(chosen)
         if not entries:
             return []
-        entries = self.champions(entries)
+        before = grounds[0].hypothesis.log_z
+        entries = self.champions(entries, before)
         tried = {p.law for _, p in chosen}
-        likeliest = list(dict.fromkeys(e.mechanism for e in entries))[:2]
+        likeliest = list(dict.fromkeys(e.mechanism for e in _within_reach(entries, before)))[:2]
         left = [[one for one in _chances(grounds, m) if one[1].law not in tried] for m in likeliest]
         more = [one for own in left for one in own[:3]]
-        return self.on_one_base(self.champions([*entries, *self.entered(more)]))
+        return self.champions([*entries, *self.entered(more)], before)
 
-    def on_one_base(self, entries: Sequence[Entry]) -> list[Entry]:
-        """Rivals tried on the base of the best as well, which they may not have met.
+    def on_one_base(self, entries: Sequence[Entry]) -> tuple[Hypothesis, list[Entry]]:
+        """The base of the best law, refitted without it; and all laws, where rivals were tried on that base as well.
 
-        These are the best law of each other mechanism, and all others that are as good within what is known of an
-        evidence.
+        They may not have met it. Rivals are the best law of each other mechanism, and all others that are as good
+        within what is known of an evidence.
         """
         best, *others = _first_of_each([e for e in entries if e.is_settled], lambda e: e.mechanism)
         others += [e for e in entries if e not in (best, *others) and _as_good(e, best)]
-        found = list(self.pool.map(lambda e: self.in_place_of(best, e), others))
-        return _first_of_each(_best_first([*entries, *found]), lambda e: e.law)
+        fits = [partial(self.without, best), *(partial(self.in_place_of, best, e) for e in others)]
+        base, *found = self.pool.map(lambda fit: fit(), fits)
+        return base, _first_of_each(_best_first([*entries, *found]), lambda e: e.law)
+
+    def without(self, best: Entry) -> Hypothesis:
+        """The model without the law, refitted."""
+        return self.at_rest(self.compare(best.hypothesis.model.without(best.name), best.hypothesis))
 
     def in_place_of(self, best: Entry, e: Entry) -> Entry:
         """A law on the base of another."""
@@ -299,13 +309,20 @@ class Search:
             h = self.at_rest(h)
         return replace(e, hypothesis=h, log_z=h.log_z, is_settled=True)
 
-    def champions(self, entries: Sequence[Entry]) -> list[Entry]:
-        """The best law of the best mechanisms, and some more of the best two, refitted in full; the best first."""
-        laws = _first_of_each(_best_first(entries), lambda e: e.law)
+    def champions(self, entries: Sequence[Entry], before: float) -> list[Entry]:
+        """The best law of the best mechanisms, and some more of the best two, refitted in full; the best first.
+
+        Parameters
+        ----------
+        before : float
+            Log evidence of the model without any of them.
+        """
+        every = _first_of_each(_best_first(entries), lambda e: e.law)
+        laws = _within_reach(every, before)
         best = _first_of_each(laws, lambda e: e.mechanism)[: constants.SETTLED]
         own = [[e for e in laws if e.mechanism == one.mechanism][1 : constants.SETTLED_LAWS] for one in best[:2]]
         chosen = [*best, *itertools.chain(*own)]
-        rest = [e for e in laws if e not in chosen]
+        rest = [e for e in every if e not in chosen]
         return _best_first([*self.pool.map(self.settled, chosen), *rest])
 
     def settled(self, e: Entry) -> Entry:
@@ -328,7 +345,7 @@ class Search:
 
         Shapes that were fitted beside another law hold what is in the way of this one.
         """
-        best = max(self.compare(h.model), h, key=_evidence)
+        best = max(self.compare(h.model, h.opened), h, key=_evidence)
         for _ in range(constants.REFITS):
             better = self.compare(best.model, best)
             if better.log_z < best.log_z + constants.EVIDENCE_ERROR:
@@ -359,7 +376,7 @@ def searched(
     pieces: float = constants.INDEPENDENT,
 ) -> tuple[Search, list[Round], list[Entry]]:
     """A search, its rounds and what was put in, one a round; see `Search`."""
-    # The kernels let go of the interpreter, so threads do run side by side; those of BLAS would only fight them.
+    # Threads of BLAS would only fight what runs side by side.
     with threadpool_limits(1, "blas"):
         search = Search(measurement, catalogue, tell or (lambda _text: None), start, pieces)
         return search, *search.run(most)
@@ -381,6 +398,13 @@ def _evidence(h: Hypothesis) -> float:
 def _as_good(one: Entry | Hypothesis, best: Entry) -> bool:
     """Within what is known of an evidence."""
     return one.log_z > best.log_z - 3 * constants.EVIDENCE_ERROR
+
+
+def _within_reach(ordered: Sequence[Entry], before: float) -> list[Entry]:
+    """Those of entries, the best first, that may come up with the best as they are carried to their end."""
+    best = ordered[0].log_z
+    reach = max(constants.REACH * (best - before), 10 * constants.EVIDENCE_ERROR)
+    return [e for e in ordered if e.log_z > best - reach]
 
 
 def _promising(grounds: Iterable[Ground]) -> list[str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from testbench.knit.effect import FloatArray
+from testbench.knit.recent import Recent
 
 CURVE_TERMS = 30
 LAW_TERMS = 12  # of a law that is a curve of any form: it bends less quickly than a base law may
@@ -31,3 +32,6 @@ def curve(x: FloatArray, low: float, span: float, weights: tuple[float, ...]) ->
     from testbench.knit.kernels import cosine_series
 
     return cosine_series(x, low, span, np.asarray(weights))
+
+
+kept_curve = Recent(curve)  # for an x that stays as weights of other curves change

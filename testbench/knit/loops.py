@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
-from testbench.knit.curves import curve
+from testbench.knit.curves import kept_curve
 from testbench.knit.effect import FloatArray
+from testbench.knit.recent import Recent
 
 # All in parts of the span of the strain.
 STOPS = tuple(np.geomspace(0.006, 1.0, 16))  # break-away
@@ -16,9 +15,6 @@ SKEWS = (0.0, 0.5)
 WAYS = (1, 2)  # which of the smooth ones tell the way out from the way back, where the two are curves of their own
 ONE_SIDED = ((0.05, 0.1), (0.1, 0.3), (0.1, 0.05), (0.3, 0.1))  # travel upwards, downwards
 LOOPS = len(STOPS) + len(SMOOTH) * len(SKEWS) + len(ONE_SIDED)
-
-
-KEPT, KEPT_BYTES = 8, 250_000_000  # newest tables of operators, and how large they may be together
 
 
 def loops(e: FloatArray, span: float, weights: tuple[float, ...], growth: tuple[float, ...]) -> FloatArray:
@@ -54,29 +50,8 @@ def two_ways(e: FloatArray, span: float, weights: tuple[float, ...]) -> FloatArr
     total = np.zeros_like(e)
     for way, own in zip(WAYS, np.reshape(weights, (len(WAYS), -1)), strict=True):
         if own.any():
-            total += _operators(e, span)[len(STOPS) + way] * curve(e, 0.0, span, tuple(own))
+            total += _operators(e, span)[len(STOPS) + way] * kept_curve(e, 0.0, span, tuple(own))
     return total
-
-
-class Recent:
-    """The newest results of a function of one array and a few numbers; the array is known by its identity."""
-
-    def __init__(self, function: Callable[..., FloatArray]) -> None:
-        self.function = function
-        self.seen: list[tuple[FloatArray, tuple[float, ...], FloatArray]] = []
-
-    def __call__(self, x: FloatArray, *numbers: float) -> FloatArray:
-        for array, then, result in tuple(self.seen):
-            if array is x and then == numbers:
-                return result
-        result = self.function(x, *numbers)
-        self.seen.append((x, numbers, result))
-        while len(self.seen) > 1 and (len(self.seen) > KEPT or self._bytes() > KEPT_BYTES):
-            del self.seen[0]
-        return result
-
-    def _bytes(self) -> int:
-        return sum(result.nbytes for _, _, result in tuple(self.seen))
 
 
 @Recent

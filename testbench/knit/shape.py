@@ -12,7 +12,7 @@ from functools import lru_cache
 import numpy as np
 
 from testbench.knit.additive import ConductanceLaw, ForceLaw
-from testbench.knit.curves import CURVE_TERMS, LAW_TERMS, curve
+from testbench.knit.curves import CURVE_TERMS, LAW_TERMS, curve, kept_curve
 from testbench.knit.effect import FloatArray, Signals, Stage, parameter
 from testbench.knit.loops import LOOPS, WAYS, loops, two_ways
 
@@ -104,7 +104,7 @@ class ContactShape(ConductanceLaw):
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain covered by the curve")
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        log_change = curve(signals["strain"], 0.0, self.span, self.strain_weights)
+        log_change = kept_curve(signals["strain"], 0.0, self.span, self.strain_weights)
         if "contact_force_N" in signals:
             load = np.sqrt(np.maximum((signals["contact_force_N"] - self.low_N) / self.span_N, 0.0))
             log_change = log_change + curve(load, 0.0, 1.0, self.force_weights)
