@@ -9,7 +9,7 @@ import numpy as np
 
 from testbench.fitting.fit import shape_scales
 from testbench.fitting.measurement import Measurement
-from testbench.fitting.parameters import FreeParameter, _lookup, free_parameters
+from testbench.fitting.parameters import FreeParameter, free_parameters, value_of
 from testbench.knit.effect import Effect, FloatArray, bounds_of
 from testbench.knit.model import KnitModel
 
@@ -98,7 +98,7 @@ def priors_of(
         elif name in reference and _has_scale(type(model[name]), key):
             believed.append(declared(type(model[name]), key, scales))
         elif name in reference and type(reference[name]) is type(model[name]):
-            believed.append((p.to_fit(_lookup(reference, p.address)), p.width))
+            believed.append((p.to_fit(value_of(reference, p)), p.width))
         else:
             believed.append(declared(type(model[name]), key, scales))
         is_strength = key == model[name].strength and name not in reference

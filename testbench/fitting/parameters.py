@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -13,6 +15,9 @@ from testbench.knit.model import KnitModel
 
 # Parameters that describe the data (their range, moments of events), not the sensor: set from them, never fitted.
 FRAME_PARAMETERS = frozenset({"span", "span_N", "low_N", "tension_N", "slip_times_s", "reach_per_s"})
+
+
+LARGEST_LOG = 700.0  # the largest number that has an exponential
 
 
 @dataclass(frozen=True)
@@ -39,13 +44,20 @@ class FreeParameter:
     log: bool
     unit: str
 
+    @cached_property
+    def place(self) -> tuple[str, str, int]:
+        """Effect, parameter, and index in its vector; -1: it is none."""
+        effect, _, key = self.address.partition(".")
+        base, bracket, index = key.partition("[")
+        return effect, base, int(index[:-1]) if bracket else -1
+
     def to_fit(self, value: float) -> float:
         """From the physical value to the fit's coordinate."""
-        return float(np.log(value)) if self.log else float(value)
+        return math.log(value) if self.log else float(value)
 
     def to_physical(self, coordinate: float) -> float:
         """Back to the physical value, within its bounds."""
-        value = float(np.exp(coordinate)) if self.log else float(coordinate)
+        value = math.exp(min(coordinate, LARGEST_LOG)) if self.log else coordinate
         return min(max(value, self.low), self.high)
 
 
@@ -90,17 +102,24 @@ def _entries(address: str, value: Any, extra: Mapping[str, Any], scales: Mapping
 
 def values_of(model: KnitModel, parameters: Iterable[FreeParameter]) -> FloatArray:
     """Current values in the fit's coordinates, shape (p,)."""
-    return np.array([p.to_fit(_lookup(model, p.address)) for p in parameters])
+    return np.array([p.to_fit(value_of(model, p)) for p in parameters])
 
 
-def _lookup(model: KnitModel, address: str) -> float:
-    effect, _, key = address.partition(".")
-    base, bracket, index = key.partition("[")
-    value = getattr(model[effect], base)
-    return value[int(index.rstrip("]"))] if bracket else value
+def value_of(model: KnitModel, parameter: FreeParameter) -> float:
+    """Current value, in its own unit."""
+    effect, key, index = parameter.place
+    value = getattr(model[effect], key)
+    return value if index < 0 else value[index]
 
 
 def with_values(model: KnitModel, parameters: Iterable[FreeParameter], vector: FloatArray) -> KnitModel:
     """The model at a point of the fit's coordinates, within the bounds."""
-    moved = zip(parameters, vector, strict=True)
-    return model.with_parameters({p.address: p.to_physical(float(coordinate)) for p, coordinate in moved})
+    changes: dict[str, dict[str, Any]] = {}
+    for p, coordinate in zip(parameters, vector.tolist(), strict=True):
+        effect, key, index = p.place
+        change = changes.setdefault(effect, {})
+        if index < 0:
+            change[key] = p.to_physical(coordinate)
+        else:
+            change.setdefault(key, list(getattr(model[effect], key)))[index] = p.to_physical(coordinate)
+    return model.changed(changes)

@@ -146,7 +146,7 @@ class Effect(BaseModel):
             value = getattr(self, key)
             if isinstance(value, tuple):
                 bounds = bounds_of(field)
-                if not all(bounds["low"] <= entry <= bounds["high"] for entry in value):
+                if value and not (bounds["low"] <= min(value) and max(value) <= bounds["high"]):
                     raise UserError(_allowed(type(self), key, value))
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
@@ -182,7 +182,7 @@ class Effect(BaseModel):
 
     def replaced(self, **changes: Any) -> Effect:
         """A copy with some parameters changed, validated."""
-        return type(self)(**{**self.model_dump(), **changes})
+        return type(self)(**{**dict(self), **changes})
 
     def near(self, **changes: Any) -> Effect:
         """A copy with some parameters changed, each moved into its bounds: for guesses from data."""

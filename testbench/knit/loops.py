@@ -28,13 +28,13 @@ def loops(e: FloatArray, span: float, weights: tuple[float, ...], growth: tuple[
     growth : tuple of float, length 2 `LOOPS`
         v, then v'.
     """
-    total = np.zeros_like(e)
-    if any(weights):
-        total += np.asarray(weights) @ _operators(e, span)
-    if any(growth):
-        linear, square = np.reshape(growth, (2, LOOPS)) @ _operators(e, span)
-        total += (linear + square * (e / span)) * (e / span)
-    return total
+    if not any(weights) and not any(growth):
+        return np.zeros_like(e)
+    if not any(growth):
+        return np.asarray(weights) @ _operators(e, span)
+    fixed, linear, square = np.reshape((*weights, *growth), (3, LOOPS)) @ _operators(e, span)
+    u = e / span
+    return fixed + (linear + square * u) * u
 
 
 def two_ways(e: FloatArray, span: float, weights: tuple[float, ...]) -> FloatArray:

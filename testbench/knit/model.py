@@ -101,14 +101,18 @@ class KnitModel:
             change = changes.setdefault(effect_name, {})
             base, bracket, index = key.partition("[")
             if bracket:
-                vector = list(change.get(base, getattr(self[effect_name], base)))
-                vector[int(index.rstrip("]"))] = value
-                change[base] = tuple(vector)
+                vector = change.setdefault(base, list(getattr(self[effect_name], base)))
+                vector[int(index[:-1])] = value
             else:
                 change[base] = value
+        return self.changed(changes)
+
+    def changed(self, changes: Mapping[str, Mapping[str, Any]]) -> KnitModel:
+        """A model with parameters changed, by effect and parameter; vectors as a whole."""
         effects = dict(self.effects)
-        for effect_name, change in changes.items():
-            effects[effect_name] = self[effect_name].replaced(**change)
+        for name, change in changes.items():
+            whole = {key: tuple(value) if isinstance(value, list) else value for key, value in change.items()}
+            effects[name] = self[name].replaced(**whole)
         return KnitModel(effects)
 
     def simulate(self, signals: Signals, dt_s: float, cache: SimulationCache | None = None) -> dict[str, FloatArray]:
