@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg import lapack
@@ -64,14 +65,21 @@ class LogEvidence:
     sigma : dict of channel to float
     scale : ndarray
         Factor on the precision of each group.
-    covariance : ndarray, shape (q - 1, q - 1)
+    factor : ndarray, shape (q - 1, q - 1)
+        Lower Cholesky factor of the precision matrix of the coefficients.
     """
 
     value: float
     coefficients: FloatArray
     sigma: Mapping[str, float]
     scale: FloatArray
-    covariance: FloatArray
+    factor: FloatArray
+
+    @cached_property
+    def covariance(self) -> FloatArray:
+        """Covariance of the coefficients, shape (q - 1, q - 1)."""
+        lower, _ = lapack.dpotri(self.factor, lower=1)
+        return np.tril(lower) + np.tril(lower, -1).T
 
 
 def maximised(
@@ -112,8 +120,8 @@ def maximised(
         vector = np.r_[1.0, -x]
         left = {c: max(float(vector @ g @ vector), 1e-300) * normal.share for c, g in gram.items()}
         squares = {c: max(one, normal.count * normal.least[c] ** 2) for c, one in left.items()}
-        inverse, _ = lapack.dpotri(chol, lower=1)
-        variance = np.diag(inverse)
+        inverse, _ = lapack.dtrtri(chol, lower=1)
+        variance = np.einsum("ki,ki->i", inverse, inverse)
         known = [len(where) - float(precision[where] @ variance[where]) for where in members]
         before, value = value, _value(squares, sigma, normal.count, x, mean, precision, chol)
         value -= sum(float(np.log1p(1 / factor[g])) for g in normal.typical)
@@ -126,8 +134,7 @@ def maximised(
                 factor[g] = np.clip(max(known[g] + more, 1e-3) / max(size, 1e-12), SMALLEST, LARGEST)
         if abs(value - before) < 0.05:
             break
-    inverse = np.tril(inverse) + np.tril(inverse, -1).T
-    return LogEvidence(float(value), x, sigma, factor, inverse)
+    return LogEvidence(float(value), x, sigma, factor, chol)
 
 
 def opened(scale: FloatArray) -> FloatArray:

@@ -12,7 +12,7 @@ import os
 import pickle
 import sys
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from typing import Any, TypeVar
 
 MOST = 4  # at once: each has signals and sensitivities of its own in memory
@@ -21,8 +21,8 @@ Result = TypeVar("Result")
 _task: tuple[Callable[..., Any], list[tuple[Any, ...]]]
 
 
-class SideBySide(Executor):
-    """An executor for functions that change nothing but what they return.
+class SideBySide:
+    """Calls functions that change nothing but what they return.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ class SideBySide(Executor):
         self.count = min(_cores(), MOST)
         self.forks = _can_fork() and all(one.__module__ in sys.modules for one in classes)
 
-    def map(self, fn: Callable[..., Result], *iterables: Iterable[Any], **_: Any) -> Iterator[Result]:
+    def map(self, fn: Callable[..., Result], *iterables: Iterable[Any]) -> Iterator[Result]:
         """Results in the order of the arguments; all are there when this returns.
 
         Raises
