@@ -226,7 +226,7 @@ def _concluded(
     if verdict != "missing":
         put_in = []
     whole = whole_of(rounds, put_in)
-    left = first.left(put_in[-1]) if put_in else 1.0
+    left = whole.left if whole else 1.0
     after = _ladder(search, bare, put_in, before, calibration, held)
     chances = first.doubted(whole)
     explained = Map(put_in[-1].hypothesis if put_in else bare, rounds[-1].likelihood).gains

@@ -65,10 +65,15 @@ class Likelihood:
         return {channel: 0.5 * floor for channel, floor in self.floor.items()}
 
     @property
+    def least_misfit(self) -> dict[str, float]:
+        """What no law is expected to leave less than, standard deviation."""
+        return {channel: constants.LEAST_MISFIT * floor for channel, floor in self.floor.items()}
+
+    @property
     def misfit(self) -> dict[str, float]:
         """What a law is expected to leave, standard deviation: it is not the sensor's own, and instruments wander."""
         inexact = {channel: constants.INEXACT * self.explained.get(channel, 0.0) for channel in self.floor}
-        return {c: float(np.hypot(constants.LEAST_MISFIT * floor, inexact[c])) for c, floor in self.floor.items()}
+        return {c: float(np.hypot(least, inexact[c])) for c, least in self.least_misfit.items()}
 
     def noise_log_prior(self, sigma: Mapping[str, float], explained: Mapping[str, float]) -> float:
         """Log density of what a model leaves, if nothing else is missing, over the same if anything is.

@@ -85,10 +85,16 @@ class Round:
         by_law = {c: max(some, entry.own_part.get(c, 0.0)) for c, some in fall.items()}
         return self.likelihood.noise_log_prior(entry.hypothesis.evidence.sigma, by_law)
 
-    def left(self, entry: Entry) -> float:
-        """Share of the error above the least misfit that an entry leaves; an error of that size is none."""
-        left, before = (excess(e.hypothesis, self.likelihood) for e in (entry, self.before))
-        return float(np.sqrt(left / (before + 1.0)))
+    def left(self, *put_in: Entry) -> float:
+        """Share of what laws should explain that the last of them leaves, one put in after the other.
+
+        That is the error above the least misfit (an error of that size is none), or what the laws change themselves
+        where the base has bent to do the same.
+        """
+        left, before = (excess(e.hypothesis, self.likelihood) for e in (put_in[-1], self.before))
+        least = self.likelihood.least_misfit
+        changed = sum((e.own_part.get(c, 0.0) / least[c]) ** 2 for e in put_in for c in least)
+        return float(np.sqrt(left / (max(before, changed) + 1.0)))
 
     def is_enough(self, entry: Entry) -> bool:
         """Whether an entry leaves no more than a law is expected to leave."""
@@ -178,9 +184,12 @@ class Round:
         return "nothing_missing" if chances[NOTHING] >= chances[UNKNOWN] else "unknown"
 
     def is_named(self, whole: Whole | None = None) -> bool:
-        """Whether some mechanism is more probable than nothing and unknown together."""
+        """Whether some mechanism is more probable than nothing and unknown together, and explains most."""
+        if self.candidate is None:
+            return False
         chances = self.probabilities(whole)
-        return self.candidate is not None and chances[NOTHING] + chances[UNKNOWN] < 0.5
+        left = whole.left if whole else self.left(self.candidate)
+        return chances[NOTHING] + chances[UNKNOWN] < 0.5 and left <= 0.5
 
 
 @dataclass(frozen=True)
@@ -195,11 +204,14 @@ class Whole:
         Log evidence, whatever it leaves.
     log_prior_alike : float
         Log prior of these laws among those of the catalogue.
+    left : float
+        Share of what they should explain that they leave.
     """
 
     log_posterior: float
     log_z: float
     log_prior_alike: float
+    left: float
 
 
 def whole_of(rounds: Sequence[Round], put_in: Sequence[Entry]) -> Whole | None:
@@ -209,7 +221,7 @@ def whole_of(rounds: Sequence[Round], put_in: Sequence[Entry]) -> Whole | None:
     steps, last = rounds[: len(put_in)], put_in[-1]
     prior = sum(step.log_prior(e.mechanism) for step, e in zip(steps, put_in, strict=True))
     alike = sum(step.log_prior_alike(e.mechanism) for step, e in zip(steps, put_in, strict=True))
-    return Whole(prior + steps[-1].log_z_alone(last), last.log_z, alike)
+    return Whole(prior + steps[-1].log_z_alone(last), last.log_z, alike, steps[0].left(*put_in))
 
 
 def prior_of(mechanisms: Collection[str]) -> dict[str, float]:
@@ -227,5 +239,5 @@ def explained(without: Hypothesis, with_it: Hypothesis) -> dict[str, float]:
 
 def excess(h: Hypothesis, likelihood: Likelihood) -> float:
     """Squared error above the least that a law leaves, in units of it, summed over the channels."""
-    least = {c: constants.LEAST_MISFIT * floor for c, floor in likelihood.floor.items()}
+    least = likelihood.least_misfit
     return sum(max((sigma / least[c]) ** 2 - 1, 0.0) for c, sigma in h.evidence.sigma.items())
