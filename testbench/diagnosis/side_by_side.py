@@ -7,14 +7,17 @@ back.
 
 from __future__ import annotations
 
+import ctypes
 import multiprocessing
 import os
 import pickle
+import signal
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from typing import Any, TypeVar
 
+DIE_WITH_PARENT = 1  # PR_SET_PDEATHSIG of Linux
 MOST = 4  # at once: each has signals and sensitivities of its own in memory
 
 Result = TypeVar("Result")
@@ -50,12 +53,16 @@ class SideBySide:
                 return iter(list(threads.map(lambda call: fn(*call), calls)))
         context = multiprocessing.get_context("fork")
         workers = min(self.count, len(calls))
-        with ProcessPoolExecutor(workers, context, initializer=_take, initargs=(fn, calls)) as processes:
+        with ProcessPoolExecutor(workers, context, initializer=_take, initargs=(fn, calls, os.getpid())) as processes:
             return iter([pickle.loads(sent) for sent in processes.map(_made, range(len(calls)))])
 
 
-def _take(fn: Callable[..., Any], calls: list[tuple[Any, ...]]) -> None:
+def _take(fn: Callable[..., Any], calls: list[tuple[Any, ...]], parent: int) -> None:
+    """Begin a forked process, which ends with its parent, however that ends: it would wait for ever."""
     global _task
+    ctypes.CDLL(None).prctl(DIE_WITH_PARENT, signal.SIGKILL)
+    if os.getppid() != parent:
+        os._exit(1)
     _task = fn, calls
 
 

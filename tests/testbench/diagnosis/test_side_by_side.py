@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import signal
+import subprocess
 import sys
 import types
 
@@ -40,6 +42,29 @@ def test_the_work_is_done_in_other_processes() -> None:
     pool = SideBySide()
     pool.count = 2
     assert os.getpid() not in list(pool.map(lambda _: os.getpid(), range(4)))
+
+
+KILLED_AT_WORK = """
+import os, signal, sys
+from testbench.diagnosis.side_by_side import SideBySide
+
+def work(number):
+    if number == 1:
+        print(os.getpid(), flush=True)
+        os.kill(os.getppid(), signal.SIGKILL)
+    signal.pause()
+
+pool = SideBySide()
+pool.count = 2
+pool.map(work, range(2))
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="forks on Linux alone")
+def test_nothing_outlives_a_parent_that_was_killed() -> None:
+    # What it writes to ends only as the last process that could still write has ended.
+    killed = subprocess.run([sys.executable, "-c", KILLED_AT_WORK], capture_output=True, timeout=60, check=False)
+    assert killed.returncode == -signal.SIGKILL and int(killed.stdout) > 0
 
 
 def test_classes_of_a_users_file_are_not_sent() -> None:
