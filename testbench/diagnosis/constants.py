@@ -21,7 +21,6 @@ BASES = 2  # sets of base laws whose shapes are fitted
 BENDING = 4  # mechanisms refitted in a round of those that show beside bases that bend
 STIFF = 4  # and of those that show beside bases that do not
 SETTLED = 4  # of them, carried to their end
-REACH = 0.5  # of what the best law gains: one that is further behind does not come up as it is carried to its end
 SETTLED_LAWS = 3  # of each of the best two of those
 ITERATIONS = 14  # steps of a refit at most
 REFITS = 3  # at most, one after the other, where a law is carried to its end

@@ -118,21 +118,21 @@ class Search:
         """
         rounds: list[Round] = []
         found: list[Entry] = []
-        current, *others = self.bases()
+        bent, stiff = self.bases()
         while len(rounds) < most:
-            step = self.round(current, others)
+            step = self.round(bent, stiff)
             rounds.append(step)
             if step.candidate is None or (len(rounds) > 1 and not step.is_named()):
                 break
             found.append(step.candidate)
-            current = step.candidate.hypothesis
+            bent = [step.candidate.hypothesis]
             if step.is_named() and step.is_enough(step.candidate):
                 break
-            others = [self.compare(without_shapes(current.model))]
+            stiff = [self.compare(without_shapes(bent[0].model))]
         return rounds, found
 
-    def bases(self) -> list[Hypothesis]:
-        """The best base, and the best two, none of whose laws bends, of itself, of all others and the first.
+    def bases(self) -> tuple[list[Hypothesis], list[Hypothesis]]:
+        """Bases whose laws bend, the best first; the best two whose laws do not, of these, all others and the first.
 
         In each place, all laws that may stand there are tried beside the best of the others so far.
         """
@@ -146,11 +146,11 @@ class Search:
         may_act = laws_that_may_act(best.model, self.measurement, self.catalogue)
         tried += self.pool.map(self.compare, map(best.model.plus, may_act))
         stiff = sorted(tried, key=_evidence)[-constants.BASES :]
-        bent = self.pool.map(lambda h: self.compare(self.bent(h.model)), stiff)
-        best = max(*bent, self.compare(self.flexible.model, self.flexible), key=_evidence)
+        found = self.pool.map(lambda h: self.compare(self.bent(h.model)), stiff)
+        bent = sorted([*found, self.compare(self.flexible.model, self.flexible)], key=_evidence, reverse=True)
         # One that was stripped of its shapes has parameters that moved along with them: the last choice of its kind.
-        others = _first_of_each((stiff[-1], first, self.compare(without_shapes(best.model))), _laws)
-        return [best, *sorted(others, key=_evidence, reverse=True)[: constants.BASES]]
+        others = _first_of_each((stiff[-1], first, self.compare(without_shapes(bent[0].model))), _laws)
+        return bent, sorted(others, key=_evidence, reverse=True)[: constants.BASES]
 
     def about_to_bend(self, h: Hypothesis) -> Hypothesis:
         """A base as it is, its shapes there to be used.
@@ -191,26 +191,26 @@ class Search:
         """How the samples of a grid count."""
         return likelihood_of(self.reference, measurement, self.noise, self.jitter_s, self.pieces)
 
-    def round(self, current: Hypothesis, others: Sequence[Hypothesis]) -> Round:
+    def round(self, bent: Sequence[Hypothesis], stiff: Sequence[Hypothesis]) -> Round:
         """One step.
 
         Parameters
         ----------
-        current : Hypothesis
-            The model so far, at its best.
-        others : sequence of Hypothesis
-            The same with other bases, none of which bends, beside which effects are proposed, too.
+        bent : sequence of Hypothesis
+            The model so far, at its best; the same with other bases, beside which effects are proposed, too.
+        stiff : sequence of Hypothesis
+            The same with bases none of whose laws bends.
         """
         self.tell("screening the catalogue")
         likelihood = self.compared
-        open_ones = [self.about_to_bend(h) for h in others]
-        beside = [(h, h) for h in (current, *open_ones)] + list(zip(others, open_ones, strict=True))
+        current, open_ones = bent[0], [self.about_to_bend(h) for h in stiff]
+        beside = [(h, h) for h in (*bent, *open_ones)] + list(zip(stiff, open_ones, strict=True))
         proposed = self.pool.map(self.proposals, [h for h, _ in beside])
         grounds = [Ground(h, like, found) for (h, like), found in zip(beside, proposed, strict=True)]
-        bending = grounds[: 1 + len(open_ones)]
+        bending = grounds[: len(bent) + len(open_ones)]
         likely = _promising(bending)[: constants.BENDING]
-        stiff = [m for m in _promising(grounds[len(bending) :]) if m not in likely]
-        likely += stiff[: constants.STIFF]
+        others = [m for m in _promising(grounds[len(bending) :]) if m not in likely]
+        likely += others[: constants.STIFF]
         every = sorted((p for g in grounds for p in g.proposals), key=lambda p: -p.gain)
         proposals = _first_of_each(every, lambda p: p.law)
         counted = Counter(p.mechanism for p in proposals)
@@ -277,13 +277,12 @@ class Search:
         entries = self.entered(chosen)
         if not entries:
             return []
-        before = grounds[0].hypothesis.log_z
-        entries = self.champions(entries, before)
+        entries = self.champions(entries)
         tried = {p.law for _, p in chosen}
-        likeliest = list(dict.fromkeys(e.mechanism for e in _within_reach(entries, before)))[:2]
+        likeliest = list(dict.fromkeys(e.mechanism for e in entries))[:2]
         left = [[one for one in _chances(grounds, m) if one[1].law not in tried] for m in likeliest]
         more = [one for own in left for one in own[:3]]
-        return self.champions([*entries, *self.entered(more)], before)
+        return self.champions([*entries, *self.entered(more)])
 
     def on_one_base(self, entries: Sequence[Entry]) -> tuple[Hypothesis, list[Entry]]:
         """The base of the best law, refitted without it; and all laws, where rivals were tried on that base as well.
@@ -309,20 +308,16 @@ class Search:
             h = self.at_rest(h)
         return replace(e, hypothesis=h, log_z=h.log_z, is_settled=True)
 
-    def champions(self, entries: Sequence[Entry], before: float) -> list[Entry]:
+    def champions(self, entries: Sequence[Entry]) -> list[Entry]:
         """The best law of the best mechanisms, and some more of the best two, refitted in full; the best first.
 
-        Parameters
-        ----------
-        before : float
-            Log evidence of the model without any of them.
+        A law may gain hundreds of nats on the way to its end.
         """
-        every = _first_of_each(_best_first(entries), lambda e: e.law)
-        laws = _within_reach(every, before)
+        laws = _first_of_each(_best_first(entries), lambda e: e.law)
         best = _first_of_each(laws, lambda e: e.mechanism)[: constants.SETTLED]
         own = [[e for e in laws if e.mechanism == one.mechanism][1 : constants.SETTLED_LAWS] for one in best[:2]]
         chosen = [*best, *itertools.chain(*own)]
-        rest = [e for e in every if e not in chosen]
+        rest = [e for e in laws if e not in chosen]
         return _best_first([*self.pool.map(self.settled, chosen), *rest])
 
     def settled(self, e: Entry) -> Entry:
@@ -398,13 +393,6 @@ def _evidence(h: Hypothesis) -> float:
 def _as_good(one: Entry | Hypothesis, best: Entry) -> bool:
     """Within what is known of an evidence."""
     return one.log_z > best.log_z - 3 * constants.EVIDENCE_ERROR
-
-
-def _within_reach(ordered: Sequence[Entry], before: float) -> list[Entry]:
-    """Those of entries, the best first, that may come up with the best as they are carried to their end."""
-    best = ordered[0].log_z
-    reach = max(constants.REACH * (best - before), 10 * constants.EVIDENCE_ERROR)
-    return [e for e in ordered if e.log_z > best - reach]
 
 
 def _promising(grounds: Iterable[Ground]) -> list[str]:

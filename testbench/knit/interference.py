@@ -10,6 +10,7 @@ from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter,
 from testbench.knit.filters import shifted
 
 LINES, LINE_BINS = 3, 4  # lines of a spectrum that are tried, and how wide one is
+HARMONICS = 6  # of a wave of any form
 
 
 class InterferenceLaw(Effect):
@@ -53,24 +54,32 @@ class PeriodicInterference(InterferenceLaw):
 
 
 class PeriodicInterferenceWave(PeriodicInterference):
-    """A periodic disturbance that is no pure sine rides on the conductance.
+    """A periodic disturbance of any form rides on the conductance: a pump that switches, a saw-tooth.
 
-    ln G += amplitude * (sin(a) + second * sin(2 a) + third * sin(3 a)),   a = 2 pi f t + phase
+    ln G += amplitude * (sin(a) + sum_k (s_k sin(k a) + c_k cos(k a))),   a = 2 pi f t + phase,   k = 2 to 6
 
-    Source: Fourier series, three terms; as `periodic_interference`.
-    Valid: one stable frequency, its third harmonic below half the sampling rate.
+    Source: Fourier series; as `periodic_interference`.
+    Valid: one stable frequency, its sixth harmonic below half the sampling rate.
     """
 
     name = "periodic_interference_wave"
-    look = "a wave of fixed shape rides on the conductance, in holds too; lines at multiples of one frequency"
+    look = "a wave of fixed form rides on the conductance, in holds too; lines at multiples of one frequency"
 
     amplitude: float = parameter(0.01, unit="1", low=0, high=0.5, doc="amplitude of the first harmonic in ln G")
-    second: float = parameter(0.0, unit="1", low=-2, high=2, doc="second harmonic over the first")
-    third: float = parameter(0.0, unit="1", low=-2, high=2, doc="third harmonic over the first")
+    harmonics: tuple[float, ...] = parameter(
+        (0.0,) * (2 * (HARMONICS - 1)),
+        unit="1",
+        low=-3,
+        high=3,
+        doc="sine, then cosine of the second harmonic over the first, and so on",
+        typical=0.3,
+    )
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         angle = 2 * np.pi * self.frequency_Hz * signals["time_s"] + self.phase_rad
-        wave = np.sin(angle) + self.second * np.sin(2 * angle) + self.third * np.sin(3 * angle)
+        wave = np.sin(angle)
+        for k, (sine, cosine) in enumerate(np.reshape(self.harmonics, (-1, 2)), start=2):
+            wave += sine * np.sin(k * angle) + cosine * np.cos(k * angle)
         return {"conductance_S": shifted(signals["conductance_S"], self.amplitude * wave)}
 
 

@@ -169,11 +169,12 @@ class PermanentSetWorked(PermanentSetLaw):
 
 
 class PermanentSetCreep(PermanentSetLaw):
-    """A set that creeps with the logarithm of the time under stretch.
+    """A set that creeps with the logarithm of the time under stretch, which counts with a power of the stretch.
 
-    e -= amount * ln(1 + w / scale_s),   w = integral of e+ / span dt
+    e -= amount * ln(1 + w / scale_s),   w = integral of (e+ / span)^power dt
 
-    Source: Cottrell, J. Mech. Phys. Solids 1 (1952) 53 (logarithmic creep); the time is weighed by the stretch.
+    Source: Cottrell, J. Mech. Phys. Solids 1 (1952) 53 (logarithmic creep); Norton, The Creep of Steel at High
+    Temperatures (1929) (a power of the load).
     Valid: no recovery within the recording; `span` is the largest strain of the recording.
     """
 
@@ -183,11 +184,13 @@ class PermanentSetCreep(PermanentSetLaw):
 
     amount: float = parameter(0.01, unit="1", low=0, high=0.1, doc="set for each e-fold of time, as strain")
     scale_s: float = parameter(30.0, unit="s", low=0.5, high=3000, scale="log", doc="time at `span` where it begins")
+    power: float = parameter(1.0, unit="1", low=0.5, high=8, scale="log", doc="how much more a large stretch counts")
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain by which time is weighed")
 
     def added(self, signals: Signals, dt_s: float) -> FloatArray:
-        stretched_s = overload_s(signals["strain"], 0.0, dt_s) / self.span
+        share = np.maximum(signals["strain"], 0.0) / self.span
+        stretched_s = overload_s(share**self.power, 0.0, dt_s)
         return self.amount * np.log1p(stretched_s / self.scale_s)
 
     def points(self, top: float) -> list[dict[str, Any]]:
-        return [{"scale_s": scale_s} for scale_s in (3.0, 20.0, 150.0)]
+        return [{"scale_s": scale_s, "power": power} for scale_s in (3.0, 20.0, 150.0) for power in (1.0, 2.5)]

@@ -85,6 +85,15 @@ def test_creep_adds_the_same_length_in_every_e_fold_of_time() -> None:
     assert added[999] - added[99] == pytest.approx(0.01 * np.log(10), rel=1e-6)
 
 
+def test_a_large_stretch_counts_with_its_power_in_creep() -> None:
+    strain = np.full(1000, 0.25)
+    half, whole = (
+        PermanentSetCreep(amount=0.01, scale_s=1e3, power=3, span=0.25).added({"strain": share * strain}, 1.0)[-1]
+        for share in (0.5, 1.0)
+    )
+    assert np.expm1(half / 0.01) == pytest.approx(np.expm1(whole / 0.01) / 8, rel=1e-6)
+
+
 def test_recovering_set_of_a_hold_grows_exponentially() -> None:
     t = np.arange(0, 1000, 0.5)
     added = PermanentSetRecovering(fraction=0.1, tau_s=100).added({"strain": np.where(t > 0, 0.2, 0.0)}, 0.5)

@@ -15,7 +15,7 @@ from testbench.knit.heat import (
     ThermalSoftening,
     ThermalSofteningWander,
 )
-from testbench.knit.interference import PeriodicInterference
+from testbench.knit.interference import PeriodicInterference, PeriodicInterferenceWave
 from testbench.knit.load_cell import LoadCellCreep, LoadCellCreepTwoTimes, LoadCellZeroDrift
 from testbench.knit.transient import ElectricalOvershoot, ElectricalOvershootMagnitude, RateResistance, ShoulderPeak
 from testbench.knit.turning import ElectricalOvershootAnew, ElectricalOvershootReversal
@@ -167,6 +167,20 @@ def test_a_reading_that_creeps_twice_is_the_sum_of_its_steps() -> None:
     steps = [LoadCellCreep(fraction=0.03, tau_s=10), LoadCellCreep(fraction=0.07, tau_s=200)]
     added = [step.apply({"force_N": force_N}, 0.5)["force_N"] - force_N for step in steps]
     np.testing.assert_allclose(both["force_N"] - force_N, sum(added), atol=1e-12)
+
+
+def test_a_wave_of_any_form_holds_a_rectangle() -> None:
+    """Its Fourier series: (2 / (pi k)) sin(pi k duty) cos(k a), symmetric about the middle of the pulse."""
+    duty, k = 0.3, np.arange(1, 7)
+    series = 2 / (np.pi * k) * np.sin(np.pi * k * duty)
+    # a' = a + pi/2: cos(k a) = cos(k a' - k pi/2) = cos(k pi/2) cos(k a') + sin(k pi/2) sin(k a')
+    pairs = np.column_stack([np.sin(k * np.pi / 2), np.cos(k * np.pi / 2)]) * series[:, None] / series[0]
+    effect = PeriodicInterferenceWave(
+        amplitude=float(series[0]), frequency_Hz=0.5, phase_rad=np.pi / 2, harmonics=tuple(pairs[1:].ravel())
+    )
+    written = effect.apply({"time_s": T, "conductance_S": np.ones_like(T)}, T[1])["conductance_S"]
+    expected = sum(one * np.cos(n * np.pi * T) for n, one in zip(k, series, strict=True))
+    np.testing.assert_allclose(np.log(written), expected, atol=1e-12)
 
 
 def test_the_line_in_the_spectrum_is_found() -> None:
