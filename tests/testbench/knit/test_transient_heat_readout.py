@@ -170,9 +170,9 @@ def test_a_reading_that_creeps_twice_is_the_sum_of_its_steps() -> None:
 
 
 def test_a_wave_of_any_form_holds_a_rectangle() -> None:
-    """Its Fourier series: (2 / (pi k)) sin(pi k duty) cos(k a), symmetric about the middle of the pulse."""
+    """Its Fourier series: sin(pi k duty) cos(k a) over k, symmetric about the middle of the pulse."""
     duty, k = 0.3, np.arange(1, 7)
-    series = 2 / (np.pi * k) * np.sin(np.pi * k * duty)
+    series = 0.2 / k * np.sin(np.pi * k * duty)
     # a' = a + pi/2: cos(k a) = cos(k a' - k pi/2) = cos(k pi/2) cos(k a') + sin(k pi/2) sin(k a')
     pairs = np.column_stack([np.sin(k * np.pi / 2), np.cos(k * np.pi / 2)]) * series[:, None] / series[0]
     effect = PeriodicInterferenceWave(
