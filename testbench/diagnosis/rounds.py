@@ -94,7 +94,7 @@ class Round:
         left, before = (excess(e.hypothesis, self.likelihood) for e in (put_in[-1], self.before))
         least = self.likelihood.least_misfit
         changed = sum((e.own_part.get(c, 0.0) / least[c]) ** 2 for e in put_in for c in least)
-        return float(np.sqrt(left / (max(before, changed) + 1.0)))
+        return float(np.sqrt(max(left - 1.0, 0.0) / max(before, changed, 1.0)))
 
     def is_enough(self, entry: Entry) -> bool:
         """Whether an entry leaves no more than a law is expected to leave."""
