@@ -51,15 +51,24 @@ class SideBySide:
         if not self.forks:
             with ThreadPoolExecutor(self.count) as threads:
                 return iter(list(threads.map(lambda call: fn(*call), calls)))
-        context = multiprocessing.get_context("fork")
-        workers = min(self.count, len(calls))
-        with ProcessPoolExecutor(workers, context, initializer=_take, initargs=(fn, calls, os.getpid())) as processes:
-            return iter([pickle.loads(sent) for sent in processes.map(_made, range(len(calls)))])
+        return iter(self._in_processes(fn, calls))
+
+    def _in_processes(self, fn: Callable[..., Result], calls: list[tuple[Any, ...]]) -> list[Result]:
+        context, workers = multiprocessing.get_context("fork"), min(self.count, len(calls))
+        processes = ProcessPoolExecutor(workers, context, initializer=_take, initargs=(fn, calls, os.getpid()))
+        try:
+            return [pickle.loads(sent) for sent in processes.map(_made, range(len(calls)))]
+        finally:
+            processes.shutdown(wait=False, cancel_futures=True)  # after an error nobody waits for the rest
 
 
 def _take(fn: Callable[..., Any], calls: list[tuple[Any, ...]], parent: int) -> None:
-    """Begin a forked process, which ends with its parent, however that ends: it would wait for ever."""
+    """Begin a forked process, which ends with its parent, however that ends: it would wait for ever.
+
+    An interruption from the keyboard goes to the parent alone.
+    """
     global _task
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     ctypes.CDLL(None).prctl(DIE_WITH_PARENT, signal.SIGKILL)
     if os.getppid() != parent:
         os._exit(1)
