@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import sys
 from pathlib import Path
 from types import ModuleType
@@ -19,14 +20,33 @@ Runs = list[Any]
 SEEDS = tuple(range(100, 120))  # not those the presets were tuned on
 
 
-@pytest.fixture(scope="module")
-def figures() -> ModuleType:
+def script(name: str) -> ModuleType:
+    """A module of the folder datasets."""
     sys.path.insert(0, str(Path("datasets").resolve()))
     try:
-        import paper_figures
+        return importlib.import_module(name)
     finally:
         sys.path.pop(0)
-    return paper_figures
+
+
+@pytest.fixture(scope="module")
+def figures() -> ModuleType:
+    return script("paper_figures")
+
+
+@pytest.mark.parametrize(("reach", "expected"), [(0.4, [0.6, 0.6]), (4.0, [0.0, 0.0])])
+def test_tuner_comes_as_near_as_it_may_reach(reach: float, expected: list[float]) -> None:
+    """Two figures, x and 2 y, both wanted at zero: from (1, 1) as far towards it as a step goes, and no farther."""
+    tuner = script("tune_presets")
+    slopes, steps = np.diag([1.0, 2.0]), np.ones(2)
+    goals = tuner.Goals(np.zeros(2), np.ones(2), np.array([0.0, 1.0]))
+    found = tuner.nearest_steps(slopes @ steps, slopes, goals, steps, reach)
+    np.testing.assert_allclose(found, expected, atol=1e-9)
+
+
+def test_tuner_counts_in_tolerances_and_leaves_a_free_side_alone() -> None:
+    goals = script("tune_presets").Goals(np.array([0.5, 1.1, 5.0]), np.array([0.1, 0.05, 2.0]), np.array([0, -1, 1]))
+    np.testing.assert_allclose(goals.distances(np.array([0.3, 1.2, 4.0])), [2.0, -2.0, -0.5])
 
 
 # Specimens of the population that the presets were not tuned on, each with a campaign of its own number.
