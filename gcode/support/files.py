@@ -18,6 +18,7 @@ from gcode.support.errors import UserError
 
 MANIFEST = "datapackage.json"  # the name that Frictionless gives it
 MEASURED = frozenset((b"displacement_mm", b"force_N", b"resistance_ohm"))  # columns of a recording
+PREDICTED = frozenset((b"low_N", b"low_mm"))  # beside one of these, what `compensation predict` wrote
 
 
 @contextlib.contextmanager
@@ -109,7 +110,7 @@ def _recorded(path: Path) -> bool:
     except UserError:
         return False
     # What a compensator predicts has its interval beside it; what a program does has a position.
-    return columns[0] == b"time_s" and not MEASURED.isdisjoint(columns) and b"low" not in columns
+    return columns[0] == b"time_s" and not MEASURED.isdisjoint(columns) and PREDICTED.isdisjoint(columns)
 
 
 def existing_file(path: str | Path, what: str = "file") -> Path:

@@ -160,6 +160,18 @@ def test_another_target_or_unit_is_refused(compensator, recordings, tmp_path, ca
     assert main([*argv, "--target", "force", "--unit", "N"]) == 0
 
 
+def test_a_prediction_takes_the_place_of_an_earlier_one_and_never_of_a_recording(
+    compensator, recordings, tmp_path, capsys
+):
+    compensator_files.save(tmp_path / "c.json", compensator)
+    for name in ("r.csv", "other.csv"):
+        write_recording_csv(tmp_path / name, recordings[1])
+    argv = predicting(tmp_path)
+    assert main(argv) == main(argv) == 0
+    assert main([*argv[:-1], str(tmp_path / "other.csv")]) == 2
+    assert "a recording is there" in capsys.readouterr().err
+
+
 def test_a_recording_shorter_than_the_slowest_memory_is_refused(compensator, recordings, tmp_path, capsys):
     compensator_files.save(tmp_path / "c.json", compensator)
     write_recording_csv(tmp_path / "r.csv", recordings[1].between(0, compensator.slowest_s - 1))
