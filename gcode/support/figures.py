@@ -58,3 +58,12 @@ def outline(x: np.ndarray, y: np.ndarray, stretches: int = 400) -> tuple[np.ndar
     low = np.minimum.reduceat(y, edges)
     high = np.maximum.reduceat(y, edges)
     return np.column_stack([x[edges], x[edges + size // 2]]).ravel(), np.column_stack([low, high]).ravel()
+
+
+def histogram_range(values: np.ndarray) -> tuple[float, float]:
+    """From where to where the bins of a histogram go; wide enough where all values are alike but for rounding."""
+    low, high = (float(np.min(values)), float(np.max(values))) if len(values) else (0.0, 0.0)
+    size = max(abs(low), abs(high))
+    alike = high - low <= 1e-9 * size
+    half = 0.5 * max(size, 1.0) if alike else 0.0
+    return low - half, high + half
