@@ -14,7 +14,7 @@ from gcode.support.errors import UserError
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-WIDTH_IN, PANEL_IN, DOTS_PER_INCH = 8.0, 2.3, 90
+WIDTH_IN, PANEL_IN, NOTEBOOK_DOTS_PER_INCH = 8.0, 2.3, 90
 
 
 def panels(axes: Axes | Sequence[Axes] | None, count: int) -> list[Axes]:
@@ -45,7 +45,7 @@ def picture(draw: Callable[[Any], Any], count: int) -> str:
     FigureCanvasAgg(figure)
     draw(list(figure.subplots(count, 1, squeeze=False)[:, 0]))
     data = io.BytesIO()
-    figure.savefig(data, format="png", dpi=DOTS_PER_INCH, metadata={"Software": None})
+    figure.savefig(data, format="png", dpi=NOTEBOOK_DOTS_PER_INCH, metadata={"Software": None})
     return f'<img alt="" src="data:image/png;base64,{base64.b64encode(data.getvalue()).decode("ascii")}">'
 
 
