@@ -14,8 +14,8 @@ from testbench.recordings.channels import FORCE, RESISTANCE
 from testbench.recordings.files import read_recording
 from testbench.recordings.recording import Recording
 from testbench.worlds import make_case
-from testbench.worlds.files import RECORDINGS, SEALED, write_case
-from testbench.worlds.protocols import GAUGE_LENGTH_MM
+from testbench.worlds.case_folder import RECORDINGS, SEALED, write_case
+from testbench.worlds.motions import GAUGE_LENGTH_MM
 
 LARGEST_SEED = 2**31
 

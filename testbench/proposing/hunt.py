@@ -16,10 +16,10 @@ from testbench.fitting.baseline import without_shapes
 from testbench.knit.effect import FloatArray
 from testbench.knit.laws import check
 from testbench.proposing.beam import Beam, Found
-from testbench.proposing.chain import OpenChain
 from testbench.proposing.grids import Grid, rounded
 from testbench.proposing.law import Law
-from testbench.proposing.results import Option, Step, numbered
+from testbench.proposing.laws_found import Option, Step, numbered
+from testbench.proposing.open_chain import OpenChain
 from testbench.proposing.screening import Projector
 from testbench.proposing.stability import SURE, stability
 from testbench.proposing.trial import Bench, Trial

@@ -15,10 +15,10 @@ from testbench.recordings.recording import Recording
 from testbench.worlds import strength as strengths
 from testbench.worlds.base import WORLDS, BaseWorld, draw_world
 from testbench.worlds.chain import Form, Hidden, Scene, Usual, run
+from testbench.worlds.coloured_noise import KINDS, quantised, unit_noise
 from testbench.worlds.forms import FORMS, UNKNOWN
 from testbench.worlds.kernels import FloatArray, lowpass
-from testbench.worlds.noise import KINDS, quantised, unit_noise
-from testbench.worlds.protocols import GAUGE_LENGTH_MM, PROTOCOLS, commanded_strain, sample_times
+from testbench.worlds.motions import GAUGE_LENGTH_MM, PROTOCOLS, commanded_strain, sample_times
 
 CATALOGUE = tuple(name for name in FORMS if name not in UNKNOWN)
 OUTSIDE = tuple(sorted(UNKNOWN))
