@@ -216,9 +216,12 @@ def test_what_the_base_needs_goes_in_before_the_candidate():
 def test_every_result_shows_itself_in_a_notebook_and_can_be_kept_as_json():
     results = [getattr(tb, name) for name in tb.__all__ if name.endswith(("Result", "Case", "Experiment", "Ladder"))]
     assert len(results) == 16
-    for result in (*results, tb.Recording, tb.KnitModel, gcode.Made):
+    without_a_picture = {tb.DatasetResult, tb.VerifyResult, tb.ReportResult, tb.KnitModel, gcode.CheckResult}
+    for result in (*results, tb.Recording, tb.KnitModel, gcode.Made, gcode.Trajectory, gcode.CheckResult):
         assert callable(getattr(result, "_repr_html_", None)), result
         assert callable(getattr(result, "to_dict", None)), result
+        assert callable(getattr(result, "to_frame", None)) or result is tb.ReportResult, result
+        assert callable(getattr(result, "plot", None)) or result in without_a_picture, result
 
 
 def test_what_was_run_verified_and_gathered_is_shown_with_its_samples_and_problems(tmp_path):
@@ -234,4 +237,18 @@ def test_what_was_run_verified_and_gathered_is_shown_with_its_samples_and_proble
 def test_a_hidden_case_shows_its_recordings_and_not_its_truth(tmp_path):
     case = tb.hide("stress_relaxation", tmp_path / "case", seed=1, minutes=2)
     assert case._repr_html_().count("<polyline") == 6
+    assert len(case.plot(axes(3))) == 3
+    samples = case.to_frame()["recording"].value_counts()
+    assert samples.to_dict() == {"calibration": len(case.calibration), "held_out": len(case.held_out)}
     assert "stress_relaxation" not in case._repr_html_() + json.dumps(case.to_dict())
+
+
+def test_a_check_and_what_was_played_show_themselves():
+    made = gcode.generate("paper-1", seed=1, duration_s=20)
+    refused = gcode.check(made.program, gcode.Limits(v_max_mm_per_s=0.1))
+    assert list(refused.to_frame()["line"]) == [problem.line for problem in refused.problems]
+    assert str(refused.problems[0]) in refused._repr_html_()
+    played = gcode.play(made)
+    assert len(played.to_frame()) == len(played.to_dict()["time_s"]) == len(played.time_s)
+    assert "<polyline" in played._repr_html_()
+    assert played.plot(axes(1)[0]).get_ylabel() == "position / mm"
