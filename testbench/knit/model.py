@@ -31,6 +31,13 @@ class KnitModel:
     effects : mapping of str to Effect
         In the order of application. The key is the effect's name in this model: the catalogue's name, or
         ``name_2`` for a second instance of the same effect.
+
+    Examples
+    --------
+    >>> import testbench as tb
+    >>> model = tb.baseline() + tb.effects.StressRelaxation(fraction=0.2)
+    >>> model["stress_relaxation"].fraction
+    0.2
     """
 
     effects: Mapping[str, Effect] = field(default_factory=dict)

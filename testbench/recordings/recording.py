@@ -45,6 +45,13 @@ class Recording:
         File or campaign it came from; used in error messages.
     metadata : mapping
         Anything else that is known (sensor, seed, trajectory).
+
+    Examples
+    --------
+    >>> import testbench as tb
+    >>> recording = tb.read({"time_s": [0, 1, 2], "displacement_mm": [0, 5, 0], "force_N": [0, 2, 0]}, 25)
+    >>> recording.strain.max().item(), recording["force_N"].max().item()
+    (0.2, 2.0)
     """
 
     time_s: FloatArray

@@ -252,3 +252,21 @@ def test_a_check_and_what_was_played_show_themselves():
     assert len(played.to_frame()) == len(played.to_dict()["time_s"]) == len(played.time_s)
     assert "<polyline" in played._repr_html_()
     assert played.plot(axes(1)[0]).get_ylabel() == "position / mm"
+
+
+def test_a_program_is_taken_in_every_form_and_nothing_else(tmp_path):
+    made = gcode.generate("paper-1", seed=1, duration_s=20)
+    made.write(tmp_path)
+    forms = (
+        made,
+        made.program,
+        tmp_path / "program.tap",
+        str(tmp_path / "program.tap"),
+        gcode.read(tmp_path / "program.tap"),
+    )
+    for form in forms:
+        assert gcode.check(form).ok
+        assert len(gcode.play(form).time_s) == len(gcode.play(made).time_s)
+    for function in (gcode.check, gcode.play):
+        with pytest.raises(tb.UserError, match="or what `generate` made, got int"):
+            function(7)
