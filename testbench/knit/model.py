@@ -74,7 +74,11 @@ class KnitModel:
         return KnitModel(dict(sorted(items, key=lambda item: item[1].stage)))  # sorted() is stable
 
     def __add__(self, effect: Effect) -> KnitModel:
-        return self.plus(effect) if isinstance(effect, Effect) else NotImplemented
+        if not isinstance(effect, Effect):
+            raise UserError(
+                f"model + {effect!r}: must be an effect, as testbench.effects.StressRelaxation(fraction=0.2)"
+            )
+        return self.plus(effect)
 
     def place_of(self, law: type[Effect]) -> str:
         """Name of the law whose place `law` takes, since a model has one of the kind; empty if there is none."""
