@@ -10,7 +10,6 @@ from nicegui import ui
 from testbench.comparing.numbers import in_words, plain, with_error
 from testbench.comparing.words import percent
 from testbench.fitting.model_file import about_model
-from testbench.proposing.hunt import TIED_NATS
 from testbench.report.formula import formula_svg, lines_of
 from testbench.report.ladder_figures import UNITS
 from testbench.report.words import spoken
@@ -198,6 +197,8 @@ def _evidence(law: proposed_law.FoundLaw) -> str:
 
 
 def _against(other: proposed_law.Option, law: proposed_law.FoundLaw) -> str:
+    from testbench.proposing.hunt import TIED_NATS
+
     tied = abs(other.log_evidence - law.log_evidence) < TIED_NATS
     return f"{other.log_evidence:+.1f} nats, {'cannot be told from it' if tied else 'less likely'}"
 
