@@ -35,7 +35,7 @@ from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.recordings.channels import FORCE, RESISTANCE
 from testbench.recordings.recording import Recording
 from testbench.worlds.base import WORLDS
-from testbench.worlds.protocols import PROTOCOLS
+from testbench.worlds.motions import PROTOCOLS
 
 Diagnose = Callable[[Recording, Recording, Catalogue], Any]
 # Simulators of one world each, named as they are: every seed draws its laws anew, noise 1 is that of the paper's rig.

@@ -1,6 +1,7 @@
 """Sphinx settings: built without network (no intersphinx, no remote fonts or scripts), strict, notebooks executed."""
 
 import os
+import re
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
@@ -38,6 +39,16 @@ def catalogue_table(_app, docname, source):
         source[0] = source[0].replace("<!-- table of the catalogue -->", catalogue_markdown(load_catalogue()))
 
 
+SEVERAL = re.compile(r"^(\w+(?:, \w+)+)( : .*(?:\n    .*)*)", re.MULTILINE)
+
+
+def one_by_one(_app, _what, _name, _object, _options, lines):
+    """Attributes told together, as ``low, high : float``, are shown one by one: napoleon takes them for one."""
+    apart = SEVERAL.sub(lambda found: "\n".join(name + found[2] for name in found[1].split(", ")), "\n".join(lines))
+    lines[:] = apart.split("\n")
+
+
 def setup(app):
+    app.connect("autodoc-process-docstring", one_by_one, priority=400)  # before napoleon, at 500
     app.connect("source-read", catalogue_table)
     app.connect("env-get-outdated", lambda *_: ["effects"])

@@ -64,7 +64,7 @@ def run(args: argparse.Namespace) -> int:
         as_foreign=args.as_foreign,
     )
     if args.json:
-        print(json.dumps(result.as_json() | {"origin": origin.words, "genuine": origin.genuine}, indent=2))
+        print(json.dumps(result.to_dict() | {"origin": origin.words, "genuine": origin.genuine}, indent=2))
     else:
         _say(args.program, result, origin.words)
     return 0 if result.ok else 1

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,16 +13,20 @@ from gcode.mach4.program import Problem, Program
 from gcode.motion.blocks import Motion
 from gcode.motion.statistics import MotionStatistics, motion_statistics
 from gcode.support.errors import UserError
+from gcode.support.html import card
 from gcode.trajectories.bounds import Limits, excesses
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 LONGEST_DWELL_S = 120.0  # in files that others made; a longer P is most likely milliseconds
 LONGEST_RUN_S = MAX_PLAYED_S  # what takes longer is not executed, and refused
-MOST_SAMPLES = 50_000_000
+MOST_CHECKED_SAMPLES = 50_000_000
 TOLERANCE_MM = 1e-6
 ACCELERATION_FACTOR = 5.0  # a controller faster than the limit shows whether the program itself asks for too much
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class CheckResult:
     """What was found: problems (none: the program may run) and the statistics of the executed motion."""
 
@@ -34,8 +38,21 @@ class CheckResult:
         """Whether nothing was found."""
         return not self.problems
 
-    def as_json(self) -> dict[str, Any]:
-        """What was found, as ``gcode check --json`` prints it."""
+    def __repr__(self) -> str:
+        return f"<CheckResult {'ok' if self.ok else f'{len(self.problems)} problem(s)'}>"
+
+    def _repr_html_(self) -> str:
+        executed = self.statistics.lines() if self.statistics else []
+        return card(repr(self)[1:-1], [*map(str, self.problems), *executed])
+
+    def to_frame(self) -> pd.DataFrame:
+        """A row a problem: ``line``, ``reason``; none where the program may run."""
+        import pandas as pd
+
+        return pd.DataFrame([(one.line, one.reason) for one in self.problems], columns=["line", "reason"])
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready form: what was found, as ``gcode check --json`` prints it."""
         return {
             "ok": self.ok,
             "problems": [{"line": problem.line, "reason": problem.reason} for problem in self.problems],
@@ -145,7 +162,7 @@ def _unplayed(program: Program, rate_hz: float) -> str:
     seconds = float(np.abs(program.length_mm[moving] / feed).sum() + program.dwell_s.sum())
     if seconds > LONGEST_RUN_S:
         return f"not executed, since it would take {_long(seconds)}: more than {_long(LONGEST_RUN_S)} is refused"
-    if seconds * rate_hz > MOST_SAMPLES:
+    if seconds * rate_hz > MOST_CHECKED_SAMPLES:
         return f"not executed, since {_long(seconds)} at {rate_hz:g} Hz are too many samples; lower --rate-hz"
     return ""
 
@@ -198,7 +215,7 @@ def _executed(
 ) -> tuple[list[Problem], MotionStatistics | None]:
     """What the executed motion passes, and its statistics; positions are left to the programmed check."""
     # A controller of next to no acceleration takes as long as it likes, whatever the feeds are.
-    if not motion.end_s * rate_hz <= MOST_SAMPLES:
+    if not motion.end_s * rate_hz <= MOST_CHECKED_SAMPLES:
         took = f"not executed, since this controller would take {_long(motion.end_s)}: more than can be looked at"
         return [Problem(1, took)], None
     samples = max(int(np.ceil(motion.end_s * rate_hz - 1e-6)) + 1, 2)

@@ -35,6 +35,14 @@ class Machine(BaseModel):
         Blocks the controller sees ahead; Mach4's default is 20.
     corner_mm_per_s : float
         Speed step taken at a reversal without stopping; 0 is a full stop.
+
+    Examples
+    --------
+    >>> import gcode
+    >>> sluggish = gcode.Machine(acceleration_mm_per_s2=5)
+    >>> made = gcode.generate(gcode.Triangle(high_percent=20, speed_mm_per_s=5), seed=0)
+    >>> gcode.play(made, machine=sluggish).duration_s > gcode.play(made).duration_s
+    True
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")

@@ -14,6 +14,7 @@ from gcode.mach4.writer import FeedMode
 from gcode.programs.made_again import check_file
 from gcode.programs.make import Made, make
 from gcode.programs.request import changed
+from gcode.support.errors import UserError
 from gcode.trajectories.bounds import Limits
 from gcode.trajectories.presets import preset
 from gcode.trajectories.protocol import Piece, Protocol
@@ -78,21 +79,34 @@ def generate(
 def read(path: str | Path) -> Program:
     """Read a Mach4 program, or a plain RS274/NGC program that moves one axis.
 
+    Parameters
+    ----------
+    path : str or path
+
     Raises
     ------
     UserError
         If it cannot be read; the message names the first line that is refused.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import gcode
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     _ = gcode.generate("paper-1", seed=3, duration_s=60).write(folder)
+    ...     gcode.read(f"{folder}/program.tap").header["seed"]
+    '3'
     """
     return load_program(path)
 
 
-def check(program: str | Path | Program, limits: Limits | None = None, **options: Any) -> CheckResult:
+def check(program: str | Path | Program | Made, limits: Limits | None = None, **options: Any) -> CheckResult:
     """Check a program against limits, as programmed and as executed.
 
     Parameters
     ----------
-    program : str, path or Program
-        The text of a program, its file, or a program that was read.
+    program : str, path, Program or Made
+        The text of a program, its file, a program that was read, or one that was generated.
     limits : Limits, optional
         Of speed, acceleration, jerk and travel; default: `gcode.Limits()`.
     **options
@@ -103,6 +117,12 @@ def check(program: str | Path | Program, limits: Limits | None = None, **options
     -------
     CheckResult
         ``.ok``, ``.problems`` (line and reason), ``.statistics`` of the motion as executed.
+
+    Raises
+    ------
+    UserError
+        If there is no such file, or `program` is none of these. What is wrong with a program is no error here, but
+        a problem of the result.
 
     Examples
     --------
@@ -116,8 +136,7 @@ def check(program: str | Path | Program, limits: Limits | None = None, **options
         from gcode.mach4.check import check_program
 
         return check_program(program, allowed, **options)
-    text = program if isinstance(program, str) and "\n" in program else read_text(program)
-    return check_file(text, allowed, **options)[0]
+    return check_file(_text_of(program)[0], allowed, **options)[0]
 
 
 def play(program: str | Path | Program | Made, rate_hz: float = 20.0, machine: Machine | None = None) -> Trajectory:
@@ -148,12 +167,19 @@ def play(program: str | Path | Program | Made, rate_hz: float = 20.0, machine: M
     >>> gcode.play(gcode.generate("paper-1", seed=3, duration_s=60)).position_mm[0].item()
     0.0
     """
+    return played(program if isinstance(program, Program) else read_program(*_text_of(program)), rate_hz, machine)
+
+
+def _text_of(program: str | Path | Made) -> tuple[str, str]:
+    """The text of a program, and what messages call it; a string without a line end is the path of its file."""
     if isinstance(program, Made):
-        program = program.program
-    if not isinstance(program, Program):
-        text = isinstance(program, str) and "\n" in program
-        program = read_program(str(program)) if text else load_program(program)
-    return played(program, rate_hz, machine)
+        return program.program, "program"
+    if isinstance(program, str) and "\n" in program:
+        return program, "program"
+    if not isinstance(program, str | Path):
+        kind = type(program).__name__
+        raise UserError(f"program: must be its text, its path, a Program or what `generate` made, got {kind}")
+    return read_text(program), str(program)
 
 
 def _spec(spec: str | Path | TrajectorySpec | Protocol | Piece) -> TrajectorySpec:

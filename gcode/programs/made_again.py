@@ -13,7 +13,7 @@ from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError
 from gcode.trajectories.bounds import Limits
 
-MOST_SAMPLES = 20_000_000  # of a recipe that is made again; 48 h at 100 Hz
+MOST_MADE_SAMPLES = 20_000_000  # of a recipe that is made again; 48 h at 100 Hz
 FOREIGN = "nobody's recipe: judged by its motion alone"
 GENUINE = "made again from its recipe, line by line the same"
 
@@ -122,5 +122,5 @@ def _check_length(program: Program) -> None:
         for key in program.header
         if key.startswith("spec.pieces.") and key.endswith(("duration_s", "rest_s", "hold_s"))
     )
-    if not 0 < rate_hz <= 1000 or seconds * rate_hz > MOST_SAMPLES:
+    if not 0 < rate_hz <= 1000 or seconds * rate_hz > MOST_MADE_SAMPLES:
         raise UserError(f"{seconds:g} s at {rate_hz:g} Hz are more than is made again")

@@ -18,8 +18,7 @@ from gcode.motion.statistics import MotionStatistics
 from gcode.support import files
 from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError
-from gcode.support.figures import outline, panels
-from gcode.support.html import card, strips
+from gcode.support.html import card
 from gcode.support.strict import validated
 from gcode.trajectories.natural import Noise
 from gcode.trajectories.planning import plan
@@ -53,24 +52,16 @@ class Made:
         return f"<Made {self.spec.name}, seed {self.seed}: {found.duration_s:.1f} s, {moved}>"
 
     def _repr_html_(self) -> str:
-        thin = outline(self.trajectory.time_s, self.trajectory.position_mm, 300)
         title = f"{self.spec.name}, seed {self.seed}, gauge length {self.gauge_length_mm:g} mm, as executed"
-        return card(title, [*self.statistics.lines(), *self.notes()], strips(thin[0], {"position / mm": thin[1]}))
+        return card(title, [*self.statistics.lines(), *self.notes()], self.trajectory.curve())
 
     def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the planned position over time on `axes` (default: of a new figure); returns them."""
-        (axis,) = panels(axes, 1)
-        axis.plot(self.trajectory.time_s, self.trajectory.position_mm, linewidth=0.8)
-        axis.set_xlabel("time / s")
-        axis.set_ylabel("position / mm")
-        axis.margins(x=0)
-        return axis
+        return self.trajectory.plot(axes)
 
     def to_frame(self) -> pd.DataFrame:
         """The planned trajectory as a table: ``time_s``, ``position_mm``."""
-        import pandas as pd
-
-        return pd.DataFrame({"time_s": self.trajectory.time_s, "position_mm": self.trajectory.position_mm})
+        return self.trajectory.to_frame()
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready form: the recipe and the statistics of the motion as executed."""

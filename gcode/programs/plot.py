@@ -11,6 +11,7 @@ from gcode.motion.statistics import accelerations, speeds
 from gcode.programs.make import Made, executed
 from gcode.support import files
 from gcode.support.colours import BLUE, GREY, VERMILION
+from gcode.support.figures import histogram_range
 
 _CLOSE_UP_S = 12.0
 
@@ -71,7 +72,8 @@ def _limit_lines(axes: Any, limit: float | None) -> None:
 
 
 def _distribution(axes: Any, values: np.ndarray, limit: float | None) -> None:
-    axes.hist(values, bins=60, orientation="horizontal", color=BLUE, density=True, log=limit is not None)
+    shown = histogram_range(values)
+    axes.hist(values, bins=60, range=shown, orientation="horizontal", color=BLUE, density=True, log=limit is not None)
     axes.tick_params(labelleft=False)
     axes.set_xlabel("density")
     _limit_lines(axes, limit)
@@ -96,6 +98,6 @@ def _close_up(axes: Any, made: Made, played: np.ndarray) -> None:
 def _deviation(axes: Any, made: Made, played: np.ndarray) -> None:
     size = min(len(played), len(made.trajectory.position_mm))
     off_um = 1000.0 * (played[:size] - made.trajectory.position_mm[:size])
-    axes.hist(off_um, bins=50, color=BLUE, log=True)
+    axes.hist(off_um, bins=50, range=histogram_range(off_um), color=BLUE, log=True)
     axes.set_xlabel("executed minus planned (µm)")
     axes.set_ylabel("samples")

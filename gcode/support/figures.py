@@ -14,7 +14,7 @@ from gcode.support.errors import UserError
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-WIDTH_IN, PANEL_IN, DOTS_PER_INCH = 8.0, 2.3, 90
+WIDTH_IN, PANEL_IN, NOTEBOOK_DOTS_PER_INCH = 8.0, 2.3, 90
 
 
 def panels(axes: Axes | Sequence[Axes] | None, count: int) -> list[Axes]:
@@ -45,7 +45,7 @@ def picture(draw: Callable[[Any], Any], count: int) -> str:
     FigureCanvasAgg(figure)
     draw(list(figure.subplots(count, 1, squeeze=False)[:, 0]))
     data = io.BytesIO()
-    figure.savefig(data, format="png", dpi=DOTS_PER_INCH, metadata={"Software": None})
+    figure.savefig(data, format="png", dpi=NOTEBOOK_DOTS_PER_INCH, metadata={"Software": None})
     return f'<img alt="" src="data:image/png;base64,{base64.b64encode(data.getvalue()).decode("ascii")}">'
 
 
@@ -58,3 +58,12 @@ def outline(x: np.ndarray, y: np.ndarray, stretches: int = 400) -> tuple[np.ndar
     low = np.minimum.reduceat(y, edges)
     high = np.maximum.reduceat(y, edges)
     return np.column_stack([x[edges], x[edges + size // 2]]).ravel(), np.column_stack([low, high]).ravel()
+
+
+def histogram_range(values: np.ndarray) -> tuple[float, float]:
+    """From where to where the bins of a histogram go; wide enough where all values are alike but for rounding."""
+    low, high = (float(np.min(values)), float(np.max(values))) if len(values) else (0.0, 0.0)
+    size = max(abs(low), abs(high))
+    alike = high - low <= 1e-9 * size
+    half = 0.5 * max(size, 1.0) if alike else 0.0
+    return low - half, high + half

@@ -119,8 +119,10 @@ def existing_file(path: str | Path, what: str = "file") -> Path:
     Raises
     ------
     UserError
-        If it is a folder, or nothing is there.
+        If it is no path, or a folder, or nothing is there.
     """
+    if not isinstance(path, str | os.PathLike):
+        raise UserError(f"got {type(path).__name__}, not the path of a {what}")
     path = Path(path)
     if path.is_dir():
         raise UserError(f"{path}: a folder, no {what}")

@@ -76,6 +76,8 @@ def blocks_of(path: str | Path, what: str = "file", at_most: int | None = None) 
 
 def open_plain(path: str | Path, what: str = "file") -> int:
     """A handle on a plain file, open for reading; see `read_bytes`. Opening a pipe would wait for ever."""
+    if not isinstance(path, str | os.PathLike):
+        raise UserError(f"got {type(path).__name__}, not the path of a {what}")
     try:
         handle = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
     except (OSError, ValueError) as error:

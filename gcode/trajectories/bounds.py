@@ -12,7 +12,24 @@ from gcode.trajectories.quantities import Positive
 
 
 class Limits(BaseModel):
-    """What the executed motion must not exceed, by finite differences at the trajectory's sample rate."""
+    """What the executed motion must not exceed, by finite differences at the trajectory's sample rate.
+
+    Attributes
+    ----------
+    v_max_mm_per_s, a_max_mm_per_s2 : float
+        Largest speed and acceleration, either way.
+    j_max_mm_per_s3 : float or None
+        Largest jerk; None: any.
+    x_min_mm, x_max_mm : float
+        Travel of the machine.
+
+    Examples
+    --------
+    >>> import gcode
+    >>> slow = gcode.Limits(v_max_mm_per_s=0.5)
+    >>> gcode.check(gcode.generate("paper-1", seed=3, duration_s=60), slow).ok
+    False
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 

@@ -35,7 +35,18 @@ __all__ = [
 
 
 class Hold(Piece):
-    """Stand still where you are."""
+    """Stand still where you are.
+
+    Attributes
+    ----------
+    duration_s : float
+
+    Examples
+    --------
+    >>> import gcode
+    >>> gcode.generate(gcode.Ramp(to_percent=10, speed_mm_per_s=1) + gcode.Hold(duration_s=5), seed=0)
+    <Made trajectory, seed 0: 10.2 s, 0 to 2.5 mm>
+    """
 
     kind: Literal["hold"] = "hold"
     duration_s: Duration
@@ -45,7 +56,20 @@ class Hold(Piece):
 
 
 class Ramp(Piece):
-    """Move to a strain at a constant speed."""
+    """Move to a strain at a constant speed.
+
+    Attributes
+    ----------
+    to_percent : float
+        Where to, as a strain.
+    speed_mm_per_s : float
+
+    Examples
+    --------
+    >>> import gcode
+    >>> round(gcode.generate(gcode.Ramp(to_percent=20, speed_mm_per_s=2), seed=0).statistics.x_max_mm, 2)
+    5.0
+    """
 
     kind: Literal["ramp"] = "ramp"
     to_percent: Percent
@@ -56,7 +80,21 @@ class Ramp(Piece):
 
 
 class ReturnToZero(Piece):
-    """Move back to zero strain and rest there."""
+    """Move back to zero strain and rest there.
+
+    Attributes
+    ----------
+    speed_mm_per_s : float
+    rest_s : float
+        How long it rests there.
+
+    Examples
+    --------
+    >>> import gcode
+    >>> there_and_back = gcode.Ramp(to_percent=20, speed_mm_per_s=2) + gcode.ReturnToZero(speed_mm_per_s=2)
+    >>> gcode.generate(there_and_back, seed=0).trajectory.position_mm[-1].item()
+    0.0
+    """
 
     kind: Literal["return_to_zero"] = "return_to_zero"
     speed_mm_per_s: Positive = 1.0
@@ -67,7 +105,24 @@ class ReturnToZero(Piece):
 
 
 class Triangle(RangedPiece):
-    """Go up and down between two strains at a constant speed, with rests at zero strain's end if wanted."""
+    """Go up and down between two strains at a constant speed, with a rest at the lower one if wanted.
+
+    Attributes
+    ----------
+    low_percent, high_percent : float
+        Strains between which it moves.
+    speed_mm_per_s : float
+    cycles : int
+    rest_s : float
+        After each cycle.
+
+    Examples
+    --------
+    >>> import gcode
+    >>> triangles = gcode.Triangle(high_percent=20, speed_mm_per_s=1, cycles=3)
+    >>> round(gcode.generate(triangles, seed=0).statistics.v_max_mm_per_s, 2)
+    1.0
+    """
 
     kind: Literal["triangle"] = "triangle"
     speed_mm_per_s: Positive
@@ -85,7 +140,24 @@ class Triangle(RangedPiece):
 
 
 class Staircase(Piece):
-    """Go to one strain after the other and hold each."""
+    """Go to one strain after the other and hold each.
+
+    Attributes
+    ----------
+    levels_percent : tuple of float
+        The strains, in order.
+    speed_mm_per_s : float
+        From one to the next.
+    hold_s : float
+        At each.
+
+    Examples
+    --------
+    >>> import gcode
+    >>> stairs = gcode.Staircase(levels_percent=(10, 20, 10), speed_mm_per_s=2, hold_s=10)
+    >>> gcode.generate(stairs, seed=0).trajectory.duration_s > 30
+    True
+    """
 
     kind: Literal["staircase"] = "staircase"
     levels_percent: tuple[Percent, ...] = Field(min_length=1)
@@ -103,7 +175,25 @@ class Staircase(Piece):
 
 
 class RateSweep(RangedPiece):
-    """The same triangle at one speed after the other."""
+    """The same triangle at one speed after the other.
+
+    Attributes
+    ----------
+    low_percent, high_percent : float
+        Strains between which it moves.
+    speeds_mm_per_s : tuple of float
+    cycles : int
+        At each speed.
+    rest_s : float
+        After each cycle.
+
+    Examples
+    --------
+    >>> import gcode
+    >>> sweep = gcode.RateSweep(high_percent=20, speeds_mm_per_s=(0.5, 1, 2))
+    >>> round(gcode.generate(sweep, seed=0).statistics.v_max_mm_per_s, 2)
+    2.0
+    """
 
     kind: Literal["rate_sweep"] = "rate_sweep"
     speeds_mm_per_s: tuple[Positive, ...] = Field(min_length=1)
@@ -121,7 +211,24 @@ class RateSweep(RangedPiece):
 
 
 class Multisine(RangedPiece):
-    """A sum of sines that fills the range, with phases drawn from the seed."""
+    """A sum of sines that fills the range, with phases drawn from the seed.
+
+    Attributes
+    ----------
+    low_percent, high_percent : float
+        Strains between which it moves.
+    duration_s : float
+    frequencies_hz : tuple of float
+    amplitudes : tuple of float, optional
+        Relative to each other, one a frequency; default: all alike.
+
+    Examples
+    --------
+    >>> import gcode
+    >>> wave = gcode.Multisine(high_percent=10, duration_s=30, frequencies_hz=(0.05, 0.11))
+    >>> gcode.generate(wave, seed=1).statistics.x_max_mm <= 2.5
+    True
+    """
 
     kind: Literal["multisine"] = "multisine"
     duration_s: Duration

@@ -15,7 +15,7 @@ MOST_STROKES = 2_000_000
 # Finite differences of rounded positions, and the executed motion's own deviations, need some room.
 _MARGINS = (0.95, 0.9, 0.8, 0.6)
 # A tenth of a yarn's fibre, and a house: what is beyond would be planned for ever.
-SHORTEST_GAUGE_MM, LONGEST_GAUGE_MM = 1e-3, 10_000.0
+SHORTEST_GAUGE_MM, LONGEST_GAUGE_PLANNED_MM = 1e-3, 10_000.0
 
 
 def plan(spec: TrajectorySpec, seed: int, gauge_length_mm: float, *, reserve: float = 1.0) -> Trajectory:
@@ -84,9 +84,10 @@ def whole_path(
 
 def check_request(spec: TrajectorySpec, seed: int, gauge_length_mm: float) -> None:
     """Refuse a gauge length, a seed or a length of run that cannot be planned."""
-    if not (np.isfinite(gauge_length_mm) and SHORTEST_GAUGE_MM <= gauge_length_mm <= LONGEST_GAUGE_MM):
+    if not (np.isfinite(gauge_length_mm) and SHORTEST_GAUGE_MM <= gauge_length_mm <= LONGEST_GAUGE_PLANNED_MM):
         raise UserError(
-            f"gauge length must be {SHORTEST_GAUGE_MM:g} to {LONGEST_GAUGE_MM:g} mm, got {gauge_length_mm:g} mm"
+            f"gauge length must be {SHORTEST_GAUGE_MM:g} to {LONGEST_GAUGE_PLANNED_MM:g} mm, "
+            f"got {gauge_length_mm:g} mm"
         )
     if seed != int(seed) or not 0 <= seed < 2**63:
         raise UserError(f"seed must be a whole number of 0 or more, got {seed}")

@@ -39,12 +39,23 @@ PRESETS: dict[str, TrajectorySpec] = {
 
 
 def preset(name: str) -> TrajectorySpec:
-    """The named spec.
+    """A trajectory of the paper by its name: what `generate` plans from.
+
+    Parameters
+    ----------
+    name : str
+        One of `PRESETS`.
 
     Raises
     ------
     UserError
         If there is none of this name.
+
+    Examples
+    --------
+    >>> import gcode
+    >>> gcode.preset("paper-1").limits.a_max_mm_per_s2
+    20.0
     """
     if name not in PRESETS:
         raise UserError(f"preset must be one of {', '.join(PRESETS)}; got {name!r}")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path as FilePath
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
@@ -12,11 +12,17 @@ from pydantic import BaseModel, ConfigDict, Field
 from gcode.motion.statistics import MotionStatistics, motion_statistics
 from gcode.support import files
 from gcode.support.errors import UserError
+from gcode.support.figures import outline, panels
+from gcode.support.html import card, strips
 from gcode.support.strict import check_plain
 from gcode.trajectories.bounds import Limits
 from gcode.trajectories.designed import AnyPiece, Protocol
 from gcode.trajectories.protocol import Piece
 from gcode.trajectories.quantities import Positive
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
 
 
 def position_decimals(rate_hz: float) -> int:
@@ -43,6 +49,13 @@ class TrajectorySpec(BaseModel):
         Speed of the moves to a piece's first position and back to zero at the end.
     machine_acceleration_mm_per_s2 : float or None
         Acceleration set in the controller, for the feed pre-compensation; None means five times the limit.
+
+    Examples
+    --------
+    >>> import gcode
+    >>> spec = gcode.TrajectorySpec.of(gcode.Hold(duration_s=5) + gcode.Triangle(speed_mm_per_s=1), name="mine")
+    >>> gcode.generate(spec, seed=0)
+    <Made mine, seed 0: 20.2 s, 0 to 7.5 mm>
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -67,7 +80,7 @@ class TrajectorySpec(BaseModel):
         return cls(pieces=pieces, **settings)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Trajectory:
     """Position over time, uniformly sampled.
 
@@ -91,6 +104,37 @@ class Trajectory:
     def duration_s(self) -> float:
         """From the first sample to the last."""
         return float(self.time_s[-1] - self.time_s[0])
+
+    def __repr__(self) -> str:
+        low, high = float(self.position_mm.min()), float(self.position_mm.max())
+        return f"<Trajectory {self.duration_s:.1f} s at {self.rate_hz:g} Hz, {low:.3g} to {high:.3g} mm>"
+
+    def _repr_html_(self) -> str:
+        return card(repr(self)[1:-1], self.statistics().lines(), self.curve())
+
+    def curve(self) -> str:
+        """The position over time as a small picture for a notebook."""
+        time_s, position_mm = outline(self.time_s, self.position_mm, 300)
+        return strips(time_s, {"position / mm": position_mm})
+
+    def plot(self, axes: Axes | None = None) -> Axes:
+        """Draw the position over time on `axes` (default: of a new figure); returns them."""
+        (axis,) = panels(axes, 1)
+        axis.plot(self.time_s, self.position_mm, linewidth=0.8)
+        axis.set_xlabel("time / s")
+        axis.set_ylabel("position / mm")
+        axis.margins(x=0)
+        return axis
+
+    def to_frame(self) -> pd.DataFrame:
+        """A row a sample: ``time_s``, ``position_mm``."""
+        import pandas as pd
+
+        return pd.DataFrame({"time_s": self.time_s, "position_mm": self.position_mm})
+
+    def to_dict(self) -> dict[str, list[float]]:
+        """JSON-ready form: the columns of `to_frame`."""
+        return {"time_s": self.time_s.tolist(), "position_mm": self.position_mm.tolist()}
 
     def statistics(self) -> MotionStatistics:
         """Finite-difference statistics at the trajectory's own rate."""

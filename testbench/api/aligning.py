@@ -23,6 +23,7 @@ from testbench.report import style
 from testbench.rig.played import played
 
 if TYPE_CHECKING:
+    import pandas as pd
     from matplotlib.axes import Axes
 
 
@@ -59,6 +60,10 @@ class AlignmentResult:
     def to_dict(self) -> dict[str, float]:
         """JSON-ready form: ``delay_s``, ``drift_ppm``, ``offset_mm``, ``correlation``, ``rms_mm``."""
         return asdict(self.alignment)
+
+    def to_frame(self) -> pd.DataFrame:
+        """The aligned samples as a table, see `Recording.to_frame`."""
+        return self.recording.to_frame()
 
     def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the planned and the recorded displacement, in mm over the plan's time in s; returns the axes."""

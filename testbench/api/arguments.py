@@ -65,12 +65,25 @@ def read(source: str | Path | pd.DataFrame | Mapping[str, Any], gauge_length_mm:
     """
     if isinstance(source, str | Path):
         return read_recording(source, gauge_length_mm)
-    columns = {str(name): np.array(values, dtype=np.float64) for name, values in source.items()}
+    if not hasattr(source, "items"):
+        raise UserError(f"read: must be a path, a data frame or a mapping of columns, got {type(source).__name__}")
+    columns = {str(name): _numbers(str(name), values) for name, values in source.items()}
     if TIME not in columns:
         raise UserError(f"read: no column {TIME} (found: {', '.join(columns)}); rename yours")
     time_s = columns.pop(TIME)
     length_mm = float("nan") if gauge_length_mm is None else gauge_length_mm
     return Recording(time_s, columns, length_mm, f"columns-{_digest(time_s, *columns.values())}")
+
+
+def _numbers(name: str, values: Any) -> FloatArray:
+    """One column of a data frame or a mapping, shape (n,)."""
+    try:
+        column = np.array(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise UserError(f"read: {name} must be numbers, {error}; convert it, or leave it out") from error
+    if column.ndim != 1:
+        raise UserError(f"read: {name} must be one number a sample, got shape {column.shape}")
+    return column
 
 
 def _digest(*arrays: FloatArray) -> str:
@@ -144,7 +157,9 @@ def catalogue_of(effects: Effects) -> Catalogue:
     if effects is None or isinstance(effects, str | Path):
         return load_catalogue(effects)
     catalogue = load_catalogue()
-    for effect in effects:
+    for effect in effects if isinstance(effects, Iterable) else [effects]:
+        if not (isinstance(effect, type) and issubclass(effect, Effect)):
+            raise UserError(f"effects: must be a file, or classes of your own effects, got {effect!r}")
         if effect.name in catalogue.effects:
             raise UserError(f"effects: there is an effect called {effect.name} already; give yours another name")
         catalogue.effects[effect.name] = effect

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from gcode.support.errors import UserError
 from gcode.support.figures import panels, picture
 from gcode.support.html import card, table
 from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, recordings_for
@@ -102,6 +103,8 @@ class ComparisonResult:
         on = panels(axes, len(self.comparison.maps))
         for axis, (channel, maps) in zip(on, self.comparison.maps.items(), strict=True):
             name = coordinate or self._worst_coordinate(channel)
+            if name not in maps:
+                raise UserError(f"plot: coordinate must be one of {', '.join(maps)}; got {name!r}")
             _profile(axis, maps[name])
             axis.axhline(0, color=style.FAINT, linewidth=0.8)
             axis.set_xlabel(LABELS[name])

@@ -6,7 +6,7 @@ import secrets
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from gcode.support.html import card
 from gcode.support.strict import read_json
@@ -14,8 +14,12 @@ from testbench.recordings.channels import FORCE, RESISTANCE
 from testbench.recordings.files import read_recording
 from testbench.recordings.recording import Recording
 from testbench.worlds import make_case
-from testbench.worlds.files import RECORDINGS, SEALED, write_case
-from testbench.worlds.protocols import GAUGE_LENGTH_MM
+from testbench.worlds.case_folder import RECORDINGS, SEALED, write_case
+from testbench.worlds.motions import GAUGE_LENGTH_MM
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
 
 LARGEST_SEED = 2**31
 
@@ -55,6 +59,17 @@ class HiddenCase:
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready form: folder and minutes; what is hidden stays sealed."""
         return {"folder": str(self.folder), "minutes": self.minutes}
+
+    def to_frame(self) -> pd.DataFrame:
+        """The samples of both recordings as one table; ``recording`` says which: ``calibration`` or ``held_out``."""
+        import pandas as pd
+
+        both = {"calibration": self.calibration.to_frame(), "held_out": self.held_out.to_frame()}
+        return pd.concat(both, names=["recording"]).reset_index(level="recording").reset_index(drop=True)
+
+    def plot(self, axes: Axes | Sequence[Axes] | None = None) -> Any:
+        """Draw every channel of `calibration` over time, see `Recording.plot`."""
+        return self.calibration.plot(axes)
 
     def _repr_html_(self) -> str:
         return card(repr(self)[1:-1], [], self.calibration._repr_html_(), self.held_out._repr_html_())

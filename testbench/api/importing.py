@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from gcode.support.files import check_place, existing_file
 from gcode.support.html import card
@@ -13,6 +14,10 @@ from testbench.importing import from_file
 from testbench.importing.imported import Imported, place_of, write_import
 from testbench.importing.wish import Wish
 from testbench.recordings.recording import Recording
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -100,6 +105,14 @@ class ImportResult:
         if out is not None:
             found = [{"out": str(place), **one} for place, one in zip(self.places(out), found, strict=True)]
         return {"recordings": found}
+
+    def to_frame(self) -> pd.DataFrame:
+        """The samples of `recording` as a table, see `Recording.to_frame`."""
+        return self.recording.to_frame()
+
+    def plot(self, axes: Axes | Sequence[Axes] | None = None) -> Any:
+        """Draw every channel of `recording` over time, see `Recording.plot`."""
+        return self.recording.plot(axes)
 
     def _taken(self) -> list[str]:
         return [f"{role}: {words}" for role, words in self.taken.items()]

@@ -18,8 +18,8 @@ from testbench.api.overlay import plot_overlay
 from testbench.api.progress import Tell, telling
 from testbench.fitting.model_file import ModelFile
 from testbench.proposing.formulas import in_words
+from testbench.proposing.laws_found import Proposed
 from testbench.proposing.proposal import MOST_LAWS
-from testbench.proposing.results import Proposed
 from testbench.proposing.words import as_json, first_line, proposal_text, story
 from testbench.proposing.writing import check_name, file_text, free_path
 from testbench.report.proposal_figures import proposal as figure_of

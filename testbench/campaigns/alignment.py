@@ -21,7 +21,7 @@ from testbench.recordings.recording import Recording
 from testbench.rig.simulated import Motion
 
 PLANNED = "displacement_planned_mm"
-GRID_HZ = 50.0
+ALIGNED_HZ = 50.0
 WINDOW_S, REACH_S = 30.0, 2.0  # length of a window; how far its lag may be from its neighbour's
 TRUSTED_CORRELATION = 0.8
 
@@ -63,9 +63,9 @@ def align(recording: Recording, motion: Motion) -> Alignment:
     UserError
         If the recorded displacement does not follow the planned motion.
     """
-    recorded = recording.resampled(GRID_HZ)
+    recorded = recording.resampled(ALIGNED_HZ)
     time_s, seen_mm = recorded.time_s, recorded[DISPLACEMENT]
-    step = np.arange(0, motion.duration_s, 1 / GRID_HZ)
+    step = np.arange(0, motion.duration_s, 1 / ALIGNED_HZ)
     planned_mm = np.interp(step, motion.time_s, motion.displacement_mm)
     if np.ptp(planned_mm) == 0 or np.ptp(seen_mm) == 0:
         raise UserError(
@@ -95,8 +95,8 @@ def _coarse(time_s: FloatArray, seen_mm: FloatArray, planned_mm: FloatArray) -> 
     lag, quality = best_lag(seen_mm, planned_mm)
     lags = _tracked(seen_mm, planned_mm, lag, quality)
     if len(lags) < 2:
-        return lag / GRID_HZ - time_s[0], 0.0
-    centre_s, lag_s = (np.array(column) / GRID_HZ for column in zip(*lags, strict=True))
+        return lag / ALIGNED_HZ - time_s[0], 0.0
+    centre_s, lag_s = (np.array(column) / ALIGNED_HZ for column in zip(*lags, strict=True))
     # The line through the windows' lags, by the median of its slopes: a window may have matched another cycle.
     i, j = np.triu_indices(len(lag_s), 1)
     slope = float(np.median((lag_s[j] - lag_s[i]) / (centre_s[j] - centre_s[i])))
@@ -126,7 +126,7 @@ def _correlation_at(seen: FloatArray, planned: FloatArray, lag: int) -> float:
 
 def _tracked(seen: FloatArray, planned: FloatArray, lag: int, quality: float) -> list[tuple[float, float]]:
     """(centre, lag) of windows, in samples: each searched near its neighbour's lag."""
-    size, reach = int(WINDOW_S * GRID_HZ), int(REACH_S * GRID_HZ)
+    size, reach = int(WINDOW_S * ALIGNED_HZ), int(REACH_S * ALIGNED_HZ)
     starts = np.arange(0, len(seen) - size + 1, size)
     if not len(starts):
         return []

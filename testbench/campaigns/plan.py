@@ -17,7 +17,7 @@ from testbench.recordings.instruments import Instruments
 from testbench.recordings.manifest import read_manifest
 from testbench.rig.past import DEFAULT_REST_S, past_displacement
 from testbench.rig.played import played
-from testbench.rig.simulated import GRID_HZ, Motion, SimulatedRig
+from testbench.rig.simulated import SIMULATED_HZ, Motion, SimulatedRig
 from testbench.trust import named_effects
 
 PROGRAM, EFFECTS = "program.tap", "effects.py"
@@ -64,7 +64,7 @@ class Plan:
             "seed": self.seed,
             "program": PROGRAM,
             "program_sha256": sha256_of(self.program),
-            "grid_hz": GRID_HZ,
+            "grid_hz": SIMULATED_HZ,
             "instruments": self.instruments.model_dump(mode="json"),
         }
         if self.past:

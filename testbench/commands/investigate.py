@@ -62,7 +62,7 @@ def run(args: argparse.Namespace) -> int:
     from testbench.api.investigating import investigate
     from testbench.api.progress import clear_line
     from testbench.investigating.words import ending_words
-    from testbench.rig.progress import terminal
+    from testbench.rig.status_words import terminal
     from testbench.rig.stopping import stop_signals
 
     check_place(args.json, "--json")

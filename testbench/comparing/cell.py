@@ -16,7 +16,7 @@ class Cell:
     direction : int
         +1 stretching, -1 releasing, 0 both.
     mean, standard_error : float
-        Of measured minus modelled, N or ln S; the error from blocks of `BLOCK_S`.
+        Of measured minus modelled, N or ln S; the error from blocks of `CELL_BLOCK_S`.
     share : float
         Share of the samples.
     """

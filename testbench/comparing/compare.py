@@ -19,7 +19,7 @@ from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
 
 BINS = 10
-BLOCK_S = 20.0  # samples closer than this are not taken as independent
+CELL_BLOCK_S = 20.0  # samples closer than this are not taken as independent
 MIN_SHARE = 0.005  # a place must hold this share of the samples to be named
 MIN_T = 3.0  # and stand out by this many standard errors
 
@@ -105,7 +105,7 @@ def compare(model: KnitModel, measurement: Measurement, free_offset: bool = Fals
 
 def residual_maps(residual: FloatArray, where: Mapping[str, FloatArray], dt_s: float) -> dict[str, tuple[Cell, ...]]:
     """Mean residual over bins of every coordinate, apart for stretching and releasing where that makes sense."""
-    block = (np.arange(len(residual)) * dt_s // BLOCK_S).astype(int)
+    block = (np.arange(len(residual)) * dt_s // CELL_BLOCK_S).astype(int)
     direction = where["direction"]
     maps = {}
     for coordinate in LABELS:

@@ -41,6 +41,12 @@ class Bounds:
     duration_s : float
         Of the whole run; every protocol takes as long, so that none wins by being longer.
     gauge_length_mm : float
+
+    Examples
+    --------
+    >>> import testbench as tb
+    >>> tb.Bounds(duration_s=120, strain_max_percent=20).v_max_mm_per_s
+    10.0
     """
 
     v_max_mm_per_s: float = 10.0

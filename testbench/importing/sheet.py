@@ -26,6 +26,13 @@ class Hints:
         Of a workbook; of a TDMS file, the group.
     header_row, units_row : int or None
         Counting from 1; 0 for none.
+
+    Examples
+    --------
+    >>> import testbench as tb
+    >>> german = tb.Hints(separator=";", decimal=",")
+    >>> tb.Wish(gauge_length_mm=25, hints=german).hints.decimal
+    ','
     """
 
     separator: str | None = None

@@ -39,6 +39,12 @@ class Wish:
         Leave out rows with a value that cannot be used.
     hints : Hints
         How the file is written.
+
+    Examples
+    --------
+    >>> import testbench as tb
+    >>> tb.Wish(gauge_length_mm=25, columns={"force": "Load"}, units={"force": "lbf"}).gauge_length_mm
+    25
     """
 
     gauge_length_mm: float | None = None

@@ -17,7 +17,7 @@ from testbench.knit.catalogue import Catalogue, model_from_dict
 from testbench.recordings.stored import GaugeLength, Label, Remark, checked_model
 
 NAME = "investigation.json"
-FORMAT, VERSION = "knitbench-investigation", 1
+FORMAT = "knitbench-investigation"
 MOST_RUNS = 200
 SURE, SPENT = "sure", "the time is spent"
 

@@ -262,6 +262,13 @@ def model_from_dict(data: Any, catalogue: Catalogue, source: str = "model") -> K
 
 
 def baseline() -> KnitModel:
-    """The model that every diagnosis starts from, with default parameters."""
+    """The model that every diagnosis starts from, with default parameters.
+
+    Examples
+    --------
+    >>> import testbench as tb
+    >>> tb.baseline()
+    <KnitModel elasticity + hysteresis + contact + drift>
+    """
     effects = load_catalogue().effects
     return KnitModel.of(*(effects[name]() for name in BASELINE))

@@ -10,7 +10,7 @@ from testbench.knit.additive import ConductanceLaw
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 from testbench.knit.filters import highpass, log_conductance, lowpass, memory, memory_of_box, memory_of_decades
 
-PRONY_S = (3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)  # quicker is an overshoot
+SPOTS_S = (3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)  # quicker is an overshoot
 
 
 class ContactRelaxationLaw(Effect):
@@ -92,11 +92,15 @@ class ContactRelaxationProny(ContactRelaxationLaw):
     look = "in a hold the conductance changes over whatever times while the force does not"
 
     fractions: tuple[float, ...] = parameter(
-        (0.0,) * len(PRONY_S), unit="1", low=-3, high=1, doc="share of the contact force that is lost at each time"
+        (0.0,) * len(SPOTS_S),
+        unit="1",
+        low=-3,
+        high=1,
+        doc="share of the contact force that is lost at each time",
     )
 
     def gained_N(self, pressing_N: FloatArray, dt_s: float) -> FloatArray:
-        return -memory(pressing_N, np.array(PRONY_S), np.array(self.fractions), dt_s)
+        return -memory(pressing_N, np.array(SPOTS_S), np.array(self.fractions), dt_s)
 
 
 class SpotsLaw(ConductanceLaw):

@@ -82,6 +82,18 @@ def parameter(
         Of a strength: its usual size, the width of its prior around zero; in N, as a share of the range of the force.
         Default: `default`, or a tenth of that range. Of another linear parameter: the width of its prior around
         `default`; else a quarter of its range.
+
+    Examples
+    --------
+    >>> import testbench as tb
+    >>> class Stiffer(tb.Effect):
+    ...     name, stage, strength = "stiffer", tb.Stage.MECHANICS, "share"
+    ...     reads, writes = ("force_N",), ("force_N",)
+    ...     share: float = tb.parameter(0.1, unit="1", low=0, high=1, doc="by how much of itself the force is larger")
+    ...     def apply(self, signals, dt_s):
+    ...         return {"force_N": signals["force_N"] * (1 + self.share)}
+    >>> Stiffer().share
+    0.1
     """
     extra = {"unit": unit, "low": low, "high": high, "scale": scale, "source": source, "typical": typical}
     if isinstance(default, tuple):

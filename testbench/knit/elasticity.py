@@ -42,39 +42,26 @@ class ElasticLaw(Effect):
         if "force_N" not in signals:
             return []
         strain, force_N = signals["strain"], signals["force_N"] + residual.get("force", 0.0)
-        return [self.drawn_to(strain, force_N, 1 / _times_seen(strain))[0].model_dump()]
+        return [self.drawn_to(strain, force_N, 1 / _times_seen(strain)).model_dump()]
 
-    def drawn_to(
-        self, e: FloatArray, force_N: FloatArray, weight: FloatArray, beside: FloatArray | None = None
-    ) -> tuple[ElasticLaw, float, float]:
-        """Draw the law to a force over strain, by least squares at each of its `bends`.
+    def drawn_to(self, e: FloatArray, force_N: FloatArray, weight: FloatArray) -> ElasticLaw:
+        """The law that is nearest to a force over strain: least squares at each of its `bends`, the best of them.
 
         Parameters
         ----------
         e, force_N, weight : ndarray, shape (n,)
-        beside : ndarray, shape (n,), optional
-            A curve that may be added, times a number above zero.
-
-        Returns
-        -------
-        law : ElasticLaw
-        coefficient : float
-            Of the curve beside it.
-        misfit_N : float
-            Weighted RMS.
         """
-        best: tuple[ElasticLaw, float, float] = (self, 0.0, np.inf)
+        best, least = self, np.inf
         for bend in self.bends:
             law: Any = self.near(**bend)
-            columns = np.stack([*law.curves(e), *(() if beside is None else (beside,))], axis=1)
+            columns = np.stack(law.curves(e), axis=1)
             weighted = columns * np.sqrt(weight)[:, None]
             size = np.maximum(np.linalg.norm(weighted, axis=0), 1e-300)
             found = np.linalg.lstsq(weighted / size, force_N * np.sqrt(weight), rcond=1e-12)[0] / size
-            coefficient = 0.0 if beside is None else float(found[-1])
-            misfit_N = float(np.sqrt(np.average((force_N - columns @ found) ** 2, weights=weight)))
-            if coefficient >= 0 and misfit_N < best[2]:
-                coefficients = zip(self.linear, found, strict=False)  # without that of the curve beside
-                best = (law.near(**{key: float(value) for key, value in coefficients}), coefficient, misfit_N)
+            misfit = float(np.average((force_N - columns @ found) ** 2, weights=weight))
+            if misfit < least:
+                coefficients = zip(self.linear, found, strict=True)
+                best, least = law.near(**{key: float(value) for key, value in coefficients}), misfit
         return best
 
 

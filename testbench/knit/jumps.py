@@ -6,9 +6,9 @@ import numpy as np
 
 from testbench.knit.effect import FloatArray, Signals, step_s
 
-WINDOW_S = 0.3  # long enough to average the noise, short enough that the misfit runs straight
+BESIDE_S = 0.3  # long enough to average the noise, short enough that the misfit runs straight
 SKIP_S = 0.05  # around the jump itself, which the averaging of samples blurs
-APART_S = 1.0
+JUMPS_APART_S = 1.0
 PULLED = 0.5  # quantile of the strain above which a grip may give way
 STRAIN_BINS = 20  # over which force and ln G are averaged to see how steep the sensor is
 STIFFER_BACK = (1.0, 2.0, 4.0)  # friction makes the force drop so many times faster on the first way back
@@ -85,7 +85,7 @@ def jumps(x: FloatArray, dt_s: float) -> FloatArray:
 
 
 def _lengths(dt_s: float) -> tuple[int, int]:
-    return max(int(WINDOW_S / dt_s), 6), max(round(SKIP_S / dt_s), 1)
+    return max(int(BESIDE_S / dt_s), 6), max(round(SKIP_S / dt_s), 1)
 
 
 def _usual(x: FloatArray, jump: FloatArray, dt_s: float) -> float:
@@ -97,7 +97,7 @@ def _usual(x: FloatArray, jump: FloatArray, dt_s: float) -> float:
 
 def _peaks(size: FloatArray, dt_s: float) -> list[int]:
     """Indices of the largest sizes above 0, apart from each other, largest first."""
-    free, apart = size > 0, max(int(APART_S / dt_s), 1)
+    free, apart = size > 0, max(int(JUMPS_APART_S / dt_s), 1)
     found: list[int] = []
     for at in np.argsort(-size, kind="stable")[: int(free.sum())]:
         if free[at]:

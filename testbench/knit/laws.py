@@ -32,7 +32,7 @@ WRITABLE = {
     Stage.ELECTRICAL: {"conductance_S"},
     Stage.READOUT: {"force_N", "conductance_S"},
 }
-EXAMPLE_S = 60.0
+CHECKED_S = 60.0
 Law = Callable[[Effect], str]
 
 
@@ -54,7 +54,7 @@ class OnlyDeclared(Mapping[str, FloatArray]):
 
 def example_signals(dt_s: float) -> dict[str, FloatArray]:
     """Smooth, lively signals given by formulas, so that every sampling rate sees the same motion."""
-    t = np.arange(round(EXAMPLE_S / dt_s) + 1) * dt_s
+    t = np.arange(round(CHECKED_S / dt_s) + 1) * dt_s
     strain = 0.16 + 0.1 * np.sin(1.3 * t - 1.5) + 0.06 * np.sin(0.37 * t - 1.5)
     force = 6 * strain + 15 * strain**2
     return {

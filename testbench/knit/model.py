@@ -31,6 +31,13 @@ class KnitModel:
     effects : mapping of str to Effect
         In the order of application. The key is the effect's name in this model: the catalogue's name, or
         ``name_2`` for a second instance of the same effect.
+
+    Examples
+    --------
+    >>> import testbench as tb
+    >>> model = tb.baseline() + tb.effects.StressRelaxation(fraction=0.2)
+    >>> model["stress_relaxation"].fraction
+    0.2
     """
 
     effects: Mapping[str, Effect] = field(default_factory=dict)
@@ -67,7 +74,11 @@ class KnitModel:
         return KnitModel(dict(sorted(items, key=lambda item: item[1].stage)))  # sorted() is stable
 
     def __add__(self, effect: Effect) -> KnitModel:
-        return self.plus(effect) if isinstance(effect, Effect) else NotImplemented
+        if not isinstance(effect, Effect):
+            raise UserError(
+                f"model + {effect!r}: must be an effect, as testbench.effects.StressRelaxation(fraction=0.2)"
+            )
+        return self.plus(effect)
 
     def place_of(self, law: type[Effect]) -> str:
         """Name of the law whose place `law` takes, since a model has one of the kind; empty if there is none."""

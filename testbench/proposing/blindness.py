@@ -11,7 +11,7 @@ from testbench.fitting.measurement import Measurement
 from testbench.fitting.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL
 from testbench.knit.kernels import turns
 
-LONG_S, FEW_TURNS, HOLD_S = 120.0, 6, 10.0
+FEW_TURNS, LONG_HOLD_S = 6, 10.0
 TWOFOLD = 2.0
 
 
@@ -31,8 +31,8 @@ def not_judged(measurement: Measurement) -> Iterator[str]:
     count = turns(np.ascontiguousarray(strain), max(0.02 * float(np.ptp(strain)), 1e-5))[2]
     if float(count[-1]) < FEW_TURNS:
         yield f"the motion turns {int(count[-1])} times: a law of direction or reversals cannot be told from strain"
-    if float(where["since_hold_s"].max()) < HOLD_S:
-        yield f"no hold is longer than {HOLD_S:.0f} s: what happens at rest is known only from slow motion"
+    if float(where["since_hold_s"].max()) < LONG_HOLD_S:
+        yield f"no hold is longer than {LONG_HOLD_S:.0f} s: what happens at rest is known only from slow motion"
     moving = np.abs(where["strain_rate"])
     moving = moving[moving > 0.1 * float(np.median(moving[moving > 0]))] if np.any(moving > 0) else moving
     if len(moving) and float(np.quantile(moving, 0.95)) < TWOFOLD * float(np.quantile(moving, 0.3)):

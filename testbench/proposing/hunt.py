@@ -16,10 +16,10 @@ from testbench.fitting.baseline import without_shapes
 from testbench.knit.effect import FloatArray
 from testbench.knit.laws import check
 from testbench.proposing.beam import Beam, Found
-from testbench.proposing.chain import OpenChain
 from testbench.proposing.grids import Grid, rounded
 from testbench.proposing.law import Law
-from testbench.proposing.results import Option, Step, numbered
+from testbench.proposing.laws_found import Option, Step, numbered
+from testbench.proposing.open_chain import OpenChain
 from testbench.proposing.screening import Projector
 from testbench.proposing.stability import SURE, stability
 from testbench.proposing.trial import Bench, Trial
@@ -29,7 +29,7 @@ NOTHING_LEFT = 0.3  # squared noise floors above the noise, all channels: the fl
 LEAST_GAIN = 10.0  # nats: about ln of the number of laws that are tried
 LEAST_SHARE = 0.1  # of the squared error above the noise that a law takes off
 FINALISTS, OF_ONE_PLACE, OF_ONE_FAMILY, SETTLED = 5, 3, 2, 2
-TIED = 3.0  # nats
+TIED_NATS = 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +93,7 @@ class Hunt:
         if best is None:
             return None
         rest = tuple(one for k, one in enumerate(options) if k != best)
-        tied = sum(abs(one.log_evidence - options[best].log_evidence) < TIED for one in rest)
+        tied = sum(abs(one.log_evidence - options[best].log_evidence) < TIED_NATS for one in rest)
         won = self.simpler(trials[best], ground)
         option = replace(options[best], law=won.law, log_evidence=won.log_z - current.log_z)
         return Step(option, rest, tied, self.dependence(won)), won.hypothesis

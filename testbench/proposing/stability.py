@@ -14,7 +14,7 @@ from testbench.diagnosis.hypothesis import Hypothesis
 from testbench.diagnosis.likelihood import Likelihood
 from testbench.knit.effect import FloatArray
 
-BLOCK_S, FEWEST_BLOCKS, DRAWS = 30.0, 8, 200
+REDRAWN_S, FEWEST_BLOCKS, DRAWS = 30.0, 8, 200
 SURE = 0.95  # of the resampled recordings in which a law must gain
 
 
@@ -40,7 +40,7 @@ def stability(
     """
     rows = likelihood.rows
     duration_s = (rows[-1] - rows[0]) * likelihood.measurement.dt_s
-    blocks = int(max(duration_s / BLOCK_S, FEWEST_BLOCKS))
+    blocks = int(max(duration_s / REDRAWN_S, FEWEST_BLOCKS))
     block = np.minimum((rows - rows[0]) * blocks // max(rows[-1] - rows[0], 1), blocks - 1)
     drawn = np.random.default_rng(0).integers(0, blocks, (DRAWS, blocks))
     whole = np.arange(blocks)[None, :]

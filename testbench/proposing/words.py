@@ -16,7 +16,7 @@ from testbench.fitting.responses import UNIT_OF
 from testbench.knit.effect import bounds_of
 from testbench.proposing.formulas import in_words, latex_of, plain
 from testbench.proposing.law import Law
-from testbench.proposing.results import Option, Proposed, Step, numbered
+from testbench.proposing.laws_found import Option, Proposed, Step, numbered
 from testbench.proposing.writing import effect_class
 
 SHOWN = 4

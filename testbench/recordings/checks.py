@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from numbers import Real
 
 import numpy as np
 
@@ -56,6 +57,9 @@ def check(source: str, time_s: FloatArray, channels: Mapping[str, FloatArray], g
 
 def check_gauge_length(gauge_length_mm: float, source: str) -> None:
     """Raise `UserError`, which names `source`, unless it is a length that a sample can have."""
+    if not isinstance(gauge_length_mm, Real):
+        kind = type(gauge_length_mm).__name__
+        raise UserError(f"{source}: the gauge length must be a number of mm, got {gauge_length_mm!r} ({kind})")
     if not 0 < gauge_length_mm <= LONGEST_GAUGE_MM:
         raise UserError(
             f"{source}: the gauge length must be a positive number of mm, at most {LONGEST_GAUGE_MM:.0f}, "

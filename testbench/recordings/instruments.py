@@ -132,7 +132,23 @@ class Room(StrictModel):
 
 
 class Instruments(StrictModel):
-    """All instruments of a rig, with the settings of the paper's bench; it had no thermometer (`room`)."""
+    """All instruments of a simulated rig, with the settings of the paper's bench.
+
+    Attributes
+    ----------
+    clock : SampleClock
+        When it reads.
+    load_cell, divider, encoder
+        For force, resistance and displacement: range, resolution and noise.
+    room : Room or None
+        The thermometer; the paper's bench had none.
+
+    Examples
+    --------
+    >>> import testbench as tb
+    >>> tb.Instruments(clock={"rate_hz": 20, "rate_sd_hz": 0}).clock.rate_hz
+    20.0
+    """
 
     clock: SampleClock = SampleClock()
     load_cell: LoadCell = LoadCell()

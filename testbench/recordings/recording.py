@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 GAP_S, GAP_STEPS = 1.0, 10.0
-MOST_POINTS, MOST_MADE_UP = 20_000_000, 1_000_000
+MOST_RESAMPLED, MOST_MADE_UP = 20_000_000, 1_000_000
 
 
 @dataclass(frozen=True, repr=False)
@@ -45,6 +45,13 @@ class Recording:
         File or campaign it came from; used in error messages.
     metadata : mapping
         Anything else that is known (sensor, seed, trajectory).
+
+    Examples
+    --------
+    >>> import testbench as tb
+    >>> recording = tb.read({"time_s": [0, 1, 2], "displacement_mm": [0, 5, 0], "force_N": [0, 2, 0]}, 25)
+    >>> recording.strain.max().item(), recording["force_N"].max().item()
+    (0.2, 2.0)
     """
 
     time_s: FloatArray
@@ -199,7 +206,7 @@ class Recording:
         """
         count = int(np.floor(min(self.duration_s * rate_hz, 1e18) * (1 + 1e-12))) + 1
         made_up = rate_hz * sum(end_s - start_s for start_s, end_s in self.gaps)
-        if count > MOST_POINTS or made_up > max(MOST_MADE_UP, len(self)):
+        if count > MOST_RESAMPLED or made_up > max(MOST_MADE_UP, len(self)):
             raise UserError(f"{self.source}: {self._why_not(count, rate_hz)}")
         grid = self.time_s[0] + np.arange(count) / rate_hz
         channels = {name: np.interp(grid, self.time_s, values) for name, values in self.channels.items()}

@@ -13,7 +13,7 @@ from testbench.fitting.remounting import brought_together
 from testbench.fitting.responses import UNIT_OF
 from testbench.knit.model import KnitModel
 from testbench.proposing.formulas import in_words, plain
-from testbench.proposing.results import Proposed, Step, numbered
+from testbench.proposing.laws_found import Proposed, Step, numbered
 from testbench.report import style
 
 BINS, POINTS, DOTS = 24, 1500, 800

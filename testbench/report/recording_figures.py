@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from gcode.support.arrays import FloatArray
+from gcode.support.figures import histogram_range
 from testbench.comparing.numbers import span
 from testbench.recordings.channels import DISPLACEMENT, RESISTANCE, TEMPERATURE
 from testbench.recordings.channels import FORCE as FORCE_CHANNEL
@@ -179,7 +180,7 @@ def distributions(recording: Recording, resistance: bool = False) -> style.Figur
         panels.insert(1, ("Speed / mm/s", np.gradient(even[DISPLACEMENT], 1 / rate_hz), style.MUTED))
     traces = []
     for column, (_, values, colour) in enumerate(panels):
-        counts, edges = np.histogram(values, bins=BINS)
+        counts, edges = np.histogram(values, bins=BINS, range=histogram_range(values))
         traces.append(
             {
                 "type": "bar",

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from gcode.support.arrays import FloatArray
+from gcode.support.figures import histogram_range
 from testbench.report import style
 from testbench.report.comparison_figures import RESIDUAL_TITLES, Overlay
 
@@ -144,7 +145,7 @@ def _heat_map(x: FloatArray, y: FloatArray, z: FloatArray) -> dict[str, Any]:
 
 
 def _heat(x: FloatArray, y: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    counts, x_edges, y_edges = np.histogram2d(x, y, bins=HEAT_BINS)
+    counts, x_edges, y_edges = np.histogram2d(x, y, bins=HEAT_BINS, range=(histogram_range(x), histogram_range(y)))
     sums, _, _ = np.histogram2d(x, y, bins=(x_edges, y_edges), weights=z)
     with np.errstate(invalid="ignore", divide="ignore"):
         means = np.where(counts >= FEW, sums / counts, np.nan)

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from testbench.knit.effect import FloatArray
-from testbench.rig.simulated import GRID_HZ, Motion
+from testbench.rig.simulated import SIMULATED_HZ, Motion
 
 DEFAULT_REST_S = 600.0
 RETURN_MM_PER_S = 1.0
@@ -29,7 +29,7 @@ def past_displacement(motions: Sequence[Motion], rest_s: float) -> FloatArray:
     """
     if not motions:
         return np.zeros(0)
-    after_s = np.arange(1, round(rest_s * GRID_HZ)) / GRID_HZ
+    after_s = np.arange(1, round(rest_s * SIMULATED_HZ)) / SIMULATED_HZ
     parts = []
     for motion in motions:
         end_mm = float(motion.displacement_mm[-1])

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from gcode.support.errors import UserError
 from testbench.recordings.checks import check_gauge_length
-from testbench.rig.simulated import GRID_HZ, Motion
+from testbench.rig.simulated import SIMULATED_HZ, Motion
 
 DEFAULT_GAUGE_LENGTH_MM = 25.0
 
@@ -31,7 +31,7 @@ def played(path: Path, gauge_length_mm: float | None = None) -> tuple[Motion, fl
 
     try:
         program = load_program(path)
-        trajectory = play(program, rate_hz=GRID_HZ)
+        trajectory = play(program, rate_hz=SIMULATED_HZ)
     except UserError as error:
         raise UserError(f"{path}: {str(error).removeprefix(f'{path}: ')}") from None
     offset_mm = program.header_number("spec.offset_mm") or 0.0

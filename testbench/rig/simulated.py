@@ -16,7 +16,7 @@ from testbench.knit.model import KnitModel, inputs
 from testbench.recordings.instruments import Instruments, Truth
 from testbench.rig.wire import MICROS_WRAP, Sample, encode
 
-GRID_HZ = 200.0
+SIMULATED_HZ = 200.0
 # A line of integers has no infinity: an open circuit reads as 1 TOhm.
 OPEN_CIRCUIT_OHM = 1e12
 
@@ -35,7 +35,7 @@ class Motion:
 
     def held(self, hold_s: float) -> Motion:
         """The same motion, holding its last position for `hold_s`."""
-        extra = np.arange(1, round(hold_s * GRID_HZ) + 1) / GRID_HZ
+        extra = np.arange(1, round(hold_s * SIMULATED_HZ) + 1) / SIMULATED_HZ
         return Motion(
             np.concatenate([self.time_s, self.time_s[-1] + extra]),
             np.concatenate([self.displacement_mm, np.full(len(extra), self.displacement_mm[-1])]),

@@ -13,7 +13,7 @@ from testbench.rig.stream import Anchor, Event, Intake
 QUIET_S = 3.0  # without a line, and a port is called silent
 QUIET_INTERVALS = 5.0  # a device of one line in ten seconds is not silent after three
 # Rejected lines are counted over so many seconds and lines at least, and told from this share on.
-WINDOW_S, WINDOW_LINES, MOSTLY = 3.0, 10, 0.9
+WATCHED_S, WINDOW_LINES, MOSTLY = 3.0, 10, 0.9
 # The clocks of device and host are compared once a minute; told is what differs by 2 %, and by 2 s at least.
 CLOCK_S, CLOCK_SHARE, CLOCK_LEAST_S = 60.0, 0.02, 2.0
 HINTS = {
@@ -101,7 +101,7 @@ class Watchdog:
         since_s, accepted, bad = self._window
         good, rejected = intake.accepted - accepted, intake.bad - bad
         lines = good + rejected.total()
-        if host_s - since_s < WINDOW_S or lines < WINDOW_LINES:
+        if host_s - since_s < WATCHED_S or lines < WINDOW_LINES:
             return []
         self._window = (host_s, intake.accepted, intake.bad.copy())
         share, was = rejected.total() / lines, self._rejected

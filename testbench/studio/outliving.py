@@ -25,7 +25,7 @@ from gcode.support.errors import UserError
 from gcode.support.files import make_folder, write_text
 from gcode.support.strict import read_json, read_text, validated
 
-LOOK_S = 0.1
+POLLED_S = 0.1
 LEFT: list[subprocess.Popen] = []  # running children that this process may forget, but not disown with a warning
 CAUGHT_UP_BYTES = 1 << 16  # of what a job has said before it was found again
 ABOUT, ALIVE, SAID, ERRORS, CODE = "job.json", "alive", "said.jsonl", "errors.txt", "code"
@@ -145,7 +145,7 @@ class Outliving:
                 for line in tail.fresh():
                     listener(line)
             if living:
-                await asyncio.sleep(LOOK_S)
+                await asyncio.sleep(POLLED_S)
 
 
 class Tail:

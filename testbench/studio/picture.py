@@ -22,7 +22,7 @@ Drawn = Callable[[float | None, float | None], style.Figure]  # start and end in
 
 PLOTLY_URL = f"/plotly-cartesian-{PLOTLY_VERSION}.min.js"
 YEAR_S = 365 * 24 * 3600
-PATIENCE_S = 10.0  # with a browser that does not say that it has drawn: it may sleep, or look elsewhere
+DRAWN_WITHIN_S = 10.0  # with a browser that does not say that it has drawn: it may sleep, or look elsewhere
 
 
 class Picture(Element, component="picture.js"):
@@ -54,7 +54,7 @@ class Picture(Element, component="picture.js"):
             Whether it was sent.
         """
         now_s = time.monotonic()
-        if now_s - self._sent_s < PATIENCE_S:
+        if now_s - self._sent_s < DRAWN_WITHIN_S:
             return False
         self._sent_s = now_s
         self.show(figure)

@@ -11,7 +11,7 @@ from testbench.studio.job import Job
 from testbench.studio.job_card import progress_in_words
 from testbench.studio.studio import Studio
 
-LOOK_S = 1.0
+REFRESHED_S = 1.0
 PLACES = {
     "model": "/compare",
     "diagnose": "/missing",
@@ -40,7 +40,7 @@ class _Running:
         self.holder = ui.column().classes("running gap-1").props("role=region aria-label='Running now'")
         self._build()
         self._look()
-        ui.timer(LOOK_S, self._look)
+        ui.timer(REFRESHED_S, self._look)
 
     def _look(self) -> None:
         running = self.studio.jobs.running()

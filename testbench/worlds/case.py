@@ -15,16 +15,16 @@ from testbench.recordings.recording import Recording
 from testbench.worlds import strength as strengths
 from testbench.worlds.base import WORLDS, BaseWorld, draw_world
 from testbench.worlds.chain import Form, Hidden, Scene, Usual, run
+from testbench.worlds.coloured_noise import KINDS, quantised, unit_noise
 from testbench.worlds.forms import FORMS, UNKNOWN
 from testbench.worlds.kernels import FloatArray, lowpass
-from testbench.worlds.noise import KINDS, quantised, unit_noise
-from testbench.worlds.protocols import GAUGE_LENGTH_MM, PROTOCOLS, commanded_strain, sample_times
+from testbench.worlds.motions import GAUGE_LENGTH_MM, PROTOCOLS, commanded_strain, sample_times
 
 CATALOGUE = tuple(name for name in FORMS if name not in UNKNOWN)
 OUTSIDE = tuple(sorted(UNKNOWN))
 NOISES = (*KINDS, "any")
 DECOY_SHARE = 0.15
-LEAST_SAMPLES, MOST_SAMPLES = 200, 20_000_000  # the second: 48 h at 100 Hz
+LEAST_SAMPLES, MOST_MADE_SAMPLES = 200, 20_000_000  # the second: 48 h at 100 Hz
 READING_NOISE_MM = (0.0003, 0.005)  # standard deviation of a displacement reading, drawn for each sensor
 
 
@@ -292,8 +292,8 @@ def _check(world: str, noise: str, protocol: str, channels: Sequence[str], **num
             f"minutes: {numbers['minutes']} min at {numbers['rate_hz']} Hz is under {LEAST_SAMPLES} samples; "
             "ask for more"
         )
-    if samples > MOST_SAMPLES:
+    if samples > MOST_MADE_SAMPLES:
         raise UserError(
-            f"minutes: {numbers['minutes']} min at {numbers['rate_hz']} Hz are more than the {MOST_SAMPLES} samples "
-            "that are simulated at once; ask for less"
+            f"minutes: {numbers['minutes']} min at {numbers['rate_hz']} Hz are more than the "
+            f"{MOST_MADE_SAMPLES} samples that are simulated at once; ask for less"
         )

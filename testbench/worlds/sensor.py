@@ -10,9 +10,9 @@ from testbench.worlds import strength as strengths
 from testbench.worlds.base import draw_world
 from testbench.worlds.case import PARTS, Bench, ambient_K, choose, names_of, rng_of
 from testbench.worlds.chain import Scene, run
+from testbench.worlds.coloured_noise import quantised, unit_noise
 from testbench.worlds.kernels import FloatArray
-from testbench.worlds.noise import quantised, unit_noise
-from testbench.worlds.protocols import GAUGE_LENGTH_MM, sample_times
+from testbench.worlds.motions import GAUGE_LENGTH_MM, sample_times
 
 HORIZON_S = 4 * 3600.0  # the room is drawn for so long
 

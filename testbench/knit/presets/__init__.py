@@ -33,6 +33,13 @@ def preset(name: str) -> KnitModel:
     ------
     UserError
         If there is no such preset or specimen.
+
+    Examples
+    --------
+    >>> import testbench as tb
+    >>> first, second = tb.preset("pes"), tb.preset("pes@1")
+    >>> first["elasticity"].stiffness_N == second["elasticity"].stiffness_N
+    False
     """
     kind, at, number = name.partition("@")
     if kind not in names():

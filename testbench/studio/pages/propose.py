@@ -31,7 +31,6 @@ from testbench.studio.widgets import (
 )
 
 MOST_ASKED = 4
-TIED = 3.0  # nats, as in docs/propose.md
 SHOWN = 4
 VERDICTS = {
     "nothing_left": "Nothing is left above the noise, so no law is proposed.",
@@ -198,7 +197,9 @@ def _evidence(law: proposed_law.FoundLaw) -> str:
 
 
 def _against(other: proposed_law.Option, law: proposed_law.FoundLaw) -> str:
-    tied = abs(other.log_evidence - law.log_evidence) < TIED
+    from testbench.proposing.hunt import TIED_NATS
+
+    tied = abs(other.log_evidence - law.log_evidence) < TIED_NATS
     return f"{other.log_evidence:+.1f} nats, {'cannot be told from it' if tied else 'less likely'}"
 
 

@@ -17,7 +17,7 @@ from testbench.studio.unfinished import rig_port
 from testbench.studio.widgets import attempt, guarded, heading, invitation
 
 SIMULATED = "the simulated rig"
-PATIENCE_S = 30
+STARTS_WITHIN_S = 30
 
 
 @guarded
@@ -137,7 +137,7 @@ async def _simulated_port(studio: Studio, sensor: str, program: Path) -> str:
     link.unlink(missing_ok=True)
     argv = ["testbench", "rig", "--sensor", sensor, "--program", str(program), "--link", str(link)]
     rig = studio.jobs.start(KEY_RIG, f"Simulated rig, {sensor}", argv)
-    for _ in range(PATIENCE_S * 10):
+    for _ in range(STARTS_WITHIN_S * 10):
         if link.exists():
             return str(link)
         if not rig.running:

@@ -22,9 +22,9 @@ from testbench.campaigns.record import Job, begin, record
 from testbench.commands import record as command
 from testbench.recordings.manifest import problems
 from testbench.rig.parts import Chunk, End
-from testbench.rig.progress import as_text
 from testbench.rig.recorder import Limits, Recorder
 from testbench.rig.sink import Sink
+from testbench.rig.status_words import as_text
 from testbench.rig.stream import Intake
 from testbench.rig.wire import Sample, encode
 from tests.testbench.rig.rigs import program

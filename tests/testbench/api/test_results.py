@@ -135,8 +135,6 @@ def test_mistakes_are_one_sentence():
         tb.fit({"force_N": [1, 2]})  # type: ignore[arg-type]
     with pytest.raises(tb.UserError, match=r"no such model\.json, and no preset; presets are lycra, pes"):
         tb.simulate("pess", gcode.generate("paper-1", seed=1, duration_s=20))
-    with pytest.raises(TypeError, match="unsupported operand"):
-        tb.baseline() + "stress_relaxation"  # type: ignore[operator]
     with pytest.raises(tb.UserError, match="has no history"):
         tb.ladder(tb.baseline())
     with pytest.raises(tb.UserError, match="preset must be one of"):
@@ -216,9 +214,12 @@ def test_what_the_base_needs_goes_in_before_the_candidate():
 def test_every_result_shows_itself_in_a_notebook_and_can_be_kept_as_json():
     results = [getattr(tb, name) for name in tb.__all__ if name.endswith(("Result", "Case", "Experiment", "Ladder"))]
     assert len(results) == 16
-    for result in (*results, tb.Recording, tb.KnitModel, gcode.Made):
+    without_a_picture = {tb.DatasetResult, tb.VerifyResult, tb.ReportResult, tb.KnitModel, gcode.CheckResult}
+    for result in (*results, tb.Recording, tb.KnitModel, gcode.Made, gcode.Trajectory, gcode.CheckResult):
         assert callable(getattr(result, "_repr_html_", None)), result
         assert callable(getattr(result, "to_dict", None)), result
+        assert callable(getattr(result, "to_frame", None)) or result is tb.ReportResult, result
+        assert callable(getattr(result, "plot", None)) or result in without_a_picture, result
 
 
 def test_what_was_run_verified_and_gathered_is_shown_with_its_samples_and_problems(tmp_path):
@@ -234,4 +235,36 @@ def test_what_was_run_verified_and_gathered_is_shown_with_its_samples_and_proble
 def test_a_hidden_case_shows_its_recordings_and_not_its_truth(tmp_path):
     case = tb.hide("stress_relaxation", tmp_path / "case", seed=1, minutes=2)
     assert case._repr_html_().count("<polyline") == 6
+    assert len(case.plot(axes(3))) == 3
+    samples = case.to_frame()["recording"].value_counts()
+    assert samples.to_dict() == {"calibration": len(case.calibration), "held_out": len(case.held_out)}
     assert "stress_relaxation" not in case._repr_html_() + json.dumps(case.to_dict())
+
+
+def test_a_check_and_what_was_played_show_themselves():
+    made = gcode.generate("paper-1", seed=1, duration_s=20)
+    refused = gcode.check(made.program, gcode.Limits(v_max_mm_per_s=0.1))
+    assert list(refused.to_frame()["line"]) == [problem.line for problem in refused.problems]
+    assert str(refused.problems[0]) in refused._repr_html_()
+    played = gcode.play(made)
+    assert len(played.to_frame()) == len(played.to_dict()["time_s"]) == len(played.time_s)
+    assert "<polyline" in played._repr_html_()
+    assert played.plot(axes(1)[0]).get_ylabel() == "position / mm"
+
+
+def test_a_program_is_taken_in_every_form_and_nothing_else(tmp_path):
+    made = gcode.generate("paper-1", seed=1, duration_s=20)
+    made.write(tmp_path)
+    forms = (
+        made,
+        made.program,
+        tmp_path / "program.tap",
+        str(tmp_path / "program.tap"),
+        gcode.read(tmp_path / "program.tap"),
+    )
+    for form in forms:
+        assert gcode.check(form).ok
+        assert len(gcode.play(form).time_s) == len(gcode.play(made).time_s)
+    for function in (gcode.check, gcode.play):
+        with pytest.raises(tb.UserError, match="or what `generate` made, got int"):
+            function(7)

@@ -14,13 +14,13 @@ from testbench.campaigns.campaign import simulate_campaign
 from testbench.recordings.files import read_recording
 from testbench.recordings.recording import Recording
 from testbench.rig.played import played
-from testbench.rig.simulated import GRID_HZ, Motion
+from testbench.rig.simulated import SIMULATED_HZ, Motion
 from tests.testbench.rig.rigs import plan
 
 
 def wander(duration_s: float = 240.0, seed: int = 1) -> Motion:
     """A smooth, never-repeating motion."""
-    time_s = np.arange(int(duration_s * GRID_HZ)) / GRID_HZ
+    time_s = np.arange(int(duration_s * SIMULATED_HZ)) / SIMULATED_HZ
     rng = np.random.default_rng(seed)
     waves = [np.sin(2 * np.pi * rng.uniform(0.02, 0.3) * time_s + rng.uniform(0, 6)) for _ in range(8)]
     return Motion(time_s, 3.0 + np.sum(waves, axis=0) * 0.5)
@@ -59,7 +59,7 @@ def test_applied_the_recording_is_on_the_plans_clock():
 
 
 def test_a_repeated_motion_is_still_placed_by_its_ends():
-    time_s = np.arange(int(120 * GRID_HZ)) / GRID_HZ
+    time_s = np.arange(int(120 * SIMULATED_HZ)) / SIMULATED_HZ
     motion = Motion(
         time_s, np.where((time_s > 10) & (time_s < 90), 2 - 2 * np.cos(2 * np.pi * (time_s - 10) / 10), 0)
     )

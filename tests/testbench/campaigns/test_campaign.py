@@ -25,7 +25,7 @@ from testbench.recordings.manifest import problems, read_manifest, write_manifes
 from testbench.recordings.versions import software_versions
 from testbench.rig.past import past_displacement
 from testbench.rig.played import played
-from testbench.rig.simulated import GRID_HZ, SimulatedRig
+from testbench.rig.simulated import SIMULATED_HZ, SimulatedRig
 from tests.testbench.rig.rigs import plan, program, triangle
 
 
@@ -231,8 +231,8 @@ def test_a_second_campaign_of_a_sensor_continues_where_the_first_one_and_the_res
     past_mm = past_displacement([first], 30.0)
     truth = SimulatedRig(model, second, 25.0, 1, past_mm=past_mm).truth()
     whole_mm = np.concatenate([past_mm, second.displacement_mm])
-    whole = model.simulate(inputs(np.arange(len(whole_mm)) / GRID_HZ, whole_mm / 25.0), 1 / GRID_HZ)
-    assert len(past_mm) == (20 + 30) * GRID_HZ
+    whole = model.simulate(inputs(np.arange(len(whole_mm)) / SIMULATED_HZ, whole_mm / 25.0), 1 / SIMULATED_HZ)
+    assert len(past_mm) == (20 + 30) * SIMULATED_HZ
     assert truth.time_s[0] == 0
     np.testing.assert_allclose(truth.conductance_S, whole["conductance_S"][len(past_mm) :], rtol=1e-12)
     fresh = SimulatedRig(model, second, 25.0, 1).truth()
@@ -242,7 +242,7 @@ def test_a_second_campaign_of_a_sensor_continues_where_the_first_one_and_the_res
 def test_a_stage_that_ended_elsewhere_returns_during_the_rest():
     past_mm = past_displacement([triangle(5.0)], 60.0)  # ends at 7.5 mm
     assert past_mm[-1] == 0
-    assert np.abs(np.diff(past_mm)).max() <= 1.0 / GRID_HZ * 1.5 * (1 + 1e-9)
+    assert np.abs(np.diff(past_mm)).max() <= 1.0 / SIMULATED_HZ * 1.5 * (1 + 1e-9)
 
 
 def test_a_campaign_with_a_past_is_made_again_from_its_own_folder(tmp_path):

@@ -70,34 +70,13 @@ def test_two_slopes_are_what_they_say_away_from_the_knee():
 
 @pytest.mark.parametrize("law", LAWS, ids=lambda law: law.name)
 def test_a_law_is_drawn_to_data_of_its_own_kind(law):
-    drawn, _, misfit_N = type(law)().drawn_to(STRAIN, force_N(law), np.ones_like(STRAIN))
-    assert misfit_N < 1e-9
-    assert drawn == pytest.approx(law) or np.allclose(force_N(drawn), force_N(law), atol=1e-9)
-
-
-@pytest.mark.parametrize("law", LAWS, ids=lambda law: law.name)
-def test_a_curve_beside_the_law_gets_its_own_coefficient(law):
-    beside = np.maximum(STRAIN - 0.22, 0) ** 2
-    drawn, coefficient, misfit_N = type(law)().drawn_to(
-        STRAIN, force_N(law) + 40 * beside, np.ones_like(STRAIN), beside
-    )
-    assert misfit_N < 1e-9
-    assert coefficient == pytest.approx(40, rel=1e-6)
+    drawn = type(law)().drawn_to(STRAIN, force_N(law), np.ones_like(STRAIN))
     np.testing.assert_allclose(force_N(drawn), force_N(law), atol=1e-8)
-
-
-def test_a_curve_that_would_have_to_pull_back_is_left_out():
-    beside = np.maximum(STRAIN - 0.22, 0) ** 2
-    law = LAWS[0]
-    _, coefficient, misfit_N = type(law)().drawn_to(STRAIN, force_N(law) - 40 * beside, np.ones_like(STRAIN), beside)
-    assert coefficient >= 0
-    assert misfit_N > 1e-4
 
 
 def test_weights_say_which_strains_count():
     bent = force_N(LAWS[0]) + np.where(STRAIN > 0.25, 5.0, 0.0)
-    drawn, _, misfit_N = type(LAWS[0])().drawn_to(STRAIN, bent, np.where(STRAIN > 0.25, 0.0, 1.0))
-    assert misfit_N < 1e-9
+    drawn = type(LAWS[0])().drawn_to(STRAIN, bent, np.where(STRAIN > 0.25, 0.0, 1.0))
     np.testing.assert_allclose(force_N(drawn), force_N(LAWS[0]), atol=1e-8)
 
 

@@ -10,6 +10,7 @@ import pytest
 
 import tests.testbench.report.samples as samples
 from compensation.paper.published import COMPENSATED
+from testbench.recordings.recording import Recording
 from testbench.report import (
     alignment_figures,
     comparison_figures,
@@ -135,6 +136,15 @@ def test_zooming_draws_the_stretch_in_full() -> None:
 
 def test_a_recording_of_motion_alone_has_no_loops() -> None:
     assert recording_figures.hysteresis_loops(samples.recording(force=False, resistance=False)) is None
+
+
+def test_values_that_differ_by_rounding_alone_are_drawn_beside_each_other() -> None:
+    time_s = np.arange(3.0) / 10
+    steady = Recording(time_s, {"displacement_mm": np.array([0.1, 0.2, 0.3]), "force_N": np.ones(3)}, 25.0, "steady")
+    for trace in recording_figures.distributions(steady)["data"][1:]:
+        bars = np.flatnonzero(trace["y"])
+        assert bars.size <= 2
+        assert np.ptp(bars) <= 1
 
 
 def test_distribution_shares_add_up_to_the_whole_time() -> None:

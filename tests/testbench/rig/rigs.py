@@ -8,7 +8,7 @@ import numpy as np
 
 from testbench.campaigns.plan import Plan
 from testbench.knit.catalogue import baseline
-from testbench.rig.simulated import GRID_HZ, Motion, SimulatedRig
+from testbench.rig.simulated import SIMULATED_HZ, Motion, SimulatedRig
 
 PROGRAM_TEXT = """(TWO TRIANGLES)
 G90
@@ -24,7 +24,7 @@ M30
 
 def triangle(duration_s: float = 20.0, top_mm: float = 7.5, period_s: float = 10.0) -> Motion:
     """A triangle from 0 to `top_mm`."""
-    time_s = np.arange(int(duration_s * GRID_HZ) + 1) / GRID_HZ
+    time_s = np.arange(int(duration_s * SIMULATED_HZ) + 1) / SIMULATED_HZ
     return Motion(time_s, top_mm * (1 - np.abs(2 * ((time_s / period_s) % 1) - 1)))
 
 

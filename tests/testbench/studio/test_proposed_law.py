@@ -75,7 +75,7 @@ def test_another_effect_of_that_name_is_not_replaced(proposed: Studio) -> None:
 
 def test_a_model_that_cannot_be_read_leaves_everything_as_it_was(proposed: Studio) -> None:
     (proposed_law.folder_of(proposed, "sleeve") / proposed_law.MODEL).write_text("{}")
-    with pytest.raises(UserError):
+    with pytest.raises(UserError, match="not a knitbench model"):
         proposed_law.take(proposed, "sleeve", kept(proposed))
     assert not proposed.effects_path.exists()
     assert models.steps_in(proposed, "sleeve") == 1
@@ -90,9 +90,16 @@ def test_a_file_that_names_something_else_is_refused(proposed: Studio, name: str
         proposed_law.kept_proposal(proposed, "sleeve")
 
 
-@pytest.mark.parametrize("name", ["stress_relaxation", "My Law", ""])
-def test_a_name_that_is_none_or_taken_is_refused_before_anything_runs(proposed: Studio, name: str) -> None:
-    with pytest.raises(UserError):
+@pytest.mark.parametrize(
+    ("name", "why"),
+    [
+        ("stress_relaxation", "an effect called stress_relaxation already"),
+        ("My Law", "must be like my_effect.py"),
+        ("", "must be like my_effect.py"),
+    ],
+)
+def test_a_name_that_is_none_or_taken_is_refused_before_anything_runs(proposed: Studio, name: str, why: str) -> None:
+    with pytest.raises(UserError, match=why):
         proposed_law.propose_command(proposed, "sleeve", name, 1)
     assert proposed_law.kept_proposal(proposed, "sleeve") is not None
 

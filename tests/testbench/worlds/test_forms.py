@@ -8,7 +8,7 @@ import pytest
 from testbench.worlds.base import WORLDS, draw_world
 from testbench.worlds.chain import Hidden, Scene, Usual, run
 from testbench.worlds.forms import FORMS, UNKNOWN
-from testbench.worlds.protocols import commanded_strain, sample_times
+from testbench.worlds.motions import commanded_strain, sample_times
 
 ALL = [form for forms in FORMS.values() for form in forms.values()]
 NAMES = [f"{form.effect}-{form.name}" for form in ALL]

@@ -11,7 +11,7 @@ from testbench.cli import main
 from testbench.commands import hide
 from testbench.recordings.files import read_recording
 from testbench.worlds.base import WORLDS
-from testbench.worlds.protocols import PROTOCOLS
+from testbench.worlds.motions import PROTOCOLS
 
 WORDS = ["hide", "--effect", "clamp_slip", "--seed", "3", "--minutes", "2", "--rate-hz", "20"]
 
