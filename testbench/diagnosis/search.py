@@ -220,8 +220,15 @@ class Search:
             before.append(base)
             likelihood = replace(likelihood, explained=explained(current, entries[0].hypothesis))
         bare = max((self.judged(Entry("", "", "", h, h.log_z), likelihood) for h in before), key=lambda e: e.log_z)
-        entries = _best_first(self.judged(e, likelihood) for e in entries)
+        entries = self.all_judged(entries, likelihood)
         return Round(bare, tuple(entries), tuple(proposals), counted, likelihood)
+
+    def all_judged(self, entries: Sequence[Entry], likelihood: Likelihood) -> list[Entry]:
+        """The best first, which is carried to its end: a map may stand in for what a fit has not reached yet."""
+        found = _best_first(self.judged(e, likelihood) for e in entries)
+        while found and not found[0].is_settled:
+            found = _best_first([self.judged(self.settled(found[0]), likelihood), *found[1:]])
+        return found
 
     def judged(self, e: Entry, likelihood: Likelihood) -> Entry:
         """An entry as the hypotheses of a round are weighed: beside a map of what it leaves, or without."""
@@ -309,12 +316,12 @@ class Search:
         return replace(e, hypothesis=h, log_z=h.log_z, is_settled=True)
 
     def champions(self, entries: Sequence[Entry]) -> list[Entry]:
-        """The best law of the best mechanisms, and some more of the best two, refitted in full; the best first.
+        """The best law of each mechanism, and some more of the best two, refitted in full; the best first.
 
         A law may gain hundreds of nats on the way to its end.
         """
         laws = _first_of_each(_best_first(entries), lambda e: e.law)
-        best = _first_of_each(laws, lambda e: e.mechanism)[: constants.SETTLED]
+        best = _first_of_each(laws, lambda e: e.mechanism)
         own = [[e for e in laws if e.mechanism == one.mechanism][1 : constants.SETTLED_LAWS] for one in best[:2]]
         chosen = [*best, *itertools.chain(*own)]
         rest = [e for e in laws if e not in chosen]

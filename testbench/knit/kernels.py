@@ -216,14 +216,14 @@ _SIDE = 64
 
 @njit("float64[:](float64[:], float64, float64, float64[:])", cache=True, nogil=True)
 def cosine_series(x: FloatArray, low: float, span: float, weights: FloatArray) -> FloatArray:
-    """w_0 u + w_1 u^2 + sum_k w_(k+1) cos(k pi u) / k^3 with u = (x - low) / span, clipped to 0 <= u <= 1.
+    """w_0 u + w_1 u^2 + sum_k w_(k+1) cos(k pi u) / k^2 with u = (x - low) / span, clipped to 0 <= u <= 1.
 
     Source: Clenshaw, Math. Tables Aids Comput. 9 (1955) 118 (summing a Chebyshev series).
     """
     terms = len(weights) - 2
     scaled = np.empty(terms)
     for k in range(terms):
-        scaled[k] = weights[k + 2] / (k + 1) ** 3
+        scaled[k] = weights[k + 2] / (k + 1) ** 2
     out = np.empty_like(x)
     # Samples go side by side, for each has to wait for its own last term.
     u, first, now, after = np.empty(_SIDE), np.empty(_SIDE), np.empty(_SIDE), np.empty(_SIDE)

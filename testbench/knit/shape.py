@@ -29,10 +29,10 @@ def _settled(start_s: float, end_s: float, count: int) -> FloatArray:
 class ElasticityShape(ForceLaw):
     """Any smooth correction to the elastic law over strain, knees included.
 
-    F += w_1 x + w_2 x^2 + sum_k w_k cos(k pi x) / k^3,   x = e / span
+    F += w_1 x + w_2 x^2 + sum_k w_k cos(k pi x) / k^2,   x = e / span
 
     Source: smoothing splines as a cosine series, Wahba, Spline Models for Observational Data (1990), ch. 2: weights
-    of one size make a curve whose curvature wanders. Valid: inside the strain seen in the fit.
+    of one size make a curve whose slope wanders. Valid: inside the strain seen in the fit.
     """
 
     name = "elasticity_shape"
