@@ -31,6 +31,8 @@ class Entry:
         Log evidence as models are compared: of the model as it is, or beside a free-form map of what it leaves.
     own_part : mapping of channel to float
         What the law changes that the base's laws could not; see `hypothesis.own_part`.
+    log_prior_bend : float
+        Log probability that a law of the base is unlike the sensor's in just this way, so that nothing is missing.
     """
 
     mechanism: str
@@ -40,6 +42,7 @@ class Entry:
     log_z: float
     is_settled: bool = False
     own_part: Mapping[str, float] = field(default_factory=dict)
+    log_prior_bend: float = -np.inf
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,8 +75,12 @@ class Round:
 
     @property
     def log_z_nothing(self) -> float:
-        """Log evidence that nothing is missing: what is left is then noise, whose size is known."""
-        return self.log_z_alone(self.before)
+        """Log evidence that nothing is missing: what is left is then noise, whose size is known.
+
+        The laws of the base are those of the sensor, or one of them is bent as an effect would bend it, as likely.
+        """
+        bent = [e.log_prior_bend - self.luck + self.log_z_alone(e) for e in self.entries]
+        return float(np.logaddexp(self.log_z_alone(self.before), logsumexp([-np.inf, *bent])) - np.log(2))
 
     def _complete(self, entry: Entry) -> float:
         """How much likelier what an entry leaves is if no more is missing.

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import itertools
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import TypeVar
 
+import numpy as np
 from threadpoolctl import threadpool_limits
 
 from testbench.comparing.ladder import drawn_to_data
@@ -38,6 +39,7 @@ from testbench.fitting.baseline import (
     without_shapes,
 )
 from testbench.fitting.measurement import Measurement
+from testbench.fitting.noise import trimmed_rms
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
@@ -233,8 +235,23 @@ class Search:
     def judged(self, e: Entry, likelihood: Likelihood) -> Entry:
         """An entry as the hypotheses of a round are weighed: beside a map of what it leaves, or without."""
         h = under(e.hypothesis, likelihood)
-        own = own_part(h, e.name, likelihood) if e.name else {}
-        return replace(e, hypothesis=h, log_z=log_z_with_map(h, likelihood), own_part=own)
+        judged = replace(e, hypothesis=h, log_z=log_z_with_map(h, likelihood))
+        if not e.name:
+            return judged
+        own = own_part(h, e.name, likelihood)
+        return replace(judged, own_part=own, log_prior_bend=self.log_prior_bend(type(h.model[e.name]), own))
+
+    def log_prior_bend(self, law: type[Effect], own: Mapping[str, float]) -> float:
+        """Log probability that a law of the base is off by what an effect changes; minus infinity if none can be.
+
+        Laws are off by `INEXACT` of what they explain. All effects that bend a law are as likely.
+        """
+        if not law.bends_a_law:
+            return -np.inf
+        likelihood, every = self.compared, [one for one in self.catalogue.effects.values() if one.bends_a_law]
+        measured = {c: likelihood.picked(x - np.median(x), c) for c, x in likelihood.measurement.measured.items()}
+        size = sum((own[c] / trimmed_rms(x)) ** 2 for c, x in measured.items())
+        return float(-0.5 * size / constants.INEXACT**2 - np.log(len(every)))
 
     def proposals(self, h: Hypothesis) -> tuple[Proposal, ...]:
         """What each law of the catalogue promises beside a model, the best first."""

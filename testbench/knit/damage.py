@@ -8,7 +8,7 @@ import numpy as np
 
 from testbench.knit.curves import LAW_TERMS, curve
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
-from testbench.knit.filters import DEAD_BAND_STRAIN
+from testbench.knit.filters import DEAD_BAND_STRAIN, factor_of
 
 
 class MullinsLaw(Effect):
@@ -122,7 +122,7 @@ class MullinsSofteningCurve(MullinsLaw):
 
         top = np.maximum(running_max(signals["strain"]), 1e-6)
         below = 1 - np.clip(signals["strain"] / top, 0.0, 1.0)
-        return {"force_N": signals["force_N"] * np.exp(top / self.span * curve(below, 0.0, 1.0, self.weights))}
+        return {"force_N": signals["force_N"] * factor_of(top / self.span * curve(below, 0.0, 1.0, self.weights))}
 
 
 def cycled_strain(signals: Signals) -> FloatArray:

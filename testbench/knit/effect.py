@@ -126,6 +126,9 @@ class Effect(BaseModel):
         try a grid of magnitudes instead of a finite difference at zero.
     per_recording : tuple of str
         Parameters that belong to one recording, not to the sensor (the phase of a hum): each has its own.
+    bends_a_law : bool
+        What it changes in a reading depends on the strain, or on the load of the contacts, alone: a law of the base
+        that is not quite the sensor's looks the same.
     exclusive : bool
         A model has one law of this mechanism, and another takes its place; so it is with laws that have no strength.
     """
@@ -142,6 +145,7 @@ class Effect(BaseModel):
     optional_reads: ClassVar[tuple[str, ...]] = ()
     nonlinear: ClassVar[bool] = False
     per_recording: ClassVar[tuple[str, ...]] = ()
+    bends_a_law: ClassVar[bool] = False
     exclusive: ClassVar[bool] = False
 
     def __init_subclass__(cls, **kwargs: Any) -> None:

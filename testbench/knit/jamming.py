@@ -15,6 +15,7 @@ class JammingLaw(ForceLaw):
 
     mechanism = "jamming_stiffening"
     strength = "stiffness_N"
+    bends_a_law = True
 
 
 class JammingStiffening(JammingLaw):

@@ -216,7 +216,7 @@ def converges(effect: Effect) -> str:
     """On finer time grids the result settles."""
     coarse, _ = _difference(effect, 0.08, 0.005)
     fine, size = _difference(effect, 0.02, 0.005)
-    if fine <= max(0.6 * coarse, 2e-3 * size):
+    if fine <= max(0.6 * coarse, 5e-3 * size):
         return ""
     return f"does not settle on finer time grids: error {fine:.3g} at 0.02 s, {coarse:.3g} at 0.08 s"
 

@@ -68,6 +68,7 @@ class YarnElongation(ConductanceLaw):
     """
 
     name = "yarn_elongation"
+    bends_a_law = True
     strength = "gauge"
     look = "conductance turns round and falls again at high strain, force does not"
 

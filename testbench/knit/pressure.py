@@ -50,6 +50,7 @@ class ContactSaturationLaw(Effect):
     """Base of the laws of contacts that saturate."""
 
     mechanism = "contact_saturation"
+    bends_a_law = True
     stage = Stage.PRESSURE
     reads, writes = ("contact_force_N",), ("contact_force_N",)
     strength = "inverse_limit_per_N"
