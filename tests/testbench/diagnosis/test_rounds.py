@@ -51,6 +51,22 @@ def test_where_the_base_leaves_noise_nothing_is_missing():
     assert found.probabilities()[NOTHING] > 0.5
 
 
+@pytest.mark.parametrize(
+    ("log_prior_bend", "verdict"), [(-np.inf, "missing"), (-12.0, "missing"), (0.0, "nothing_missing")]
+)
+def test_a_bend_as_small_as_laws_of_the_base_are_off_is_nothing_missing(log_prior_bend, verdict):
+    jam = replace(entry("clamp_slip", 1.25, 30.0), log_prior_bend=log_prior_bend)
+    assert a_round(entry("", 1.25, 0.0), jam).verdict() == verdict
+
+
+@pytest.mark.parametrize(("changes", "verdict"), [(0.0, "unknown"), (4.0, "missing")])
+def test_a_name_leaves_at_most_half_of_what_it_should_explain(changes, verdict):
+    """That is what the base leaves, or what the law changes itself where the base has bent to do the same."""
+    own = {"force": changes * BARE * FLOOR["force"], "conductance": 0.0}
+    found = a_round(entry("", BARE, 0.0), replace(entry("clamp_slip", 0.6 * BARE, 200.0), own_part=own))
+    assert found.verdict() == verdict
+
+
 def test_two_effects_that_leave_each_others_part_are_named_together():
     first = entry("stress_relaxation", 0.7 * BARE, 70.0)
     second = entry("clamp_slip", 1.3, 160.0)
