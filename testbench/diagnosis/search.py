@@ -179,7 +179,7 @@ class Search:
         def last(h: Hypothesis) -> Hypothesis:
             return fitted(h.model, finest, self.reference, h if finest is self.likelihood else None)
 
-        return list(self.pool.map(last, chosen))
+        return self.pool.map(last, chosen)
 
     @cached_property
     def finest(self) -> Likelihood:
@@ -374,7 +374,7 @@ class Search:
 
     def entered(self, chosen: Sequence[tuple[Ground, Proposal]]) -> list[Entry]:
         """Laws put in, each on its ground, and refitted quickly."""
-        return list(self.pool.map(lambda one: self.enter(*one), chosen))
+        return self.pool.map(lambda one: self.enter(*one), chosen)
 
     def enter(self, ground: Ground, p: Proposal) -> Entry:
         """A law refitted with shapes; beside a stiff base it was put in its place before they can take it over."""

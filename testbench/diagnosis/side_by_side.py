@@ -12,7 +12,7 @@ import multiprocessing
 import os
 import signal
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from typing import Any, TypeVar
 
@@ -36,8 +36,8 @@ class SideBySide:
         self.count = min(_cores(), MOST)
         self.forks = _can_fork() and all(one.__module__ in sys.modules for one in classes)
 
-    def map(self, fn: Callable[..., Result], *iterables: Iterable[Any]) -> Iterator[Result]:
-        """Results in the order of the arguments; all are there when this returns.
+    def map(self, fn: Callable[..., Result], *iterables: Iterable[Any]) -> list[Result]:
+        """Results in the order of the arguments.
 
         Raises
         ------
@@ -46,11 +46,11 @@ class SideBySide:
         """
         calls = list(zip(*iterables, strict=False))
         if self.count == 1 or len(calls) < 2:
-            return iter([fn(*call) for call in calls])
+            return [fn(*call) for call in calls]
         if not self.forks:
             with ThreadPoolExecutor(self.count) as threads:
-                return iter(list(threads.map(lambda call: fn(*call), calls)))
-        return iter(self._in_processes(fn, calls))
+                return list(threads.map(lambda call: fn(*call), calls))
+        return self._in_processes(fn, calls)
 
     def _in_processes(self, fn: Callable[..., Result], calls: list[tuple[Any, ...]]) -> list[Result]:
         context, workers = multiprocessing.get_context("fork"), min(self.count, len(calls))

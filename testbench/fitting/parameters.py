@@ -11,12 +11,10 @@ from typing import Any
 import numpy as np
 
 from testbench.knit.effect import FloatArray, bounds_of
-from testbench.knit.model import KnitModel
+from testbench.knit.model import KnitModel, parts_of
 
 # Parameters that describe the data (their range, moments of events), not the sensor: set from them, never fitted.
 FRAME_PARAMETERS = frozenset({"span", "span_N", "low_N", "tension_N", "slip_times_s", "reach_per_s"})
-
-
 LARGEST_LOG = 700.0  # the largest number that has an exponential
 
 
@@ -47,9 +45,7 @@ class FreeParameter:
     @cached_property
     def place(self) -> tuple[str, str, int]:
         """Effect, parameter, and index in its vector; -1: it is none."""
-        effect, _, key = self.address.partition(".")
-        base, bracket, index = key.partition("[")
-        return effect, base, int(index[:-1]) if bracket else -1
+        return parts_of(self.address)
 
     def to_fit(self, value: float) -> float:
         """From the physical value to the fit's coordinate."""

@@ -108,14 +108,12 @@ class KnitModel:
         """A model with parameters changed: ``effect.parameter``, in a vector ``effect.parameter[2]``."""
         changes: dict[str, dict[str, Any]] = {}
         for address, value in values.items():
-            effect_name, _, key = address.partition(".")
+            effect_name, key, index = parts_of(address)
             change = changes.setdefault(effect_name, {})
-            base, bracket, index = key.partition("[")
-            if bracket:
-                vector = change.setdefault(base, list(getattr(self[effect_name], base)))
-                vector[int(index[:-1])] = value
+            if index < 0:
+                change[key] = value
             else:
-                change[base] = value
+                change.setdefault(key, list(getattr(self[effect_name], key)))[index] = value
         return self.changed(changes)
 
     def changed(self, changes: Mapping[str, Mapping[str, Any]]) -> KnitModel:
@@ -189,6 +187,13 @@ class KnitModel:
             for key, value in effect.model_dump().items()
         ]
         return table(("effect", "parameter", "value"), rows)
+
+
+def parts_of(address: str) -> tuple[str, str, int]:
+    """Effect, parameter, and index in its vector (-1: it is none) of ``effect.parameter[index]``."""
+    effect, _, key = address.partition(".")
+    base, bracket, index = key.partition("[")
+    return effect, base, int(index[:-1]) if bracket else -1
 
 
 def check_wiring(name: str, effect: Effect, state: Mapping[str, FloatArray]) -> None:
