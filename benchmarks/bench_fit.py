@@ -22,7 +22,7 @@ from testbench.diagnosis import diagnose
 from testbench.fitting.baseline import starting_baseline
 from testbench.fitting.fit import fit, shape_scales
 from testbench.fitting.measurement import Measurement, split
-from testbench.fitting.noise import noise_floor
+from testbench.fitting.noise_level import noise_floor
 from testbench.fitting.parameters import free_parameters, values_of, with_values
 from testbench.knit.model import KnitModel
 from testbench.worlds import make_case

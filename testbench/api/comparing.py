@@ -18,8 +18,8 @@ from testbench.comparing.compare import Comparison
 from testbench.comparing.judged import Judged, judged
 from testbench.comparing.residual_coordinates import LABELS
 from testbench.comparing.tables import comparison_table
-from testbench.fitting.errors import channel_name
 from testbench.fitting.measurement import Measurement, prepare
+from testbench.fitting.model_errors import channel_name
 from testbench.fitting.responses import UNIT_OF
 from testbench.knit.model import KnitModel
 from testbench.report import style

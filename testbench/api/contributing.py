@@ -18,7 +18,7 @@ from testbench.api.diagnosing import DiagnosisResult, diagnosis_data
 from testbench.comparing.judged import held_samples
 from testbench.fitting import contribution as core
 from testbench.fitting.contribution import Contribution
-from testbench.fitting.errors import channel_name
+from testbench.fitting.model_errors import channel_name
 from testbench.fitting.model_file import ModelFile
 from testbench.fitting.responses import CONDUCTANCE_CHANNEL, UNIT_OF
 from testbench.knit.catalogue import Catalogue, model_from_dict

@@ -18,7 +18,7 @@ from testbench.api.progress import Tell, telling
 from testbench.diagnosis.diagnosis import Diagnosis
 from testbench.diagnosis.words import diagnosis_table, first_line
 from testbench.fitting.model_file import ModelFile
-from testbench.fitting.results import checked_diagnosis, read_diagnosis
+from testbench.fitting.result_files import checked_diagnosis, read_diagnosis
 from testbench.report import style
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from typing import Any, Literal
 from gcode.support.html import card
 from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of
 from testbench.api.diagnosing import DiagnosisResult, diagnosis_data
-from testbench.fitting.results import read_score
+from testbench.fitting.result_files import read_score
 from testbench.recordings.files import read_recording
 from testbench.recordings.recording import Recording
 from testbench.report.build import Inputs, build_report

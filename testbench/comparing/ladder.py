@@ -10,9 +10,9 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from testbench.fitting.clamping import moved, zero_of
-from testbench.fitting.errors import noise_floors, over_the_floors, rms_errors
 from testbench.fitting.fit import Fit, fit
 from testbench.fitting.measurement import Measurement
+from testbench.fitting.model_errors import noise_floors, over_the_floors, rms_errors
 from testbench.fitting.model_file import ModelFile, fit_summary
 from testbench.fitting.remounting import held_errors
 from testbench.fitting.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL

@@ -7,7 +7,7 @@ from typing import Any
 
 from testbench.comparing.compare import Comparison
 from testbench.fitting.clamping import Zero
-from testbench.fitting.errors import channel_name
+from testbench.fitting.model_errors import channel_name
 from testbench.fitting.model_file import ModelFile
 from testbench.fitting.responses import UNIT_OF
 

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from testbench.comparing.words import MANY
 from testbench.design.experiment import Option, Rival
 from testbench.design.protocols import NOISE
-from testbench.fitting.errors import channel_name
+from testbench.fitting.model_errors import channel_name
 
 
 def odds(log_odds: float) -> str:

@@ -17,9 +17,9 @@ from testbench.diagnosis.proposals import Proposal
 from testbench.diagnosis.rounds import NOTHING, UNKNOWN, Entry, Round, Verdict, whole_of
 from testbench.diagnosis.search import Progress, Search, searched
 from testbench.fitting.baseline import SHAPES
-from testbench.fitting.errors import noise_floors
 from testbench.fitting.fit import Fit
 from testbench.fitting.measurement import Measurement, split
+from testbench.fitting.model_errors import noise_floors
 from testbench.fitting.model_file import ModelFile
 from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.knit.effect import Effect

@@ -13,7 +13,7 @@ from testbench.diagnosis.likelihood import Likelihood
 from testbench.diagnosis.priors import Priors
 from testbench.fitting.baseline import SHAPES, without_shapes
 from testbench.fitting.downhill import huber
-from testbench.fitting.noise import trimmed_rms
+from testbench.fitting.noise_level import trimmed_rms
 from testbench.fitting.parameters import values_of
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel

@@ -15,7 +15,7 @@ from testbench.diagnosis.hypothesis import HELD, Hypothesis, pinned, rms, tail
 from testbench.diagnosis.likelihood import Likelihood
 from testbench.diagnosis.priors import priors_of
 from testbench.fitting.downhill import downhill, huber, huber_weight, within
-from testbench.fitting.noise import trimmed_rms
+from testbench.fitting.noise_level import trimmed_rms
 from testbench.fitting.parameters import values_of, with_values
 from testbench.fitting.sensitivity import derivatives
 from testbench.knit.cache import SimulationCache
@@ -53,10 +53,12 @@ def fitted(
     quick : bool
         Keep the sensitivities of the shapes' weights as they are there: nearly right, and ten times cheaper.
     """
-    return _Search(model, likelihood, reference, like, quick, believed or {}).run(iterations)
+    return _PosteriorFit(model, likelihood, reference, like, quick, believed or {}).run(iterations)
 
 
-class _Search:
+class _PosteriorFit:
+    """One fit on its way: the point, the sensitivities there, and the scales of noise and weights so far."""
+
     def __init__(
         self,
         model: KnitModel,

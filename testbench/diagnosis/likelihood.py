@@ -14,10 +14,10 @@ from itertools import pairwise
 import numpy as np
 
 from testbench.diagnosis import constants
-from testbench.fitting.errors import sampled
 from testbench.fitting.measurement import Measurement, channel_of, coarser
+from testbench.fitting.model_errors import sampled
 from testbench.fitting.motion import reading_noise
-from testbench.fitting.noise import FEWEST, noise_floor, robust_sd, rounding, trimmed_rms, within_range
+from testbench.fitting.noise_level import FEWEST, noise_floor, robust_sd, rounding, trimmed_rms, within_range
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
 

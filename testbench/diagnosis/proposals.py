@@ -81,15 +81,15 @@ def laws_of(hypothesis: Hypothesis, likelihood: Likelihood, catalogue: Catalogue
     residual = {c: measurement.measured[c] - values for c, values in plain.items()}
     state = model.simulate(measurement.signals, measurement.dt_s)
     found = []
-    for mechanism, forms in candidate_mechanisms(catalogue, model).items():
+    for mechanism, laws in candidate_mechanisms(catalogue, model).items():
         cache = SimulationCache()
-        for form in forms:
+        for law in laws:
             tried, rows = [], []
-            for candidate in expand([form], mechanism, model, measurement, state, residual):
+            for candidate in expand([law], mechanism, model, measurement, state, residual):
                 changed = measurement.modelled(model.plus(candidate.effect), cache)
                 row = {c: likelihood.picked(changed[c] - plain[c], c) for c in plain}
                 finite = all(np.all(np.isfinite(values)) for values in row.values())
-                if finite and (is_vector(form, form.strength) or any(np.any(values) for values in row.values())):
+                if finite and (is_vector(law, law.strength) or any(np.any(values) for values in row.values())):
                     tried.append(candidate)
                     rows.append(row)
             if tried:
@@ -210,9 +210,9 @@ def extended(normal: NormalEquations, base: Rows, rows: Rows, mean, precision, g
 
 def amplitude_prior(candidate: Candidate, scales: Mapping[str, float]) -> tuple[float, float]:
     """Prior mean and precision of a trace's coefficient."""
-    form = type(candidate.effect)
-    if is_vector(form, form.strength):
+    law = type(candidate.effect)
+    if is_vector(law, law.strength):
         return 0.0, 1e-4
-    if candidate.from_data or form.nonlinear:
+    if candidate.from_data or law.nonlinear:
         return 1.0, 1 / 0.3**2
-    return 0.0, (candidate.strength / typical(form, scales)) ** 2
+    return 0.0, (candidate.strength / typical(law, scales)) ** 2

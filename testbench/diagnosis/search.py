@@ -39,18 +39,18 @@ from testbench.fitting.baseline import (
     without_shapes,
 )
 from testbench.fitting.measurement import Measurement
-from testbench.fitting.noise import trimmed_rms
+from testbench.fitting.noise_level import trimmed_rms
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
 
 Progress = Callable[[str], None]
-One = TypeVar("One", Proposal, Entry, Hypothesis, "tuple[Ground, Proposal]")
+One = TypeVar("One", Proposal, Entry, Hypothesis, "tuple[NullModel, Proposal]")
 
 
 @dataclass(frozen=True, eq=False)
-class Ground:
-    """A model to add effects to, and what the laws of the catalogue promise there, the best first.
+class NullModel:
+    """A model without the effect that is sought, and what the laws of the catalogue promise there, the best first.
 
     Attributes
     ----------
@@ -208,15 +208,15 @@ class Search:
         current, open_ones = bent[0], [self.about_to_bend(h) for h in stiff]
         beside = [(h, h) for h in (*bent, *open_ones)] + list(zip(stiff, open_ones, strict=True))
         proposed = self.pool.map(self.proposals, [h for h, _ in beside])
-        grounds = [Ground(h, like, found) for (h, like), found in zip(beside, proposed, strict=True)]
-        bending = grounds[: len(bent) + len(open_ones)]
+        nulls = [NullModel(h, like, found) for (h, like), found in zip(beside, proposed, strict=True)]
+        bending = nulls[: len(bent) + len(open_ones)]
         likely = _promising(bending)[: constants.BENDING]
-        others = [m for m in _promising(grounds[len(bending) :]) if m not in likely]
+        others = [m for m in _promising(nulls[len(bending) :]) if m not in likely]
         likely += others[: constants.STIFF]
-        every = sorted((p for g in grounds for p in g.proposals), key=lambda p: -p.gain)
+        every = sorted((p for null in nulls for p in null.proposals), key=lambda p: -p.gain)
         proposals = _first_of_each(every, lambda p: p.law)
         counted = Counter(p.mechanism for p in proposals)
-        before, entries = [current], self.contest(grounds, likely)
+        before, entries = [current], self.refitted(nulls, likely)
         if entries:
             base, entries = self.on_one_base(entries)
             before.append(base)
@@ -257,21 +257,21 @@ class Search:
         """What each law of the catalogue promises beside a model, the best first."""
         return tuple(Screen(h, self.compared).proposals(laws_of(h, self.compared, self.catalogue)))
 
-    def chances(self, grounds: Sequence[Ground], mechanism: str) -> list[tuple[Ground, Proposal]]:
-        """Where a mechanism is refitted: its best law on the first ground, then all its laws, the best first.
+    def chances(self, nulls: Sequence[NullModel], mechanism: str) -> list[tuple[NullModel, Proposal]]:
+        """Where a mechanism is refitted: its best law beside the first null model, then all its laws, the best first.
 
         Beside a base that does not bend a refit costs a tenth of a second, and tells more than its first step.
         """
-        every = _chances(grounds, mechanism)
+        every = _chances(nulls, mechanism)
         laws = _first_of_each(every[1:], lambda one: one[1].law)
-        grounds = [ground for ground, _ in laws]
-        refitted = zip(grounds, self.pool.map(self.stiff, grounds, [p for _, p in laws]), strict=True)
+        where = [null for null, _ in laws]
+        refitted = zip(where, self.pool.map(self.stiff, where, [p for _, p in laws]), strict=True)
         return [*every[:1], *sorted(refitted, key=lambda one: -one[1].gain)]
 
-    def stiff(self, ground: Ground, p: Proposal) -> Proposal:
+    def stiff(self, null: NullModel, p: Proposal) -> Proposal:
         """A law refitted, if the base does not bend."""
-        h = ground.hypothesis
-        if ground.like is h:
+        h = null.hypothesis
+        if null.like is h:
             return p
         model = best_start(h, p, self.compared)
         there = fitted(model, self.compared, self.reference, h, believed=self.believed(h, model, p))
@@ -286,27 +286,27 @@ class Search:
     def exchanged(self, model: KnitModel, place: str) -> list[KnitModel]:
         """The model with each other law of the catalogue that could stand in a place of it, drawn to the data."""
         there = model[place]
-        forms = [law for law in self.catalogue.effects.values() if law.name != there.name]
-        forms = [law for law in forms if model.place_of(law) == place]
-        return [model.replacing(place, self.like(law, there, model)) for law in forms]
+        others = [law for law in self.catalogue.effects.values() if law.name != there.name]
+        others = [law for law in others if model.place_of(law) == place]
+        return [model.replacing(place, self.started_like(there, law, model)) for law in others]
 
-    def like(self, law: type[Effect], other: Effect, model: KnitModel) -> Effect:
+    def started_like(self, other: Effect, law: type[Effect], model: KnitModel) -> Effect:
         """A law that starts as another of its kind in what they share, and is drawn to the data in the rest."""
         shared = {key: getattr(other, key) for key in law.model_fields if key in type(other).model_fields}
         return framed(drawn_to_data(law().near(**shared), self.measurement), model, self.measurement)
 
-    def contest(self, grounds: Sequence[Ground], mechanisms: Sequence[str]) -> list[Entry]:
-        """Mechanisms refitted: all quickly, on the grounds that speak for them, then the best of each in full."""
-        chosen = [one for k, m in enumerate(mechanisms) for one in self.chances(grounds, m)[: 4 if k < 3 else 2]]
+    def refitted(self, nulls: Sequence[NullModel], mechanisms: Sequence[str]) -> list[Entry]:
+        """Mechanisms refitted: quickly beside the null models that speak for them, then the best of each in full."""
+        chosen = [one for k, m in enumerate(mechanisms) for one in self.chances(nulls, m)[: 4 if k < 3 else 2]]
         entries = self.entered(chosen)
         if not entries:
             return []
-        entries = self.champions(entries)
+        entries = self.best_of_each(entries)
         tried = {p.law for _, p in chosen}
         likeliest = list(dict.fromkeys(e.mechanism for e in entries))[:2]
-        left = [[one for one in _chances(grounds, m) if one[1].law not in tried] for m in likeliest]
+        left = [[one for one in _chances(nulls, m) if one[1].law not in tried] for m in likeliest]
         more = [one for own in left for one in own[:3]]
-        return self.champions([*entries, *self.entered(more)])
+        return self.best_of_each([*entries, *self.entered(more)])
 
     def on_one_base(self, entries: Sequence[Entry]) -> tuple[Hypothesis, list[Entry]]:
         """The base of the best law, refitted without it; and all laws, where rivals were tried on that base as well.
@@ -332,7 +332,7 @@ class Search:
             h = self.at_rest(h)
         return replace(e, hypothesis=h, log_z=h.log_z, is_settled=True)
 
-    def champions(self, entries: Sequence[Entry]) -> list[Entry]:
+    def best_of_each(self, entries: Sequence[Entry]) -> list[Entry]:
         """The best law of each mechanism, and some more of the best two, refitted in full; the best first.
 
         A law may gain hundreds of nats on the way to its end.
@@ -372,17 +372,17 @@ class Search:
             best = better
         return best
 
-    def entered(self, chosen: Sequence[tuple[Ground, Proposal]]) -> list[Entry]:
-        """Laws put in, each on its ground, and refitted quickly."""
+    def entered(self, chosen: Sequence[tuple[NullModel, Proposal]]) -> list[Entry]:
+        """Laws put in, each beside its null model, and refitted quickly."""
         return self.pool.map(lambda one: self.enter(*one), chosen)
 
-    def enter(self, ground: Ground, p: Proposal) -> Entry:
+    def enter(self, null: NullModel, p: Proposal) -> Entry:
         """A law refitted with shapes; beside a stiff base it was put in its place before they can take it over."""
         self.tell(f"refitting with {p.law}")
-        before = p.model or best_start(ground.hypothesis, p, self.compared)
-        name, believed = _newest(before, ground.hypothesis), self.believed(ground.hypothesis, before, p)
+        before = p.model or best_start(null.hypothesis, p, self.compared)
+        name, believed = _newest(before, null.hypothesis), self.believed(null.hypothesis, before, p)
         model = self.bent(before)
-        h = fitted(model, self.compared, self.reference, ground.like, 6, quick=True, believed=believed)
+        h = fitted(model, self.compared, self.reference, null.like, 6, quick=True, believed=believed)
         return Entry(p.mechanism, p.law, name, h, h.log_z)
 
 
@@ -419,22 +419,22 @@ def _as_good(one: Entry | Hypothesis, best: Entry) -> bool:
     return one.log_z > best.log_z - 3 * constants.EVIDENCE_ERROR
 
 
-def _promising(grounds: Iterable[Ground]) -> list[str]:
+def _promising(nulls: Iterable[NullModel]) -> list[str]:
     """Mechanisms that are worth their parameters to first order, the best first."""
-    likely = sorted((p for g in grounds for p in g.proposals if p.gain > 0), key=lambda p: -p.gain)
+    likely = sorted((p for null in nulls for p in null.proposals if p.gain > 0), key=lambda p: -p.gain)
     return list(dict.fromkeys(p.mechanism for p in likely))
 
 
-def _chances(grounds: Sequence[Ground], mechanism: str) -> list[tuple[Ground, Proposal]]:
+def _chances(nulls: Sequence[NullModel], mechanism: str) -> list[tuple[NullModel, Proposal]]:
     """Where a mechanism is worth its parameters to first order.
 
-    The best on the first ground, then each law on the ground where it gains most, then the rest: a general law gains
-    most everywhere, which is no reason to try no other.
+    The best beside the first null model, then each law beside that where it gains most, then the rest: a general law
+    gains most everywhere, which is no reason to try no other.
     """
-    own = [(g, p) for g in grounds for p in g.proposals if p.mechanism == mechanism and p.gain > 0]
+    own = [(null, p) for null in nulls for p in null.proposals if p.mechanism == mechanism and p.gain > 0]
     own.sort(key=lambda one: -one[1].gain)
-    # Gains tell the laws on one ground from each other, not the grounds.
-    first = [one for one in own if one[0] is grounds[0]][:1]
+    # Gains tell the laws beside one null model from each other, not the null models.
+    first = [one for one in own if one[0] is nulls[0]][:1]
     each = _first_of_each(own, lambda one: one[1].law)
     return list(dict.fromkeys([*first, *each, *own]))
 

@@ -10,7 +10,7 @@ import numpy as np
 from gcode.support.errors import UserError
 from testbench.fitting.fit import prior_ridge, shape_scales
 from testbench.fitting.measurement import Measurement
-from testbench.fitting.noise import robust_sd
+from testbench.fitting.noise_level import robust_sd
 from testbench.fitting.parameters import free_parameters
 from testbench.fitting.sensitivity import sensitivities
 from testbench.knit.cache import SimulationCache

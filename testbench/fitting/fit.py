@@ -10,7 +10,7 @@ import numpy as np
 from gcode.support.errors import UserError
 from testbench.fitting.downhill import Linearised, huber, huber_weight, minimised
 from testbench.fitting.measurement import Measurement
-from testbench.fitting.noise import noise_floor, spread
+from testbench.fitting.noise_level import noise_floor, spread
 from testbench.fitting.parameters import FreeParameter, free_parameters, values_of, with_values
 from testbench.fitting.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL
 from testbench.fitting.sensitivity import sensitivities

@@ -9,7 +9,7 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from testbench.fitting.motion import TURN, reading_noise, without_reading_noise, without_small_turns
-from testbench.fitting.noise import even_step, noise_floor
+from testbench.fitting.noise_level import even_step, noise_floor
 from testbench.fitting.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL, SIGNAL_OF
 from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import FloatArray

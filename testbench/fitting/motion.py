@@ -15,7 +15,7 @@ from scipy.optimize import isotonic_regression
 from scipy.signal import savgol_coeffs
 from scipy.special import softmax
 
-from testbench.fitting.noise import robust_sd
+from testbench.fitting.noise_level import robust_sd
 from testbench.knit.effect import FloatArray
 from testbench.knit.kernels import play
 

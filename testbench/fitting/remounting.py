@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from testbench.fitting.clamping import moved, zero_of
-from testbench.fitting.errors import rms_errors
 from testbench.fitting.fit import fit
 from testbench.fitting.measurement import Measurement
+from testbench.fitting.model_errors import rms_errors
 from testbench.knit.effect import bounds_of
 from testbench.knit.model import KnitModel
 

@@ -33,8 +33,8 @@ TIED_NATS = 3.0
 
 
 @dataclass(frozen=True, eq=False)
-class Ground:
-    """A base without the law that is sought, and laws to first order beside it."""
+class NullModel:
+    """A model without the law that is sought, and laws to first order beside it."""
 
     hypothesis: Hypothesis
     projector: Projector
@@ -77,13 +77,13 @@ class Hunt:
         sought beside one that has not bent yet as well. The third time the base is where the best law so far,
         refitted with it, has taken it to.
         """
-        grounds = (self.ground(current), self.ground(self.about_to_bend(current)))
-        trials = [one for ground in grounds for one in self.look(ground, name)]
+        nulls = (self.null_model(current), self.null_model(self.about_to_bend(current)))
+        trials = [one for null in nulls for one in self.look(null, name)]
         if not trials:
             return None
         first = self.bench.settled(max(trials, key=_evidence))
-        ground = self.ground(self.bench.bare(first))
-        trials = _best_of_each([first, *trials, *self.look(ground, name)])
+        null = self.null_model(self.bench.bare(first))
+        trials = _best_of_each([first, *trials, *self.look(null, name)])
         trials = _best_of_each([*self.pool.map(self.carried, trials[:SETTLED]), *trials])
         holds, wins = stability(current, [t.hypothesis for t in trials], self.likelihood)
         options = [
@@ -94,7 +94,7 @@ class Hunt:
             return None
         rest = tuple(one for k, one in enumerate(options) if k != best)
         tied = sum(abs(one.log_evidence - options[best].log_evidence) < TIED_NATS for one in rest)
-        won = self.simpler(trials[best], ground)
+        won = self.simpler(trials[best], null)
         option = replace(options[best], law=won.law, log_evidence=won.log_z - current.log_z)
         return Step(option, rest, tied, self.dependence(won)), won.hypothesis
 
@@ -103,29 +103,29 @@ class Hunt:
         stiff = fitted(without_shapes(h.model), self.likelihood, self.search.reference, h)
         return fitted(self.search.bent(stiff.model), self.likelihood, self.search.reference, stiff, iterations=0)
 
-    def ground(self, h: Hypothesis) -> Ground:
+    def null_model(self, h: Hypothesis) -> NullModel:
         """Where laws are sought."""
-        return Ground(h, Projector(h, self.likelihood, OpenChain(h.model, self.measurement)))
+        return NullModel(h, Projector(h, self.likelihood, OpenChain(h.model, self.measurement)))
 
-    def look(self, ground: Ground, name: str) -> list[Trial]:
+    def look(self, null: NullModel, name: str) -> list[Trial]:
         """The best laws beside a base, refitted with it, quickly."""
-        found = Beam(ground.projector, self.grid_for(ground.hypothesis), self.tell, self.pool).run()
+        found = Beam(null.projector, self.grid_for(null.hypothesis), self.tell, self.pool).run()
         chosen = finalists([one for one in found if one.gain > LEAST_GAIN / 2])
-        return list(self.pool.map(lambda one: self.refitted(one.law, ground, name), chosen))
+        return list(self.pool.map(lambda one: self.refitted(one.law, null, name), chosen))
 
-    def refitted(self, law: Law, ground: Ground, name: str) -> Trial:
+    def refitted(self, law: Law, null: NullModel, name: str) -> Trial:
         """A law refitted with its base, quickly."""
         self.tell(f"refitting with {law.key}")
-        return self.bench.tried(law, name, ground.hypothesis, ground.projector.law_prior_sd(law))
+        return self.bench.tried(law, name, null.hypothesis, null.projector.law_prior_sd(law))
 
-    def simpler(self, trial: Trial, ground: Ground) -> Trial:
+    def simpler(self, trial: Trial, null: NullModel) -> Trial:
         """A law without those of its pieces that the evidence does not ask for."""
         best = trial
         for at in reversed(range(len(trial.law.term.operators))):
-            less, scores = best.law.without(at), ground.projector
+            less, scores = best.law.without(at), null.projector
             score = scores.of_law(less)
             if score.gain > scores.of_law(best.law).gain - LEAST_GAIN:
-                quick = self.refitted(replace(less, strength=score.strength), ground, trial.name)
+                quick = self.refitted(replace(less, strength=score.strength), null, trial.name)
                 best = max(best, self.bench.settled(quick), key=_evidence)
         return best
 

@@ -13,9 +13,9 @@ from testbench.comparing.ladder import on_the_ladder
 from testbench.diagnosis.hypothesis import Hypothesis
 from testbench.diagnosis.search import Progress, Search
 from testbench.fitting.baseline import SHAPES
-from testbench.fitting.errors import noise_floors, over_the_floors
 from testbench.fitting.fit import Fit
 from testbench.fitting.measurement import Measurement, split
+from testbench.fitting.model_errors import noise_floors, over_the_floors
 from testbench.fitting.model_file import ModelFile
 from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.knit.model import KnitModel

@@ -11,7 +11,7 @@ import numpy as np
 
 from testbench.comparing.tables import ladder_table
 from testbench.comparing.words import percent
-from testbench.fitting.errors import channel_name
+from testbench.fitting.model_errors import channel_name
 from testbench.fitting.responses import UNIT_OF
 from testbench.knit.effect import bounds_of
 from testbench.proposing.formulas import in_words, latex_of, plain

@@ -11,8 +11,8 @@ import numpy as np
 from testbench.comparing.compare import Comparison, residual_maps
 from testbench.comparing.judged import kept_zero
 from testbench.comparing.residual_coordinates import coordinates
-from testbench.fitting.errors import noise_floors
 from testbench.fitting.measurement import Measurement
+from testbench.fitting.model_errors import noise_floors
 from testbench.fitting.model_file import ModelFile
 from testbench.fitting.remounting import remounted
 from testbench.knit.catalogue import Catalogue, model_from_dict

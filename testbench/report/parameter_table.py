@@ -7,13 +7,14 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from testbench.comparing.numbers import allowed, in_words, with_error
+from testbench.diagnosis.hypothesis import HELD
 from testbench.knit.effect import bounds_of
 from testbench.knit.model import KnitModel
 from testbench.report.document import Table
 from testbench.report.words import spoken
 
-HELD = 1e-6  # standard deviation, in the fit's coordinate, by which a diagnosis holds what it does not fit
 HEAD = ("Parameter", "Value", "Allowed range", "Doubts", "What it is")
+HELD_SD = HELD**-0.5  # in the fit's coordinate
 UNIT_TAIL = re.compile(r"_(N|s|S|ohm|mm|C|per_s|per_N|per_C|Hz|N_per_s|ppm)$")
 
 
@@ -53,7 +54,7 @@ def _row(address: str, entry: Mapping[str, Any], fit: Mapping[str, Any], model: 
 
 def is_held(value: float, error: float) -> bool:
     """Whether a standard error is that of the prior which holds a parameter, and says nothing about it."""
-    return error <= 1.05 * HELD * abs(value) or abs(error / HELD - 1) < 0.05
+    return error <= 1.05 * HELD_SD * abs(value) or abs(error / HELD_SD - 1) < 0.05
 
 
 def parameter_name(address: str) -> str:

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from gcode.support.arrays import FloatArray
-from testbench.fitting.errors import channel_name
 from testbench.fitting.measurement import Measurement
+from testbench.fitting.model_errors import channel_name
 from testbench.fitting.remounting import brought_together
 from testbench.fitting.responses import UNIT_OF
 from testbench.knit.model import KnitModel

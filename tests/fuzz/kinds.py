@@ -16,7 +16,7 @@ from gcode.programs.stored_plan import read_plan
 from gcode.support.strict import load
 from testbench.campaigns.dataset_index import index_problems
 from testbench.fitting.model_file import load_model_file
-from testbench.fitting.results import read_diagnosis, read_experiment, read_score
+from testbench.fitting.result_files import read_diagnosis, read_experiment, read_score
 from testbench.knit.catalogue import load_catalogue
 from testbench.recordings.files import read_recording
 from testbench.recordings.manifest import NAME, sealed

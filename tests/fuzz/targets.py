@@ -40,7 +40,7 @@ from testbench.campaigns.dataset_tasks import tasks_of
 from testbench.campaigns.record import Job, begin, job_of, record
 from testbench.comparing.tables import ladder_table
 from testbench.fitting.model_file import ModelFile, load_model_file
-from testbench.fitting.results import read_diagnosis, read_experiment, read_score
+from testbench.fitting.result_files import read_diagnosis, read_experiment, read_score
 from testbench.importing.from_file import import_csv
 from testbench.importing.wish import Wish
 from testbench.knit.catalogue import baseline, load_catalogue

@@ -148,7 +148,7 @@ def view_of(studio: Studio, c: str, on: str, beside: str = "") -> View:
 def _compare(studio: Studio, c: str, on: str, second: Beside | None) -> View:
     """As `testbench compare` does it, with pictures."""
     from testbench.api.comparing import compare
-    from testbench.fitting.errors import rms_errors
+    from testbench.fitting.model_errors import rms_errors
     from testbench.fitting.model_file import load_model_file
     from testbench.report.overlays import failings_of, overlay_of
 

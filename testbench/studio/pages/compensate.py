@@ -10,7 +10,7 @@ from typing import Any
 from nicegui import ui
 
 from gcode.support.errors import UserError
-from testbench.fitting.results import read_score
+from testbench.fitting.result_files import read_score
 from testbench.report import compensator_figures as figures
 from testbench.report.sections import short_name
 from testbench.studio.address import address

@@ -9,7 +9,7 @@ from typing import Any
 from nicegui import ui
 
 from gcode.support.errors import UserError
-from testbench.fitting.results import read_diagnosis, read_experiment
+from testbench.fitting.result_files import read_diagnosis, read_experiment
 from testbench.report import experiment_figures as figures
 from testbench.report.words import experiment_in_words, spoken
 from testbench.studio import models

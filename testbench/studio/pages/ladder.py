@@ -13,7 +13,7 @@ from nicegui import ui
 
 from testbench.comparing.numbers import plain
 from testbench.fitting.model_file import ModelFile
-from testbench.fitting.results import read_diagnosis
+from testbench.fitting.result_files import read_diagnosis
 from testbench.report import diagnosis_figures
 from testbench.report import ladder_figures as figures
 from testbench.report.comparison_figures import busiest_window

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from nicegui import ui
 
-from testbench.fitting.results import read_diagnosis
+from testbench.fitting.result_files import read_diagnosis
 from testbench.report import diagnosis_figures as figures
 from testbench.report.kohm import contribution_kohm
 from testbench.report.words import (

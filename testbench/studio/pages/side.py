@@ -11,7 +11,7 @@ from nicegui import ui
 from gcode.support.errors import UserError
 from testbench.comparing.numbers import plain
 from testbench.fitting.model_file import about_model
-from testbench.fitting.results import read_diagnosis, read_score
+from testbench.fitting.result_files import read_diagnosis, read_score
 from testbench.recordings.recording import Recording
 from testbench.report import recording_figures as figures
 from testbench.report.ladder_figures import UNITS

@@ -17,7 +17,7 @@ from testbench.diagnosis.diagnosis import Diagnosis
 from testbench.diagnosis.words import first_line
 from testbench.fitting.baseline import starting_baseline
 from testbench.fitting.measurement import split
-from testbench.fitting.results import checked_diagnosis
+from testbench.fitting.result_files import checked_diagnosis
 from testbench.knit.catalogue import load_catalogue, model_from_dict
 from testbench.recordings.files import read_recording
 from testbench.recordings.recording import Recording

@@ -9,8 +9,8 @@ from testbench.diagnosis.hypothesis import Hypothesis
 from testbench.diagnosis.laplace import fitted
 from testbench.diagnosis.likelihood import likelihood_of, noise_of
 from testbench.fitting.baseline import SHAPES, with_shapes
-from testbench.fitting.errors import rms_errors
 from testbench.fitting.measurement import Measurement, coarser, prepare
+from testbench.fitting.model_errors import rms_errors
 from tests.testbench.builders import CATALOGUE, record, truth
 
 SLOPE_PER_KS = 0.3  # of the drift: 0.09 in ln G over five minutes, thirty times the noise

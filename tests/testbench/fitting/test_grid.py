@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from testbench.fitting import measurement as measurements
-from testbench.fitting.errors import noise_floors
 from testbench.fitting.measurement import coarser, prepare
+from testbench.fitting.model_errors import noise_floors
 from testbench.recordings.channels import DISPLACEMENT, FORCE
 from testbench.recordings.recording import Recording
 

@@ -6,8 +6,8 @@ import numpy as np
 from scipy.ndimage import convolve1d
 
 from testbench.knit.effect import FloatArray
+from testbench.knit.jumps import MAD_TO_SD
 
-MAD_TO_SD = 1.4826
 OUTLIER = 10.0
 RAIL = 1e-4  # of the range: so near to its end nothing of a reading is left but what a filter has not forgotten
 FEWEST = 50  # values that say how large the noise is

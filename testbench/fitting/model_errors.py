@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from testbench.fitting.measurement import Measurement
-from testbench.fitting.noise import noise_floor
+from testbench.fitting.noise_level import noise_floor
 from testbench.fitting.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
