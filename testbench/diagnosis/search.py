@@ -91,7 +91,7 @@ class Search:
         pieces: float = constants.INDEPENDENT,
     ):
         self.catalogue, self.tell, self.pieces = catalogue, tell, pieces
-        self.pool = SideBySide(catalogue.effects.values())
+        self.pool = SideBySide([*catalogue.effects.values(), *map(type, start.effects.values() if start else ())])
         self.whole, self.noise = measurement, noise_of(measurement)
         self.measurement = telling(on_the_grid(measurement))
         tell("fitting the baseline")

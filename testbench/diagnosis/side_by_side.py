@@ -29,12 +29,13 @@ class SideBySide:
     Parameters
     ----------
     classes : iterable of type
-        Of what comes out. Those of a user's file cannot be sent from one process to another.
+        Of what comes out. One that its module's name and its own do not lead to, such as that of a user's file,
+        cannot be sent from one process to another.
     """
 
     def __init__(self, classes: Iterable[type] = ()) -> None:
         self.count = min(_cores(), MOST)
-        self.forks = _can_fork() and all(one.__module__ in sys.modules for one in classes)
+        self.forks = _can_fork() and all(map(_is_found_by_name, classes))
 
     def map(self, fn: Callable[..., Result], *iterables: Iterable[Any]) -> list[Result]:
         """Results in the order of the arguments.
@@ -77,6 +78,10 @@ def _take(fn: Callable[..., Any], calls: list[tuple[Any, ...]], parent: int) -> 
 def _made(number: int) -> Any:
     fn, calls = _task
     return fn(*calls[number])
+
+
+def _is_found_by_name(one: type) -> bool:
+    return getattr(sys.modules.get(one.__module__), one.__qualname__, None) is one
 
 
 def _cores() -> int:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import minimize
 
+from testbench.diagnosis.side_by_side import SideBySide
 from testbench.knit.effect import FloatArray
 from testbench.proposing.grammar import NO_MEMORY, SIGNAL_ONLY, coordinates_at, fits, price_of
 from testbench.proposing.grids import Grid, rounded, usual_size
@@ -36,7 +36,7 @@ class Found:
 class Beam:
     """One search beside one fitted model."""
 
-    def __init__(self, projector: Projector, grid: Grid, tell: Callable[[str], None], pool: Executor) -> None:
+    def __init__(self, projector: Projector, grid: Grid, tell: Callable[[str], None], pool: SideBySide) -> None:
         self.projector, self.grid, self.tell, self.pool = projector, grid, tell, pool
         self.chain = projector.chain
         self.signals = {p.name: self.chain.readable(p) for p in self.chain.places}
@@ -176,7 +176,7 @@ class Beam:
 
     def polished(self, found: Sequence[Found]) -> list[Found]:
         """The numbers of the best optimised."""
-        better = list(self.pool.map(self.polish, found[:POLISHED]))
+        better = self.pool.map(self.polish, found[:POLISHED])
         return sorted([*better, *found[POLISHED:]], key=lambda one: -one.gain)
 
     def polish(self, found: Found) -> Found:

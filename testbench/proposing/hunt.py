@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -43,8 +42,8 @@ class NullModel:
 class Hunt:
     """Laws found one after the other."""
 
-    def __init__(self, search: Search, pool: ThreadPoolExecutor, name: str) -> None:
-        self.search, self.tell, self.pool, self.name = search, search.tell, pool, name
+    def __init__(self, search: Search, name: str) -> None:
+        self.search, self.tell, self.pool, self.name = search, search.tell, search.pool, name
         self.measurement, self.likelihood = search.measurement, search.likelihood
         self.base = search.flexible
         self.said_nothing_left = excess(self.base, self.likelihood) < NOTHING_LEFT
@@ -111,7 +110,7 @@ class Hunt:
         """The best laws beside a base, refitted with it, quickly."""
         found = Beam(null.projector, self.grid_for(null.hypothesis), self.tell, self.pool).run()
         chosen = finalists([one for one in found if one.gain > LEAST_GAIN / 2])
-        return list(self.pool.map(lambda one: self.refitted(one.law, null, name), chosen))
+        return self.pool.map(lambda one: self.refitted(one.law, null, name), chosen)
 
     def refitted(self, law: Law, null: NullModel, name: str) -> Trial:
         """A law refitted with its base, quickly."""

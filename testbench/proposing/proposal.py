@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -71,9 +70,9 @@ def propose_law(
     play_mm = file.clamp_play_mm if file and held_out else 0.0
     calibration, held = split(recording, held_out, clamp_play_mm=play_mm)
     given = file.model if file else model if isinstance(model, KnitModel) else None
-    with threadpool_limits(1, "blas"), ThreadPoolExecutor(2) as pool:
+    with threadpool_limits(1, "blas"):
         search = Search(calibration, catalogue, tell, given)
-        hunt = Hunt(search, pool, name)
+        hunt = Hunt(search, name)
         found = hunt.run(most)
         tell("judging on the held-out recording")
         return _judged(hunt, found, file, calibration, held)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import copyreg
 import keyword
 import re
 import textwrap
 from collections.abc import Collection, Sequence
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -77,9 +79,21 @@ def strength_key(law: Law) -> str:
 
 def effect_class(law: Law, name: str, grid: Grid) -> type[Effect]:
     """The class that the file would hold, made from the same text."""
+    return _class_of(file_text([(law, name)], grid, "", f"{name}.py"), name)
+
+
+@lru_cache(maxsize=1000)
+def _class_of(text: str, name: str) -> type[Effect]:
+    """One text, one class, whose effects go from one process to another as text and numbers."""
     space: dict[str, Any] = {"__name__": MODULE}
-    exec(compile(file_text([(law, name)], grid, "", f"{name}.py"), f"<{name}>", "exec"), space)
-    return next(v for v in space.values() if isinstance(v, type) and issubclass(v, Effect) and v is not Effect)
+    exec(compile(text, f"<{name}>", "exec"), space)
+    found = next(v for v in space.values() if isinstance(v, type) and issubclass(v, Effect) and v is not Effect)
+    copyreg.pickle(found, lambda effect: (_made_again, (text, name, effect.model_dump())))
+    return found
+
+
+def _made_again(text: str, name: str, values: dict[str, Any]) -> Effect:
+    return _class_of(text, name)(**values)
 
 
 def file_text(laws: Sequence[tuple[Law, str]], grid: Grid, story: str, file: str) -> str:

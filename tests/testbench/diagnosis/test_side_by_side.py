@@ -72,3 +72,10 @@ def test_classes_of_a_users_file_are_not_sent() -> None:
     module = types.ModuleType("knitbench_user_mine")
     exec("class Mine: pass", module.__dict__)
     assert not SideBySide([module.__dict__["Mine"]]).forks
+
+
+def test_classes_made_in_a_function_are_not_sent() -> None:
+    class Mine:
+        pass
+
+    assert not SideBySide([Mine]).forks

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 import re
 
 import numpy as np
@@ -73,6 +74,13 @@ def test_every_operator_makes_an_effect_that_obeys_the_laws(operator: str):
     effect = effect_class(law, "my_law", GRID)()
     sharp = {"dead band", "switch", "stick"}  # what jumps is late by up to a sample, and that is all that is allowed
     assert [p for p in check(effect) if operator not in sharp or "rate" not in p] == []
+
+
+def test_effects_of_a_law_go_from_process_to_process():
+    effect = effect_class(law_of("force", "work", "settling"), "my_law", GRID)()
+    sent = pickle.loads(pickle.dumps(effect))
+    assert type(sent) is type(effect)
+    assert sent == effect
 
 
 @pytest.mark.parametrize(
