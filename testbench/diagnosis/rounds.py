@@ -14,6 +14,7 @@ from testbench.diagnosis import constants
 from testbench.diagnosis.hypothesis import Hypothesis
 from testbench.diagnosis.likelihood import Likelihood
 from testbench.diagnosis.proposals import Proposal
+from testbench.knit.model import KnitModel
 
 NOTHING, UNKNOWN = "nothing", "unknown"
 Verdict = Literal["missing", "nothing_missing", "unknown"]
@@ -43,6 +44,11 @@ class Entry:
     is_settled: bool = False
     own_part: Mapping[str, float] = field(default_factory=dict)
     log_prior_bend: float = -np.inf
+
+    @property
+    def base(self) -> KnitModel:
+        """The model without the law."""
+        return self.hypothesis.model.without(self.name)
 
 
 @dataclass(frozen=True, eq=False)

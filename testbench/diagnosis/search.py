@@ -248,10 +248,15 @@ class Search:
         """
         if not law.bends_a_law:
             return -np.inf
-        likelihood, every = self.compared, [one for one in self.catalogue.effects.values() if one.bends_a_law]
-        measured = {c: likelihood.picked(x - np.median(x), c) for c, x in likelihood.measurement.measured.items()}
-        size = sum((own[c] / trimmed_rms(x)) ** 2 for c, x in measured.items())
-        return float(-0.5 * size / constants.INEXACT**2 - np.log(len(every)))
+        alike = sum(one.bends_a_law for one in self.catalogue.effects.values())
+        size = sum((own[c] / variation) ** 2 for c, variation in self.variation.items())
+        return float(-0.5 * size / constants.INEXACT**2 - np.log(alike))
+
+    @cached_property
+    def variation(self) -> dict[str, float]:
+        """Standard deviation of what was measured, over its relative noise, per channel."""
+        likelihood, measured = self.compared, self.measurement.measured
+        return {c: trimmed_rms(likelihood.picked(x - np.median(x), c)) for c, x in measured.items()}
 
     def proposals(self, h: Hypothesis) -> tuple[Proposal, ...]:
         """What each law of the catalogue promises beside a model, the best first."""
@@ -322,12 +327,11 @@ class Search:
 
     def without(self, best: Entry) -> Hypothesis:
         """The model without the law, refitted."""
-        return self.at_rest(self.compare(best.hypothesis.model.without(best.name), best.hypothesis))
+        return self.at_rest(self.compare(best.base, best.hypothesis))
 
     def in_place_of(self, best: Entry, e: Entry) -> Entry:
         """A law on the base of another."""
-        base = best.hypothesis.model.without(best.name)
-        h = self.compare(base.plus(e.hypothesis.model[e.name], e.name), best.hypothesis)
+        h = self.compare(best.base.plus(e.hypothesis.model[e.name], e.name), best.hypothesis)
         if _as_good(h, best):
             h = self.at_rest(h)
         return replace(e, hypothesis=h, log_z=h.log_z, is_settled=True)
