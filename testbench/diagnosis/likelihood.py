@@ -7,7 +7,7 @@ through its speed.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
@@ -23,6 +23,7 @@ from testbench.knit.model import KnitModel
 
 LEVELS, MOST_NOISE = 10, 30.0  # levels whose noise is told apart; largest over typical noise
 JERK_S = 0.3  # a machine's jerks are quicker, strokes are slower
+RIPPLE_POINTS = 200  # over the strain, of a ripple: some five for each of forty turns of a screw
 MOTION_STEP, HOLD_STEP = 1e-4, 0.02  # of the range of the strain in a step; of the time since the motion ended
 
 
@@ -169,15 +170,36 @@ def noise_of(measurement: Measurement) -> dict[str, float]:
     return found
 
 
-def jitter_of(model: KnitModel, measurement: Measurement) -> dict[str, float]:
+def jitter_of(models: Sequence[KnitModel], measurement: Measurement) -> dict[str, float]:
     """Standard deviation of each reading's age in seconds: by how much noisier it is the faster it moves.
 
     Converters average and hold, and loops ask for them at any time: that shows from sample to sample. A machine moves
     in jerks that the displacement beside the readings does not show: that shows over `JERK_S`. The larger counts.
+
+    What one model leaves may be an error of its own that is as quick. Jitter is what all models leave, and what the
+    last of them would leave if it knew any ripple that is the same at the same strain (of the drive, say).
     """
     lags = {1, max(int(JERK_S / measurement.dt_s), 1)}
-    left = measurement.residual(model)
-    return {c: max(_jitter(values, c, measurement, lag) for lag in lags) for c, values in left.items()}
+    left = [measurement.residual(model) for model in models]
+    left.append({c: _without_ripple(values, measurement) for c, values in left[-1].items()})
+
+    def jitter(values: FloatArray, channel: str) -> float:
+        return max(_jitter(values, channel, measurement, lag) for lag in lags)
+
+    return {c: min(jitter(one[c], c) for one in left) for c in measurement.channels}
+
+
+def _without_ripple(left: FloatArray, measurement: Measurement) -> FloatArray:
+    """The same less its mean at each strain, out and back, shape (n,)."""
+    strain, rest = measurement.signals["strain"], left.copy()
+    out = np.gradient(strain) >= 0
+    for way in (np.flatnonzero(out), np.flatnonzero(~out)):
+        ordered = way[np.argsort(strain[way])]
+        parts = np.array_split(ordered, min(max(len(way) // FEWEST, 1), RIPPLE_POINTS))
+        at, mean = (np.array([x[part].mean() for part in parts if len(part)]) for x in (strain, left))
+        if len(at):
+            rest[way] -= np.interp(strain[way], at, mean)
+    return rest
 
 
 def _jitter(left: FloatArray, channel: str, measurement: Measurement, lag: int) -> float:

@@ -101,9 +101,7 @@ class Search:
         flexible = with_shapes(self.reference, self.measurement, catalogue, like=start)
         without_jitter = likelihood_of(self.reference, self.measurement, self.noise)
         first = fitted(flexible, without_jitter, self.reference, iterations=16)
-        # What one base leaves may be an error of its own that is as quick as a jerk; jerks are what all bases leave.
-        left = [jitter_of(model, measurement) for model in (self.reference, first.model)]
-        self.jitter_s = {channel: min(one[channel] for one in left) for channel in left[0]}
+        self.jitter_s = jitter_of((self.reference, first.model), measurement)
         self.likelihood = self.likelihood_on(self.measurement)
         self.flexible = fitted(first.model, self.likelihood, self.reference, first, iterations=16)
         # What the user has is the model as given; where its laws bend already, so does what it is compared with.

@@ -56,6 +56,7 @@ BUILT_IN = {
     "actuator_backlash_windup": "testbench.knit.grip:ActuatorBacklashWindup",
     "actuator_backlash_compensated": "testbench.knit.grip:ActuatorBacklashCompensated",
     "leadscrew_ripple": "testbench.knit.grip:LeadscrewRipple",
+    "leadscrew_ripple_wave": "testbench.knit.grip:LeadscrewRippleWave",
     "slack": "testbench.knit.grip:Slack",
     # mechanics
     "stress_relaxation": "testbench.knit.relaxation:StressRelaxation",

@@ -8,6 +8,7 @@ import numpy as np
 
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, bounds_of, parameter
 from testbench.knit.jumps import SIGNAL, steepness
+from testbench.knit.waves import harmonics_parameter, wave_of
 
 TURN_STRAIN = 2e-4  # that the motion comes back by for a turn to count
 MOST_TURNS, PITCHES = 40.0, 4  # turns of a screw within the motion; pitches to begin at
@@ -142,6 +143,26 @@ class LeadscrewRipple(Effect):
                 waves[i] += (s * s + c * c) / max(float(sine @ sine), 1e-300), s, c
         best = np.argsort(-waves[:, 0])[:PITCHES]
         return [{"pitch": float(pitches[i]), "phase_rad": float(np.arctan2(waves[i, 2], waves[i, 1]))} for i in best]
+
+
+class LeadscrewRippleWave(LeadscrewRipple):
+    """The screw advances unevenly within each turn, in any way: a worn thread, a bent screw beside an eccentric nut.
+
+    e += amplitude * (w(a) - its value at the start),   a = 2 pi e / pitch + phase
+    w(a) = sin(a) + sum_k (s_k sin(k a) + c_k cos(k a)),   k = 2 to 6
+
+    Source: Fourier series; as `leadscrew_ripple`.
+    Valid: encoder on the motor, not on the clamp.
+    """
+
+    name = "leadscrew_ripple_wave"
+    look = "a ripple of fixed form in force and conductance, with a fixed period in displacement, at any speed"
+
+    harmonics: tuple[float, ...] = harmonics_parameter()
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        wave = wave_of(2 * np.pi * signals["strain"] / self.pitch + self.phase_rad, self.harmonics)
+        return {"strain": signals["strain"] + self.amplitude * (wave - wave[0])}
 
 
 class Slack(Effect):

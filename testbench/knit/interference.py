@@ -8,9 +8,9 @@ import numpy as np
 
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter, step_s
 from testbench.knit.filters import shifted
+from testbench.knit.waves import harmonics_parameter, wave_of
 
 LINES, LINE_BINS = 3, 4  # lines of a spectrum that are tried, and how wide one is
-HARMONICS = 6  # of a wave of any form
 
 
 class InterferenceLaw(Effect):
@@ -66,21 +66,11 @@ class PeriodicInterferenceWave(PeriodicInterference):
     look = "a wave of fixed form rides on the conductance, in holds too; lines at multiples of one frequency"
 
     amplitude: float = parameter(0.01, unit="1", low=0, high=0.5, doc="amplitude of the first harmonic in ln G")
-    harmonics: tuple[float, ...] = parameter(
-        (0.0,) * (2 * (HARMONICS - 1)),
-        unit="1",
-        low=-3,
-        high=3,
-        doc="sine, then cosine of the second harmonic over the first, and so on",
-        typical=0.3,
-    )
+    harmonics: tuple[float, ...] = harmonics_parameter()
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         angle = 2 * np.pi * self.frequency_Hz * signals["time_s"] + self.phase_rad
-        wave = np.sin(angle)
-        for k, (sine, cosine) in enumerate(np.reshape(self.harmonics, (-1, 2)), start=2):
-            wave += sine * np.sin(k * angle) + cosine * np.cos(k * angle)
-        return {"conductance_S": shifted(signals["conductance_S"], self.amplitude * wave)}
+        return {"conductance_S": shifted(signals["conductance_S"], self.amplitude * wave_of(angle, self.harmonics))}
 
 
 class PeriodicInterferenceForce(InterferenceLaw):

@@ -67,7 +67,7 @@ def test_readings_further_apart_than_the_grid_have_a_jitter_nonetheless():
     force_N = 1.5 * strain**0.5 * (1 - 0.1 * np.log1p(np.maximum(time_s - 6, 0)) / np.log(600))
     force_N = np.round(force_N + 1e-3 * np.random.default_rng(0).standard_normal(len(time_s)), 4)
     recording = Recording(time_s, {"displacement_mm": 80 * strain, "force_N": force_N}, 80.0)
-    found = jitter_of(truth(), prepare(recording))
+    found = jitter_of([truth()], prepare(recording))
     assert 0 <= found["force"] < 0.1
 
 
@@ -84,4 +84,4 @@ def test_jerks_that_the_displacement_does_not_show_are_jitter_of_the_readings():
     recording = Recording(time_s, {"displacement_mm": 25 * strain(time_s), "force_N": force_N}, 25.0)
     line = KnitModel({"elasticity": CATALOGUE["elasticity"](stiffness_N=2.0, curvature=0.0, offset_N=0.0)})
     # Robust measures of samples of all speeds say less than there is; without jerks it is a fiftieth of that.
-    assert 0.05 < jitter_of(line, prepare(recording))["force"] < 0.12
+    assert 0.05 < jitter_of([line], prepare(recording))["force"] < 0.12

@@ -13,6 +13,7 @@ from testbench.knit.grip import (
     ActuatorBacklashCompensated,
     ActuatorBacklashWindup,
     LeadscrewRipple,
+    LeadscrewRippleWave,
     Slack,
 )
 from testbench.knit.jamming import JammingStiffening
@@ -71,6 +72,16 @@ def test_windup_closes_exponentially_over_its_travel() -> None:
     back = 0.3 - UP_DOWN_UP[300:601]
     turned = lost[300]
     np.testing.assert_allclose(lost[300:601], -0.005 + (turned + 0.005) * np.exp(-back / 0.02))
+
+
+def test_a_ripple_of_any_form_holds_a_saw_tooth() -> None:
+    """Its Fourier series: sin(k a) / k."""
+    k = np.arange(2, 7)
+    harmonics = tuple(np.column_stack([1 / k, np.zeros(len(k))]).ravel())
+    strain = LeadscrewRippleWave(amplitude=0.01, pitch=0.1, harmonics=harmonics).apply({"strain": UP}, 1.0)["strain"]
+    angle = 2 * np.pi * UP / 0.1
+    series = sum(np.sin(n * angle) / n for n in range(1, 7))
+    np.testing.assert_allclose(strain - UP, 0.01 * (series - series[0]), atol=1e-15)
 
 
 def test_ripple_repeats_with_the_pitch() -> None:
