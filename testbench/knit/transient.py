@@ -163,7 +163,8 @@ class ShoulderPeak(ShoulderLaw):
 class ShoulderPeakAnywhere(ShoulderLaw):
     """Peaks of the resistance at some strains on the way back, none on the way out.
 
-    ln G += (1 - z) / 2 * sum_j w_j B_j(e / span),   dz/de = (sgn(de) - z) / (travel * span)
+    ln G += b(z) * sum_j w_j B_j(e / span),   dz/de = (sgn(de) - z) / (travel * span)
+    b = max((1 - z) / 2 - late, 0) / (1 - late)
 
     Source: Flandin, Hiltner & Baer, Polymer 42 (2001) 827; penalised splines, Eilers & Marx, Statist. Sci. 11 (1996)
     89. Valid: inside the strain seen in the fit.
@@ -179,20 +180,21 @@ class ShoulderPeakAnywhere(ShoulderLaw):
     travel: float = parameter(
         0.06, unit="1", low=1e-3, high=1, scale="log", doc="strain until a turn is forgotten, over the span"
     )
+    late: float = parameter(0.0, unit="1", low=0, high=0.9, doc="share of a turn after which a way back begins")
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain covered by the bumps")
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        from testbench.knit.kernels import bspline, dahl
+        from testbench.knit.kernels import bspline
 
         e = signals["strain"]
-        back = 0.5 * (1 - dahl(e, self.travel * self.span))
-        return back * bspline(e / self.span, np.array(self.weights))
+        return on_the_way_back(e, self.travel * self.span, self.late) * bspline(e / self.span, np.array(self.weights))
 
 
 class ShoulderPeakAfterTurn(ShoulderLaw):
     """Peaks of the resistance on the way back, at some shares of the stretch from which the knit came back.
 
-    ln G += (1 - z) / 2 * sum_j w_j B_j(e / e_turn),   dz/de = (sgn(de) - z) / (travel * span)
+    ln G += b(z) * sum_j w_j B_j(e / e_turn),   dz/de = (sgn(de) - z) / (travel * span)
+    b = max((1 - z) / 2 - late, 0) / (1 - late)
 
     e_turn is the strain of the last turn.
 
@@ -210,16 +212,23 @@ class ShoulderPeakAfterTurn(ShoulderLaw):
     travel: float = parameter(
         0.06, unit="1", low=1e-3, high=1, scale="log", doc="strain until a turn is forgotten, over the span"
     )
-
+    late: float = parameter(0.0, unit="1", low=0, high=0.9, doc="share of a turn after which a way back begins")
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain at the end of the stroke")
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        from testbench.knit.kernels import bspline, dahl, turns
+        from testbench.knit.kernels import bspline, turns
 
         e = signals["strain"]
         turned = e[turns(e, SMALLEST_TURN * self.span)[0].astype(int)]
         share = e / np.maximum(turned, SMALLEST_TURN * self.span)
-        return 0.5 * (1 - dahl(e, self.travel * self.span)) * bspline(share, np.array(self.weights))
+        return on_the_way_back(e, self.travel * self.span, self.late) * bspline(share, np.array(self.weights))
+
+
+def on_the_way_back(strain: FloatArray, travel: float, late: float) -> FloatArray:
+    """0 on the way out, 1 on the way back, shape (n,); `travel` is strain, `late` a share of the turn between them."""
+    from testbench.knit.kernels import dahl
+
+    return np.maximum(0.5 * (1 - dahl(strain, travel)) - late, 0.0) / (1 - late)
 
 
 class RateResistance(OvershootLaw):
