@@ -202,8 +202,7 @@ def diagnose(
     given = model if isinstance(model, ModelFile) and model.fit else None
     start = model.model if isinstance(model, ModelFile) else model
     search, rounds, put_in = searched(calibration, catalogue, most, start, progress)
-    before = _before(given, search, calibration, held)
-    return _concluded(search, rounds, put_in, before, calibration, held)
+    return concluded(search, rounds, put_in, calibration, held, given)
 
 
 def _before(given: ModelFile | None, search: Search, calibration: Measurement, held: Measurement) -> ModelFile:
@@ -213,14 +212,25 @@ def _before(given: ModelFile | None, search: Search, calibration: Measurement, h
     return as_a_step(given.model, given.fit, None, "baseline", calibration, held)
 
 
-def _concluded(
+def concluded(
     search: Search,
-    rounds: list[Round],
-    put_in: list[Entry],
-    before: ModelFile,
+    rounds: Sequence[Round],
+    put_in: Sequence[Entry],
     calibration: Measurement,
     held: Measurement,
+    given: ModelFile | None = None,
 ) -> Diagnosis:
+    """What a search comes to: the verdict, its probabilities, and a ladder with the errors held out.
+
+    Parameters
+    ----------
+    search, rounds, put_in
+        As `search.searched` returns them.
+    calibration, held : Measurement
+    given : ModelFile, optional
+        The user's fitted model, from which the search started.
+    """
+    before = _before(given, search, calibration, held)
     first, bare = rounds[0], rounds[0].before.hypothesis
     verdict = first.verdict(whole_of(rounds, put_in))
     if verdict != "missing":
@@ -258,7 +268,7 @@ def _found(rounds: Sequence[Round], put_in: Sequence[Entry]) -> Found:
 def _ladder(
     search: Search,
     bare: Hypothesis,
-    put_in: list[Entry],
+    put_in: Sequence[Entry],
     before: ModelFile,
     calibration: Measurement,
     held: Measurement,

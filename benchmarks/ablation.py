@@ -1,0 +1,174 @@
+"""Which constants of the diagnosis matter: each is halved and doubled, and the answers are looked at.
+
+    python benchmarks/ablation.py --simulator second --seeds 228 --minutes 6 --results a.jsonl
+    python benchmarks/ablation.py --simulator second --seeds 228 --minutes 6 --results a.jsonl --search INDEPENDENT
+    python benchmarks/ablation.py --results a.jsonl --report
+
+Most constants only judge: the search is done once a case, and all that it refitted is judged anew with each of them
+changed. Of probabilities the odds are halved and doubled. Constants that the fits use, too, take a search of their
+own for each value; name them with --search. The cases are those of `bench_diagnosis.py --quick`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from bench_diagnosis import EFFECTS, OF_ONE_WORLD, Job, append, jobs_of, line_of, read_rows
+from diagnosis_score import (
+    Row,
+    at_a_glance,
+    calibration_error,
+    first,
+    is_single,
+    said,
+    score,
+    share,
+    surely_wrong,
+    top3,
+)
+
+from testbench.diagnosis import constants
+from testbench.diagnosis.diagnosis import concluded
+from testbench.diagnosis.rounds import NOTHING, UNKNOWN, Entry, Round, whole_of
+from testbench.diagnosis.search import Search, searched
+from testbench.fitting.measurement import split
+from testbench.knit.catalogue import load_catalogue
+
+PROBABILITIES = ("PRIOR_NOTHING", "PRIOR_UNKNOWN", "MISLED")
+JUDGING = (
+    *PROBABILITIES,
+    "EVIDENCE_ERROR",
+    "LAW_ERROR",
+    "LAW_SPREAD",
+    "NOISE_SPREAD",
+    "INEXACT",
+    "LEAST_MISFIT",
+    "MOST_LEFT",
+)
+TIMES = (0.5, 2.0)
+
+
+@contextmanager
+def changed(name: str, times: float) -> Iterator[None]:
+    """A constant, or the odds of a probability, times a factor."""
+    before = getattr(constants, name)
+    after = before * times
+    if name in PROBABILITIES:
+        odds = times * before / (1 - before)
+        after = odds / (1 + odds)
+    setattr(constants, name, max(round(after), 1) if isinstance(before, int) else after)
+    try:
+        yield
+    finally:
+        setattr(constants, name, before)
+
+
+def answers_of(job: Job, search_for: Sequence[str]) -> Row:
+    """One case: the row of `bench_diagnosis.py`, and what would have been said with each constant changed."""
+    case, catalogue = job.made(), load_catalogue()
+    mechanisms = {name: effect.mechanism for name, effect in catalogue.effects.items()}
+    if job.left_out:
+        catalogue = catalogue.without(mechanisms.get(job.effect, job.effect))
+    calibration, held = split(case.calibration, case.held_out)
+    search, rounds, put_in = searched(calibration, catalogue, constants.ROUNDS)
+    expected = "unknown" if job.left_out else case.truth["verdict"]
+    told = concluded(search, rounds, put_in, calibration, held).to_dict()
+    row = {"key": job.key, "simulator": job.simulator, "seconds": math.nan, **vars(job)}
+    row |= score(case.truth, told, expected, mechanisms)
+    changes = {}
+    for name in JUDGING:
+        for times in TIMES:
+            with changed(name, times):
+                changes[f"{name} {times:g}"] = judged_anew(search, rounds, put_in)
+    for name in search_for:
+        for times in TIMES:
+            with changed(name, times):
+                found = searched(calibration, catalogue, constants.ROUNDS)
+                changes[f"{name} {times:g}"] = answer(*found[1:])
+    return row | {"changes": changes}
+
+
+def judged_anew(search: Search, rounds: Sequence[Round], put_in: Sequence[Entry]) -> dict[str, Any]:
+    """The answer from what a search refitted, weighed with the constants as they are now."""
+    again = []
+    for step in rounds:
+        entries = [search.judged(e, step.likelihood) for e in step.entries]
+        before = search.judged(step.before, step.likelihood)
+        again.append(replace(step, before=before, entries=tuple(sorted(entries, key=lambda e: -e.log_z))))
+    laws = [one.law for one in put_in]
+    kept = [next(e for e in step.entries if e.law == law) for step, law in zip(again, laws, strict=False)]
+    return answer(again, kept)
+
+
+def answer(rounds: Sequence[Round], put_in: Sequence[Entry]) -> dict[str, Any]:
+    """The verdict, the name that comes first, and the probabilities, as far as they enter the tables."""
+    step = rounds[0]
+    same = bool(put_in) and step.candidate is not None and step.candidate.mechanism == put_in[0].mechanism
+    whole = whole_of(rounds, put_in) if same else None
+    verdict, chances = step.verdict(whole), step.doubted(whole)
+    ranked = sorted((name for name in chances if name not in (NOTHING, UNKNOWN)), key=lambda name: -chances[name])
+    named = [step.candidate.mechanism] if verdict == "missing" and step.candidate else []
+    sure = [chances[name] for name in named]
+    return {"verdict": verdict, "named": named, "sure": sure, "chances": chances, "ranked": ranked[:5]}
+
+
+def table(rows: Sequence[Row]) -> str:
+    """What each change makes of the figures, as Markdown."""
+    lines = [
+        "| constant | value | times | right first | top three | nothing said | unknown said | sure, wrong | ECE |"
+    ]
+    lines.append("|" + "---|" * 9)
+    lines.append("| as they are | | | " + " | ".join(figures(rows)) + " |")
+    for change in dict.fromkeys(name for row in rows for name in row["changes"]):
+        name, times = change.split()
+        mine = [row | row["changes"][change] for row in rows if change in row["changes"]]
+        cells = " | ".join(figures(mine))
+        lines.append(f"| `{name}` | {getattr(constants, name):g} | {times} | {cells} |")
+    return "\n".join(lines)
+
+
+def figures(rows: Sequence[Row]) -> list[str]:
+    """The goals, one cell each."""
+    single = [row for row in rows if is_single(row)]
+    none = [row for row in rows if row["expected"] == "nothing_missing"]
+    unknown = [row for row in rows if row["expected"] == "unknown"]
+    error = calibration_error(rows)
+    return [
+        share(single, first),
+        share(single, top3),
+        share(none, said("nothing_missing")),
+        share(unknown, said("unknown")),
+        share(rows, surely_wrong),
+        "-" if error is None else f"{error:.3f}",
+    ]
+
+
+def main() -> None:
+    """Run what is not in the results yet, and print the tables."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--simulator", choices=tuple(OF_ONE_WORLD), default="second", help="who makes the sensors")
+    parser.add_argument("--seeds", type=int, nargs="+", default=[0], help="of the sensors")
+    parser.add_argument("--minutes", type=float, default=6.0, help="length of each recording (6)")
+    parser.add_argument("--limit", type=int, help="stop after so many cases")
+    parser.add_argument("--search", nargs="*", default=[], metavar="CONSTANT", help="search anew with these changed")
+    parser.add_argument("--results", type=Path, required=True, help="JSON lines to append to and to resume from")
+    parser.add_argument("--report", action="store_true", help="only the tables of what is there")
+    args = parser.parse_args()
+    rows = {row["key"]: row for row in read_rows(args.results)}
+    jobs = jobs_of(EFFECTS[args.simulator], [5.0], [args.simulator], args.seeds, Job(minutes=args.minutes))
+    for job in [] if args.report else jobs[: args.limit]:
+        if job.key not in rows:
+            rows[job.key] = answers_of(job, args.search)
+            append(args.results, rows[job.key])
+            print(line_of(rows[job.key]), flush=True)
+    print(f"\n{at_a_glance(list(rows.values()))}\n\n{table(list(rows.values()))}")
+
+
+if __name__ == "__main__":
+    main()
