@@ -225,7 +225,7 @@ class ShoulderPeakAfterTurn(ShoulderLaw):
 
 
 def on_the_way_back(strain: FloatArray, travel: float, late: float) -> FloatArray:
-    """0 on the way out, 1 on the way back, shape (n,); `travel` is strain, `late` a share of the turn between them."""
+    """0 on the way out, 1 on the way back, shape (n,); `travel` in strain, `late` as a share of a turn."""
     from testbench.knit.kernels import dahl
 
     return np.maximum(0.5 * (1 - dahl(strain, travel)) - late, 0.0) / (1 - late)
