@@ -17,7 +17,13 @@ from testbench.knit.heat import (
 )
 from testbench.knit.interference import PeriodicInterference, PeriodicInterferenceWave
 from testbench.knit.load_cell import LoadCellCreep, LoadCellCreepTwoTimes, LoadCellZeroDrift
-from testbench.knit.transient import ElectricalOvershoot, ElectricalOvershootMagnitude, RateResistance, ShoulderPeak
+from testbench.knit.transient import (
+    ElectricalOvershoot,
+    ElectricalOvershootMagnitude,
+    RateResistance,
+    ShoulderPeak,
+    on_the_way_back,
+)
 from testbench.knit.turning import ElectricalOvershootAnew, ElectricalOvershootReversal
 
 DT_S = 0.05
@@ -68,6 +74,15 @@ def test_shoulder_is_on_the_way_back_only() -> None:
     change = log_change(ShoulderPeak(gain=-1.0, tau_s=5.0))
     assert np.all(np.abs(change[T < 40]) < 1e-12)
     assert change[np.searchsorted(T, 50.0)] == pytest.approx(-0.02 * 5.0 * -np.expm1(-10 / 5.0), rel=1e-3)
+
+
+def test_a_late_way_back_begins_after_its_share_of_the_turn() -> None:
+    back = np.linspace(1.0, 0.0, 2001)
+    strain = np.concatenate([np.linspace(0.0, 1.0, 2001), back])
+    at_once, late = (on_the_way_back(strain, 0.1, share) for share in (0.0, 0.5))
+    turned = 1 - 2 * np.exp((back - 1) / 0.1)  # z of Dahl's law, from -1 (out) to 1 (back)
+    np.testing.assert_allclose(at_once[2001:], 0.5 * (1 + turned), atol=1e-3)
+    np.testing.assert_allclose(late[2001:], np.maximum(turned, 0.0), atol=1e-3)
 
 
 def test_rate_shift_is_gone_when_the_motion_stops() -> None:
