@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -15,6 +16,8 @@ from testbench.fitting.baseline import SHAPES, without_shapes
 from testbench.fitting.downhill import huber
 from testbench.fitting.noise_level import trimmed_rms
 from testbench.fitting.parameters import values_of
+from testbench.fitting.sensitivity import sensitivities
+from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
 
@@ -126,13 +129,16 @@ def own_part(h: Hypothesis, name: str, likelihood: Likelihood) -> dict[str, floa
     Over the relative noise of the samples that count, per channel, in N and ln S. The base's shapes are not asked:
     they bend to nearly anything.
     """
-    here, without = (likelihood.measurement.modelled(model) for model in (h.model, h.model.without(name)))
-    base = [i + 1 for i, p in enumerate(h.priors.parameters) if h.held[i] and not p.address.startswith(f"{name}.")]
+    measurement, bare = likelihood.measurement, h.model.without(name)
+    held = itertools.compress(h.priors.parameters, h.held)
+    base = [p for p in held if p.address.partition(".")[0] in bare]
+    without, columns = sensitivities(bare, base, measurement, SimulationCache())
     found = {}
-    for channel, rows in h.columns.items():
-        change = likelihood.picked(here[channel] - without[channel], channel)
-        columns = rows[base].T / np.maximum(np.sqrt(np.mean(rows[base] ** 2, axis=1)), 1e-300)
-        found[channel] = trimmed_rms(change - columns @ np.linalg.lstsq(columns, change, rcond=1e-6)[0])
+    for channel, here in measurement.modelled(h.model).items():
+        change = likelihood.picked(here - without[channel], channel)
+        rows = likelihood.picked(columns[channel], channel)
+        sized = rows.T / np.maximum(np.sqrt(np.mean(rows**2, axis=1)), 1e-300)
+        found[channel] = trimmed_rms(change - sized @ np.linalg.lstsq(sized, change, rcond=1e-6)[0])
     return found
 
 
