@@ -79,24 +79,30 @@ class Likelihood:
     def noise_log_prior(self, sigma: Mapping[str, float], explained: Mapping[str, float]) -> float:
         """Log density of what a model leaves, if nothing else is missing, over the same if anything is.
 
-        A model that is complete leaves the misfit of its base and the error of its last law, each within a factor;
-        where something else is missing, every size of what is left is alike, up to `MOST_LEFT` times the least one.
-        The channels are taken together, in noise floors: what is missing most may leave alone a channel that it does
-        not touch.
+        A model that is complete leaves in each channel the misfit of its base and the error of its last law, each
+        within a factor. What is missing changes some of the channels, every choice of them alike; in those every size
+        of what is left is alike, up to `MOST_LEFT` times the least one.
 
         Parameters
         ----------
         sigma, explained : mapping of channel to float
             Standard deviations of what the model leaves, and of what its last law explains.
         """
-        floors = sum((left / self.floor[c]) ** 2 for c, left in sigma.items())
-        by_law = sum((constants.LAW_ERROR * some / self.floor[c]) ** 2 for c, some in explained.items())
-        expected = len(sigma) * constants.LEAST_MISFIT**2 + by_law
+        complete = np.array([self._log_complete(left / self.floor[c], c, explained) for c, left in sigma.items()])
+        changed = -np.log(np.log(constants.MOST_LEFT))
+        either = float(np.sum(np.logaddexp(complete, changed)))
+        none = float(np.sum(complete))
+        some = either + np.log(-np.expm1(none - either)) - np.log(2 ** len(complete) - 1)
+        return float(none - some)
+
+    def _log_complete(self, floors: float, channel: str, explained: Mapping[str, float]) -> float:
+        """Log density of ln(what is left in a channel) where the model is complete."""
+        by_law = (constants.LAW_ERROR * explained.get(channel, 0.0) / self.floor[channel]) ** 2
+        expected = constants.LEAST_MISFIT**2 + by_law
         share = by_law / expected
         spread = np.hypot((1 - share) * constants.NOISE_SPREAD, share * constants.LAW_SPREAD)
-        over = 0.5 * np.log(max(floors / expected, 1.0))
-        at_best = np.log(np.log(constants.MOST_LEFT) / spread * np.sqrt(2 / np.pi))
-        return float(len(sigma) * at_best - 0.5 * (over / spread) ** 2)
+        over = 0.5 * np.log(max(floors**2 / expected, 1.0))
+        return float(np.log(np.sqrt(2 / np.pi) / spread) - 0.5 * (over / spread) ** 2)
 
     @property
     def in_pieces(self) -> Likelihood:

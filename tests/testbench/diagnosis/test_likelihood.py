@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from testbench.diagnosis import constants
-from testbench.diagnosis.likelihood import jitter_of, law_error_of, likelihood_of, noise_of
+from testbench.diagnosis.likelihood import Likelihood, jitter_of, law_error_of, likelihood_of, noise_of
 from testbench.fitting.measurement import Measurement, prepare
 from testbench.knit.model import KnitModel
 from testbench.recordings.recording import Recording
@@ -85,3 +87,41 @@ def test_jerks_that_the_displacement_does_not_show_are_jitter_of_the_readings():
     line = KnitModel({"elasticity": CATALOGUE["elasticity"](stiffness_N=2.0, curvature=0.0, offset_N=0.0)})
     # Robust measures of samples of all speeds say less than there is; without jerks it is a fiftieth of that.
     assert 0.05 < jitter_of([line], prepare(recording))["force"] < 0.12
+
+
+def test_a_ripple_that_is_the_same_at_the_same_strain_is_no_jerk():
+    """The saw-tooth of a worn screw, six turns of which are within the motion; as jitter it would be 0.04 s."""
+    time_s = np.arange(0, 300, 0.04)
+    strain = 0.15 + 0.1 * np.sin(2 * np.pi * time_s / 20) + 0.05 * np.sin(2 * np.pi * time_s / 7.3)
+    noise = 1e-3 * np.random.default_rng(3).standard_normal(len(time_s))
+    force_N = 2.0 * (strain + 0.01 * ((strain / 0.045) % 1.0 - 0.5)) + noise
+    recording = Recording(time_s, {"displacement_mm": 25 * strain, "force_N": force_N}, 25.0)
+    line = KnitModel({"elasticity": CATALOGUE["elasticity"](stiffness_N=2.0, curvature=0.0, offset_N=0.0)})
+    assert jitter_of([line], prepare(recording))["force"] < 0.01
+
+
+def prior_of_noise(floors: dict[str, float], explained: dict[str, float] | None = None) -> float:
+    """Log prior of what a complete model leaves, in noise floors."""
+    floor = dict.fromkeys(floors, 1e-3)
+    likelihood = Likelihood(SimpleNamespace(), np.arange(10), {}, floor, 1.0)  # type: ignore[arg-type]
+    scaled = {c: 1e-3 * value for c, value in (explained or {}).items()}
+    return likelihood.noise_log_prior({c: 1e-3 * value for c, value in floors.items()}, scaled)
+
+
+def test_what_a_complete_model_leaves_is_the_noise_of_one_channel():
+    """A half normal density of ln(what is left) over a flat one, by hand."""
+    spread, over = constants.NOISE_SPREAD, np.log(1.5 / constants.LEAST_MISFIT)
+    half_normal = np.sqrt(2 / np.pi) / spread * np.exp(-0.5 * (over / spread) ** 2)
+    assert prior_of_noise({"force": 1.5}) == pytest.approx(np.log(half_normal * np.log(constants.MOST_LEFT)))
+
+
+def test_a_quiet_channel_does_not_excuse_what_another_leaves():
+    assert prior_of_noise({"force": 1.25, "conductance": 1.25}) > 3
+    assert prior_of_noise({"force": 1.25, "conductance": 2.7}) < -5
+    assert prior_of_noise({"force": 1.25, "conductance": 2.7}, {"conductance": 20.0}) > 0  # an error of the law
+
+
+def test_what_is_missing_may_leave_a_channel_alone():
+    """Else a channel that fits would speak against an effect that never touches it."""
+    alone = prior_of_noise({"force": 5.0})
+    assert prior_of_noise({"force": 5.0, "conductance": 1.25}) == pytest.approx(alone, abs=1.2)

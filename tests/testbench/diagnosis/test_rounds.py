@@ -45,6 +45,11 @@ def test_where_the_base_leaves_much_and_no_law_helps_it_is_unknown():
     assert found.verdict() == "unknown"
 
 
+def test_nothing_is_not_said_where_one_channel_is_left_at_twice_the_noise():
+    found = a_round(entry("", 2.7, 0.0), entry("self_heating", 2.7, 0.5))
+    assert found.verdict() == "unknown"
+
+
 def test_where_the_base_leaves_noise_nothing_is_missing():
     found = a_round(entry("", 1.25, 0.0), entry("self_heating", 1.25, 2.0))
     assert found.verdict() == "nothing_missing"
