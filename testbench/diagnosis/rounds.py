@@ -92,11 +92,13 @@ class Round:
         """How much likelier what an entry leaves is if no more is missing.
 
         A law errs in proportion to what it does. That is what the error falls by, or more where the base has bent to
-        do the same.
+        do the same. It is asked for the channels that it changes: the others may lack something else. That nothing is
+        missing is asked of all.
         """
-        fall = explained(self.before.hypothesis, entry.hypothesis)
+        fall, sigma = explained(self.before.hypothesis, entry.hypothesis), entry.hypothesis.evidence.sigma
         by_law = {c: max(some, entry.own_part.get(c, 0.0)) for c, some in fall.items()}
-        return self.likelihood.noise_log_prior(entry.hypothesis.evidence.sigma, by_law)
+        changed = [c for c, some in by_law.items() if some > self.likelihood.least_misfit[c]] or list(sigma)
+        return self.likelihood.noise_log_prior({c: sigma[c] for c in changed}, by_law)
 
     def left(self, *put_in: Entry) -> float:
         """Share of what laws should explain that the last of them leaves, one put in after the other.
