@@ -51,6 +51,7 @@ JUDGING = (
     "LEAST_MISFIT",
     "MOST_LEFT",
 )
+MISFIT = ("INEXACT", "LEAST_MISFIT")  # those that enter the evidences, too
 TIMES = (0.5, 2.0)
 
 
@@ -85,7 +86,8 @@ def answers_of(job: Job, search_for: Sequence[str]) -> Row:
     for name in JUDGING:
         for times in TIMES:
             with changed(name, times):
-                changes[f"{name} {times:g}"] = judged_anew(search, rounds, put_in)
+                steps = [weighed_anew(search, step) if name in MISFIT else replace(step) for step in rounds]
+                changes[f"{name} {times:g}"] = answer(steps, put_in_of(steps, put_in))
     for name in search_for:
         for times in TIMES:
             with changed(name, times):
@@ -94,16 +96,16 @@ def answers_of(job: Job, search_for: Sequence[str]) -> Row:
     return row | {"changes": changes}
 
 
-def judged_anew(search: Search, rounds: Sequence[Round], put_in: Sequence[Entry]) -> dict[str, Any]:
-    """The answer from what a search refitted, weighed with the constants as they are now."""
-    again = []
-    for step in rounds:
-        entries = [search.judged(e, step.likelihood) for e in step.entries]
-        before = search.judged(step.before, step.likelihood)
-        again.append(replace(step, before=before, entries=tuple(sorted(entries, key=lambda e: -e.log_z))))
-    laws = [one.law for one in put_in]
-    kept = [next(e for e in step.entries if e.law == law) for step, law in zip(again, laws, strict=False)]
-    return answer(again, kept)
+def weighed_anew(search: Search, step: Round) -> Round:
+    """The same with all evidences as the constants are now."""
+    entries = [search.judged(e, step.likelihood) for e in step.entries]
+    before = search.judged(step.before, step.likelihood)
+    return replace(step, before=before, entries=tuple(sorted(entries, key=lambda e: -e.log_z)))
+
+
+def put_in_of(steps: Sequence[Round], put_in: Sequence[Entry]) -> list[Entry]:
+    """What was put in, as it is weighed now."""
+    return [next(e for e in step.entries if e.law == one.law) for step, one in zip(steps, put_in, strict=False)]
 
 
 def answer(rounds: Sequence[Round], put_in: Sequence[Entry]) -> dict[str, Any]:
