@@ -237,14 +237,14 @@ class Search:
         if not e.name:
             return judged
         own = own_part(h, e.name, likelihood)
-        return replace(judged, own_part=own, log_prior_bend=self.log_prior_bend(type(h.model[e.name]), own))
+        return replace(judged, own_part=own, log_prior_bend=self.log_prior_bend(h.model[e.name], own))
 
-    def log_prior_bend(self, law: type[Effect], own: Mapping[str, float]) -> float:
+    def log_prior_bend(self, effect: Effect, own: Mapping[str, float]) -> float:
         """Log probability that a law of the base is off by what an effect changes; minus infinity if none can be.
 
         Laws are off by `INEXACT` of what they explain. All effects that bend a law are as likely.
         """
-        if not law.bends_a_law:
+        if not effect.is_a_bend(self.measurement.signals):
             return -np.inf
         alike = sum(one.bends_a_law for one in self.catalogue.effects.values())
         size = sum((own[c] / variation) ** 2 for c, variation in self.variation.items())

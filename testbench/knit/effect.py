@@ -177,6 +177,10 @@ class Effect(BaseModel):
         """
         raise NotImplementedError
 
+    def is_a_bend(self, signals: Signals) -> bool:
+        """Whether a law of the base that is not quite the sensor's would look the same in this motion."""
+        return self.bends_a_law
+
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         """Points of the parameters where a fit may start on these data; default: none, a coarse grid of the bounds.
 

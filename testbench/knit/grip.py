@@ -12,6 +12,7 @@ from testbench.knit.waves import harmonics_parameter, wave_of
 
 TURN_STRAIN = 2e-4  # that the motion comes back by for a turn to count
 MOST_TURNS, PITCHES = 40.0, 4  # turns of a screw within the motion; pitches to begin at
+BEND_TURNS = 3.0  # fewer turns of a screw within the motion are a bend of the knit's own law
 JOINTS = np.linspace(-1, 1, 5)  # relative gaps of a drive whose play closes little by little
 
 
@@ -127,6 +128,9 @@ class LeadscrewRipple(Effect):
         strain = signals["strain"]
         wave = np.sin(2 * np.pi * strain / self.pitch + self.phase_rad)
         return {"strain": strain + self.amplitude * (wave - wave[0])}
+
+    def is_a_bend(self, signals: Signals) -> bool:
+        return float(np.ptp(signals["strain"])) < BEND_TURNS * self.pitch
 
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         """The pitches whose waves over the strain, times the slope of the channel, follow the misfit best."""

@@ -84,6 +84,12 @@ def test_a_ripple_of_any_form_holds_a_saw_tooth() -> None:
     np.testing.assert_allclose(strain - UP, 0.01 * (series - series[0]), atol=1e-15)
 
 
+def test_a_ripple_of_two_turns_within_the_motion_is_a_bend() -> None:
+    motion = {"strain": np.linspace(0.0, 0.3, 100)}
+    assert LeadscrewRipple(pitch=0.15).is_a_bend(motion)
+    assert not LeadscrewRipple(pitch=0.06).is_a_bend(motion)
+
+
 def test_ripple_repeats_with_the_pitch() -> None:
     strain = LeadscrewRipple(amplitude=0.01, pitch=0.1).apply({"strain": UP}, 1.0)["strain"]
     error = strain - UP
