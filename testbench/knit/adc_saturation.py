@@ -94,6 +94,7 @@ class AdcSaturationSoft(SaturationLaw):
     """
 
     name = "adc_saturation_soft"
+    bends_a_law = True
     look = "conductance flattens out within the last few per cent below one value"
 
     floor_ohm: float = parameter(1e4, unit="ohm", low=0, high=1e12, doc="smallest resistance that can be read")
