@@ -51,16 +51,16 @@ def errors_line(step: Mapping[str, Any]) -> str:
 def ladder_table(file: ModelFile) -> str:
     """The errors step by step, down to the noise floor."""
     wide = max(STEP_WIDTH, 2 + max((len(step["step"]) for step in file.history), default=0))
-    lines = [f"{'step':<{wide}}{'channel':<13}{'calibration':>14}{'held out':>14}{'noise floor':>14}{'fall':>8}"]
+    lines = [f"{'step':<{wide}}{'channel':<13}{'calibration':>16}{'held out':>16}{'noise floor':>16}{'fall':>8}"]
     first: dict[str, float] = {}
     for step in file.history:
         name, errors = step["step"], step["errors"]
         for channel, held in errors["held_out"].items():
             top = first.setdefault(channel, held)
             numbers = (errors["calibration"][channel], held, step["noise_floor"][channel])
-            cells = "".join(f"{value:>9.4g} {UNIT_OF[channel]:<4}" for value in numbers)
+            cells = "".join(f"{value:>11.4g} {UNIT_OF[channel]:<4}" for value in numbers)
             left = held / top if top else 1.0
-            lines.append(f"{name:<{wide}}{channel_name(channel):<13}{cells}{100 * (1 - left):>6.0f} %")
+            lines.append(f"{name:<{wide}}{channel_name(channel):<13}{cells}{round(100 * (1 - left)):>6} %")
             name = ""
     return "\n".join(lines)
 
