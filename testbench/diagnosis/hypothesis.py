@@ -15,13 +15,11 @@ from testbench.diagnosis.priors import Priors
 from testbench.fitting.baseline import SHAPES, without_shapes
 from testbench.fitting.downhill import huber
 from testbench.fitting.noise_level import trimmed_rms
-from testbench.fitting.parameters import values_of
+from testbench.fitting.parameters import HELD, values_of
 from testbench.fitting.sensitivity import sensitivities
 from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
-
-HELD = 1e12  # precision of what stays where it is
 
 
 @dataclass(frozen=True, eq=False)

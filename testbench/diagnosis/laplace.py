@@ -11,12 +11,12 @@ import numpy as np
 from testbench.diagnosis import constants
 from testbench.diagnosis.directions import Directions
 from testbench.diagnosis.evidence import LogEvidence, NormalEquations, maximised, opened
-from testbench.diagnosis.hypothesis import HELD, Hypothesis, pinned, rms, tail
+from testbench.diagnosis.hypothesis import Hypothesis, pinned, rms, tail
 from testbench.diagnosis.likelihood import Likelihood
 from testbench.diagnosis.priors import priors_of
 from testbench.fitting.downhill import downhill, huber, huber_weight, within
 from testbench.fitting.noise_level import trimmed_rms
-from testbench.fitting.parameters import values_of, with_values
+from testbench.fitting.parameters import HELD, values_of, with_values
 from testbench.fitting.sensitivity import derivatives
 from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import FloatArray

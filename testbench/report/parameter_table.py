@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from testbench.comparing.numbers import allowed, in_words, with_error
-from testbench.diagnosis.hypothesis import HELD
+from testbench.fitting.parameters import HELD
 from testbench.knit.effect import bounds_of
 from testbench.knit.model import KnitModel
 from testbench.report.document import Table
