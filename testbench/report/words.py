@@ -105,8 +105,9 @@ def error_fall(before: Mapping[str, float], after: Mapping[str, float]) -> str:
 def base_in_words(diagnosis: Mapping[str, Any]) -> str:
     """What is wrong with the base laws themselves; empty when nothing is."""
     names = [spoken(name.removesuffix("_shape")) for name in diagnosis.get("base_misfits", [])]
-    laws = " and ".join(spoken(law) for law in diagnosis.get("other_laws", []))
-    better = f"The law {laws} suits this sensor better." if laws else ""
+    laws = [spoken(law) for law in diagnosis.get("other_laws", [])]
+    one = "law {} suits" if len(laws) == 1 else "laws {} suit"
+    better = f"The {one.format(' and '.join(laws))} this sensor better." if laws else ""
     if not names:
         return better
     if len(names) == 1:

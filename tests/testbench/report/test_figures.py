@@ -292,6 +292,8 @@ def test_a_base_that_misfits_is_said() -> None:
     assert words.base_in_words({"base_misfits": []}) == ""
     better = words.base_in_words({"base_misfits": [], "other_laws": ["elasticity_ogden"]})
     assert better == "The law elasticity ogden suits this sensor better."
+    two = words.base_in_words({"base_misfits": [], "other_laws": ["elasticity_ogden", "hysteresis_bouc_wen"]})
+    assert two == "The laws elasticity ogden and hysteresis bouc wen suit this sensor better."
     both = words.base_in_words({"base_misfits": ["drift_shape"], "other_laws": ["elasticity_ogden"]})
     assert both.startswith("The base law itself misfits: the shape of its drift")
     assert both.endswith(better)
