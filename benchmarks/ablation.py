@@ -12,33 +12,21 @@ own for each value; name them with --search. The cases are those of `bench_diagn
 from __future__ import annotations
 
 import argparse
-import math
+import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-from bench_diagnosis import EFFECTS, OF_ONE_WORLD, Job, append, jobs_of, line_of, read_rows
-from diagnosis_score import (
-    Row,
-    at_a_glance,
-    calibration_error,
-    first,
-    is_single,
-    said,
-    score,
-    share,
-    surely_wrong,
-    top3,
-)
+from bench_diagnosis import EFFECTS, OF_ONE_WORLD, Job, append, catalogue_for, jobs_of, line_of, read_rows, scored
+from diagnosis_score import Row, at_a_glance, goals, markdown
 
 from testbench.diagnosis import constants
 from testbench.diagnosis.diagnosis import concluded
 from testbench.diagnosis.rounds import NOTHING, UNKNOWN, Entry, Round, whole_of
 from testbench.diagnosis.search import Search, searched
 from testbench.fitting.measurement import split
-from testbench.knit.catalogue import load_catalogue
 
 PROBABILITIES = ("PRIOR_NOTHING", "PRIOR_UNKNOWN", "MISLED")
 JUDGING = (
@@ -53,6 +41,14 @@ JUDGING = (
 )
 MISFIT = ("INEXACT", "LEAST_MISFIT")  # those that enter the evidences, too
 TIMES = (0.5, 2.0)
+SHOWN = (
+    "right first and named",
+    "in the top three",
+    "nothing hidden, and nothing said",
+    "of no catalogue, and unknown said",
+    "a wrong name with more than 90 %",
+    "expected calibration error",
+)
 
 
 @contextmanager
@@ -72,16 +68,12 @@ def changed(name: str, times: float) -> Iterator[None]:
 
 def answers_of(job: Job, search_for: Sequence[str]) -> Row:
     """One case: the row of `bench_diagnosis.py`, and what would have been said with each constant changed."""
-    case, catalogue = job.made(), load_catalogue()
-    mechanisms = {name: effect.mechanism for name, effect in catalogue.effects.items()}
-    if job.left_out:
-        catalogue = catalogue.without(mechanisms.get(job.effect, job.effect))
+    case, catalogue, start = job.made(), catalogue_for(job), time.perf_counter()
     calibration, held = split(case.calibration, case.held_out)
     search, rounds, put_in = searched(calibration, catalogue, constants.ROUNDS)
-    expected = "unknown" if job.left_out else case.truth["verdict"]
     told = concluded(search, rounds, put_in, calibration, held).to_dict()
-    row = {"key": job.key, "simulator": job.simulator, "seconds": math.nan, **vars(job)}
-    row |= score(case.truth, told, expected, mechanisms)
+    row = {"key": job.key, "simulator": job.simulator, **asdict(job)}
+    row |= scored(job, case, told, time.perf_counter() - start)
     changes = {}
     for name in JUDGING:
         for times in TIMES:
@@ -122,33 +114,13 @@ def answer(rounds: Sequence[Round], put_in: Sequence[Entry]) -> dict[str, Any]:
 
 def table(rows: Sequence[Row]) -> str:
     """What each change makes of the figures, as Markdown."""
-    lines = [
-        "| constant | value | times | right first | top three | nothing said | unknown said | sure, wrong | ECE |"
-    ]
-    lines.append("|" + "---|" * 9)
-    lines.append("| as they are | | | " + " | ".join(figures(rows)) + " |")
+    goals_now = goals(rows)
+    lines = [["as they are", "", "", *(goals_now[name] for name in SHOWN)]]
     for change in dict.fromkeys(name for row in rows for name in row["changes"]):
         name, times = change.split()
-        mine = [row | row["changes"][change] for row in rows if change in row["changes"]]
-        cells = " | ".join(figures(mine))
-        lines.append(f"| `{name}` | {getattr(constants, name):g} | {times} | {cells} |")
-    return "\n".join(lines)
-
-
-def figures(rows: Sequence[Row]) -> list[str]:
-    """The goals, one cell each."""
-    single = [row for row in rows if is_single(row)]
-    none = [row for row in rows if row["expected"] == "nothing_missing"]
-    unknown = [row for row in rows if row["expected"] == "unknown"]
-    error = calibration_error(rows)
-    return [
-        share(single, first),
-        share(single, top3),
-        share(none, said("nothing_missing")),
-        share(unknown, said("unknown")),
-        share(rows, surely_wrong),
-        "-" if error is None else f"{error:.3f}",
-    ]
+        then = goals([row | row["changes"][change] for row in rows if change in row["changes"]])
+        lines.append([f"`{name}`", f"{getattr(constants, name):g}", times, *(then[shown] for shown in SHOWN)])
+    return markdown(["constant", "value", "times", *SHOWN], lines)
 
 
 def main() -> None:

@@ -18,7 +18,7 @@ import argparse
 import itertools
 import json
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -38,6 +38,7 @@ from testbench.worlds.base import WORLDS
 from testbench.worlds.motions import PROTOCOLS
 
 Diagnose = Callable[[Recording, Recording, Catalogue], Any]
+AnyCase = worlds.Case | worlds_second.Case | worlds_third.Case
 # Simulators of one world each, named as they are: every seed draws its laws anew, noise 1 is that of the paper's rig.
 OF_ONE_WORLD = {"second": worlds_second, "third": worlds_third}
 PAIRS = (
@@ -77,7 +78,7 @@ class Job:
         """Names the case; rows of a results file are found again by it."""
         return "/".join(str(value) for value in asdict(self).values())
 
-    def made(self) -> worlds.Case | worlds_second.Case | worlds_third.Case:
+    def made(self) -> AnyCase:
         """Its two recordings and the truth."""
         how = {"minutes": self.minutes, "rate_hz": self.rate_hz, "protocol": self.protocol}
         channels = self.channels.split(",")
@@ -160,19 +161,31 @@ def kinds_of(count: int, seed: int, simulator: str = "first", noise: str = "") -
 def run_job(job: Job, diagnose: Diagnose) -> Row:
     """Make the case, diagnose it, score it. A diagnosis that raises is a row too: it must not stop the others."""
     row: Row = {"key": job.key, "simulator": job.simulator, **asdict(job)}
-    catalogue = load_catalogue()
-    mechanisms = {name: effect.mechanism for name, effect in catalogue.effects.items()}
     try:
-        case = job.made()
-        if job.left_out:
-            catalogue = catalogue.without(mechanisms.get(job.effect, job.effect))
+        case, catalogue = job.made(), catalogue_for(job)
         start = time.perf_counter()
         said = diagnose(case.calibration, case.held_out, catalogue).to_dict()
     except Exception as error:
         return {**row, "error": f"{type(error).__name__}: {error}"}
-    row |= {"noise_kind": case.truth["noise_kind"], "seconds": time.perf_counter() - start}
+    return row | scored(job, case, said, time.perf_counter() - start)
+
+
+def catalogue_for(job: Job) -> Catalogue:
+    """What the diagnosis may know: all effects, or all but the one that is left out."""
+    catalogue = load_catalogue()
+    return catalogue.without(mechanisms().get(job.effect, job.effect)) if job.left_out else catalogue
+
+
+def mechanisms() -> dict[str, str]:
+    """Law of the whole catalogue -> the mechanism that it belongs to."""
+    return {name: effect.mechanism for name, effect in load_catalogue().effects.items()}
+
+
+def scored(job: Job, case: AnyCase, said: Mapping[str, Any], seconds: float) -> Row:
+    """What `Diagnosis.to_dict()` was worth."""
     expected = "unknown" if job.left_out else case.truth["verdict"]
-    return row | score(case.truth, said, expected, mechanisms)
+    row = {"noise_kind": case.truth["noise_kind"], "seconds": seconds}
+    return row | score(case.truth, said, expected, mechanisms())
 
 
 def run_all(jobs: Sequence[Job], diagnose: Diagnose, results: Path | None, workers: int) -> list[Row]:

@@ -138,23 +138,27 @@ def tables(rows: Sequence[Row]) -> str:
 
 def at_a_glance(rows: Sequence[Row]) -> str:
     """The figures that the diagnosis is judged by, one line each, over all rows."""
+    return markdown(["all cases", ""], goals(rows).items())
+
+
+def goals(rows: Sequence[Row]) -> dict[str, str]:
+    """The same by name."""
     single = [row for row in rows if is_single(row)]
     none = [row for row in rows if row["expected"] == "nothing_missing"]
     unknown = [row for row in rows if row["expected"] == "unknown"]
     two = [row for row in rows if row["expected"] == "missing" and len(row["hidden"]) > 1]
     brier, error = brier_score(rows), calibration_error(rows)
-    lines = [
-        ["right first and named", share(single, first)],
-        ["in the top three", share(single, top3)],
-        ["nothing hidden, and nothing said", share(none, said("nothing_missing"))],
-        ["of no catalogue, and unknown said", share(unknown, said("unknown"))],
-        ["a wrong name with more than 90 %", share(rows, surely_wrong)],
-        ["two at once: both found", share(two, lambda row: found(row) == 1.0)],
-        ["error after / noise floor", median(single, "after")],
-        ["Brier score (0 is perfect)", "-" if brier is None else f"{brier:.3f}"],
-        ["expected calibration error", "-" if error is None else f"{error:.3f}"],
-    ]
-    return _table(["all cases", ""], lines)
+    return {
+        "right first and named": share(single, first),
+        "in the top three": share(single, top3),
+        "nothing hidden, and nothing said": share(none, said("nothing_missing")),
+        "of no catalogue, and unknown said": share(unknown, said("unknown")),
+        "a wrong name with more than 90 %": share(rows, surely_wrong),
+        "two at once: both found": share(two, lambda row: found(row) == 1.0),
+        "error after / noise floor": median(single, "after"),
+        "Brier score (0 is perfect)": "-" if brier is None else f"{brier:.3f}",
+        "expected calibration error": "-" if error is None else f"{error:.3f}",
+    }
 
 
 # --- calibration: whether what is said with 90 % is right in nine of ten cases ---
@@ -201,7 +205,7 @@ def reliability(rows: Sequence[Row]) -> str:
     sure, right = confidences(rows)
     header = ["said with", "cases", "mean probability", "right", ""]
     if not len(sure):
-        return _table(header, [])
+        return markdown(header, [])
     often, said_sure = calibration_curve(right, sure, n_bins=BINS)
     count = _bins(sure)
     filled = np.flatnonzero(count)
@@ -211,10 +215,11 @@ def reliability(rows: Sequence[Row]) -> str:
         bar = "#" * round(20 * share_right)
         numbers = [f"{100 * probability:.0f} %", f"{100 * share_right:.0f} %"]
         lines.append([span, str(count[place]), *numbers, bar])
-    return _table(header, lines)
+    return markdown(header, lines)
 
 
-def _table(header: Sequence[str], lines: Iterable[Sequence[str]]) -> str:
+def markdown(header: Sequence[str], lines: Iterable[Sequence[str]]) -> str:
+    """A table."""
     out = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
     return "\n".join(out + ["| " + " | ".join(line) + " |" for line in lines])
 
@@ -244,7 +249,7 @@ def by_world_and_strength(rows: Sequence[Row]) -> str:
             ]
         )
     header = ["one hidden", "strength", "right first", "ranked first", "in top 3", "said missing"]
-    return _table([*header, "error before / floor", "after", "seconds"], lines)
+    return markdown([*header, "error before / floor", "after", "seconds"], lines)
 
 
 KINDS = {"minutes": "minutes", "rate_hz": "samples a second", "protocol": "motion", "channels": "channels"}
@@ -264,7 +269,7 @@ def by_kind(rows: Sequence[Row]) -> str:
             alarms = share(none, said("missing"))
             lines.append([words, shown, share(single, first), share(single, top3), median(single, "after"), alarms])
     header = ["recordings by", "", "right first", "in top 3", "error after / floor", "false alarms"]
-    return _table(header, lines) if lines else ""
+    return markdown(header, lines) if lines else ""
 
 
 def nothing_unknown_two(rows: Sequence[Row]) -> str:
@@ -284,14 +289,14 @@ def nothing_unknown_two(rows: Sequence[Row]) -> str:
             ]
         )
     header = ["world", "false alarms", "unknown of nothing", "unknown rightly said", "of two, found", "false beside"]
-    return _table(header, lines)
+    return markdown(header, lines)
 
 
 def by_effect(rows: Sequence[Row]) -> str:
     lines = []
     for (name,), group in _groups([{**r, "effect": r["hidden"][0]} for r in rows if is_single(r)], "effect").items():
         lines.append([name, share(group, first), share(group, top3), median(group, "after")])
-    return _table(["effect", "right first", "in top 3", "error after / floor"], lines)
+    return markdown(["effect", "right first", "in top 3", "error after / floor"], lines)
 
 
 def confusions(rows: Sequence[Row]) -> str:
@@ -301,4 +306,4 @@ def confusions(rows: Sequence[Row]) -> str:
             said = row["ranked"][0] if row["verdict"] == "missing" and row["ranked"] else row["verdict"]
             wrong[(row["hidden"][0], row["forms"][0], said)] += 1
     lines = [[a, form, b, str(n)] for (a, form, b), n in wrong.most_common(25)]
-    return _table(["hidden", "in the form", "taken for", "times"], lines)
+    return markdown(["hidden", "in the form", "taken for", "times"], lines)

@@ -126,8 +126,12 @@ class LeadscrewRipple(Effect):
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         strain = signals["strain"]
-        wave = np.sin(2 * np.pi * strain / self.pitch + self.phase_rad)
+        wave = self.wave(2 * np.pi * strain / self.pitch + self.phase_rad)
         return {"strain": strain + self.amplitude * (wave - wave[0])}
+
+    def wave(self, angle: FloatArray) -> FloatArray:
+        """Over the turn of the screw, shape (n,) as the angle (rad)."""
+        return np.sin(angle)
 
     def is_a_bend(self, signals: Signals) -> bool:
         return float(np.ptp(signals["strain"])) < BEND_TURNS * self.pitch
@@ -164,9 +168,8 @@ class LeadscrewRippleWave(LeadscrewRipple):
 
     harmonics: tuple[float, ...] = harmonics_parameter()
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        wave = wave_of(2 * np.pi * signals["strain"] / self.pitch + self.phase_rad, self.harmonics)
-        return {"strain": signals["strain"] + self.amplitude * (wave - wave[0])}
+    def wave(self, angle: FloatArray) -> FloatArray:
+        return wave_of(angle, self.harmonics)
 
 
 class Slack(Effect):
