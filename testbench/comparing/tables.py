@@ -60,7 +60,7 @@ def ladder_table(file: ModelFile) -> str:
             numbers = (errors["calibration"][channel], held, step["noise_floor"][channel])
             cells = "".join(f"{value:>11.4g} {UNIT_OF[channel]:<4}" for value in numbers)
             left = held / top if top else 1.0
-            lines.append(f"{name:<{wide}}{channel_name(channel):<13}{cells}{round(100 * (1 - left)):>6} %")
+            lines.append(f"{name:<{wide}}{channel_name(channel):<13}{cells}{100 * (1 - left):>z6.0f} %")
             name = ""
     return "\n".join(lines)
 

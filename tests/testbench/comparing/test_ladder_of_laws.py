@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from testbench.comparing.ladder import fitted_file, undo
@@ -34,3 +36,12 @@ def test_the_ladder_keeps_its_columns_apart_however_long_a_step_is_called():
     first, second, third = ladder_table(file).splitlines()
     assert second.startswith(f"{step}  force")
     assert first.index("channel") == second.index("force") == third.index("conductance")
+
+
+def test_a_fall_from_an_error_of_nearly_nothing_is_written_too():
+    recording = record(truth(), seed=3)
+    file = fitted_file(truth(), *split(recording, record(truth(), seed=4)), "baseline")
+    step = file.history[0]
+    tiny = {**step, "errors": {**step["errors"], "held_out": dict.fromkeys(step["errors"]["held_out"], 5e-324)}}
+    rows = ladder_table(replace(file, history=(tiny, step))).splitlines()
+    assert [row.split()[-2] for row in rows[1:]] == ["0", "0", "-inf", "-inf"]
