@@ -60,8 +60,8 @@ def test_a_candidate_is_seen_as_resistance_and_its_stretch_is_in_the_address(sta
     assert shown == pytest.approx([180, 200], abs=0.02)
     page.get_by_role("button", name="Conductance", exact=True).click()
     page.wait_for_function(f"() => {title} === 'Residual / ln S'")
-    assert "start=180" in page.url
-    assert "pick=load_cell_creep" in page.url
+    page.wait_for_function("() => location.search.includes('start=180')")
+    page.wait_for_function("() => location.search.includes('pick=load_cell_creep')")
 
 
 def test_a_stretch_that_is_not_there_is_said(standing: Served, page) -> None:
