@@ -85,10 +85,13 @@ class Round:
 
         The laws of the base are those of the sensor, or one of them is bent as an effect would bend it, as likely.
         """
-        bent = [e.log_prior_bend - self.luck + self.log_z_alone(e) for e in self.entries]
+        bent = [self._log_z_bent(e) for e in self.entries]
         return float(np.logaddexp(self.log_z_alone(self.before), logsumexp([-np.inf, *bent])) - np.log(2))
 
-    def _complete(self, entry: Entry) -> float:
+    def _log_z_bent(self, e: Entry) -> float:
+        return e.log_prior_bend - self.luck + e.log_z + self._complete(e, everywhere=True)
+
+    def _complete(self, entry: Entry, everywhere: bool = False) -> float:
         """How much likelier what an entry leaves is if no more is missing.
 
         A law errs in proportion to what it does. That is what the error falls by, or more where the base has bent to
@@ -97,7 +100,8 @@ class Round:
         """
         fall, sigma = explained(self.before.hypothesis, entry.hypothesis), entry.hypothesis.evidence.sigma
         by_law = {c: max(some, entry.own_part.get(c, 0.0)) for c, some in fall.items()}
-        changed = [c for c, some in by_law.items() if some > self.likelihood.least_misfit[c]] or list(sigma)
+        least = self.likelihood.least_misfit
+        changed = [c for c, some in by_law.items() if some > least[c] or everywhere] or list(sigma)
         return self.likelihood.noise_log_prior({c: sigma[c] for c in changed}, by_law)
 
     def left(self, *put_in: Entry) -> float:
@@ -157,17 +161,16 @@ class Round:
         return {name: (1 - misled) * chance + misled * self.prior[name] for name, chance in chances.items()}
 
     def log_prior(self, mechanism: str) -> float:
-        """Of one law of a mechanism, less what the best of so many laws owes to luck."""
+        """Of one law of a mechanism, less what laws summed owe to luck."""
         return float(np.log(self.prior[mechanism] / self.laws[mechanism]) - self.luck)
 
-    @cached_property
+    @property
     def luck(self) -> float:
-        """What the best of all laws owes to luck, in nats; that nothing is missing was not chosen among many.
+        """What a sum of evidences owes to luck, in nats; that nothing is missing was not chosen among many.
 
-        Evidences are known within `EVIDENCE_ERROR`, and the largest of n such errors is nearly sd sqrt(2 ln n).
-        Source: Fisher & Tippett, Proc. Camb. Phil. Soc. 24 (1928) 180.
+        Evidences are known within `EVIDENCE_ERROR`, and the mean of exp(error) is exp(sd^2 / 2) (log-normal).
         """
-        return float(constants.EVIDENCE_ERROR * np.sqrt(2 * np.log(max(sum(self.laws.values()), 1))))
+        return constants.EVIDENCE_ERROR**2 / 2
 
     def log_z_alone(self, entry: Entry) -> float:
         """Log evidence that an entry, and nothing else, is missing."""
@@ -190,6 +193,18 @@ class Round:
         if self._log_posterior(mechanism) < np.log(self.prior[NOTHING]) + self.log_z_nothing:
             return None
         return max((e for e in self.entries if e.mechanism == mechanism), key=self.log_z_alone)
+
+    @cached_property
+    def bend(self) -> Entry | None:
+        """The law by which a law of the base is bent, if most speaks for that: the search goes on beside it."""
+        best = self.candidate or max(self.entries, key=self._log_z_bent, default=None)
+        if best is None or not self.is_bend(best):
+            return None
+        return best if best.log_prior_bend - self.luck + best.log_z > self.before.log_z else None
+
+    def is_bend(self, e: Entry) -> bool:
+        """Whether an entry rather says that a law of the base is bent than that an effect is missing."""
+        return e.log_prior_bend - np.log(2) > np.log(self.prior[e.mechanism] / self.laws[e.mechanism])
 
     def verdict(self, whole: Whole | None = None) -> Verdict:
         """What is said of the model before this round; `whole` as in `probabilities`."""

@@ -114,7 +114,8 @@ class Search:
         """Rounds of the search, and what was put in, one a round.
 
         Two effects of one size leave each other's part unexplained, so that neither can be named alone: the first is
-        put in even where it leaves more than it explains, and stays if the second explains the rest.
+        put in even where it leaves more than it explains, and stays if the second explains the rest. A law that only
+        bends the base is put in as well; if anything is found beside it, that is what is missing.
         """
         rounds: list[Round] = []
         found: list[Entry] = []
@@ -122,14 +123,17 @@ class Search:
         while len(rounds) < most:
             step = self.round(bent, stiff)
             rounds.append(step)
-            if step.candidate is None or (len(rounds) > 1 and not step.is_named()):
+            best = step.candidate or (None if found else step.bend)
+            if best is None or (found and not step.is_named()):
                 break
-            found.append(step.candidate)
-            bent = [step.candidate.hypothesis]
-            if step.is_named() and step.is_enough(step.candidate):
+            found.append(best)
+            bent = [best.hypothesis]
+            if step.is_enough(best) and (step.is_named() or best is step.bend):
                 break
             stiff = [self.compare(without_shapes(bent[0].model))]
-        return rounds, found
+        while len(found) > 1 and found[0] is rounds[0].bend:
+            del rounds[0], found[0]
+        return rounds, found if rounds[0].candidate else []
 
     def bases(self) -> tuple[list[Hypothesis], list[Hypothesis]]:
         """Bases whose laws bend, the best first; the best two whose laws do not, of these, all others and the first.
