@@ -69,7 +69,7 @@ class ComparisonResult:
         return comparison_table(self.comparison)
 
     def to_dict(self) -> dict[str, Any]:
-        """JSON-ready form; the shape is documented in docs/diagnosis.md."""
+        """JSON-ready form; the shape is documented in docs/finding-effects.md."""
         return self.comparison.to_dict() | self.judged.to_dict()
 
     def to_frame(self) -> pd.DataFrame:

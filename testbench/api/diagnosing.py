@@ -78,7 +78,7 @@ class DiagnosisResult(ModelResult):
         return diagnosis_table(self.diagnosis)
 
     def to_dict(self) -> dict[str, Any]:
-        """JSON-ready form, the same as ``testbench diagnose --json``; documented in docs/diagnosis.md."""
+        """JSON-ready form, the same as ``testbench diagnose --json``; documented in docs/finding-effects.md."""
         return self.diagnosis.to_dict()
 
     def to_frame(self) -> pd.DataFrame:

@@ -54,7 +54,7 @@ class Comparison:
     worst: tuple[Place, ...]
 
     def to_dict(self) -> dict[str, Any]:
-        """JSON-ready form; the shape is documented in docs/diagnosis.md."""
+        """JSON-ready form; the shape is documented in docs/finding-effects.md."""
         channels = {
             channel: {
                 "unit": UNIT_OF[channel],

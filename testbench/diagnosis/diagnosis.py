@@ -110,7 +110,7 @@ class Diagnosis:
     tied : tuple of str
         The mechanisms that share 90 % of the probability; empty where one stands alone.
     base_misfits, other_laws : tuple of str
-        Shapes that the base laws need; laws that took the place of others.
+        Shapes that the base laws need, and laws that only bend them; laws that took the place of others.
     depends_on : tuple of (channel, coordinate, share)
         What the final model's residual depends on, and the share of it that a free-form map explains.
     left : float
@@ -139,7 +139,7 @@ class Diagnosis:
     noise_floor: Mapping[str, float]
 
     def to_dict(self) -> dict[str, Any]:
-        """JSON-ready form; the shape is documented in docs/diagnosis.md."""
+        """JSON-ready form; the shape is documented in docs/finding-effects.md."""
         return {
             "verdict": self.verdict,
             "probabilities": dict(self.probabilities),
@@ -246,7 +246,7 @@ def concluded(
         tuple(_found(rounds[k:], put_in[k:]) for k in range(len(put_in))),
         _ranking(first, chances, held),
         _tied(first.probabilities(whole), verdict),
-        tuple(name for name in after.model if name in SHAPES and name not in before.model),
+        tuple(name for name in after.model if name not in before.model and name not in {e.name for e in put_in}),
         tuple(e.name for n, e in after.model.effects.items() if n in before.model and e.name != before.model[n].name),
         tuple(sorted(((c, where, share) for (c, where), share in explained.items()), key=lambda one: -one[2])),
         left,
