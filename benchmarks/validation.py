@@ -32,7 +32,8 @@ from gcode.support.strict import read_json
 from testbench.diagnosis import Diagnosis, diagnose
 from testbench.diagnosis.rounds import NOTHING, UNKNOWN
 from testbench.fitting.measurement import Measurement, split
-from testbench.fitting.remounting import remounted
+from testbench.fitting.remounting import brought_together
+from testbench.recordings.recording import Recording
 from testbench.recordings.versions import software_versions
 
 Row = dict[str, Any]
@@ -44,8 +45,9 @@ def diagnosed(material: Material, pair: Pair, data: Path, picture: Path) -> Row:
     """One pair, read and diagnosed, and its picture."""
     start = time.perf_counter()
     calibration, held_out = pair.read(data / material.folder)
-    found = diagnose(calibration, held_out)
-    _, held = split(calibration, held_out)
+    every = [calibration] if isinstance(calibration, Recording) else calibration
+    found = diagnose(every, held_out, clamp_play_mm=pair.clamp_play_mm)
+    _, held = split(every[0], held_out, clamp_play_mm=pair.clamp_play_mm)
     draw(found, held, picture)
     told = found.to_dict()
     return {
@@ -59,10 +61,10 @@ def diagnosed(material: Material, pair: Pair, data: Path, picture: Path) -> Row:
         "noise_floor": told["noise_floor"],
         "base_misfits": told["base_misfits"],
         "depends_on": told["depends_on"][:3],
-        "samples": len(calibration),
-        "minutes": calibration.duration_s / 60,
+        "samples": sum(map(len, every)),
+        "minutes": sum(one.duration_s for one in every) / 60,
         "held_out": "the last third" if held_out is None else held_out.source,
-        "recording": calibration.source,
+        "recording": every[0].source,
         "picture": picture.name,
         "seconds": time.perf_counter() - start,
     }
@@ -88,8 +90,8 @@ def draw(found: Diagnosis, held: Measurement, path: Path) -> None:
     for k, channel in enumerate(channels):
         axis = figure.add_subplot(grid[k, 1])
         for file, colour, name in ((found.before, "0.6", "before"), (found.after, "#D55E00", "after")):
-            left = held.residual(remounted(file.model, held))[channel]
-            counts = held.counts
+            model, there = brought_together(file.model, held)
+            left, counts = there.residual(model)[channel], held.counts
             axis.plot(held.grid_s[counts], (left - left[counts].mean())[counts], color=colour, lw=0.7, label=name)
         axis.set_ylabel(f"left of {units[channel]}")
         axis.margins(x=0)

@@ -17,6 +17,9 @@ from testbench.recordings.recording import Recording
 RELAXING = ("stress_relaxation", "viscous_rate_stiffening")
 CARBON = ("electrical_overshoot", "contact_relaxation", "contact_creep", "stress_relaxation", "mullins_softening")
 
+PULLS = (1, 2, 3, 4, 5)  # of each fabric
+PLAY_MM = 1.0  # of the jaws, as ISO 13934-1 allows
+
 
 @dataclass(frozen=True)
 class Pair:
@@ -26,12 +29,16 @@ class Pair:
     ----------
     key, title : str
     read : callable
-        From the material's folder to the two recordings; the second is None where the last third is held out.
+        From the material's folder to what is calibrated on, one recording or several in turn, and what is held out;
+        the latter is None where that is the last third.
+    clamp_play_mm : float
+        Where the specimen was clamped anew for each recording.
     """
 
     key: str
     title: str
-    read: Callable[[Path], tuple[Recording, Recording | None]]
+    read: Callable[[Path], tuple[Recording | list[Recording], Recording | None]]
+    clamp_play_mm: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -101,18 +108,18 @@ def _by_strain(one: str, other: str | None = None) -> Callable[[Path], tuple[Rec
     return read
 
 
-def _repeats(name: str, one: int, other: int) -> Callable[[Path], tuple[Recording, Recording | None]]:
-    """Fabrics: two pulls of one specimen, each with its own zero."""
+def _repeats(name: str, *pulls: int) -> Callable[[Path], tuple[list[Recording], Recording]]:
+    """Fabrics: pulls of one specimen in turn, each with its own zero; the last is held out."""
 
-    def read(folder: Path) -> tuple[Recording, Recording | None]:
+    def read(folder: Path) -> tuple[list[Recording], Recording]:
         columns = table(folder / f"{name}.csv")
         gauge_mm = float((columns["length_mm"] - columns["displacement_mm"])[0])
         made = []
-        for number in (one, other):
+        for number in pulls:
             rows = columns["repeat"] == number
             own = {key: values[rows] for key, values in columns.items()}
             made.append(recording(own, gauge_mm, f"{name}, pull {number}"))
-        return made[0], made[1]
+        return made[:-1], made[-1]
 
     return read
 
@@ -219,16 +226,14 @@ MATERIALS: Sequence[Material] = (
         "largest strain so far, permanent set), with loops of friction. A slipping clamp would jump.",
         ("mullins_softening", "permanent_set", "cyclic_fatigue", *RELAXING),
         (
-            Pair("garter-first", "acrylic garter, pull 1, then 2", _repeats("acrylic_yarn_garter_x", 1, 2)),
             Pair(
-                "stockinette-first",
-                "cotton stockinette, pull 1, then 2",
-                _repeats("pearlized_cotton_stockinette_x", 1, 2),
+                "garter", "acrylic garter, pulls 1 to 4, then 5", _repeats("acrylic_yarn_garter_x", *PULLS), PLAY_MM
             ),
             Pair(
-                "stockinette-later",
-                "cotton stockinette, pull 4, then 5",
-                _repeats("pearlized_cotton_stockinette_x", 4, 5),
+                "stockinette",
+                "cotton stockinette, pulls 1 to 4, then 5",
+                _repeats("pearlized_cotton_stockinette_x", *PULLS),
+                PLAY_MM,
             ),
         ),
     ),

@@ -22,7 +22,8 @@ priors and the constants.
 Nothing was chosen on the held-out recording. Free in it are the zero of the force, the gain of the conductance,
 and what an effect declares as its own for each recording. Errors are RMS over the held-out samples, in N and in
 ln S. The noise is estimated from second differences of the readings: what no smooth model can explain. Where a
-material has one recording, its last third is held out.
+material has one recording, its last third is held out. Where a specimen was pulled several times, all pulls but the
+last are one history, and each has its own zeros of force and displacement, for it was clamped anew.
 
 *As known* means that the most probable hypothesis is one that agrees with what is known of the material, written
 down below it **before** the run; it is not a proof that this mechanism is at work. The verdict is *missing* where

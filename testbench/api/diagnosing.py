@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,13 +12,22 @@ from gcode.support.errors import UserError
 from gcode.support.figures import panels, picture
 from gcode.support.html import card, frame_table
 from testbench import diagnosis as core
-from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, recordings_for
+from testbench.api.arguments import (
+    AnyModel,
+    Effects,
+    Source,
+    catalogue_of,
+    model_file_of,
+    recording_of,
+    recordings_for,
+)
 from testbench.api.model_result import ModelResult
 from testbench.api.progress import Tell, telling
-from testbench.diagnosis.diagnosis import Diagnosis
+from testbench.diagnosis.diagnosis import REST_S, Diagnosis
 from testbench.diagnosis.words import diagnosis_table, first_line
 from testbench.fitting.model_file import ModelFile
 from testbench.fitting.result_files import checked_diagnosis, read_diagnosis
+from testbench.recordings.recording import Recording
 from testbench.report import style
 
 if TYPE_CHECKING:
@@ -125,7 +134,7 @@ class DiagnosisResult(ModelResult):
 
 
 def diagnose(
-    recording: Source,
+    recording: Source | Sequence[Source],
     held_out: Source | None = None,
     *,
     model: AnyModel | None = None,
@@ -133,16 +142,18 @@ def diagnose(
     most: int = MOST,
     gauge_length_mm: float | None = None,
     clamp_play_mm: float = 0.0,
+    rest_s: float = REST_S,
     progress: Tell | bool | None = None,
 ) -> DiagnosisResult:
     """Find out which physical effects a model is missing.
 
     Parameters
     ----------
-    recording : Recording or path
-        To calibrate on; everything is selected on it.
+    recording : Recording or path, or a sequence of them
+        To calibrate on; everything is selected on it. Several are of one specimen, in the order in which they were
+        made: one history.
     held_out : Recording or path, optional
-        For the final errors; default: the last third of `recording`.
+        For the final errors; default: the last third of `recording`. Several recordings need one.
     model : KnitModel, result or path, optional
         Diagnose this one instead of the baseline.
     effects : path, Catalogue or effect classes, optional
@@ -152,8 +163,10 @@ def diagnose(
     gauge_length_mm : float, optional
         In mm, for paths of bare CSV files; default: the model's.
     clamp_play_mm : float
-        The sensor was clamped anew for `held_out`: the zero of its displacement is free, within so many mm.
-        Default: as the model was fitted.
+        The sensor was clamped anew for `held_out`, and for each of several recordings: the zero of its displacement
+        is free, within so many mm. Default: as the model was fitted.
+    rest_s : float
+        Rest between several recordings, in which the strain goes from where one ended to where the next begins.
     progress : callable or bool, optional
         See `testbench.api.progress.telling`.
 
@@ -180,9 +193,11 @@ def diagnose(
         raise UserError(f"most: effects to find must be 1 or more, got {most}")
     catalogue = catalogue_of(effects)
     given = None if model is None else model_file_of(model, catalogue)
-    first, held, play_mm = recordings_for(model, given, recording, held_out, gauge_length_mm, clamp_play_mm)
+    first, *more = [recording] if isinstance(recording, Recording | str | Path | Mapping) else list(recording)
+    begun, held, play_mm = recordings_for(model, given, first, held_out, gauge_length_mm, clamp_play_mm)
+    every = [begun, *(recording_of(one, begun.gauge_length_mm) for one in more)]
     with telling(progress) as tell:
-        found = core.diagnose(first, held, given, catalogue, tell, most, play_mm)
+        found = core.diagnose(every if more else begun, held, given, catalogue, tell, most, play_mm, rest_s)
     return DiagnosisResult(found)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from testbench.api.progress import Telling, clear_line
-from testbench.commands._arguments import add_clamp_play, add_effects, add_recording, count
+from testbench.commands._arguments import add_clamp_play, add_effects, add_held_out, count, positive
 from testbench.commands._output import show
 
 SUMMARY = "say which physical effect the model is missing, with the evidence"
@@ -15,9 +15,21 @@ CANDIDATES_OF_A_ROUND, USUAL_ROUNDS = 12, 2  # refits of a round: the best mecha
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    add_recording(parser)
+    parser.add_argument(
+        "recording",
+        nargs="+",
+        help="a CSV, or a campaign folder; several are of one specimen, as they were made in turn",
+    )
+    add_held_out(parser)
+    parser.add_argument(
+        "--rest-s",
+        type=positive,
+        default=60.0,
+        metavar="S",
+        help="rest between several recordings (default 60)",
+    )
     parser.add_argument("--model", metavar="M", help="diagnose this model.json instead of the baseline")
-    add_clamp_play(parser)
+    add_clamp_play(parser, "--held-out (and for each of several recordings)")
     add_effects(parser)
     parser.add_argument(
         "--repeat", type=count, default=4, metavar="N", help="find at most N effects, one after the other (default 4)"
@@ -42,6 +54,7 @@ def run(args: argparse.Namespace) -> int:
         most=args.repeat,
         gauge_length_mm=args.gauge_length_mm,
         clamp_play_mm=args.clamp_play_mm,
+        rest_s=args.rest_s,
         progress=tell,
     )
     if tell:

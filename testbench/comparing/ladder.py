@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from gcode.support.errors import UserError
+from testbench.fitting.baseline import without_zeros
 from testbench.fitting.clamping import moved, zero_of
 from testbench.fitting.fit import Fit, fit
 from testbench.fitting.measurement import Measurement
@@ -64,7 +65,7 @@ def as_a_step(
     """A model with the summary of its fit (`fit_summary`), put on top of the ladder so far."""
     entry = ladder_step(step, model, calibration, held)
     return ModelFile(
-        model,
+        without_zeros(model),
         calibration.recording.gauge_length_mm,
         calibration.recording.source,
         held.recording.source,
@@ -78,12 +79,12 @@ def ladder_step(step: str, model: KnitModel, calibration: Measurement, held: Mea
 
     Where the sensor was clamped anew for the held-out recording, also the `Zero` that was found there.
     """
-    zero = zero_of(model, held) if held.clamp_play_mm else None
+    zero = zero_of(without_zeros(model), held) if held.clamp_play_mm else None
     if zero is not None:
         held = moved(held, zero.shift_mm)
     return {
         "step": step,
-        "model": model.to_dict(),
+        "model": without_zeros(model).to_dict(),
         "errors": {"calibration": rms_errors(model, calibration), "held_out": held_errors(model, held)},
         "noise_floor": noise_floors(held),
         **({} if zero is None else {"zero": asdict(zero)}),

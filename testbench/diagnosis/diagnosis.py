@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from gcode.support.errors import UserError
 from testbench.comparing.ladder import as_a_step, on_the_ladder
 from testbench.diagnosis import constants
 from testbench.diagnosis.discrepancy_map import Map
@@ -18,6 +19,7 @@ from testbench.diagnosis.rounds import NOTHING, UNKNOWN, Entry, Round, Verdict, 
 from testbench.diagnosis.search import Progress, Search, searched
 from testbench.fitting.baseline import SHAPES
 from testbench.fitting.fit import Fit
+from testbench.fitting.joining import joined
 from testbench.fitting.measurement import Measurement, split
 from testbench.fitting.model_errors import noise_floors
 from testbench.fitting.model_file import ModelFile
@@ -26,6 +28,7 @@ from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
 from testbench.recordings.recording import Recording
 
+REST_S, MOST_REST_S = 60.0, 86_400.0  # between several recordings of one specimen: usual, and at most
 TIED = 0.9  # the smallest set of mechanisms with this probability is what cannot be told apart
 
 
@@ -164,22 +167,24 @@ class Diagnosis:
 
 
 def diagnose(
-    recording: Recording,
+    recording: Recording | Sequence[Recording],
     held_out: Recording | None = None,
     model: KnitModel | ModelFile | None = None,
     catalogue: Catalogue | None = None,
     progress: Progress | None = None,
     most: int = constants.ROUNDS,
     clamp_play_mm: float = 0.0,
+    rest_s: float = REST_S,
 ) -> Diagnosis:
     """Find out which physical effects a model is missing.
 
     Parameters
     ----------
-    recording : Recording
-        To calibrate on; everything is selected on it.
+    recording : Recording, or sequence of Recording
+        To calibrate on; everything is selected on it. Several are of one specimen, in the order in which they were
+        made: one history.
     held_out : Recording, optional
-        For the final error; default the last third of `recording`.
+        For the final error; default the last third of `recording`. Several recordings need one.
     model : KnitModel or ModelFile, optional
         Start from this model instead of the baseline. One that was fitted is the first step of the ladder as it is,
         with the errors that `compare` shows; a bare one is fitted first.
@@ -190,7 +195,10 @@ def diagnose(
     most : int
         Effects to find at most.
     clamp_play_mm : float
-        The sensor was clamped anew for `held_out`: the zero of its displacement is free, within so many mm.
+        The sensor was clamped anew for `held_out`, and for each of several recordings: the zero of its displacement
+        is free, within so many mm.
+    rest_s : float
+        Between several recordings.
 
     Raises
     ------
@@ -198,11 +206,27 @@ def diagnose(
         If the recordings are too short or still, have a constant channel, or do not fit together.
     """
     catalogue = catalogue or load_catalogue()
-    calibration, held = split(recording, held_out, clamp_play_mm=clamp_play_mm)
+    every = [recording] if isinstance(recording, Recording) else list(recording)
+    calibration, held = _measurements(every, held_out, clamp_play_mm, rest_s)
     given = model if isinstance(model, ModelFile) and model.fit else None
     start = model.model if isinstance(model, ModelFile) else model
-    search, rounds, put_in = searched(calibration, catalogue, most, start, progress)
+    pieces = constants.INDEPENDENT * len(every)
+    search, rounds, put_in = searched(calibration, catalogue, most, start, progress, pieces)
     return concluded(search, rounds, put_in, calibration, held, given)
+
+
+def _measurements(
+    recordings: Sequence[Recording], held_out: Recording | None, clamp_play_mm: float, rest_s: float
+) -> tuple[Measurement, Measurement]:
+    """What is calibrated on, one history of all recordings, and what is held out."""
+    if len(recordings) > 1 and held_out is None:
+        raise UserError("several recordings are one history: say with --held-out which other one to judge on")
+    if len(recordings) > 1 and not 0 < rest_s < MOST_REST_S:
+        raise UserError(f"rest_s: must be more than 0 and less than {MOST_REST_S:g} s, got {rest_s:g}")
+    calibration, held = split(recordings[0], held_out, clamp_play_mm=clamp_play_mm)
+    if len(recordings) > 1:
+        calibration = joined(recordings, [rest_s] * (len(recordings) - 1), clamp_play_mm)
+    return calibration, held
 
 
 def _before(given: ModelFile | None, search: Search, calibration: Measurement, held: Measurement) -> ModelFile:

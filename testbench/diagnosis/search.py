@@ -36,6 +36,7 @@ from testbench.fitting.baseline import (
     laws_that_may_act,
     starting_baseline,
     with_shapes,
+    with_zeros,
     without_shapes,
 )
 from testbench.fitting.measurement import Measurement
@@ -95,7 +96,7 @@ class Search:
         self.whole, self.noise = measurement, noise_of(measurement)
         self.measurement = telling(on_the_grid(measurement))
         tell("fitting the baseline")
-        start = start or starting_baseline(self.measurement, catalogue)
+        start = with_zeros(start or starting_baseline(self.measurement, catalogue), self.measurement, catalogue)
         self.reference = without_shapes(start)
         tell("fitting the shape of the base laws")
         flexible = with_shapes(self.reference, self.measurement, catalogue, like=start)

@@ -17,6 +17,7 @@ from testbench.knit.model import KnitModel
 FORCE_SHAPES = ("elasticity_shape", "hysteresis_shape")
 CONDUCTANCE_SHAPES = ("contact_shape", "contact_loops_shape", "contact_drift_shape", "drift_shape")
 SHAPES = FORCE_SHAPES + CONDUCTANCE_SHAPES
+ZEROS = ("displacement_zeros", "force_zeros")  # of several recordings in a row, clamped anew for each
 
 
 def starting_baseline(measurement: Measurement, catalogue: Catalogue | None = None) -> KnitModel:
@@ -50,6 +51,23 @@ def starting_baseline(measurement: Measurement, catalogue: Catalogue | None = No
     else:
         contacts = driven_contact(effects["contact_drive"](), effects["contact"](), strain, force[seen], log_g)
     return KnitModel.of(*laws, *contacts, *last)
+
+
+def with_zeros(model: KnitModel, measurement: Measurement, catalogue: Catalogue | None = None) -> KnitModel:
+    """The model with the zeros of each of several recordings free, if the sensor was clamped anew for each."""
+    begins_s = measurement.begins_s
+    if not (begins_s and measurement.clamp_play_mm):
+        return model
+    effects, none = (catalogue or load_catalogue()).effects, (0.0,) * len(begins_s)
+    model = model.plus(effects["displacement_zeros"].model_validate({"begins_s": begins_s, "strain": none}))
+    if FORCE_CHANNEL in measurement.measured:
+        model = model.plus(effects["force_zeros"].model_validate({"begins_s": begins_s, "force_N": none}))
+    return model
+
+
+def without_zeros(model: KnitModel) -> KnitModel:
+    """The model of the sensor alone, whatever recording it is compared with."""
+    return without_shapes(model, ZEROS)
 
 
 def laws_that_may_act(model: KnitModel, measurement: Measurement, catalogue: Catalogue | None = None) -> list[Effect]:

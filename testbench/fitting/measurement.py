@@ -52,6 +52,8 @@ class Measurement:
     clamp_play_mm : float
         Where the sensor was clamped anew for this recording: by how much the zero of its displacement may lie
         elsewhere (standard deviation). 0: it was not.
+    begins_s : tuple of float
+        Where several recordings stand in a row (`joining.joined`): grid times at which they begin, but the first.
     """
 
     signals: Mapping[str, FloatArray]
@@ -63,6 +65,7 @@ class Measurement:
     start_s: float = 0.0
     averaged: float = 1.0
     clamp_play_mm: float = 0.0
+    begins_s: tuple[float, ...] = ()
 
     @property
     def grid_s(self) -> FloatArray:
@@ -306,11 +309,7 @@ def split(
         parts = prepare(recording, (0.0, cut_s)), prepare(recording, (cut_s, np.inf))
         _check_parts(*parts, cut_s)
         return parts
-    if abs(held_out.gauge_length_mm - recording.gauge_length_mm) > 1e-3 * recording.gauge_length_mm:
-        raise UserError(
-            f"{held_out.source}: gauge length {held_out.gauge_length_mm:g} mm, but {recording.source} has "
-            f"{recording.gauge_length_mm:g} mm; hold out a recording of the same set-up"
-        )
+    check_gauge_length(held_out, recording)
     calibration = prepare(recording)
     held = prepare(held_out, rate_hz=1.0 / calibration.dt_s)
     if set(calibration.channels) != set(held.channels):
@@ -319,6 +318,20 @@ def split(
             f"{', '.join(calibration.channels)}; both need the same channels"
         )
     return calibration, replace(held, clamp_play_mm=clamp_play_mm)
+
+
+def check_gauge_length(one: Recording, other: Recording) -> None:
+    """Refuse two recordings that were not taken at the same gauge length.
+
+    Raises
+    ------
+    UserError
+    """
+    if abs(one.gauge_length_mm - other.gauge_length_mm) > 1e-3 * other.gauge_length_mm:
+        raise UserError(
+            f"{one.source}: gauge length {one.gauge_length_mm:g} mm, but {other.source} has "
+            f"{other.gauge_length_mm:g} mm; give recordings of the same set-up"
+        )
 
 
 def check_play(recording: Recording, clamp_play_mm: float) -> None:

@@ -14,7 +14,7 @@ from testbench.knit.effect import FloatArray, bounds_of
 from testbench.knit.model import KnitModel, parts_of
 
 # Parameters that describe the data (their range, moments of events), not the sensor: set from them, never fitted.
-FRAME_PARAMETERS = frozenset({"span", "span_N", "low_N", "tension_N", "slip_times_s", "reach_per_s"})
+FRAME_PARAMETERS = frozenset({"span", "span_N", "low_N", "tension_N", "slip_times_s", "reach_per_s", "begins_s"})
 HELD = 1e12  # prior precision, in the fit's coordinate, of what stays where it is
 LARGEST_LOG = 700.0  # the largest number that has an exponential
 

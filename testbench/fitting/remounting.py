@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from testbench.fitting.baseline import without_zeros
 from testbench.fitting.clamping import moved, zero_of
 from testbench.fitting.fit import fit
 from testbench.fitting.measurement import Measurement
@@ -24,6 +25,7 @@ def held_errors(model: KnitModel, held: Measurement) -> dict[str, float]:
 
 def brought_together(model: KnitModel, held: Measurement) -> tuple[KnitModel, Measurement]:
     """Model and recording with all free that belongs to that recording; what is left between them is the model's."""
+    model = without_zeros(model)
     if held.clamp_play_mm:
         held = moved(held, zero_of(model, held).shift_mm)
     return remounted(model, held), held

@@ -11,10 +11,10 @@ from gcode.support.errors import UserError
 from gcode.support.files import make_folder
 from testbench.design.best_motion import best_motion
 from testbench.design.protocols import NOISE, menu
+from testbench.fitting.joining import joined
 from testbench.fitting.measurement import Measurement
 from testbench.investigating.belief import Belief, doubted, judged, over_specimens
 from testbench.investigating.benches import Bench, Order, now_s
-from testbench.investigating.joining import joined
 from testbench.investigating.state import (
     NAME,
     SPENT,

@@ -40,6 +40,8 @@ BUILT_IN = {
     "buckling": "testbench.knit.buckling:Buckling",
     "force_age": "testbench.knit.reading_age:ForceAge",
     "conductance_age": "testbench.knit.reading_age:ConductanceAge",
+    "displacement_zeros": "testbench.knit.mounting:DisplacementZeros",
+    "force_zeros": "testbench.knit.mounting:ForceZeros",
     # kinematics
     "permanent_set": "testbench.knit.permanent_set:PermanentSet",
     "permanent_set_yield": "testbench.knit.permanent_set:PermanentSetYield",

@@ -44,6 +44,8 @@ def _told(value: object) -> Hashable:
     if isinstance(value, Recording):
         columns = {"time_s": value.time_s, **value.channels}
         return (value.gauge_length_mm, *sorted((name, values.tobytes()) for name, values in columns.items()))
+    if isinstance(value, list):
+        return tuple(map(_told, value))
     if isinstance(value, KnitModel):
         return json.dumps(value.to_dict())
     if isinstance(value, ModelFile):

@@ -6,14 +6,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from testbench.fitting.measurement import MAX_GRID_HZ, Measurement, prepare
+from testbench.fitting.measurement import MAX_GRID_HZ, Measurement, check_gauge_length, prepare
 from testbench.fitting.motion import reading_noise
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import inputs
 from testbench.recordings.recording import Recording
 
 
-def joined(recordings: Sequence[Recording], rests_s: Sequence[float]) -> Measurement:
+def joined(recordings: Sequence[Recording], rests_s: Sequence[float], clamp_play_mm: float = 0.0) -> Measurement:
     """One measurement of all recordings in turn.
 
     Parameters
@@ -21,7 +21,9 @@ def joined(recordings: Sequence[Recording], rests_s: Sequence[float]) -> Measure
     recordings : sequence of Recording
         Of one specimen, in the order in which they were made.
     rests_s : sequence of float
-        Rest before each but the first, at the strain where the one before it ended.
+        Rest before each but the first, in which the strain goes from where the one before ended to where it begins.
+    clamp_play_mm : float
+        See `Measurement`; of each recording but the first.
 
     Returns
     -------
@@ -31,8 +33,10 @@ def joined(recordings: Sequence[Recording], rests_s: Sequence[float]) -> Measure
     Raises
     ------
     UserError
-        If a recording is too short or too still.
+        If a recording is too short or too still, or taken at another gauge length.
     """
+    for one in recordings[1:]:
+        check_gauge_length(one, recordings[0])
     first = prepare(recordings[0])
     rate_hz = min(1.0 / first.dt_s, MAX_GRID_HZ)
     parts = [prepare(one, rate_hz=rate_hz) for one in recordings]
@@ -51,7 +55,10 @@ def joined(recordings: Sequence[Recording], rests_s: Sequence[float]) -> Measure
     whole = _one_recording(recordings, starts / rate_hz, [p.start_s for p in parts])
     noise = _chained([p.strain_noise for p in parts], gaps)
     averaged = float(np.mean([p.averaged for p in parts]))
-    return Measurement(signals, 1 / rate_hz, measured, counts, whole, noise, parts[0].start_s, averaged)
+    start_s, begins_s = parts[0].start_s, tuple((starts[1:] / rate_hz).tolist())
+    return Measurement(
+        signals, 1 / rate_hz, measured, counts, whole, noise, start_s, averaged, clamp_play_mm, begins_s
+    )
 
 
 def _chained(values: Sequence[FloatArray], gaps: Sequence[int]) -> FloatArray:

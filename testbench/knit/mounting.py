@@ -1,0 +1,65 @@
+"""What changes as a sensor is taken out and clamped anew between recordings: nuisances of each, no effects."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
+
+NEVER_S = 1e9
+
+
+class Zeros(Effect):
+    """Base of the two: a number for each recording but the first, of several in a row."""
+
+    begins_s: tuple[float, ...] = parameter(
+        (NEVER_S,), unit="s", low=0, high=NEVER_S, doc="times at which recordings begin, but the first"
+    )
+
+    def of_recording(self, time_s: FloatArray, values: tuple[float, ...]) -> FloatArray:
+        """The number that belongs to each sample, 0 in the first recording; shape (n,)."""
+        return np.r_[0.0, values][np.searchsorted(self.begins_s[: len(values)], time_s, side="right")]
+
+
+class DisplacementZeros(Zeros):
+    """The zero of the displacement lies elsewhere in each recording, for the sensor was clamped anew.
+
+    e = e_read + d_r        in recording r = 2, 3, ...
+
+    Source: ISO 13934-1:2013 (strip method): the distance between the jaws is set anew for each specimen, within 1 mm.
+    Valid: several recordings of one specimen in a row.
+    """
+
+    name = "displacement_zeros"
+    stage = Stage.KINEMATICS
+    reads, writes = ("time_s", "strain"), ("strain",)
+    look = "each recording is shifted along the strain against the others"
+
+    strain: tuple[float, ...] = parameter(
+        (0.0,), unit="1", low=-0.1, high=0.1, typical=0.01, doc="shift of each recording but the first"
+    )
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        return {"strain": signals["strain"] + self.of_recording(signals["time_s"], self.strain)}
+
+
+class ForceZeros(Zeros):
+    """The zero of the load cell lies elsewhere in each recording, for it was tared anew.
+
+    F_read = F + z_r        in recording r = 2, 3, ...
+
+    Source: as the zero of force that is free in every held-out recording (docs/finding-effects.md).
+    Valid: several recordings of one specimen in a row.
+    """
+
+    name = "force_zeros"
+    stage = Stage.READOUT
+    reads, writes = ("time_s", "force_N"), ("force_N",)
+    look = "each recording is shifted along the force against the others"
+
+    force_N: tuple[float, ...] = parameter(
+        (0.0,), unit="N", low=-1e3, high=1e3, typical=0.02, doc="shift of each recording but the first"
+    )
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        return {"force_N": signals["force_N"] + self.of_recording(signals["time_s"], self.force_N)}

@@ -1,0 +1,118 @@
+"""Several recordings of one specimen are one history, and each has zeros of its own where it was clamped anew."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from gcode.support.errors import UserError
+from testbench.cli import main
+from testbench.diagnosis import diagnose
+from testbench.fitting.joining import joined
+from testbench.knit.damage import MullinsSoftening
+from testbench.knit.mounting import DisplacementZeros, ForceZeros
+from testbench.recordings.recording import Recording
+from tests.testbench.builders import CATALOGUE, GAUGE_LENGTH_MM, record, truth, write_csv
+
+SOFTENS = truth().plus(MullinsSoftening(softening=0.4))
+PULL_S, REST_S = 60.0, 30.0
+SHIFTS_MM = (0.0, 0.3, -0.2, 0.1)
+
+
+def strain(t: np.ndarray) -> np.ndarray:
+    """Pulls to 20 % and back in three strokes, with rests at zero."""
+    inside = t % (PULL_S + REST_S)
+    return np.where(inside < PULL_S, 0.2 * np.abs(np.sin(3 * np.pi * inside / PULL_S)), 0.0)
+
+
+def pulls(count: int) -> list[Recording]:
+    """One history, recorded pull by pull, each with its own zero of the displacement."""
+    whole = record(SOFTENS, count * (PULL_S + REST_S), 10.0, 1, ("force_N",), strain=strain)
+    made = []
+    for number in range(count):
+        begin = number * (PULL_S + REST_S)
+        rows = (whole.time_s >= begin) & (whole.time_s < begin + PULL_S)
+        channels = {name: values[rows] for name, values in whole.channels.items()}
+        channels["displacement_mm"] = channels["displacement_mm"] - SHIFTS_MM[number]
+        made.append(Recording(whole.time_s[rows] - begin, channels, GAUGE_LENGTH_MM, f"pull {number + 1}"))
+    return made
+
+
+def test_zeros_shift_each_recording_but_the_first():
+    signals = {"time_s": np.arange(5.0), "strain": np.full(5, 0.1), "force_N": np.ones(5)}
+    moved = DisplacementZeros(begins_s=(2.0, 4.0), strain=(0.01, -0.02)).apply(signals, 1.0)["strain"]
+    assert moved == pytest.approx([0.1, 0.1, 0.11, 0.11, 0.08])
+    tared = ForceZeros(begins_s=(2.0, 4.0), force_N=(0.5, 0.0)).apply(signals, 1.0)["force_N"]
+    assert tared == pytest.approx([1, 1, 1.5, 1.5, 1])
+
+
+def test_of_one_recording_there_is_nothing_to_shift():
+    signals = {"time_s": np.arange(5.0), "strain": np.full(5, 0.1)}
+    assert np.array_equal(DisplacementZeros().apply(signals, 1.0)["strain"], signals["strain"])
+
+
+def test_recordings_in_a_row_are_one_history_with_rests_that_do_not_count():
+    first, second, *_ = pulls(2)
+    both = joined([first, second], [REST_S])
+    (begin_s,) = both.begins_s
+    assert begin_s == pytest.approx(PULL_S + REST_S, abs=0.2)
+    time_s = both.signals["time_s"]
+    assert not both.counts[(time_s > PULL_S) & (time_s < begin_s)].any()
+    assert both.counts[time_s > begin_s + 3.1].all()
+
+
+def test_recordings_of_another_gauge_length_are_no_history():
+    first, second, third = pulls(3)
+    with pytest.raises(
+        UserError, match=r"pull 2: gauge length 30 mm, but pull 1 has 25 mm; give recordings of the same"
+    ):
+        diagnose([first, replace(second, gauge_length_mm=30.0)], third, catalogue=CATALOGUE)
+
+
+def test_several_recordings_need_one_to_judge_on():
+    with pytest.raises(UserError, match="say with --held-out which other one"):
+        diagnose(pulls(2), catalogue=CATALOGUE)
+
+
+def test_the_command_takes_several(tmp_path, capsys):
+    files = [write_csv(one, tmp_path / f"{number}.csv") for number, one in enumerate(pulls(2))]
+    assert main(["diagnose", *files, "--gauge-length-mm", "25", "--quiet"]) == 2
+    assert "several recordings are one history" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("rest_s", [0.0, -1.0, np.nan, 1e9])
+def test_a_rest_is_a_time(rest_s):
+    first, second, third = pulls(3)
+    with pytest.raises(UserError, match="rest_s: must be more than 0 and less than 86400 s, got"):
+        diagnose([first, second], third, catalogue=CATALOGUE, rest_s=rest_s)
+
+
+@pytest.mark.slow
+def test_softening_shows_between_pulls_that_were_clamped_anew():
+    *first, last = pulls(4)
+    result = diagnose(first, last, catalogue=CATALOGUE, most=1, clamp_play_mm=0.3, rest_s=REST_S)
+    assert result.found[0].effect == "mullins_softening"
+    fitted = result.after.fit["parameters"]
+    for number, shift_mm in enumerate(SHIFTS_MM[1:3]):
+        shift = fitted[f"displacement_zeros.strain[{number}]"]["value"]
+        assert shift == pytest.approx(shift_mm / GAUGE_LENGTH_MM, abs=0.002)
+    assert not [name for name in result.after.model if name.endswith("_zeros")], "of the sensor, not of a recording"
+
+
+@pytest.mark.slow
+def test_a_recording_that_was_cut_in_two_says_the_same():
+    model = truth().plus(CATALOGUE["stress_relaxation"]().replaced(fraction=0.1, tau_s=10.0))
+    whole, held_out = (record(model, 240, 10.0, seed, ("force_N",)) for seed in (1, 2))
+    rows = whole.time_s < 120
+    halves = [
+        replace(whole, time_s=whole.time_s[part], channels={n: v[part] for n, v in whole.channels.items()})
+        for part in (rows, ~rows)
+    ]
+    one = diagnose(whole, held_out, catalogue=CATALOGUE, most=1)
+    two = diagnose(halves, held_out, catalogue=CATALOGUE, most=1, rest_s=whole.time_s[1] - whole.time_s[0])
+    assert one.found[0].effect == two.found[0].effect == "stress_relaxation"
+    for name, chance in one.probabilities.items():
+        assert two.probabilities[name] == pytest.approx(chance, abs=0.05), name
+    assert two.error_after == pytest.approx(one.error_after, rel=0.05)
