@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import TypeVar
@@ -64,6 +64,11 @@ class NullModel:
     hypothesis: Hypothesis
     like: Hypothesis
     proposals: tuple[Proposal, ...]
+
+    @property
+    def bends(self) -> bool:
+        """Whether it has its shapes."""
+        return self.like is self.hypothesis
 
 
 class Search:
@@ -268,10 +273,11 @@ class Search:
     def chances(self, nulls: Sequence[NullModel], mechanism: str) -> list[tuple[NullModel, Proposal]]:
         """Where a mechanism is refitted: its best law beside the first null model, then all its laws, the best first.
 
-        Beside a base that does not bend a refit costs a tenth of a second, and tells more than its first step.
+        Each law beside a base that bends, and beside one that does not: there a refit costs a tenth of a second, and
+        tells more than its first step.
         """
         every = _chances(nulls, mechanism)
-        laws = _first_of_each(every[1:], lambda one: one[1].law)
+        laws = _first_of_each(every[1:], lambda one: (one[1].law, one[0].bends))
         where = [null for null, _ in laws]
         refitted = zip(where, self.pool.map(self.stiff, where, [p for _, p in laws]), strict=True)
         return [*every[:1], *sorted(refitted, key=lambda one: -one[1].gain)]
@@ -279,7 +285,7 @@ class Search:
     def stiff(self, null: NullModel, p: Proposal) -> Proposal:
         """A law refitted, if the base does not bend."""
         h = null.hypothesis
-        if null.like is h:
+        if null.bends:
             return p
         model = best_start(h, p, self.compared)
         there = fitted(model, self.compared, self.reference, h, believed=self.believed(h, model, p))
@@ -446,8 +452,8 @@ def _chances(nulls: Sequence[NullModel], mechanism: str) -> list[tuple[NullModel
     return list(dict.fromkeys([*first, *each, *own]))
 
 
-def _first_of_each(ordered: Iterable[One], kind: Callable[[One], str]) -> list[One]:
-    first: dict[str, One] = {}
+def _first_of_each(ordered: Iterable[One], kind: Callable[[One], Hashable]) -> list[One]:
+    first: dict[Hashable, One] = {}
     for one in ordered:
         first.setdefault(kind(one), one)
     return list(first.values())

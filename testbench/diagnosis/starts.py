@@ -16,8 +16,9 @@ from testbench.knit.model import KnitModel
 def best_start(h: Hypothesis, p: Proposal, likelihood: Likelihood) -> KnitModel:
     """The law beside a model, where the linear model promises the maximum, as far as that holds.
 
-    The shapes are linear in their weights, so their part of the step holds; of the other parameters as much is taken
-    as fits best. Where nothing of it holds, the law starts weak, on the model as it is.
+    The shapes are linear in their weights, so their part of the step holds, but where it makes up for a step of the
+    other parameters. Of those as much is taken as fits best, or nothing of the whole step. Where the law does not
+    hold either, it starts weak.
 
     Parameters
     ----------
@@ -25,7 +26,7 @@ def best_start(h: Hypothesis, p: Proposal, likelihood: Likelihood) -> KnitModel:
         Beside which the law was proposed.
     """
     low, high = h.priors.low, h.priors.high
-    tried = [h.model.plus(p.first)]
+    tried = [h.model.plus(p.first), h.model.plus(p.effect)]
     for part in PARTS:
         step = np.where(h.priors.group >= 0, p.step, part * p.step)
         tried.append(with_values(h.model, h.priors.parameters, np.clip(h.vector + step, low, high)).plus(p.effect))

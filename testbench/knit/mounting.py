@@ -6,14 +6,14 @@ import numpy as np
 
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 
-NEVER_S = 1e9
+MOST_TIME_S = 1e9
 
 
 class Zeros(Effect):
     """Base of the two: a number for each recording but the first, of several in a row."""
 
     begins_s: tuple[float, ...] = parameter(
-        (NEVER_S,), unit="s", low=0, high=NEVER_S, doc="times at which recordings begin, but the first"
+        (MOST_TIME_S,), unit="s", low=0, high=MOST_TIME_S, doc="times at which recordings begin, but the first"
     )
 
     def of_recording(self, time_s: FloatArray, values: tuple[float, ...]) -> FloatArray:

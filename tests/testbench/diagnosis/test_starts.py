@@ -1,0 +1,25 @@
+"""Where a refit with a law starts."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from testbench.diagnosis.laplace import fitted
+from testbench.diagnosis.likelihood import likelihood_of, noise_of
+from testbench.diagnosis.proposals import Proposal
+from testbench.diagnosis.starts import best_start
+from testbench.fitting.baseline import with_shapes
+from testbench.fitting.measurement import prepare
+from testbench.knit.interference import PeriodicInterferenceForce
+from tests.testbench.builders import record, truth
+
+
+def test_a_law_that_holds_where_the_whole_step_does_not_starts_as_strong_as_it_was_proposed():
+    hum = PeriodicInterferenceForce(amplitude_N=0.1, frequency_Hz=0.7, phase_rad=0.5)
+    measurement = prepare(record(truth().plus(hum), 60, 10.0, 1, ("force_N",)))
+    base = truth().without("contact").without("drift")
+    likelihood = likelihood_of(base, measurement, noise_of(measurement))
+    h = fitted(with_shapes(base, measurement), likelihood, base, iterations=4)
+    astray = np.full(len(h.vector), 3.0)  # of the parameters of the base, and of the weights that bend it
+    proposed = Proposal("periodic_interference", hum.name, hum, 100.0, astray, None)
+    assert best_start(h, proposed, likelihood)[hum.name] == hum
