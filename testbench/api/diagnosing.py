@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -27,7 +27,6 @@ from testbench.diagnosis.diagnosis import REST_S, Diagnosis
 from testbench.diagnosis.words import diagnosis_table, first_line
 from testbench.fitting.model_file import ModelFile
 from testbench.fitting.result_files import checked_diagnosis, read_diagnosis
-from testbench.recordings.recording import Recording
 from testbench.report import style
 
 if TYPE_CHECKING:
@@ -134,7 +133,7 @@ class DiagnosisResult(ModelResult):
 
 
 def diagnose(
-    recording: Source | Sequence[Source],
+    recording: Source | list[Source] | tuple[Source, ...],
     held_out: Source | None = None,
     *,
     model: AnyModel | None = None,
@@ -149,7 +148,7 @@ def diagnose(
 
     Parameters
     ----------
-    recording : Recording or path, or a sequence of them
+    recording : Recording or path, or a list of them
         To calibrate on; everything is selected on it. Several are of one specimen, in the order in which they were
         made: one history.
     held_out : Recording or path, optional
@@ -193,11 +192,13 @@ def diagnose(
         raise UserError(f"most: effects to find must be 1 or more, got {most}")
     catalogue = catalogue_of(effects)
     given = None if model is None else model_file_of(model, catalogue)
-    first, *more = [recording] if isinstance(recording, Recording | str | Path | Mapping) else list(recording)
-    begun, held, play_mm = recordings_for(model, given, first, held_out, gauge_length_mm, clamp_play_mm)
-    every = [begun, *(recording_of(one, begun.gauge_length_mm) for one in more)]
+    sources = list(recording) if isinstance(recording, list | tuple) else [recording]
+    if not sources:
+        raise UserError("recording: must be one or more, got none")
+    first, held, play_mm = recordings_for(model, given, sources[0], held_out, gauge_length_mm, clamp_play_mm)
+    more = [recording_of(one, first.gauge_length_mm) for one in sources[1:]]
     with telling(progress) as tell:
-        found = core.diagnose(every if more else begun, held, given, catalogue, tell, most, play_mm, rest_s)
+        found = core.diagnose([first, *more] if more else first, held, given, catalogue, tell, most, play_mm, rest_s)
     return DiagnosisResult(found)
 
 

@@ -226,6 +226,11 @@ def _measurements(
     calibration, held = split(recordings[0], held_out, clamp_play_mm=clamp_play_mm)
     if len(recordings) > 1:
         calibration = joined(recordings, [rest_s] * (len(recordings) - 1), clamp_play_mm)
+        if calibration.channels != held.channels:
+            shared, needed = (", ".join(one.channels) or "no channel" for one in (calibration, held))
+            raise UserError(
+                f"the recordings share {shared}, but {held.recording.source} has {needed}; all need the same channels"
+            )
     return calibration, held
 
 

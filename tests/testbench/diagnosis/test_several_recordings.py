@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import testbench as tb
 from gcode.support.errors import UserError
 from testbench.cli import main
 from testbench.diagnosis import diagnose
@@ -69,6 +70,21 @@ def test_recordings_of_another_gauge_length_are_no_history():
         UserError, match=r"pull 2: gauge length 30 mm, but pull 1 has 25 mm; give recordings of the same"
     ):
         diagnose([first, replace(second, gauge_length_mm=30.0)], third, catalogue=CATALOGUE)
+
+
+def test_recordings_that_share_no_channel_are_no_history():
+    first, second, third = pulls(3)
+    columns = {
+        "displacement_mm": second.channels["displacement_mm"],
+        "resistance_ohm": 1000 + second.channels["force_N"],
+    }
+    with pytest.raises(UserError, match="the recordings share no channel, but pull 3 has force; all need the same"):
+        diagnose([first, replace(second, channels=columns)], third, catalogue=CATALOGUE)
+
+
+def test_no_recording_is_not_enough():
+    with pytest.raises(UserError, match="recording: must be one or more, got none"):
+        tb.diagnose([])
 
 
 def test_several_recordings_need_one_to_judge_on():
