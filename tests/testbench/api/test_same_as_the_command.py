@@ -210,8 +210,8 @@ def test_record_keeps_what_the_command_keeps(tmp_path, capsys):
     with served_rig(program) as port:
         done = tb.record(port, program, tmp_path / "mine", specimen="knit 7")
     assert done.ended_well
-    # Each begins with the first sample that it hears, and ends when the rig has been silent for a while; which samples
-    # those are, the clock of the machine says.
+    # Each begins with the first sample that it hears, and ends when the rig has been silent for a while; the clock of
+    # the machine says which samples these are.
     assert _numbers_out(said) == _numbers_out(f"{done}\n".replace("mine", "theirs"))
     mine, theirs = done.recording["force_N"], tb.read(tmp_path / "theirs")["force_N"]
     late = [k for k in range(-5, 6) if np.array_equal(mine[max(k, 0) :][:700], theirs[max(-k, 0) :][:700])]
