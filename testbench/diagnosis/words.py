@@ -39,7 +39,7 @@ def first_line(diagnosis: Diagnosis) -> str:
     if diagnosis.verdict == "nothing_missing":
         return f"nothing is missing ({percent(chances[NOTHING])}){_elsewhere(diagnosis)}"
     if diagnosis.verdict == "missing":
-        return f"missing: {_found(diagnosis)}; {_left(diagnosis.left)}"
+        return f"missing: {_found(diagnosis)}; {_left(diagnosis.left)}{_elsewhere(diagnosis)}"
     said = f"unknown ({percent(chances[UNKNOWN])}): structure remains that no effect of the catalogue explains"
     if diagnosis.depends_on:
         channel, coordinate, _ = diagnosis.depends_on[0]
@@ -56,15 +56,17 @@ def _nearest(first: Ranked) -> str:
 
 
 def _elsewhere(diagnosis: Diagnosis) -> str:
-    """What is said where a model that lacks nothing on its own recording fails on the held-out one."""
+    """What is said where a model that is right on its own recording fails on the held-out one."""
     errors = diagnosis.after.history[-1]["errors"]
     times = {c: errors["held_out"][c] / errors["calibration"][c] for c in errors["held_out"]}
     worst = max(times, key=lambda c: times[c])
     if times[worst] < FAILS:
         return ""
+    fails = f" in this recording, but held out the error of the {worst} is {times[worst]:.0f} times as large: "
+    if diagnosis.found:
+        return f"{fails}what was found does not carry over, and another mechanism may be the cause"
     return (
-        f" in this recording, but held out the error of the {worst} is {times[worst]:.0f} times as large: "
-        "that recording shows what this one does not. Diagnose it as well, or one that has the motion of both"
+        f"{fails}that recording shows what this one does not. Diagnose it as well, or one that has the motion of both"
     )
 
 
