@@ -152,7 +152,7 @@ def diagnose(
         To calibrate on; everything is selected on it. Several are of one specimen, in the order in which they were
         made: one history.
     held_out : Recording or path, optional
-        For the final errors; default: the last third of `recording`. Several recordings need one.
+        For the final errors; default: the last third of `recording`. Several recordings need one, made after them.
     model : KnitModel, result or path, optional
         Diagnose this one instead of the baseline.
     effects : path, Catalogue or effect classes, optional

@@ -19,7 +19,7 @@ from testbench.diagnosis.rounds import NOTHING, UNKNOWN, Entry, Round, Verdict, 
 from testbench.diagnosis.search import Progress, Search, searched
 from testbench.fitting.baseline import SHAPES
 from testbench.fitting.fit import Fit
-from testbench.fitting.joining import joined
+from testbench.fitting.joining import joined, last_of
 from testbench.fitting.measurement import Measurement, split
 from testbench.fitting.model_errors import noise_floors
 from testbench.fitting.model_file import ModelFile
@@ -184,7 +184,7 @@ def diagnose(
         To calibrate on; everything is selected on it. Several are of one specimen, in the order in which they were
         made: one history.
     held_out : Recording, optional
-        For the final error; default the last third of `recording`. Several recordings need one.
+        For the final error; default the last third of `recording`. Several recordings need one, made after them.
     model : KnitModel or ModelFile, optional
         Start from this model instead of the baseline. One that was fitted is the first step of the ladder as it is,
         with the errors that `compare` shows; a bare one is fitted first.
@@ -218,19 +218,21 @@ def diagnose(
 def _measurements(
     recordings: Sequence[Recording], held_out: Recording | None, clamp_play_mm: float, rest_s: float
 ) -> tuple[Measurement, Measurement]:
-    """What is calibrated on, one history of all recordings, and what is held out."""
-    if len(recordings) > 1 and held_out is None:
-        raise UserError("several recordings are one history: say with --held-out which other one to judge on")
-    if len(recordings) > 1 and not 0 < rest_s < MOST_REST_S:
-        raise UserError(f"rest_s: must be more than 0 and less than {MOST_REST_S:g} s, got {rest_s:g}")
+    """What is calibrated on, one history of all recordings, and what is held out: it comes after them."""
     calibration, held = split(recordings[0], held_out, clamp_play_mm=clamp_play_mm)
     if len(recordings) > 1:
-        calibration = joined(recordings, [rest_s] * (len(recordings) - 1), clamp_play_mm)
+        if held_out is None:
+            raise UserError("several recordings are one history: say with --held-out which other one to judge on")
+        if not 0 < rest_s < MOST_REST_S:
+            raise UserError(f"rest_s: must be more than 0 and less than {MOST_REST_S:g} s, got {rest_s:g}")
+        rests_s = [rest_s] * len(recordings)
+        calibration = joined(recordings, rests_s[1:], clamp_play_mm)
         if calibration.channels != held.channels:
             shared, needed = (", ".join(one.channels) or "no channel" for one in (calibration, held))
             raise UserError(
                 f"the recordings share {shared}, but {held.recording.source} has {needed}; all need the same channels"
             )
+        held = last_of([*recordings, held_out], rests_s, clamp_play_mm)
     return calibration, held
 
 

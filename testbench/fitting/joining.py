@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -59,6 +60,16 @@ def joined(recordings: Sequence[Recording], rests_s: Sequence[float], clamp_play
     return Measurement(
         signals, 1 / rate_hz, measured, counts, whole, noise, start_s, averaged, clamp_play_mm, begins_s
     )
+
+
+def last_of(recordings: Sequence[Recording], rests_s: Sequence[float], clamp_play_mm: float = 0.0) -> Measurement:
+    """The last of several recordings, after all that its specimen went through; parameters as of `joined`.
+
+    Only its samples count. What comes before is simulated with the displacement as it was read, whatever its zeros.
+    """
+    whole, last = joined(recordings, rests_s, clamp_play_mm), recordings[-1]
+    counts = whole.counts & (whole.signals["time_s"] >= whole.begins_s[-1])
+    return replace(whole, counts=counts, recording=replace(whole.recording, source=last.source))
 
 
 def _chained(values: Sequence[FloatArray], gaps: Sequence[int]) -> FloatArray:
