@@ -30,8 +30,9 @@ from validation_words import page
 from gcode.support.files import make_folder, write_json, write_text
 from gcode.support.strict import read_json
 from testbench.diagnosis import Diagnosis, diagnose
+from testbench.diagnosis.diagnosis import measurements
 from testbench.diagnosis.rounds import NOTHING, UNKNOWN
-from testbench.fitting.measurement import Measurement, split
+from testbench.fitting.measurement import Measurement
 from testbench.fitting.remounting import brought_together
 from testbench.recordings.recording import Recording
 from testbench.recordings.versions import software_versions
@@ -47,7 +48,7 @@ def diagnosed(material: Material, pair: Pair, data: Path, picture: Path) -> Row:
     calibration, held_out = pair.read(data / material.folder)
     every = [calibration] if isinstance(calibration, Recording) else calibration
     found = diagnose(every, held_out, clamp_play_mm=pair.clamp_play_mm)
-    _, held = split(every[0], held_out, clamp_play_mm=pair.clamp_play_mm)
+    _, held = measurements(every, held_out, pair.clamp_play_mm)
     draw(found, held, picture)
     told = found.to_dict()
     return {
