@@ -34,7 +34,6 @@ from testbench.diagnosis.diagnosis import measurements
 from testbench.diagnosis.rounds import NOTHING, UNKNOWN
 from testbench.fitting.measurement import Measurement
 from testbench.fitting.remounting import brought_together
-from testbench.recordings.recording import Recording
 from testbench.recordings.versions import software_versions
 
 Row = dict[str, Any]
@@ -45,8 +44,7 @@ SHOWN = 6
 def diagnosed(material: Material, pair: Pair, data: Path, picture: Path) -> Row:
     """One pair, read and diagnosed, and its picture."""
     start = time.perf_counter()
-    calibration, held_out = pair.read(data / material.folder)
-    every = [calibration] if isinstance(calibration, Recording) else calibration
+    every, held_out = pair.read(data / material.folder)
     found = diagnose(every, held_out, clamp_play_mm=pair.clamp_play_mm)
     _, held = measurements(every, held_out, pair.clamp_play_mm)
     draw(found, held, picture)

@@ -14,6 +14,9 @@ import numpy as np
 import testbench as tb
 from testbench.recordings.recording import Recording
 
+Recordings = tuple[list[Recording], Recording | None]
+Reader = Callable[[Path], Recordings]
+
 RELAXING = ("stress_relaxation", "viscous_rate_stiffening")
 CARBON = ("electrical_overshoot", "contact_relaxation", "contact_creep", "stress_relaxation", "mullins_softening")
 
@@ -29,7 +32,7 @@ class Pair:
     ----------
     key, title : str
     read : callable
-        From the material's folder to what is calibrated on, one recording or several in turn, and what is held out;
+        From the material's folder to the recordings that are calibrated on, in turn, and the one that is held out;
         the latter is None where that is the last third.
     clamp_play_mm : float
         Where the specimen was clamped anew for each recording.
@@ -37,7 +40,7 @@ class Pair:
 
     key: str
     title: str
-    read: Callable[[Path], tuple[Recording | list[Recording], Recording | None]]
+    read: Reader
     clamp_play_mm: float = 0.0
 
 
@@ -82,20 +85,20 @@ def recording(columns: dict[str, np.ndarray], gauge_length_mm: float, source: st
     return Recording(made.time_s, made.channels, made.gauge_length_mm, source)
 
 
-def _strip(one: str, other: str | None = None) -> Callable[[Path], tuple[Recording, Recording | None]]:
+def _strip(one: str, other: str | None = None) -> Reader:
     """Carbon-black strips: 40 mm between the clamps."""
 
-    def read(folder: Path) -> tuple[Recording, Recording | None]:
+    def read(folder: Path) -> Recordings:
         made = [recording(table(folder / f"{name}.csv"), 40.0, name) for name in (one, other) if name]
-        return made[0], made[1] if other else None
+        return made[:1], made[1] if other else None
 
     return read
 
 
-def _by_strain(one: str, other: str | None = None) -> Callable[[Path], tuple[Recording, Recording | None]]:
+def _by_strain(one: str, other: str | None = None) -> Reader:
     """Files that tell displacement and strain: their ratio is the gauge length."""
 
-    def read(folder: Path) -> tuple[Recording, Recording | None]:
+    def read(folder: Path) -> Recordings:
         made = []
         for name in (one, other):
             if name:
@@ -103,15 +106,15 @@ def _by_strain(one: str, other: str | None = None) -> Callable[[Path], tuple[Rec
                 top = int(np.argmax(columns["strain"]))
                 gauge_mm = float(columns["displacement_mm"][top] / columns["strain"][top])
                 made.append(recording(columns, gauge_mm, name))
-        return made[0], made[1] if other else None
+        return made[:1], made[1] if other else None
 
     return read
 
 
-def _repeats(name: str, *pulls: int) -> Callable[[Path], tuple[list[Recording], Recording]]:
+def _repeats(name: str, *pulls: int) -> Reader:
     """Fabrics: pulls of one specimen in turn, each with its own zero; the last is held out."""
 
-    def read(folder: Path) -> tuple[list[Recording], Recording]:
+    def read(folder: Path) -> Recordings:
         columns = table(folder / f"{name}.csv")
         gauge_mm = float((columns["length_mm"] - columns["displacement_mm"])[0])
         made = []
@@ -124,10 +127,10 @@ def _repeats(name: str, *pulls: int) -> Callable[[Path], tuple[list[Recording], 
     return read
 
 
-def _thread(one: str, other: str | None = None) -> Callable[[Path], tuple[Recording, Recording | None]]:
+def _thread(one: str, other: str | None = None) -> Reader:
     """Nylon thread: strain, load and R/R0; 100 mm and 1 ohm stand for what is not told."""
 
-    def read(folder: Path) -> tuple[Recording, Recording | None]:
+    def read(folder: Path) -> Recordings:
         made = []
         for name in (one, other):
             if name:
@@ -137,26 +140,26 @@ def _thread(one: str, other: str | None = None) -> Callable[[Path], tuple[Record
                 if "load_raw" in raw:
                     columns["force_N"] = raw["load_raw"]
                 made.append(recording(columns, 100.0, name))
-        return made[0], made[1] if other else None
+        return made[:1], made[1] if other else None
 
     return read
 
 
-def _sleeve(name: str) -> Callable[[Path], tuple[Recording, Recording | None]]:
+def _sleeve(name: str) -> Reader:
     """Knee sleeve: the angle of the knee stands for the stretch, one of five sensors."""
 
-    def read(folder: Path) -> tuple[Recording, Recording | None]:
+    def read(folder: Path) -> Recordings:
         raw = table(folder / f"{name}.csv")
         columns = {"time_s": raw["time_s"], "displacement_mm": raw["knee_angle_deg"]}
         columns["resistance_ohm"] = 1 + raw["s1_dR_R0"]
-        return recording(columns, 100.0, f"{name}, sensor 1"), None
+        return [recording(columns, 100.0, f"{name}, sensor 1")], None
 
     return read
 
 
-def _plain(name: str, gauge_mm: float) -> Callable[[Path], tuple[Recording, Recording | None]]:
-    def read(folder: Path) -> tuple[Recording, Recording | None]:
-        return recording(table(folder / f"{name}.csv"), gauge_mm, name), None
+def _plain(name: str, gauge_mm: float) -> Reader:
+    def read(folder: Path) -> Recordings:
+        return [recording(table(folder / f"{name}.csv"), gauge_mm, name)], None
 
     return read
 

@@ -198,7 +198,7 @@ def diagnose(
     first, held, play_mm = recordings_for(model, given, sources[0], held_out, gauge_length_mm, clamp_play_mm)
     more = [recording_of(one, first.gauge_length_mm) for one in sources[1:]]
     with telling(progress) as tell:
-        found = core.diagnose([first, *more] if more else first, held, given, catalogue, tell, most, play_mm, rest_s)
+        found = core.diagnose([first, *more], held, given, catalogue, tell, most, play_mm, rest_s)
     return DiagnosisResult(found)
 
 

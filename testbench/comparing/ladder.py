@@ -79,13 +79,14 @@ def ladder_step(step: str, model: KnitModel, calibration: Measurement, held: Mea
 
     Where the sensor was clamped anew for the held-out recording, also the `Zero` that was found there.
     """
-    zero = zero_of(without_zeros(model), held) if held.clamp_play_mm else None
+    sensor = without_zeros(model)
+    zero = zero_of(sensor, held) if held.clamp_play_mm else None
     if zero is not None:
         held = moved(held, zero.shift_mm)
     return {
         "step": step,
-        "model": without_zeros(model).to_dict(),
-        "errors": {"calibration": rms_errors(model, calibration), "held_out": held_errors(model, held)},
+        "model": sensor.to_dict(),
+        "errors": {"calibration": rms_errors(model, calibration), "held_out": held_errors(sensor, held)},
         "noise_floor": noise_floors(held),
         **({} if zero is None else {"zero": asdict(zero)}),
     }

@@ -269,6 +269,7 @@ def concluded(
     whole = whole_of(rounds, put_in)
     left = whole.left if whole else 1.0
     after = _ladder(search, bare, put_in, before, calibration, held)
+    known = {*before.model, *(entry.name for entry in put_in)}
     chances = first.doubted(whole)
     explained = Map(put_in[-1].hypothesis if put_in else bare, rounds[-1].likelihood).gains
     return Diagnosis(
@@ -277,7 +278,7 @@ def concluded(
         tuple(_found(rounds[k:], put_in[k:]) for k in range(len(put_in))),
         _ranking(first, chances, held),
         _tied(first.probabilities(whole), verdict),
-        tuple(name for name in after.model if name not in before.model and name not in {e.name for e in put_in}),
+        tuple(name for name in after.model if name not in known),
         tuple(e.name for n, e in after.model.effects.items() if n in before.model and e.name != before.model[n].name),
         tuple(sorted(((c, where, share) for (c, where), share in explained.items()), key=lambda one: -one[2])),
         left,

@@ -89,7 +89,11 @@ class Round:
         return float(np.logaddexp(self.log_z_alone(self.before), logsumexp([-np.inf, *bent])) - np.log(2))
 
     def _log_z_bent(self, e: Entry) -> float:
-        return e.log_prior_bend - self.luck + e.log_z + self._complete(e, everywhere=True)
+        return self._log_prior_bend(e) + e.log_z + self._complete(e, everywhere=True)
+
+    def _log_prior_bend(self, e: Entry) -> float:
+        """Of a base that is bent as an entry would bend it, less what laws summed owe to luck."""
+        return e.log_prior_bend - self.luck
 
     def _complete(self, entry: Entry, everywhere: bool = False) -> float:
         """How much likelier what an entry leaves is if no more is missing.
@@ -200,11 +204,11 @@ class Round:
         best = self.candidate or max(self.entries, key=self._log_z_bent, default=None)
         if best is None or not self.is_bend(best):
             return None
-        return best if best.log_prior_bend - self.luck + best.log_z > self.before.log_z else None
+        return best if self._log_prior_bend(best) + best.log_z > self.before.log_z else None
 
     def is_bend(self, e: Entry) -> bool:
         """Whether an entry rather says that a law of the base is bent than that an effect is missing."""
-        return e.log_prior_bend - np.log(2) > np.log(self.prior[e.mechanism] / self.laws[e.mechanism])
+        return self._log_prior_bend(e) - np.log(2) > self.log_prior(e.mechanism)
 
     def verdict(self, whole: Whole | None = None) -> Verdict:
         """What is said of the model before this round; `whole` as in `probabilities`."""

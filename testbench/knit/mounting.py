@@ -4,21 +4,30 @@ from __future__ import annotations
 
 import numpy as np
 
-from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
+from testbench.knit.additive import AdditiveLaw
+from testbench.knit.effect import FloatArray, Signals, Stage, parameter
 
 MOST_TIME_S = 1e9
 
 
-class Zeros(Effect):
-    """Base of the two: a number for each recording but the first, of several in a row."""
+class Zeros(AdditiveLaw):
+    """Base of the two: by how much each recording but the first, of several in a row, is shifted.
+
+    The parameter is called as the signal that it shifts.
+    """
 
     begins_s: tuple[float, ...] = parameter(
         (MOST_TIME_S,), unit="s", low=0, high=MOST_TIME_S, doc="times at which recordings begin, but the first"
     )
 
-    def of_recording(self, time_s: FloatArray, values: tuple[float, ...]) -> FloatArray:
+    def change(self, signals: Signals, dt_s: float) -> FloatArray:
         """The number that belongs to each sample, 0 in the first recording; shape (n,)."""
-        return np.r_[0.0, values][np.searchsorted(self.begins_s[: len(values)], time_s, side="right")]
+        values = getattr(self, self.writes[0])
+        return np.r_[0.0, values][np.searchsorted(self.begins_s[: len(values)], signals["time_s"], side="right")]
+
+    def put(self, signals: Signals, change: FloatArray) -> dict[str, FloatArray]:
+        (name,) = self.writes
+        return {name: signals[name] + change}
 
 
 class DisplacementZeros(Zeros):
@@ -39,9 +48,6 @@ class DisplacementZeros(Zeros):
         (0.0,), unit="1", low=-0.1, high=0.1, typical=0.01, doc="shift of each recording but the first"
     )
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        return {"strain": signals["strain"] + self.of_recording(signals["time_s"], self.strain)}
-
 
 class ForceZeros(Zeros):
     """The zero of the load cell lies elsewhere in each recording, for it was tared anew.
@@ -60,6 +66,3 @@ class ForceZeros(Zeros):
     force_N: tuple[float, ...] = parameter(
         (0.0,), unit="N", low=-1e3, high=1e3, typical=0.02, doc="shift of each recording but the first"
     )
-
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        return {"force_N": signals["force_N"] + self.of_recording(signals["time_s"], self.force_N)}

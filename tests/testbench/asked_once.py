@@ -45,7 +45,7 @@ def _told(value: object) -> Hashable:
         columns = {"time_s": value.time_s, **value.channels}
         return (value.gauge_length_mm, *sorted((name, values.tobytes()) for name, values in columns.items()))
     if isinstance(value, list):
-        return tuple(map(_told, value))
+        return tuple(map(_told, value)) if len(value) > 1 else _told(value[0])  # a list of one asks what the one does
     if isinstance(value, KnitModel):
         return json.dumps(value.to_dict())
     if isinstance(value, ModelFile):
