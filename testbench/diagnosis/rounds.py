@@ -108,6 +108,10 @@ class Round:
         changed = [c for c, some in by_law.items() if some > least[c] or everywhere] or list(sigma)
         return self.likelihood.noise_log_prior({c: sigma[c] for c in changed}, by_law)
 
+    def added(self, entry: Entry) -> float:
+        """Log evidence that an entry adds to the model so far, whatever it leaves."""
+        return entry.hypothesis.log_z - self.before.hypothesis.log_z
+
     def left(self, *put_in: Entry) -> float:
         """Share of what laws should explain that the last of them leaves, one put in after the other.
 
@@ -134,9 +138,10 @@ class Round:
             either alone is worse than a free-form map; together they are not.
         """
         logs = {mechanism: self._log_posterior(mechanism) for mechanism in self.laws}
-        if self.candidate and whole:
-            more = max(whole.log_posterior - logs[self.candidate.mechanism], 0.0)
-            logs = {mechanism: value + more for mechanism, value in logs.items()}
+        if whole and whole.first:
+            # In company none need explain all: in place of the first each is less probable by what it adds less.
+            company = whole.log_posterior - self._log_in_part(whole.first)
+            logs = {m: float(np.logaddexp(value, self._log_in_part(m) + company)) for m, value in logs.items()}
         logs[NOTHING] = np.log(self.prior[NOTHING]) + self.log_z_nothing
         logs[UNKNOWN] = np.log(self.prior[UNKNOWN]) + self._log_z_of_any(whole)
         total = logsumexp(list(logs.values()))
@@ -155,14 +160,22 @@ class Round:
         """Of one law of a mechanism, if it is one of the catalogue."""
         return self.log_prior(mechanism) - float(np.log(1 - self.prior[NOTHING] - self.prior[UNKNOWN]))
 
-    def doubted(self, whole: Whole | None = None) -> dict[str, float]:
+    def doubted(self, whole: Whole | None = None, prior: Mapping[str, float] | None = None) -> dict[str, float]:
         """The probabilities as they are told: no evidence is surer than the laws that it was found with.
 
         In some sensors all laws of the right mechanism are so far from its own that another does better, however long
         the recording; what was believed before is all that is left then.
+
+        Parameters
+        ----------
+        whole : Whole, optional
+            As in `probabilities`.
+        prior : mapping, optional
+            What is told of what this round does not weigh, for it is in the model already.
         """
         misled, chances = constants.MISLED, self.probabilities(whole)
-        return {name: (1 - misled) * chance + misled * self.prior[name] for name, chance in chances.items()}
+        prior = prior or self.prior
+        return {name: (1 - misled) * chances.get(name, 0.0) + misled * one for name, one in prior.items()}
 
     def log_prior(self, mechanism: str) -> float:
         """Of one law of a mechanism, less what laws summed owe to luck."""
@@ -187,6 +200,23 @@ class Round:
             gains = (p.gain for p in self.proposals if p.mechanism == mechanism)
             own = [self.log_z_alone(self.before) + min(gain, 0.0) for gain in gains]
         return self.log_prior(mechanism) + float(logsumexp(own))
+
+    def _log_in_part(self, mechanism: str) -> float:
+        """Log prior and evidence of a mechanism, its laws summed, whatever it leaves."""
+        own = [self.added(e) for e in self.entries if e.mechanism == mechanism]
+        own = own or [min(p.gain, 0.0) for p in self.proposals if p.mechanism == mechanism]
+        return self.log_prior(mechanism) + float(logsumexp([-np.inf, *own]))
+
+    @cached_property
+    def telling(self) -> Entry | None:
+        """What goes in so that the search goes on: the candidate, or where that explains too little, what adds most.
+
+        Of several effects of one size none explains all that is there, and the one that comes nearest to explaining
+        some channel to its end need not be among them.
+        """
+        if self.candidate is None or self.is_named():
+            return self.candidate
+        return max(self.entries, key=self.added)
 
     @cached_property
     def candidate(self) -> Entry | None:
@@ -240,12 +270,15 @@ class Whole:
         Log prior of these laws among those of the catalogue.
     left : float
         Share of what they should explain that they leave.
+    first : str
+        The mechanism that was put in first, if it has company.
     """
 
     log_posterior: float
     log_z: float
     log_prior_alike: float
     left: float
+    first: str = ""
 
 
 def whole_of(rounds: Sequence[Round], put_in: Sequence[Entry]) -> Whole | None:
@@ -255,7 +288,14 @@ def whole_of(rounds: Sequence[Round], put_in: Sequence[Entry]) -> Whole | None:
     steps, last = rounds[: len(put_in)], put_in[-1]
     prior = sum(step.log_prior(e.mechanism) for step, e in zip(steps, put_in, strict=True))
     alike = sum(step.log_prior_alike(e.mechanism) for step, e in zip(steps, put_in, strict=True))
-    return Whole(prior + steps[-1].log_z_alone(last), last.log_z, alike, steps[0].left(*put_in))
+    first = put_in[0].mechanism if len(put_in) > 1 else ""
+    return Whole(prior + steps[-1].log_z_alone(last), last.log_z, alike, steps[0].left(*put_in), first)
+
+
+def leading(rounds: Sequence[Round], put_in: Sequence[Entry]) -> int:
+    """Which of what was put in, one in each round, adds most evidence: the first to be found need not be it."""
+    added = [step.added(e) for step, e in zip(rounds, put_in, strict=False)]
+    return int(np.argmax(added)) if added else 0
 
 
 def prior_of(mechanisms: Collection[str]) -> dict[str, float]:

@@ -119,9 +119,10 @@ class Search:
     def run(self, most: int = constants.ROUNDS) -> tuple[list[Round], list[Entry]]:
         """Rounds of the search, and what was put in, one a round.
 
-        Two effects of one size leave each other's part unexplained, so that neither can be named alone: the first is
-        put in even where it leaves more than it explains, and stays if the second explains the rest. A law that only
-        bends the base is put in as well; if anything is found beside it, that is what is missing.
+        Two effects of one size leave each other's part unexplained, so that neither can be named alone: what adds
+        most evidence is put in even where it leaves more than it explains, and stays if the second explains the
+        rest. A law that only bends the base is put in as well; if anything is found beside it, that is what is
+        missing.
         """
         rounds: list[Round] = []
         found: list[Entry] = []
@@ -129,7 +130,7 @@ class Search:
         while len(rounds) < most:
             step = self.round(bent, stiff)
             rounds.append(step)
-            best = step.candidate or (None if found else step.bend)
+            best = step.telling or (None if found else step.bend)
             if best is None or (found and not step.is_named()):
                 break
             found.append(best)

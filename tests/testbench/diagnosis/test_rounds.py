@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from testbench.diagnosis.likelihood import Likelihood
-from testbench.diagnosis.rounds import NOTHING, UNKNOWN, Entry, Round, whole_of
+from testbench.diagnosis.rounds import NOTHING, UNKNOWN, Entry, Round, leading, whole_of
 from testbench.diagnosis.search import Search
 from testbench.knit.model import KnitModel
 
@@ -21,7 +21,7 @@ LAWS = {"stress_relaxation": 2, "clamp_slip": 1, "self_heating": 3}
 def entry(mechanism: str, floors: float, log_z: float) -> Entry:
     """A law put in: what it leaves in the force, in noise floors; in the conductance nothing is missing."""
     sigma = {"force": floors * FLOOR["force"], "conductance": 1.25 * FLOOR["conductance"]}
-    hypothesis = SimpleNamespace(evidence=SimpleNamespace(sigma=sigma))
+    hypothesis = SimpleNamespace(evidence=SimpleNamespace(sigma=sigma), log_z=log_z)
     return Entry(mechanism, mechanism, mechanism, hypothesis, log_z)  # type: ignore[arg-type]
 
 
@@ -84,6 +84,25 @@ def test_two_effects_that_leave_each_others_part_are_named_together():
     assert rounds[0].verdict() == "unknown"
     assert rounds[0].verdict(whole_of(rounds, [first, second])) == "missing"
     assert rounds[0].verdict(whole_of(rounds[:1], [first])) == "unknown"
+
+
+def test_what_adds_most_evidence_leads_whichever_was_found_first():
+    first, second = entry("stress_relaxation", 0.7 * BARE, 70.0), entry("clamp_slip", 1.3, 160.0)
+    rounds = [a_round(entry("", BARE, 50.0), first), a_round(first, second)]
+    assert leading(rounds, [first, second]) == 1
+    assert leading(rounds, [first]) == leading(rounds, []) == 0
+
+
+def test_what_a_round_does_not_weigh_is_told_as_it_was_believed_before():
+    found = a_round(entry("", BARE, 5.0), entry("stress_relaxation", 2.0, 10.0))
+    prior = {
+        **found.prior,
+        "clamp_slip": found.prior["clamp_slip"] / 2,
+        "mullins_softening": found.prior["clamp_slip"] / 2,
+    }
+    told = found.doubted(prior=prior)
+    assert told["mullins_softening"] == pytest.approx(0.2 * prior["mullins_softening"])
+    assert set(told) == set(prior)
 
 
 def test_probabilities_and_what_is_told_of_them_sum_to_one():
