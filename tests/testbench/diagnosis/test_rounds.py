@@ -86,6 +86,36 @@ def test_two_effects_that_leave_each_others_part_are_named_together():
     assert rounds[0].verdict(whole_of(rounds[:1], [first])) == "unknown"
 
 
+def test_what_adds_most_goes_in_where_nothing_explains_enough():
+    """The creep explains the force to its end; the knit that relaxes explains more, but not all."""
+    floor = {"force": 1.25 * FLOOR["force"], "conductance": BARE * FLOOR["conductance"]}
+    creeps, relaxes = entry("clamp_slip", 1.25, 80.0), entry("stress_relaxation", 1.25, 100.0)
+    for one, changed in ((creeps, 0.0), (relaxes, 5.0)):
+        one.hypothesis.evidence.sigma = floor
+        one.own_part.update(force=BARE * FLOOR["force"], conductance=changed * FLOOR["conductance"])
+    bare = entry("", BARE, 0.0)
+    bare.hypothesis.evidence.sigma = {**floor, "force": BARE * FLOOR["force"]}
+    found = a_round(bare, relaxes, creeps)
+    assert found.candidate is creeps
+    assert found.telling is relaxes
+
+
+def test_what_explains_enough_goes_in_though_another_adds_more():
+    good, more = entry("stress_relaxation", 1.3, 100.0), entry("clamp_slip", 0.7 * BARE, 101.0)
+    assert a_round(entry("", BARE, 50.0), more, good).telling is good
+
+
+def test_in_company_the_first_is_as_likely_as_what_it_adds():
+    """Alone it left more than another; with company that is no reason against it."""
+    first, other = entry("stress_relaxation", 0.7 * BARE, 70.0), entry("self_heating", 0.6 * BARE, 60.0)
+    second = entry("clamp_slip", 1.3, 160.0)
+    rounds = [a_round(entry("", BARE, 50.0), first, other), a_round(first, second)]
+    alone = rounds[0].probabilities()
+    together = rounds[0].probabilities(whole_of(rounds, [first, second]))
+    assert alone["stress_relaxation"] < 0.1
+    assert together["stress_relaxation"] > 0.9 > 1e3 * together["self_heating"]
+
+
 def test_what_adds_most_evidence_leads_whichever_was_found_first():
     first, second = entry("stress_relaxation", 0.7 * BARE, 70.0), entry("clamp_slip", 1.3, 160.0)
     rounds = [a_round(entry("", BARE, 50.0), first), a_round(first, second)]
