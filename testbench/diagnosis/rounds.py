@@ -160,22 +160,14 @@ class Round:
         """Of one law of a mechanism, if it is one of the catalogue."""
         return self.log_prior(mechanism) - float(np.log(1 - self.prior[NOTHING] - self.prior[UNKNOWN]))
 
-    def doubted(self, whole: Whole | None = None, prior: Mapping[str, float] | None = None) -> dict[str, float]:
+    def doubted(self, whole: Whole | None = None) -> dict[str, float]:
         """The probabilities as they are told: no evidence is surer than the laws that it was found with.
 
         In some sensors all laws of the right mechanism are so far from its own that another does better, however long
         the recording; what was believed before is all that is left then.
-
-        Parameters
-        ----------
-        whole : Whole, optional
-            As in `probabilities`.
-        prior : mapping, optional
-            What is told of what this round does not weigh, for it is in the model already.
         """
         misled, chances = constants.MISLED, self.probabilities(whole)
-        prior = prior or self.prior
-        return {name: (1 - misled) * chances.get(name, 0.0) + misled * one for name, one in prior.items()}
+        return {name: (1 - misled) * chance + misled * self.prior[name] for name, chance in chances.items()}
 
     def log_prior(self, mechanism: str) -> float:
         """Of one law of a mechanism, less what laws summed owe to luck."""
@@ -208,7 +200,7 @@ class Round:
         return self.log_prior(mechanism) + float(logsumexp([-np.inf, *own]))
 
     @cached_property
-    def telling(self) -> Entry | None:
+    def goes_in(self) -> Entry | None:
         """What goes in so that the search goes on: the candidate, or where that explains too little, what adds most.
 
         Of several effects of one size none explains all that is there, and the one that comes nearest to explaining
@@ -290,12 +282,6 @@ def whole_of(rounds: Sequence[Round], put_in: Sequence[Entry]) -> Whole | None:
     alike = sum(step.log_prior_alike(e.mechanism) for step, e in zip(steps, put_in, strict=True))
     first = put_in[0].mechanism if len(put_in) > 1 else ""
     return Whole(prior + steps[-1].log_z_alone(last), last.log_z, alike, steps[0].left(*put_in), first)
-
-
-def leading(rounds: Sequence[Round], put_in: Sequence[Entry]) -> int:
-    """Which of what was put in, one in each round, adds most evidence: the first to be found need not be it."""
-    added = [step.added(e) for step, e in zip(rounds, put_in, strict=False)]
-    return int(np.argmax(added)) if added else 0
 
 
 def prior_of(mechanisms: Collection[str]) -> dict[str, float]:

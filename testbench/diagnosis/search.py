@@ -130,7 +130,7 @@ class Search:
         while len(rounds) < most:
             step = self.round(bent, stiff)
             rounds.append(step)
-            best = step.telling or (None if found else step.bend)
+            best = step.goes_in or (None if found else step.bend)
             if best is None or (found and not step.is_named()):
                 break
             found.append(best)
