@@ -7,7 +7,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from testbench.knit.filters import DEAD_BAND_STRAIN
-from testbench.knit.hysteresis import SPREAD
+from testbench.knit.mechanics.hysteresis import SPREAD
 from testbench.knit.model import KnitModel
 
 RATE_LAG_S = 0.1

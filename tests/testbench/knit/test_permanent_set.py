@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from testbench.knit.kernels import overstress_flow
-from testbench.knit.length import TAUT
-from testbench.knit.permanent_set import (
+from testbench.knit.kinematics.length import TAUT
+from testbench.knit.kinematics.permanent_set import (
     PermanentSet,
     PermanentSetCreep,
     PermanentSetRecovering,

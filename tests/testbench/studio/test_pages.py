@@ -241,9 +241,7 @@ async def test_own_effects_may_lie_in_a_file_elsewhere(user: User, studio: Studi
 
 async def test_somebody_elses_effects_are_not_run_unasked(user: User, studio: Studio, tmp_path: Path) -> None:
     ran = tmp_path / "ran"
-    mine = (
-        "from testbench.knit.relaxation import StressRelaxation\nclass Mine(StressRelaxation):\n    name = 'mine'\n"
-    )
+    mine = "from testbench.effects import StressRelaxation\nclass Mine(StressRelaxation):\n    name = 'mine'\n"
     (studio.workspace.root / "effects.py").write_text(f"open({str(ran)!r}, 'w').close()\n{mine}")
     assert studio.effects_arguments() == []
     studio.catalogue()

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from testbench.knit.effect import FloatArray, Signals, parameter, step_s
-from testbench.knit.length import Lengthening, overload_s
+from testbench.knit.kinematics.length import Lengthening, overload_s
 
 MOST_SLIPS = 12
 NEVER_S = 1e5

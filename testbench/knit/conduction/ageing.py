@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from testbench.knit.contact_relaxation import SpotsLaw
+from testbench.knit.conduction.contact_relaxation import SpotsLaw
+from testbench.knit.conduction.turning import since_turn_s
 from testbench.knit.effect import FloatArray, Signals, parameter
-from testbench.knit.turning import since_turn_s
 
 
 class ContactAgeing(SpotsLaw):

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from testbench.knit.damage import cycled_strain
 from testbench.knit.effect import FloatArray, Signals, parameter
 from testbench.knit.filters import lowpass
-from testbench.knit.length import TAUT, Lengthening, overload_s
+from testbench.knit.kinematics.length import TAUT, Lengthening, overload_s
+from testbench.knit.mechanics.damage import cycled_strain
 
 RENEWED = 0.5
 LIMP_OR_TAUT = (0.0, TAUT)  # pretension: a knit that hangs limp as soon as it has grown, and one that never does

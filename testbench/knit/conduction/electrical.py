@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from testbench.knit.additive import ConductanceLaw
-from testbench.knit.damage import cycled_strain, weibull, weibull_points
 from testbench.knit.effect import FloatArray, Signals, parameter
-from testbench.knit.hysteresis import mean_slip
+from testbench.knit.mechanics.damage import cycled_strain, weibull, weibull_points
+from testbench.knit.mechanics.hysteresis import mean_slip
 
 
 class DriftLaw(ConductanceLaw):

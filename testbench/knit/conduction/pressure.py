@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
-from testbench.knit.hysteresis import mean_slip
+from testbench.knit.mechanics.hysteresis import mean_slip
 
 
 class ContactDrive(Effect):

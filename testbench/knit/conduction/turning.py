@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from testbench.knit.conduction.transient import OvershootLaw
 from testbench.knit.effect import FloatArray, Signals, parameter
 from testbench.knit.filters import highpass, lowpass, rate
-from testbench.knit.transient import OvershootLaw
 
 # Spikes to try: sudden ones, and ones that rise as slowly as they settle.
 SPIKES: list[dict[str, Any]] = [

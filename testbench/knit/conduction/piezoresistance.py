@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from testbench.knit.additive import ConductanceLaw
-from testbench.knit.contact import positive_part
+from testbench.knit.conduction.contact import positive_part
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 
 CAP = 60.0  # e^60 is beyond all resistances; it keeps a wild fit finite
