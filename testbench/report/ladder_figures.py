@@ -13,9 +13,9 @@ from testbench.report import style
 from testbench.report.comparison_figures import CHANNEL_TITLES, Overlay, model_colour
 from testbench.report.downsample import window
 from testbench.report.recording_figures import line
+from testbench.report.words import PANEL_UNITS
 
 NAMED_STEPS = 3
-UNITS = {"force": "N", "conductance": "ln S", "resistance": "kΩ"}
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ def ladder(steps: Sequence[Step], current: int | None = None) -> style.Figure:
     channels = list(steps[0].errors)
     current = len(steps) - 1 if current is None else current
     traces = [trace for column, channel in enumerate(channels) for trace in _rungs(steps, channel, column, current)]
-    panels = [("", f"Held-out error / {UNITS[channel]}") for channel in channels]
+    panels = [("", f"Held-out error / {PANEL_UNITS[channel]}") for channel in channels]
     axes = style.side_by_side_axes(panels, gap=0.12)
     for column, channel in enumerate(channels):
         _label_steps(axes, column, steps)
@@ -109,7 +109,9 @@ def _floors(
         lines.append(style.level(floor, style.INK, index, 1.4))
         look: dict[str, Any] = {"font": {"size": 11, "color": style.INK}, "xanchor": "right", "yanchor": "top"}
         where = {"xref": f"{style.x_ref(index)} domain", "yref": f"{style.y_ref(index)} domain"}
-        words.append(style.note(f"- - -  noise floor {plain(floor, 2)} {UNITS[channel]}", 1, 1, **look, **where))
+        words.append(
+            style.note(f"- - -  noise floor {plain(floor, 2)} {PANEL_UNITS[channel]}", 1, 1, **look, **where)
+        )
     return lines, words
 
 
@@ -162,7 +164,7 @@ def _glance_axes(
         style.axis_key("yaxis", left): style.axis(CHANNEL_TITLES[channel], domain=domain, anchor=style.x_ref(left)),
         style.axis_key("xaxis", right): style.axis(domain=[0.68, 1], anchor=style.y_ref(right)),
         style.axis_key("yaxis", right): style.axis(
-            UNITS[channel],
+            PANEL_UNITS[channel],
             domain=domain,
             anchor=style.x_ref(right),
             range=[0, 1.2 * max(step.errors[channel] for step in steps)],

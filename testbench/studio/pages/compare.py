@@ -16,8 +16,7 @@ from testbench.report import comparison_figures as figures
 from testbench.report import residual_figures
 from testbench.report.comparison_figures import Overlay
 from testbench.report.document import Table
-from testbench.report.ladder_figures import UNITS
-from testbench.report.words import spoken
+from testbench.report.words import PANEL_UNITS, spoken
 from testbench.report.worst_places import Spot, noise_reached
 from testbench.studio.address import Address, address, span_of
 from testbench.studio.beside import Beside, beside_choices, beside_of, side_by_side
@@ -205,7 +204,7 @@ def _errors(view: View, shown: Overlay) -> list[tuple[str, str]]:
         source = channels["conductance" if channel == RESISTANCE else channel]
         for label, rms in reversed(list(view.rms.items())):
             whose = f" ({label})" if len(view.rms) > 1 else ""
-            pairs.append((f"RMS error of the {channel}{whose}", f"{plain(rms[channel])} {UNITS[channel]}"))
+            pairs.append((f"RMS error of the {channel}{whose}", f"{plain(rms[channel])} {PANEL_UNITS[channel]}"))
         pairs.append((f"times the noise floor of the {channel}", f"{source['over_noise']:.1f} x"))
     return pairs
 

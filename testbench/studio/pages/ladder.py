@@ -17,6 +17,7 @@ from testbench.fitting.result_files import read_diagnosis
 from testbench.report import diagnosis_figures
 from testbench.report import ladder_figures as figures
 from testbench.report.comparison_figures import busiest_window
+from testbench.report.words import PANEL_UNITS
 from testbench.report.parameter_table import parameter_table
 from testbench.report.sections import fall_in_words
 from testbench.report.words import ladder_notes, spoken, verdict_in_words
@@ -128,7 +129,7 @@ class _Ladder:
             ("this step" if step else "the first model", spoken(chosen.label)),
         ]
         pairs += [
-            (f"held-out {channel}", f"{plain(error)} {figures.UNITS[channel]}")
+            (f"held-out {channel}", f"{plain(error)} {PANEL_UNITS[channel]}")
             for channel, error in chosen.errors.items()
         ]
         pairs += [
