@@ -22,8 +22,8 @@ from testbench.proposing.laws_found import Proposed
 from testbench.proposing.proposal import MOST_LAWS
 from testbench.proposing.words import as_json, first_line, proposal_text, story
 from testbench.proposing.writing import check_name, file_text, free_path
-from testbench.report.proposal_figures import proposal as figure_of
-from testbench.report.static import write_figure
+from testbench.report.figures.proposal_figures import proposal as figure_of
+from testbench.report.writing.static import write_figure
 
 if TYPE_CHECKING:
     import pandas as pd

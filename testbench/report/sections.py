@@ -12,18 +12,18 @@ from testbench.comparing.numbers import plain
 from testbench.knit.model import KnitModel
 from testbench.recordings.manifest import CSV
 from testbench.recordings.recording import Recording
-from testbench.report import (
+from testbench.report import words
+from testbench.report.document import Facts, Item, Picture, Section, Table
+from testbench.report.figures import (
     comparison_figures,
     compensator_figures,
     diagnosis_figures,
     ladder_figures,
     recording_figures,
     residual_figures,
-    words,
 )
-from testbench.report.comparison_figures import Overlay
-from testbench.report.document import Facts, Item, Picture, Section, Table
-from testbench.report.ladder_figures import Step
+from testbench.report.figures.comparison_figures import Overlay
+from testbench.report.figures.ladder_figures import Step
 from testbench.report.parameter_table import parameter_table
 from testbench.report.words import PANEL_UNITS
 from testbench.report.worst_places import beyond_noise

@@ -14,10 +14,11 @@ from testbench.fitting.model_file import ModelFile, check_same_set_up
 from testbench.fitting.remounting import remounted
 from testbench.knit.catalogue import Catalogue, model_from_dict
 from testbench.recordings.recording import Recording
-from testbench.report import ladder_figures, sections, words
-from testbench.report.comparison_figures import Overlay, busiest_window
+from testbench.report import sections, words
 from testbench.report.document import Facts, Item, Picture, Section
-from testbench.report.ladder_figures import Step
+from testbench.report.figures import ladder_figures
+from testbench.report.figures.comparison_figures import Overlay, busiest_window
+from testbench.report.figures.ladder_figures import Step
 from testbench.report.overlays import (
     failings_of,
     models_of,

@@ -38,7 +38,7 @@ def serve(studio: Studio, port: int, show: bool) -> None:
     from nicegui import app, ui
     from starlette.middleware.trustedhost import TrustedHostMiddleware
 
-    from testbench.studio.picture import serve_plotly
+    from testbench.studio.parts.picture import serve_plotly
     from testbench.studio.shell import frame
 
     _check_free(port)

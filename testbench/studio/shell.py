@@ -25,8 +25,8 @@ from testbench.studio.pages import (
     recording,
     side,
 )
-from testbench.studio.picture import load_plotly
-from testbench.studio.running_jobs import running_now
+from testbench.studio.parts.picture import load_plotly
+from testbench.studio.parts.running_jobs import running_now
 from testbench.studio.studio import Studio
 
 NAVIGATION = (

@@ -13,11 +13,10 @@ from testbench.fitting.model_file import about_model
 from testbench.report.formula import formula_svg, lines_of
 from testbench.report.words import PANEL_UNITS, spoken
 from testbench.studio import models, proposed_law
-from testbench.studio.address import address
-from testbench.studio.fields import check, number_field
 from testbench.studio.pages.ladder import report_url
-from testbench.studio.studio import Studio
-from testbench.studio.widgets import (
+from testbench.studio.parts.address import address
+from testbench.studio.parts.fields import check, number_field
+from testbench.studio.parts.widgets import (
     aside,
     attempt,
     campaign_head,
@@ -28,6 +27,7 @@ from testbench.studio.widgets import (
     trouble,
     working,
 )
+from testbench.studio.studio import Studio
 
 MOST_ASKED = 4
 SHOWN = 4

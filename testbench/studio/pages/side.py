@@ -13,15 +13,15 @@ from testbench.comparing.numbers import plain
 from testbench.fitting.model_file import about_model
 from testbench.fitting.result_files import read_diagnosis, read_score
 from testbench.recordings.recording import Recording
-from testbench.report import recording_figures as figures
+from testbench.report.figures import recording_figures as figures
 from testbench.report.parameter_table import parameter_name
 from testbench.report.words import PANEL_UNITS, spoken, with_probability
 from testbench.studio import models
-from testbench.studio.address import Address, address
 from testbench.studio.beside import fitted_value
-from testbench.studio.picture import plot
+from testbench.studio.parts.address import Address, address
+from testbench.studio.parts.picture import plot
+from testbench.studio.parts.widgets import RESISTANCE, aside, guarded, heading, quantity_toggle, table
 from testbench.studio.studio import Studio
-from testbench.studio.widgets import RESISTANCE, aside, guarded, heading, quantity_toggle, table
 
 
 @dataclass(frozen=True)

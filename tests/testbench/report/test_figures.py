@@ -11,7 +11,9 @@ import pytest
 import tests.testbench.report.samples as samples
 from compensation.paper.published import COMPENSATED
 from testbench.recordings.recording import Recording
-from testbench.report import (
+from testbench.report import overlays, sections, words
+from testbench.report.downsample import rows_to_draw, thinned, window
+from testbench.report.figures import (
     alignment_figures,
     comparison_figures,
     compensator_figures,
@@ -19,17 +21,13 @@ from testbench.report import (
     experiment_figures,
     ladder_figures,
     live_figures,
-    overlays,
     recording_figures,
     residual_figures,
-    sections,
     trajectory_figures,
-    words,
 )
-from testbench.report.downsample import rows_to_draw, thinned, window
-from testbench.report.static import draw
+from testbench.report.figures.thumbnail import thumbnail
 from testbench.report.style import Figure
-from testbench.report.thumbnail import thumbnail
+from testbench.report.writing.static import draw
 
 
 def residual_and_contribution():

@@ -55,7 +55,7 @@ def studio(campaign_folder: Path, tmp_path: Path) -> Studio:
 @pytest_asyncio.fixture
 async def user(studio: Studio, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[User]:
     """A user without a browser; nothing on a page waits."""
-    monkeypatch.setattr("testbench.studio.widgets.LATER_S", 0.0)
+    monkeypatch.setattr("testbench.studio.parts.widgets.LATER_S", 0.0)
     async with user_simulation(root=lambda: frame(studio)) as simulated:
         yield simulated
         await studio.jobs.close()

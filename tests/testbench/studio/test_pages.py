@@ -16,8 +16,8 @@ import tests.testbench.report.samples as samples
 from gcode.cli import main as gcode
 from testbench.cli import main as run_testbench
 from testbench.studio import models
-from testbench.studio.address import address
-from testbench.studio.picture import Picture, zoomed_span
+from testbench.studio.parts.address import address
+from testbench.studio.parts.picture import Picture, zoomed_span
 from testbench.studio.studio import Studio
 from tests.testbench.importing import exports
 
