@@ -17,7 +17,7 @@ from testbench.api.model_result import ModelResult
 from testbench.api.overlay import plot_overlay
 from testbench.api.progress import Tell, telling
 from testbench.fitting.model_file import ModelFile
-from testbench.proposing.formulas import in_words
+from testbench.proposing.laws.formulas import in_words
 from testbench.proposing.laws_found import Proposed
 from testbench.proposing.proposal import MOST_LAWS
 from testbench.proposing.words import as_json, first_line, proposal_text, story

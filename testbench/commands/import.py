@@ -14,7 +14,7 @@ SUMMARY = "turn a file of a tester or logger (CSV, Excel, TDMS) into a recording
 EXAMPLE = """testbench import lab.csv --gauge-length-mm 40 -o lab
   testbench import raw.csv --time 3 --force 6 --force-unit N --time-unit s --displacement 4 --displacement-unit mm \\
       --gauge-length-mm 40 -o raw"""
-# Keys of testbench.importing.roles.ROLES; that module is too heavy for --help.
+# Keys of testbench.importing.vocabulary.roles.ROLES; that module is too heavy for --help.
 COLUMNS = (
     ("time", "of the time"),
     ("displacement", ""),

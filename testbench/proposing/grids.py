@@ -9,7 +9,7 @@ import numpy as np
 from scipy.signal import periodogram
 
 from testbench.knit.effect import FloatArray
-from testbench.proposing.law_parts import Slot
+from testbench.proposing.laws.law_parts import Slot
 
 LEVELS = (0.1, 0.3, 0.5, 0.7, 0.9)  # quantiles
 SIZES = (0.03, 0.1, 0.3, 1.0, 3.0)  # of the usual size

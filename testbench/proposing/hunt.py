@@ -16,7 +16,7 @@ from testbench.knit.effect import FloatArray
 from testbench.knit.laws import check
 from testbench.proposing.beam import Beam, Found
 from testbench.proposing.grids import Grid, rounded
-from testbench.proposing.law import Law
+from testbench.proposing.laws.law import Law
 from testbench.proposing.laws_found import Option, Step, numbered
 from testbench.proposing.open_chain import OpenChain
 from testbench.proposing.screening import Projector

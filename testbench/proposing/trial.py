@@ -14,9 +14,9 @@ from testbench.diagnosis.proposals import Proposal, Screen
 from testbench.diagnosis.starts import best_start
 from testbench.knit.effect import Effect, bounds_of
 from testbench.knit.model import KnitModel
-from testbench.proposing.grammar import PRICE_OF_PIECE
 from testbench.proposing.grids import Grid
-from testbench.proposing.law import Law
+from testbench.proposing.laws.grammar import PRICE_OF_PIECE
+from testbench.proposing.laws.law import Law
 from testbench.proposing.writing import effect_class, strength_key
 
 QUICK = 6

@@ -12,7 +12,7 @@ from testbench.fitting.model_errors import channel_name
 from testbench.fitting.remounting import brought_together
 from testbench.fitting.responses import UNIT_OF
 from testbench.knit.model import KnitModel
-from testbench.proposing.formulas import in_words, plain
+from testbench.proposing.laws.formulas import in_words, plain
 from testbench.proposing.laws_found import Proposed, Step, numbered
 from testbench.report import style
 

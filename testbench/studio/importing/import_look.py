@@ -62,8 +62,8 @@ def column_options(sheet: Sheet) -> dict[str, str]:
 
 def unit_options(role: str) -> dict[str, str]:
     """The units that a role can have."""
-    from testbench.importing.laboratory_units import symbols
-    from testbench.importing.roles import ROLES
+    from testbench.importing.vocabulary.laboratory_units import symbols
+    from testbench.importing.vocabulary.roles import ROLES
 
     units = {symbol: "as a ratio" if symbol == "1" else symbol for symbol in symbols(ROLES[role])}
     return units | ({"date": "dates"} if role == "time" else {})

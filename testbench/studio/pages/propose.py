@@ -163,7 +163,7 @@ async def _law(law: proposed_law.FoundLaw, errors: Mapping[str, float]) -> None:
 
 
 def _formula(line: str, svg: str) -> None:
-    from testbench.proposing.formulas import plain as read_aloud
+    from testbench.proposing.laws.formulas import plain as read_aloud
 
     words = read_aloud(line)
     if svg:

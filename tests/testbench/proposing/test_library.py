@@ -11,13 +11,13 @@ import pytest
 from testbench.knit.filters import lowpass
 from testbench.knit.laws import applied, check, example_signals
 from testbench.knit.memories import broad_memory, two_way_lag
-from testbench.proposing.formulas import latex_of, plain
 from testbench.proposing.grids import Grid
-from testbench.proposing.law import Law, Term
-from testbench.proposing.law_coordinates import COORDINATES, KINETICS
-from testbench.proposing.operators import OPERATORS
-from testbench.proposing.places import PLACES, READABLE
-from testbench.proposing.units import KELVIN, NEWTON, ONE, SECOND
+from testbench.proposing.laws.formulas import latex_of, plain
+from testbench.proposing.laws.law import Law, Term
+from testbench.proposing.laws.law_coordinates import COORDINATES, KINETICS
+from testbench.proposing.laws.operators import OPERATORS
+from testbench.proposing.laws.places import PLACES, READABLE
+from testbench.proposing.laws.units import KELVIN, NEWTON, ONE, SECOND
 from testbench.proposing.writing import effect_class
 
 DT_S = 0.05

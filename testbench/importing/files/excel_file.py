@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, Any
 from xml.etree.ElementTree import ParseError
 
 from gcode.support.errors import UserError
-from testbench.importing import unpacking
+from testbench.importing.files import unpacking
+from testbench.importing.files.unpacking import BROKEN, check_unpacked
 from testbench.importing.layout import find_layout
-from testbench.importing.notation import decimal_sign, is_number
 from testbench.importing.sheet import HEAD_ROWS, Hints, Sheet
-from testbench.importing.unpacking import BROKEN, check_unpacked
+from testbench.importing.vocabulary.notation import decimal_sign, is_number
 
 if TYPE_CHECKING:
     import pandas as pd

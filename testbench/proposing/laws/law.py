@@ -13,9 +13,9 @@ import numpy as np
 
 from testbench.knit import filters, memories
 from testbench.knit.effect import FloatArray, Signals
-from testbench.proposing.law_parts import Coordinate, Operator, Slot
-from testbench.proposing.places import Place
-from testbench.proposing.units import PER_SECOND, SECOND, Unit
+from testbench.proposing.laws.law_parts import Coordinate, Operator, Slot
+from testbench.proposing.laws.places import Place
+from testbench.proposing.laws.units import PER_SECOND, SECOND, Unit
 
 MOST_PARAMETERS = 4
 STRENGTH = "gain"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from testbench.knit.effect import Stage
-from testbench.proposing.units import NEWTON, ONE, Unit
+from testbench.proposing.laws.units import NEWTON, ONE, Unit
 
 
 @dataclass(frozen=True)

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING
 
 from gcode.support.errors import UserError
 from gcode.support.strict import check_plain
-from testbench.importing.encodings import encoding_of, known_encoding
+from testbench.importing.files.encodings import encoding_of, known_encoding
 from testbench.importing.layout import Layout, find_layout, is_data
-from testbench.importing.notation import decimal_sign, is_number, is_when
 from testbench.importing.sheet import HEAD_ROWS, Hints, Sheet
+from testbench.importing.vocabulary.notation import decimal_sign, is_number, is_when
 from testbench.recordings.csv_columns import MOST_BYTES, MOST_COLUMNS, in_words
 
 if TYPE_CHECKING:

@@ -7,10 +7,10 @@ from collections.abc import Collection
 import numpy as np
 
 from testbench.knit.effect import FloatArray, Stage
-from testbench.proposing.law import MOST_PARAMETERS, Term
-from testbench.proposing.law_coordinates import COORDINATES, KINETICS
-from testbench.proposing.law_parts import Coordinate, Operator
-from testbench.proposing.places import Place
+from testbench.proposing.laws.law import MOST_PARAMETERS, Term
+from testbench.proposing.laws.law_coordinates import COORDINATES, KINETICS
+from testbench.proposing.laws.law_parts import Coordinate, Operator
+from testbench.proposing.laws.places import Place
 
 PRICE_OF_PIECE, PRICE_OF_PARAMETER = 2.0, 2.0  # nats: so many more laws have one piece, or one number, more
 INSTRUMENT = {"conductance rate", "force", "conductance", "time", "temperature", "heating power", "force rate"}

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from testbench.proposing.units import ONE, Unit
+from testbench.proposing.laws.units import ONE, Unit
 
 STRAIN, FORCE, PRESSING, LN_G = ("strain",), ("force_N",), ("contact_force_N",), ("conductance_S",)
 TIME, WARM = ("time_s",), ("temperature_C",)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 
-from testbench.importing.relative import ratio_by_formula, ratio_by_words
+from testbench.importing.vocabulary.relative import ratio_by_formula, ratio_by_words
 
 # Roles a column can have, and the quantities its unit may be of. A displacement in % is a strain, a strain in mm a
 # displacement: there the unit decides.

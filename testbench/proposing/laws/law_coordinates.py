@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from testbench.proposing.law_parts import FORCE, LN_G, PRESSING, STRAIN, TIME, WARM, Coordinate, Slot
-from testbench.proposing.units import KELVIN, NEWTON, ONE, PER_SECOND, SECOND
+from testbench.proposing.laws.law_parts import FORCE, LN_G, PRESSING, STRAIN, TIME, WARM, Coordinate, Slot
+from testbench.proposing.laws.units import KELVIN, NEWTON, ONE, PER_SECOND, SECOND
 
 COORDINATES = {
     c.name: c

@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from testbench.importing.laboratory_units import PREFIX, Unit, plain_text, unit_of, units_spelt
-from testbench.importing.relative import ratio_by_formula
-from testbench.importing.roles import ROLES, STRETCH, is_generic, roles_of
+from testbench.importing.vocabulary.laboratory_units import PREFIX, Unit, plain_text, unit_of, units_spelt
+from testbench.importing.vocabulary.relative import ratio_by_formula
+from testbench.importing.vocabulary.roles import ROLES, STRETCH, is_generic, roles_of
 
 _BRACKET = re.compile(r"^(.*?)\s*(?:\[([^\[\]]*)\]|\(([^()]*)\)|\{([^{}]*)\}|<([^<>]*)>)\s*$", re.S)
 _TAIL = re.compile(rf"^(.*?)(?:\s*/\s*|\s+in\s+|\s*[,:;=]\s*|_|\s+)((?:{PREFIX}[\s_]+)?[^\s/,:;=_]+)$", re.S)
@@ -42,7 +42,7 @@ class Heading:
     unit_text : str
         The unit as it was written; empty where none is.
     roles : dict of str to int
-        The roles that the name speaks of, with how plainly (`testbench.importing.roles`).
+        The roles that the name speaks of, with how plainly (`testbench.importing.vocabulary.roles`).
     power : str
         A power of ten beside name or unit (``x1000``), with which no unit can be told; empty where none is.
     """

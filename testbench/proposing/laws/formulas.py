@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from testbench.proposing.law import Law
+from testbench.proposing.laws.law import Law
 
 FRACTION = re.compile(r"\\t?frac\{([^{}]*)\}\{([^{}]*)\}")
 PLAIN = {

@@ -54,13 +54,13 @@ def open_sheet(path: Path, wanted: Sequence[str], hints: Hints) -> Sheet:
     check_plain(path, "table", MOST_BYTES)
     check_hints(hints, is_text=kind not in (*WORKBOOKS, ".tdms"))
     if kind in WORKBOOKS:
-        from testbench.importing.excel_file import open_excel
+        from testbench.importing.files.excel_file import open_excel
 
         return open_excel(path, wanted, hints)
     if kind == ".tdms":
-        from testbench.importing.tdms_file import open_tdms
+        from testbench.importing.files.tdms_file import open_tdms
 
         return open_tdms(path, hints)
-    from testbench.importing.text_file import open_text
+    from testbench.importing.files.text_file import open_text
 
     return open_text(path, wanted, hints)

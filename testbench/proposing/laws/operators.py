@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from testbench.proposing.law_parts import FORCE, LN_G, PRESSING, STRAIN, TIME, Operator, Slot
-from testbench.proposing.units import NEWTON, ONE, SECOND
+from testbench.proposing.laws.law_parts import FORCE, LN_G, PRESSING, STRAIN, TIME, Operator, Slot
+from testbench.proposing.laws.units import NEWTON, ONE, SECOND
 
 OPERATORS = {
     o.name: o
