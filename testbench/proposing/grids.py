@@ -132,9 +132,9 @@ def usual_size(x: FloatArray) -> float:
     return max(float(np.std(x)), 0.5 * abs(float(np.mean(x))), 1e-9)
 
 
-def rounded(value: float, digits: int = 2) -> float:
-    """To so many digits that say something."""
-    return float(f"{value:.{digits - 1}e}")
+def rounded(value: float) -> float:
+    """To two digits: no more are known of it."""
+    return float(f"{value:.1e}")
 
 
 def _strongest_periods(residual: Sequence[FloatArray], dt_s: float) -> list[float]:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from gcode.support.arrays import FloatArray
 from testbench.report import style
-from testbench.report.downsample import POINTS, window
+from testbench.report.downsample import window
 from testbench.report.figures.recording_figures import line, stretches
 
 CHANNEL_TITLES = {"force": "Force / N", "conductance": "ln (G / S)", "resistance": "Resistance / kΩ"}
@@ -90,9 +90,7 @@ def model_colour(index: int, count: int) -> str:
     return style.VERMILION if index == count - 1 else style.ORANGE
 
 
-def overlay(
-    both: Overlay, start_s: float | None = None, end_s: float | None = None, points: int = POINTS
-) -> style.Figure:
+def overlay(both: Overlay, start_s: float | None = None, end_s: float | None = None) -> style.Figure:
     """Measured and modelled over time with the residual under each, zoom linked in all rows.
 
     Parameters
@@ -100,14 +98,12 @@ def overlay(
     both : Overlay
     start_s, end_s : float, optional
         Draw this stretch only, at full detail for it.
-    points : int
-        Largest number of points a line.
     """
     rows = window(both.time_s, start_s, end_s)
     traces: list[dict[str, Any]] = []
     titles: list[str] = []
     for channel in both.measured:
-        traces += _channel_traces(both, channel, rows, len(titles), points)
+        traces += _channel_traces(both, channel, rows, len(titles))
         titles += [CHANNEL_TITLES[channel], RESIDUAL_TITLES[channel]]
     axes = _uneven_axes(titles)
     shapes = [_floor_band(2 * row + 1, both.noise_floor.get(c, 0.0)) for row, c in enumerate(both.measured)]
@@ -115,16 +111,16 @@ def overlay(
     return style.figure(traces, height=150 * len(titles) + 60, shapes=shapes, **axes)
 
 
-def _channel_traces(both: Overlay, channel: str, rows: slice, row: int, points: int) -> list[dict[str, Any]]:
+def _channel_traces(both: Overlay, channel: str, rows: slice, row: int) -> list[dict[str, Any]]:
     time_s = both.time_s[rows]
     first = row == 0
-    traces = [line(time_s, both.measured[channel][rows], style.MEASURED, "measured", row, points, showlegend=first)]
+    traces = [line(time_s, both.measured[channel][rows], style.MEASURED, "measured", row, showlegend=first)]
     for index, label in enumerate(both.modelled):
         colour = model_colour(index, len(both.modelled))
         values = both.modelled[label][channel][rows]
-        traces.append(line(time_s, values, colour, label, row, points, showlegend=first))
+        traces.append(line(time_s, values, colour, label, row, showlegend=first))
         residual = both.residual(channel, label)[rows]
-        traces.append(line(time_s, residual, colour, f"{label}: residual", row + 1, points))
+        traces.append(line(time_s, residual, colour, f"{label}: residual", row + 1))
     return traces
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from gcode.support.arrays import FloatArray
 from testbench.report import style
-from testbench.report.downsample import POINTS, window
+from testbench.report.downsample import window
 from testbench.report.figures.comparison_figures import RESIDUAL_TITLES
 from testbench.report.figures.recording_figures import line
 from testbench.report.words import spoken, with_probability
@@ -98,7 +98,6 @@ def prediction(
     contribution: Mapping[str, FloatArray],
     start_s: float | None = None,
     end_s: float | None = None,
-    points: int = POINTS,
 ) -> style.Figure:
     """What the model leaves, and what an effect would add, over time; zoom linked.
 
@@ -109,17 +108,15 @@ def prediction(
         Measured minus modelled, and modelled with minus modelled without the effect.
     start_s, end_s : float, optional
         Draw this stretch only.
-    points : int
-        Largest number of points a line.
     """
     rows = window(time_s, start_s, end_s)
     traces = []
     for row, channel in enumerate(residual):
         first: dict[str, Any] = {"showlegend": row == 0}
         left = "what the model leaves"
-        traces.append(line(time_s[rows], residual[channel][rows], style.FAINT, left, row, points, **first))
+        traces.append(line(time_s[rows], residual[channel][rows], style.FAINT, left, row, **first))
         added = "what the effect would add"
-        traces.append(line(time_s[rows], contribution[channel][rows], style.VERMILION, added, row, points, **first))
+        traces.append(line(time_s[rows], contribution[channel][rows], style.VERMILION, added, row, **first))
         traces[-1]["line"] = {"color": style.VERMILION, "width": 1.8}
     axes = style.stacked_axes([RESIDUAL_TITLES[channel] for channel in residual], "Time / s")
     return style.figure(traces, height=190 * len(residual) + 70, **axes)

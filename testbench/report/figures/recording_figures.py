@@ -53,11 +53,7 @@ def _electrical(recording: Recording, resistance: bool) -> Channel:
 
 
 def time_series(
-    recording: Recording,
-    start_s: float | None = None,
-    end_s: float | None = None,
-    points: int = POINTS,
-    resistance: bool = False,
+    recording: Recording, start_s: float | None = None, end_s: float | None = None, resistance: bool = False
 ) -> style.Figure:
     """Every channel over time, one row each, zoom linked.
 
@@ -66,8 +62,6 @@ def time_series(
     recording : Recording
     start_s, end_s : float, optional
         Draw this stretch only, at full detail for it.
-    points : int
-        Largest number of points a channel (min-max, so peaks stay).
     resistance : bool
         Draw the resistance in kΩ instead of the conductance.
     """
@@ -75,7 +69,7 @@ def time_series(
     time_s = recording.time_s[rows]
     channels = channels_of(recording, resistance)
     traces = [
-        line(time_s, values[rows], colour, title.split(" / ")[0], row, points)
+        line(time_s, values[rows], colour, title.split(" / ")[0], row)
         for row, (title, values, colour) in enumerate(channels)
     ]
     axes = style.stacked_axes([title for title, _, _ in channels], "Time / s")
@@ -85,7 +79,7 @@ def time_series(
 def line(
     time_s: FloatArray, values: FloatArray, colour: str, name: str, row: int = 0, points: int = POINTS, **more: Any
 ) -> dict[str, Any]:
-    """A line over time in row `row` of a stacked figure, downsampled to `points`."""
+    """A line over time in row `row` of a stacked figure, downsampled to `points` so that peaks stay."""
     kept = rows_to_draw(values, points)
     return {
         "type": "scatter",
@@ -134,13 +128,13 @@ def hysteresis_loops(recording: Recording, resistance: bool = False) -> style.Fi
     return style.figure(traces, height=400, **axes)
 
 
-def stretches(time_s: FloatArray, count: int = LOOPS, length_s: float = LOOP_S) -> list[slice]:
+def stretches(time_s: FloatArray, count: int = LOOPS) -> list[slice]:
     """Rows of a few stretches of motion, evenly spread from the first sample to the last.
 
     Where samples are rare, a stretch is as long as thirty of them take.
     """
     duration_s = time_s[-1] - time_s[0]
-    length_s = max(length_s, LOOP_SAMPLES * duration_s / len(time_s))
+    length_s = max(LOOP_S, LOOP_SAMPLES * duration_s / len(time_s))
     if duration_s <= count * length_s:
         return [slice(0, len(time_s))]
     begins = np.linspace(time_s[0], time_s[-1] - length_s, count)

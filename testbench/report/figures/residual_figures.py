@@ -109,7 +109,7 @@ def _grid_axes(coordinates: list[str], columns: int, channel: str) -> dict[str, 
     return axes
 
 
-def heat_maps(both: Overlay, label: str | None = None) -> style.Figure:
+def heat_maps(both: Overlay) -> style.Figure:
     """Mean residual over strain and strain rate, one map a channel: blue where the model is too high."""
     rate = np.gradient(both.strain, both.time_s)
     limit = float(np.quantile(np.abs(rate), 0.995)) or 1.0
@@ -117,7 +117,7 @@ def heat_maps(both: Overlay, label: str | None = None) -> style.Figure:
     panels = [("Strain / %", "Strain rate / %/s" if i == 0 else "") for i in range(len(both.measured))]
     traces = []
     for column, channel in enumerate(both.measured):
-        cells = _heat(100 * both.strain[inside], 100 * rate[inside], both.residual(channel, label)[inside])
+        cells = _heat(100 * both.strain[inside], 100 * rate[inside], both.residual(channel)[inside])
         bar_x = (1.0 if column == len(both.measured) - 1 else 0.42) + 0.01
         unit = RESIDUAL_TITLES[channel].rpartition(" / ")[2]
         bar = {"title": {"text": unit}, "thickness": 10, "outlinewidth": 0, "x": bar_x}

@@ -6,7 +6,6 @@ import numpy as np
 
 from gcode.support.arrays import FloatArray
 from testbench.report import style
-from testbench.report.downsample import POINTS
 from testbench.report.figures.recording_figures import line
 
 
@@ -15,7 +14,6 @@ def motion(
     position_mm: FloatArray,
     v_max_mm_per_s: float | None = None,
     a_max_mm_per_s2: float | None = None,
-    points: int = POINTS,
 ) -> style.Figure:
     """Position, speed and acceleration over time; the limits as dashed lines.
 
@@ -30,9 +28,9 @@ def motion(
     speed = np.diff(position_mm) * rate_hz
     acceleration = np.diff(position_mm, 2) * rate_hz**2
     traces = [
-        line(time_s, position_mm, style.PURPLE, "position", 0, points),
-        line(time_s[1:], speed, style.BLUE, "speed", 1, points),
-        line(time_s[1:-1], acceleration, style.GREEN, "acceleration", 2, points),
+        line(time_s, position_mm, style.PURPLE, "position", 0),
+        line(time_s[1:], speed, style.BLUE, "speed", 1),
+        line(time_s[1:-1], acceleration, style.GREEN, "acceleration", 2),
     ]
     shapes = [
         style.level(sign * limit, style.VERMILION, row) | {"xref": "paper"}

@@ -9,6 +9,7 @@ from html import escape
 
 from nicegui import ui
 
+from gcode.support.colours import BLUE
 from testbench.comparing.numbers import plain
 from testbench.studio.jobs.job import Job, State
 from testbench.studio.jobs.pace import duration_in_words
@@ -84,6 +85,6 @@ def spark_line(name: str, values: Sequence[float]) -> str:
     return (
         f'<svg viewBox="0 0 {width} {height}" width="{width}" height="{height}" role="img" '
         f'aria-label="{escape(words)}">'
-        f'<polyline points="{points}" fill="none" stroke="#0072B2" stroke-width="1.6"/></svg>'
+        f'<polyline points="{points}" fill="none" stroke="{BLUE}" stroke-width="1.6"/></svg>'
         f'<span class="quiet text-sm">{escape(words)}</span>'
     )

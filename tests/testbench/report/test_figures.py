@@ -56,7 +56,7 @@ FIGURES: dict[str, Callable[[], Figure | None]] = {
     "overlay": lambda: comparison_figures.overlay(samples.overlay()),
     "overlay, a stretch": lambda: comparison_figures.overlay(samples.overlay(), 20.0, 40.0),
     "modelled loops": lambda: comparison_figures.modelled_loops(samples.overlay()),
-    "heat maps": lambda: residual_figures.heat_maps(samples.overlay(), "baseline"),
+    "heat maps": lambda: residual_figures.heat_maps(samples.overlay()),
     "profiles": lambda: residual_figures.profiles(samples.comparison()["channels"]["force"]["maps"], "force"),
     "ladder": lambda: ladder_figures.ladder(samples.steps(), current=0),
     "at a glance": lambda: ladder_figures.at_a_glance(samples.overlay(), samples.steps(), (20.0, 60.0)),
