@@ -267,6 +267,10 @@ def model_from_dict(data: Any, catalogue: Catalogue, source: str = "model") -> K
 def baseline() -> KnitModel:
     """The model that every diagnosis starts from, with default parameters.
 
+    Returns
+    -------
+    KnitModel
+
     Examples
     --------
     >>> import testbench as tb
