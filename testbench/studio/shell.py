@@ -28,6 +28,7 @@ from testbench.studio.pages import (
 )
 from testbench.studio.parts.picture import load_plotly
 from testbench.studio.parts.running_jobs import running_now
+from testbench.studio.parts.widgets import invitation
 from testbench.studio.studio import Studio
 
 NAVIGATION = (
@@ -73,7 +74,18 @@ def frame(studio: Studio) -> None:
         with ui.element("aside").classes("side"):
             _side(studio)
         with ui.element("div").classes("w-full").style("min-width:0"):
-            ui.sub_pages(dict(PAGES), data={"studio": studio}).classes("w-full")
+            _Pages(dict(PAGES), data={"studio": studio}).classes("w-full")
+
+
+class _Pages(ui.sub_pages):
+    """The pages; an address that leads to none of them says so as every other empty page does."""
+
+    def _render_404(self) -> None:
+        with (
+            ui.column().classes("page gap-4"),
+            invitation("No such page", f"Nothing is at {ui.context.client.sub_pages_router.current_path}."),
+        ):
+            ui.button("Campaigns", icon="grid_view", on_click=lambda: ui.navigate.to("/")).props("unelevated")
 
 
 TITLES = {

@@ -57,6 +57,13 @@ async def test_a_wrong_address_is_a_sentence(user: User, path: str) -> None:
     await user.should_see("no campaign")
 
 
+async def test_an_address_without_a_page_says_so_and_leads_back(user: User) -> None:
+    answer = await user.http_client.get("/nowhere")
+    assert answer.status_code == 404
+    assert "Nothing is at /nowhere." in answer.text
+    assert "grid_view" in answer.text.partition("Nothing is at /nowhere.")[2]  # the button's icon
+
+
 async def test_a_campaign_without_model_offers_the_fit(user: User) -> None:
     await user.open("/compare?c=sleeve")
     await user.should_see("Fit the baseline")
