@@ -251,7 +251,7 @@ def _take(choice: Choice, role: str, column: Column, clock: Column | None, said:
         role = "strain"
     if from_file is None:
         choice.troubles.append(Trouble("unit", role, (column,)))
-        from_file, where = None, ""
+        where = ""
     else:
         where = column.unit_from or NAMED
     choice.taken[role] = Taken(role, column, from_file, where, clock)
