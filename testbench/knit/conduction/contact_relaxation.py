@@ -129,7 +129,7 @@ class ContactRelaxationAsymmetric(SpotsLaw):
     tau_down_s: float = parameter(30.0, unit="s", low=1, high=1000, scale="log", doc="time in which contacts part")
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        from testbench.knit.kernels import two_way_lowpass
+        from testbench.knit.lags import two_way_lowpass
 
         pressing_N = signals["contact_force_N"]
         keep_up, keep_down = np.exp(-dt_s / self.tau_up_s), np.exp(-dt_s / self.tau_down_s)
@@ -185,7 +185,7 @@ class ContactRelaxationActivated(SpotsLaw):
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="largest strain")
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        from testbench.knit.kernels import varying_lowpass
+        from testbench.knit.lags import varying_lowpass
 
         conductance = signals["conductance_S"]
         log_g = log_conductance(conductance)

@@ -113,7 +113,7 @@ class PermanentSetViscoplastic(PermanentSetLaw):
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain by which the overload is counted")
 
     def added(self, signals: Signals, dt_s: float) -> FloatArray:
-        from testbench.knit.kernels import overstress_flow
+        from testbench.knit.lags import overstress_flow
 
         over = (signals["strain"] - self.limit) / self.span
         return self.span * overstress_flow(over, self.rate_per_s * dt_s, 1 + self.hardening, self.power)
