@@ -61,10 +61,10 @@ def _motion(program: Path, gauge_length_mm: float) -> Motion:
     return played(program, gauge_length_mm)[0]
 
 
-def memory_MB() -> float:
-    """Memory of this process, now."""
+def memory_MB(which: str = "VmRSS") -> float:
+    """Memory of this process, now or (``VmHWM``) at its most."""
     status = Path("/proc/self/status").read_text(encoding="ascii")
-    return int(status.split("VmRSS:")[1].split()[0]) / 1024
+    return int(status.split(f"{which}:")[1].split()[0]) / 1024
 
 
 def cpu_seconds_of(tasks: list[Task], work: Callable[[Task], int], client, workers: int) -> float:
