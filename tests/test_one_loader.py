@@ -74,7 +74,7 @@ ALLOWED: dict[tuple[str, str], tuple[int, str]] = {
     ("testbench/importing/files/text_file.py", "csv.reader"): (1, AFTER_CHECK),
     ("testbench/importing/files/text_file.py", "pd.read_csv"): (1, AFTER_CHECK),
     ("testbench/knit/catalogue.py", ".exec_module"): (1, "effects that a person named: testbench.trust"),
-    ("testbench/knit/laws.py", "json.loads"): (1, ROUND_TRIP),
+    ("testbench/knit/rules.py", "json.loads"): (1, ROUND_TRIP),
     ("testbench/knit/presets/__init__.py", ".read_text"): (1, OURS),
     ("testbench/knit/presets/__init__.py", "json.loads"): (1, OURS),
     ("testbench/proposing/laws/law.py", "compile"): (1, "a formula that the search itself has put together"),

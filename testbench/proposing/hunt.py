@@ -13,7 +13,7 @@ from testbench.diagnosis.rounds import excess
 from testbench.diagnosis.search import Search
 from testbench.fitting.baseline import without_shapes
 from testbench.knit.effect import FloatArray
-from testbench.knit.laws import check
+from testbench.knit.rules import check
 from testbench.proposing.beam import Beam, Found
 from testbench.proposing.grids import Grid, rounded
 from testbench.proposing.laws.law import Law
@@ -129,7 +129,7 @@ class Hunt:
         return best
 
     def pays(self, option: Option, trial: Trial, current: Hypothesis) -> bool:
-        """Whether a law gains in evidence and in error, on nearly every part, and obeys the laws of all effects."""
+        """Whether a law gains in evidence and in error, on nearly every part, and keeps the rules of all effects."""
         before, after = excess(current, self.likelihood), excess(trial.hypothesis, self.likelihood)
         return (
             option.log_evidence > LEAST_GAIN

@@ -73,7 +73,7 @@ class _Editor:
         write_text(self.path, self.text.value)
         self.studio.agree_to_effects()  # who saves it here wants it to run
         argv = ["testbench", "effects", "--effects", str(self.path), "--check"]
-        self._run(argv, "Trying the laws that every effect obeys")
+        self._run(argv, "Trying the rules that every effect keeps")
 
     def _run(self, argv: list[str], title: str) -> None:
         job = self.studio.jobs.start("effects", title, argv)

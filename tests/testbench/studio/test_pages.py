@@ -230,7 +230,7 @@ async def test_a_new_effect_starts_from_the_template_and_is_checked(user: User, 
     assert studio.effects_file is not None
     assert studio.effects_arguments() == ["--effects", str(studio.effects_file)]
     user.find("Save and check").click()
-    await user.should_see("my_effect: obeys all laws", retries=150)
+    await user.should_see("my_effect: keeps all rules", retries=150)
 
 
 async def test_own_effects_may_lie_in_a_file_elsewhere(user: User, studio: Studio, tmp_path: Path) -> None:

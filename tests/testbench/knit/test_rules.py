@@ -1,4 +1,4 @@
-"""The laws hold for every registered effect; a new effect needs no new test."""
+"""The rules hold for every registered effect; a new effect needs no new test."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 
 from testbench.knit.catalogue import load_catalogue
 from testbench.knit.effect import Effect, bounds_of
-from testbench.knit.laws import LAWS, Law, check
+from testbench.knit.rules import RULES, Rule, check
 
 EFFECTS = load_catalogue().effects
 
@@ -30,14 +30,14 @@ def drawn(cls: type[Effect], rng: np.random.Generator) -> Effect:
     return cls.model_validate(values)
 
 
-@pytest.mark.parametrize("law", LAWS, ids=lambda law: law.__name__)
+@pytest.mark.parametrize("rule", RULES, ids=lambda rule: rule.__name__)
 @pytest.mark.parametrize("name", EFFECTS)
-def test_law_holds_with_default_parameters(name: str, law: Law) -> None:
-    assert law(EFFECTS[name]()) == ""
+def test_rule_holds_with_default_parameters(name: str, rule: Rule) -> None:
+    assert rule(EFFECTS[name]()) == ""
 
 
 @pytest.mark.parametrize("name", EFFECTS)
-def test_laws_hold_with_any_parameters_in_bounds(name: str) -> None:
+def test_rules_hold_with_any_parameters_in_bounds(name: str) -> None:
     # Not by Hypothesis: it draws numbers read in those of our modules that are loaded, so that no run is another.
     rng = np.random.default_rng(sum(name.encode()))
     for _ in range(12):

@@ -1,6 +1,6 @@
-"""Laws that every effect obeys, built in or a user's own: ``testbench effects --check --effects my_effects.py``.
+"""Rules that every effect keeps, built in or a user's own: ``testbench effects --check --effects my_effects.py``.
 
-Each law takes an effect with its parameters and returns "" or what is wrong, in one sentence.
+Each rule takes an effect with its parameters and returns "" or what is wrong, in one sentence.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ WRITABLE = {
     Stage.READOUT: {"force_N", "conductance_S"},
 }
 CHECKED_S = 60.0
-Law = Callable[[Effect], str]
+Rule = Callable[[Effect], str]
 
 
 class OnlyDeclared(Mapping[str, FloatArray]):
@@ -264,7 +264,7 @@ def survives_json(effect: Effect) -> str:
     return "" if again == effect else "is not the same after a round trip through JSON"
 
 
-LAWS: tuple[Law, ...] = (
+RULES: tuple[Rule, ...] = (
     declares_itself,
     leaves_inputs_alone,
     returns_what_it_declares,
@@ -280,23 +280,23 @@ LAWS: tuple[Law, ...] = (
 
 
 def check(effect: Effect) -> list[str]:
-    """Broken laws of one effect, as sentences; empty when all is well.
+    """Broken rules of one effect, as sentences; empty when all is well.
 
-    An effect that raises breaks the law that was tried; the message says which.
+    An effect that raises breaks the rule that was tried; the message says which.
     """
     problems = []
-    for law in LAWS:
+    for rule in RULES:
         try:
-            problem = law(effect)
+            problem = rule(effect)
         except Exception as error:  # whatever a user's code raises is the finding
-            problem = f"raises {type(error).__name__}: {error} ({law.__name__.replace('_', ' ')})"
+            problem = f"raises {type(error).__name__}: {error} ({rule.__name__.replace('_', ' ')})"
         if problem:
             problems.append(problem)
     return problems
 
 
 def checked(catalogue: Catalogue, name: str | None = None) -> Iterator[tuple[str, list[str]]]:
-    """The effect of this name, else each of the user's own, else each of the catalogue: its name and broken laws."""
+    """The effect of this name, else each of the user's own, else each of the catalogue, with the rules it breaks."""
     known = load_catalogue().effects
     own = [effect for effect in catalogue.effects if effect not in known]
     for effect in [name] if name else own or catalogue.effects:
