@@ -24,7 +24,7 @@ RECORDINGS = SLOW + FAST
 GAUGE_LENGTH_MM, RATE_HZ = 25.0, 20.0
 COUNT, FACTOR, FINER = 7, 2.5, 1.75
 STARTS = 5
-EVERY = 10  # rows that the stand-in learns from; neighbours at 20 Hz tell nothing new
+EVERY = 10  # rows that the surrogate learns from; neighbours at 20 Hz tell nothing new
 TARGETS = {"force_N": "force", "strain": "displacement"}
 # What is trained on, what is judged, what is learned, smoothing factor: one row a figure after compensation.
 T, A, B, FAST_T, FAST_A = range(5)
@@ -93,7 +93,7 @@ def drift(recording: Recording) -> float:
 
 
 def quickly_compensated(recordings: list[Recording]) -> list[float]:
-    """r2 after a quadratic ridge regression on the bank, a stand-in for the network; in the order of `AFTER`."""
+    """r2 after a quadratic ridge regression on the bank, a surrogate for the network; in the order of `AFTER`."""
     from compensation.memories.ema import smooth, smoothing_factors
 
     signals = [standardised(r.conductance_S) for r in recordings]

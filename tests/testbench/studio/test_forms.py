@@ -11,8 +11,8 @@ from nicegui.testing import User
 
 from testbench.studio.parts.address import address
 from testbench.studio.studio import Studio
-from tests.testbench.studio.diagnoses import with_diagnosis
 from tests.testbench.importing import exports
+from tests.testbench.studio.diagnoses import with_diagnosis
 
 pytestmark = pytest.mark.asyncio
 
