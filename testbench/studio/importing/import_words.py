@@ -34,6 +34,7 @@ FIELDS = {
     "--negate": "Turn the sign",
     "--zero": "Count from the first sample",
     "--time-of": "Own times",
+    "--output": "Campaign name",
     "--overwrite": "Campaign name",
 }
 SIGNS = {",": "comma", ".": "point"}
