@@ -13,16 +13,6 @@ import numpy as np
 from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, bounds_of
 
-# What exists before a stage begins.
-AVAILABLE = {
-    Stage.KINEMATICS: ("time_s", "strain_nominal", "strain"),
-    Stage.MECHANICS: ("time_s", "strain_nominal", "strain", "force_N"),
-    Stage.TENSION: ("time_s", "strain_nominal", "strain", "force_N"),
-    Stage.PRESSURE: ("time_s", "strain_nominal", "strain", "force_N", "contact_force_N"),
-    Stage.CONTACT: ("time_s", "strain_nominal", "strain", "force_N", "contact_force_N", "conductance_S"),
-    Stage.ELECTRICAL: ("time_s", "strain_nominal", "strain", "force_N", "contact_force_N", "conductance_S"),
-    Stage.READOUT: ("time_s", "strain_nominal", "strain", "force_N", "contact_force_N", "conductance_S"),
-}
 WRITABLE = {
     Stage.KINEMATICS: {"strain"},
     Stage.MECHANICS: {"force_N"},
@@ -31,6 +21,11 @@ WRITABLE = {
     Stage.CONTACT: {"conductance_S"},
     Stage.ELECTRICAL: {"conductance_S"},
     Stage.READOUT: {"force_N", "conductance_S"},
+}
+# What a law may read: what there is from the start, and what stages up to its own write.
+READABLE = {
+    stage: {"time_s", "strain_nominal"}.union(*(names for before, names in WRITABLE.items() if before <= stage))
+    for stage in Stage
 }
 CHECKED_S = 60.0
 Rule = Callable[[Effect], str]
@@ -82,7 +77,7 @@ def declares_itself(effect: Effect) -> str:
         return f"needs a name, a `look` and a docstring with {' and '.join(missing) or 'Source: and Valid:'}"
     if not set(cls.writes) <= WRITABLE[cls.stage]:
         return f"writes {', '.join(cls.writes)}, but stage {cls.stage.name} may write {sorted(WRITABLE[cls.stage])}"
-    unknown = set(cls.reads) - set(AVAILABLE[cls.stage])
+    unknown = set(cls.reads) - READABLE[cls.stage]
     if unknown:
         return f"reads {', '.join(sorted(unknown))}, which does not exist in stage {cls.stage.name}"
     return _check_parameters(cls)
