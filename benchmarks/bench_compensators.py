@@ -189,9 +189,9 @@ def _pairs(known, cases: Sequence[Case], methods: Sequence[str], heading: str) -
     return lines
 
 
-def _with_interval(values: Sequence[float], draws: int = 2000) -> str:
+def _with_interval(values: Sequence[float]) -> str:
     rng, array = np.random.default_rng(0), np.array(values)
-    low, high = np.quantile(array[rng.integers(len(array), size=(draws, len(array)))].mean(axis=1), [0.025, 0.975])
+    low, high = np.quantile(array[rng.integers(len(array), size=(2000, len(array)))].mean(axis=1), [0.025, 0.975])
     return f"{array.mean():.3f} ({low:.3f} to {high:.3f})"
 
 

@@ -9,6 +9,7 @@ what one would write without this package's staged simulation. All on one thread
 from __future__ import annotations
 
 import cProfile
+import inspect
 import pstats
 import time
 from collections.abc import Callable
@@ -18,23 +19,28 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from testbench.comparing.compare import compare
+from testbench.comparing.residual_coordinates import coordinates
 from testbench.diagnosis import diagnose
+from testbench.diagnosis.evidence import maximised
+from testbench.diagnosis.laplace import _PosteriorFit
+from testbench.diagnosis.proposals import laws_of
 from testbench.fitting.baseline import starting_baseline
 from testbench.fitting.fit import fit, shape_scales
 from testbench.fitting.measurement import Measurement, split
 from testbench.fitting.noise_level import noise_floor
 from testbench.fitting.parameters import free_parameters, values_of, with_values
+from testbench.fitting.sensitivity import sensitivities
 from testbench.knit.model import KnitModel
 from testbench.worlds import make_case
 
-STAGES = {
-    "simulating effects": ("model.py", "simulate"),
-    "sensitivities": ("sensitivity.py", "sensitivities"),
-    "fits": ("fit.py", "fit"),
-    "sensitivities of a diagnosis": ("laplace.py", "linearise"),
-    "evidence": ("evidence.py", "maximised"),
-    "laws tried": ("proposals.py", "laws_of"),
-    "coordinates": ("coordinates.py", "coordinates"),
+STAGES: dict[str, Callable[..., Any]] = {
+    "simulating effects": KnitModel.simulate,
+    "sensitivities": sensitivities,
+    "fits": fit,
+    "sensitivities of a diagnosis": _PosteriorFit.linearise,
+    "evidence": maximised,
+    "laws tried": laws_of,
+    "coordinates": coordinates,
 }
 
 
@@ -71,11 +77,16 @@ def where_time_goes(profile: cProfile.Profile) -> None:
     """Cumulative seconds of the stages; they contain one another."""
     table = pstats.Stats(profile).stats  # type: ignore[attr-defined]
     total = sum(row[2] for row in table.values())
-    for label, (file, name) in STAGES.items():
-        rows = [row for key, row in table.items() if key[0].endswith(f"/{file}") and key[2] == name]
+    for label, stage in STAGES.items():
+        rows = [row for (file, _, name), row in table.items() if (file, name) == _place(stage)]
         if rows:
             seconds, calls = sum(row[3] for row in rows), sum(row[1] for row in rows)
             print(f"    {label:<24}{seconds:>8.2f} s {100 * seconds / total:>5.0f} %   {calls} calls")
+
+
+def _place(stage: Callable[..., Any]) -> tuple[str, str]:
+    """How a profile calls a function."""
+    return inspect.getfile(stage), stage.__name__
 
 
 def main() -> None:

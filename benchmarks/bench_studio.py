@@ -29,7 +29,7 @@ from playwright.sync_api import Page, sync_playwright
 from compensation.cli import main as compensation
 from gcode.cli import main as gcode
 from testbench.cli import main as testbench
-from testbench.studio.jobs import interpreter_argv
+from testbench.studio.jobs.jobs import interpreter_argv
 from tests.testbench.studio.served import CHROMIUM, Served, served
 
 HOUR_S, HASTE = 3600.0, 20

@@ -14,7 +14,6 @@ from __future__ import annotations
 import argparse
 import tempfile
 import time
-from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -70,9 +69,7 @@ def main() -> None:
     report(results, len(everything) / len(sample))
 
 
-def compared(
-    series: dict[str, Series], target: str, candidate: search_space.Candidate, engines: Sequence[str] = ORDER
-) -> Result:
+def compared(series: dict[str, Series], target: str, candidate: search_space.Candidate) -> Result:
     """Train one candidate by every engine."""
     for name in ("fast", "exact"):  # compile, or load what was compiled
         ENGINES[name](np.ones((10, 2)), np.ones(10), (2,), 0, DEFAULT_L2)
@@ -81,12 +78,12 @@ def compared(
     parts = [series[name] for name in "AB"]
     tests = [(blank.features(p.time_s, p.conductance_S), blank.scaling_out.apply(p.truth)) for p in parts]
     fits, seconds = {}, {}
-    for name in engines:
+    for name in ORDER:
         begin = time.process_time()
         fits[name] = ENGINES[name](features, truth, candidate.sizes, 0, DEFAULT_L2)
         seconds[name] = time.process_time() - begin
     scores = {name: float(np.mean([r2(y, fit.network(x)) for x, y in tests])) for name, fit in fits.items()}
-    exact, reference = fits["exact"].loss_curve, fits[engines[-1]].loss_curve
+    exact, reference = fits["exact"].loss_curve, fits[ORDER[-1]].loss_curve
     left_at, difference = departure(exact, reference)
     by_rounding = None
     if left_at is not None:

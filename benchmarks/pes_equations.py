@@ -7,7 +7,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from testbench.knit.filters import DEAD_BAND_STRAIN
-from testbench.knit.hysteresis import SPREAD
+from testbench.knit.mechanics.hysteresis import SPREAD
 from testbench.knit.model import KnitModel
 
 RATE_LAG_S = 0.1
@@ -57,11 +57,11 @@ def conductance_of(m: Any, pressing: float, sudden: float, shaken: float, time_s
 class Filter:
     """First-order low-pass, exact for straight lines, one sample at a time."""
 
-    def __init__(self, tau_s: float, dt_s: float, x: float, start: float | None = None) -> None:
+    def __init__(self, tau_s: float, dt_s: float, x: float) -> None:
         self.a = math.exp(-dt_s / tau_s)
         mean = (1 - self.a) * tau_s / dt_s
         self.b0, self.b1 = 1 - mean, mean - self.a
-        self.x, self.y = x, x if start is None else start
+        self.x, self.y = x, x
 
     def step(self, x: float) -> float:
         self.y = self.a * self.y + self.b0 * x + self.b1 * self.x

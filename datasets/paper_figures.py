@@ -23,7 +23,8 @@ SLOW, FAST = ("paper-1", "paper-2", "paper-3"), ("fast", "fast")
 RECORDINGS = SLOW + FAST
 GAUGE_LENGTH_MM, RATE_HZ = 25.0, 20.0
 COUNT, FACTOR, FINER = 7, 2.5, 1.75
-EVERY = 10  # rows that the stand-in learns from; neighbours at 20 Hz tell nothing new
+STARTS = 5
+EVERY = 10  # rows that the surrogate learns from; neighbours at 20 Hz tell nothing new
 TARGETS = {"force_N": "force", "strain": "displacement"}
 # What is trained on, what is judged, what is learned, smoothing factor: one row a figure after compensation.
 T, A, B, FAST_T, FAST_A = range(5)
@@ -35,7 +36,6 @@ AFTER: tuple[Wanted, ...] = (
     (FAST_T, (FAST_A,), "force_N", FINER),
     (T, (FAST_A,), "force_N", FACTOR),
 )
-AFTER_SLOW = AFTER[:2]
 
 
 class Recording(NamedTuple):
@@ -93,7 +93,7 @@ def drift(recording: Recording) -> float:
 
 
 def quickly_compensated(recordings: list[Recording]) -> list[float]:
-    """r2 after a quadratic ridge regression on the bank, a stand-in for the network; in the order of `AFTER`."""
+    """r2 after a quadratic ridge regression on the bank, a surrogate for the network; in the order of `AFTER`."""
     from compensation.memories.ema import smooth, smoothing_factors
 
     signals = [standardised(r.conductance_S) for r in recordings]
@@ -109,10 +109,8 @@ def quickly_compensated(recordings: list[Recording]) -> list[float]:
     return found
 
 
-def compensated(
-    recordings: list[Recording], engine: str = "fast", starts: int = 5, wanted: Sequence[Wanted] = AFTER
-) -> list[float]:
-    """The same by the paper's network (4, 2, 2), mean over the live ones of `starts` seeds."""
+def compensated(recordings: list[Recording], engine: str = "fast", wanted: Sequence[Wanted] = AFTER) -> list[float]:
+    """The same by the paper's network (4, 2, 2), mean over the live ones of `STARTS` seeds."""
     from compensation.paper.reproduction import over_seeds
     from compensation.series.preprocessing import Series
     from compensation.training.options import Options
@@ -124,7 +122,7 @@ def compensated(
             for r in recordings
         ]
         options = Options(engine=engine, factor=factor, count=COUNT, per_recording=True)
-        seeds = over_seeds(series[training], [series[test] for test in tests], TARGETS[target], starts, options)
+        seeds = over_seeds(series[training], [series[test] for test in tests], TARGETS[target], STARTS, options)
         found += list((seeds.live if len(seeds.live) else seeds.r2).mean(axis=0))
     return found
 

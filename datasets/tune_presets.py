@@ -13,7 +13,7 @@ distance from a published figure is least (a linear program). A step that brings
 next is half as long. It starts from the preset as it is, or from the file in -o; there is more than one valley: the
 presets came from several starts, the best of which was kept.
 
-A quick stand-in takes the place of the paper's network; its offset from the network is measured in every round. T, A
+A quick surrogate takes the place of the paper's network; its offset from the network is measured in every round. T, A
 and B are consecutive campaigns of one sensor, with rests of 10 min between them.
 """
 
@@ -264,12 +264,12 @@ def measured(name: str, steps: FloatArray, offsets: dict[str, FloatArray]) -> Fl
 
 
 def tune(name: str, start: KnitModel) -> KnitModel:
-    """Tune one preset in rounds; in each the stand-in's offset from the network is measured anew."""
+    """Tune one preset in rounds; in each the surrogate's offset from the network is measured anew."""
     one = goals_of(name)
     goals = Goals(*(np.tile(values, len(TUNED_ON)) for values in one))
     steps, reach = steps_between(start_model(name), start), REACH
     for turn in range(ROUNDS):
-        offsets = stand_in_offsets(moved(start_model(name), steps))
+        offsets = surrogate_offsets(moved(start_model(name), steps))
         here = measured(name, steps, offsets)
         tried = nearest_steps(here, slopes_at(name, steps, offsets), goals, steps, reach)
         worst = float(np.nanmax(goals.distances(here)))
@@ -282,8 +282,8 @@ def tune(name: str, start: KnitModel) -> KnitModel:
     return moved(start_model(name), steps, digits=4)
 
 
-def stand_in_offsets(model: KnitModel) -> dict[str, FloatArray]:
-    """By how much the network does better than its stand-in, figure by figure, in each group."""
+def surrogate_offsets(model: KnitModel) -> dict[str, FloatArray]:
+    """By how much the network does better than its surrogate, figure by figure, in each group."""
     found = {}
     for group, members in TUNED_ON.items():
         few = members[::OFFSETS_FROM]
@@ -309,7 +309,7 @@ def report(name: str, model: KnitModel, engine: str) -> bool:
 
 
 def what_if(name: str, model: KnitModel, additions: list[str], without: str | None = None) -> None:
-    """Print the figures of the fast set for the preset as it is and with one effect more, by the stand-in.
+    """Print the figures of the fast set for the preset as it is and with one effect more, by the surrogate.
 
     Each addition may stand in for an effect that is left out (`without`).
     """

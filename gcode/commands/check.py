@@ -15,12 +15,14 @@ SHOWN = 20
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("program", help="a Mach4 or plain RS274/NGC file")
+    parser.add_argument("program", metavar="PROGRAM", help="a Mach4 or plain RS274/NGC file")
     parser.add_argument("--v-max", type=float, required=True, metavar="MM/S", help="speed limit")
     parser.add_argument("--a-max", type=float, required=True, metavar="MM/S2", help="acceleration limit")
     parser.add_argument("--x-min", type=float, required=True, metavar="MM", help="soft limit, lower end")
     parser.add_argument("--x-max", type=float, required=True, metavar="MM", help="soft limit, upper end")
-    parser.add_argument("--rate-hz", type=float, default=20.0, help="rate of the finite differences (default 20)")
+    parser.add_argument(
+        "--rate-hz", type=float, default=20.0, metavar="HZ", help="rate of the finite differences (default 20)"
+    )
     parser.add_argument(
         "--machine-acceleration",
         type=float,
@@ -29,7 +31,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--j-max", type=float, metavar="MM/S3", help="jerk limit (default: none)")
     parser.add_argument("--rapid", type=float, metavar="MM/S", help="speed of G0 moves; without it they are refused")
-    parser.add_argument("--max-dwell-s", type=float, help="longest dwell; default 120 in files that others made")
+    parser.add_argument(
+        "--max-dwell-s", type=float, metavar="S", help="longest dwell; default 120 in files that others made"
+    )
     parser.add_argument(
         "--as-foreign", action="store_true", help="do not hold a program of ours against the recipe in its header"
     )

@@ -18,12 +18,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--v-sd", type=float, required=True, metavar="MM/S", help="standard deviation of |v|")
     parser.add_argument("--a-mean", type=float, required=True, metavar="MM/S2", help="mean of |a|")
     parser.add_argument("--a-sd", type=float, required=True, metavar="MM/S2", help="standard deviation of |a|")
-    parser.add_argument("--rate-hz", type=float, default=20.0, help="rate at which they are taken (default 20)")
+    parser.add_argument(
+        "--rate-hz", type=float, default=20.0, metavar="HZ", help="rate at which they are taken (default 20)"
+    )
     parser.add_argument("--v-max", type=float, metavar="MM/S", help="speed limit; default 5 times --v-mean")
     parser.add_argument("--a-max", type=float, metavar="MM/S2", help="acceleration limit; default 14 times --a-mean")
-    parser.add_argument("--gauge-length-mm", type=float, default=25.0, help="default 25")
-    parser.add_argument("--low-percent", type=float, default=0.0, help="strain range, lower end (default 0)")
-    parser.add_argument("--high-percent", type=float, default=30.0, help="strain range, upper end (default 30)")
+    parser.add_argument(
+        "--gauge-length-mm",
+        type=float,
+        default=25.0,
+        metavar="MM",
+        help="sample length between the grips (default 25)",
+    )
+    parser.add_argument(
+        "--low-percent", type=float, default=0.0, metavar="%", help="strain range, lower end (default 0)"
+    )
+    parser.add_argument(
+        "--high-percent", type=float, default=30.0, metavar="%", help="strain range, upper end (default 30)"
+    )
     parser.add_argument("-o", "--output", metavar="TOML", help="write the spec here instead of printing it")
 
 

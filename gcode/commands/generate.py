@@ -24,21 +24,25 @@ IN_THE_HEADER = ("seed", "gauge_length_mm", "feed_mode", "duration_s", "machine_
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     source = parser.add_mutually_exclusive_group(required=True)
-    source.add_argument("--preset", help="paper-1, paper-2, paper-3 or fast")
+    source.add_argument("--preset", metavar="NAME", help="paper-1, paper-2, paper-3 or fast")
     source.add_argument("--spec", metavar="TOML", help="a protocol file (see docs/gcode.md)")
     source.add_argument("--again", metavar="PROGRAM", help="make one of our programs again from its header alone")
-    parser.add_argument("--seed", type=int, help="0 or more; not with --again")
-    parser.add_argument("--gauge-length-mm", type=float, help="sample length between the grips; not with --again")
-    parser.add_argument("--feed-mode", choices=("G94", "G93"), help="feed per minute (default) or inverse time")
-    parser.add_argument("--v-max", type=float, metavar="MM/S", help="speed limit")
-    parser.add_argument("--a-max", type=float, metavar="MM/S2", help="acceleration limit")
-    parser.add_argument("--j-max", type=float, metavar="MM/S3", help="jerk limit (default: none)")
-    parser.add_argument("--x-min", type=float, metavar="MM", help="machine travel, lower end")
-    parser.add_argument("--x-max", type=float, metavar="MM", help="machine travel, upper end")
-    parser.add_argument("--duration-s", type=float, help="duration of the (one) noise piece")
-    parser.add_argument("--machine-acceleration", type=float, metavar="MM/S2", help="default: 5 a-max")
     parser.add_argument("--plot", action="store_true", help="write trajectory.png too")
     parser.add_argument("-o", "--output", required=True, metavar="DIR", help="folder to write to")
+    new = parser.add_argument_group(
+        "with --preset or --spec",
+        "The first two are needed; what else is left out is as the preset or the spec says.",
+    )
+    new.add_argument("--seed", type=int, metavar="N", help="0 or more: another seed is another motion")
+    new.add_argument("--gauge-length-mm", type=float, metavar="MM", help="sample length between the grips")
+    new.add_argument("--feed-mode", choices=("G94", "G93"), help="feed per minute (default) or inverse time")
+    new.add_argument("--v-max", type=float, metavar="MM/S", help="speed limit")
+    new.add_argument("--a-max", type=float, metavar="MM/S2", help="acceleration limit")
+    new.add_argument("--j-max", type=float, metavar="MM/S3", help="jerk limit")
+    new.add_argument("--x-min", type=float, metavar="MM", help="machine travel, lower end")
+    new.add_argument("--x-max", type=float, metavar="MM", help="machine travel, upper end")
+    new.add_argument("--duration-s", type=float, metavar="S", help="duration of the (one) noise piece")
+    new.add_argument("--machine-acceleration", type=float, metavar="MM/S2", help="default: 5 a-max")
 
 
 def run(args: argparse.Namespace) -> None:

@@ -9,9 +9,11 @@ EXAMPLE = "gcode play run-1/program.tap -o executed.csv --rate-hz 20"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("program", help="a Mach4 or plain RS274/NGC file")
+    parser.add_argument("program", metavar="PROGRAM", help="a Mach4 or plain RS274/NGC file")
     parser.add_argument("-o", "--output", required=True, metavar="CSV", help="time_s,position_mm")
-    parser.add_argument("--rate-hz", type=float, default=20.0, help="sample rate of the result (default 20)")
+    parser.add_argument(
+        "--rate-hz", type=float, default=20.0, metavar="HZ", help="sample rate of the result (default 20)"
+    )
     parser.add_argument(
         "--acceleration", type=float, metavar="MM/S2", help="the controller's; default: as the header says, else 100"
     )

@@ -83,6 +83,10 @@ def read(path: str | Path) -> Program:
     ----------
     path : str or path
 
+    Returns
+    -------
+    Program
+
     Raises
     ------
     UserError

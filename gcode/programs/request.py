@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from gcode.support.errors import UserError, first_problem
+from gcode.trajectories.bounds import Limits
 from gcode.trajectories.trajectory import TrajectorySpec
 
 
@@ -19,8 +20,11 @@ def changed(
     Raises
     ------
     UserError
-        If a duration is given and the spec has not exactly one noise piece, or a value is none that it can have.
+        If there is no such limit, a duration is given and the spec has not exactly one noise piece, or a value cannot
+        be.
     """
+    if unknown := [name for name in limits if name not in Limits.model_fields]:
+        raise UserError(f"there is no limit {unknown[0]}; limits are {', '.join(Limits.model_fields)}")
     data = spec.model_dump()
     data["limits"] |= limits
     if machine_acceleration_mm_per_s2 is not None:

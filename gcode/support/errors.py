@@ -3,6 +3,11 @@
 from __future__ import annotations
 
 MOST_SHOWN = 100  # characters of a value that a message quotes
+# What pydantic says of fields, said of the entries of a file.
+PLAINER = {
+    "missing": "this entry is needed, and is not there",
+    "extra_forbidden": "there is no such entry; leave it out, or mend its name",
+}
 
 
 class UserError(ValueError):
@@ -19,7 +24,7 @@ def first_problem(error: Exception) -> str:
         return str(error)
     problem = details(include_url=False)[0]
     where = ".".join(str(part) for part in problem["loc"])
-    message = problem["msg"].removeprefix("Value error, ")
+    message = PLAINER.get(problem["type"], problem["msg"].removeprefix("Value error, "))
     came = problem.get("input")
     if isinstance(came, str) and len(came) > MOST_SHOWN:
         came = came[:MOST_SHOWN] + "..."

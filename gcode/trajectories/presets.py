@@ -46,6 +46,10 @@ def preset(name: str) -> TrajectorySpec:
     name : str
         One of `PRESETS`.
 
+    Returns
+    -------
+    TrajectorySpec
+
     Raises
     ------
     UserError

@@ -52,6 +52,11 @@ def read(source: str | Path | pd.DataFrame | Mapping[str, Any], gauge_length_mm:
     gauge_length_mm : float, optional
         Length of the unstretched sensor between the clamps; a campaign knows its own.
 
+    Returns
+    -------
+    Recording
+        Its samples as they are: jittered, never resampled.
+
     Raises
     ------
     UserError

@@ -25,8 +25,8 @@ from testbench.knit.effect import FloatArray
 from testbench.recordings.channels import TEMPERATURE
 from testbench.report import style
 from testbench.report.downsample import rows_to_draw
-from testbench.report.experiment_figures import experiment as figure_of
-from testbench.report.static import write_figure
+from testbench.report.figures.experiment_figures import experiment as figure_of
+from testbench.report.writing.static import write_figure
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Literal
 
@@ -84,6 +85,8 @@ def investigate(
         Effects that a diagnosis puts in at most; the belief is about the one that is missing most.
     force_max_N : float, optional
         No motion is designed that any likely hypothesis expects more force of; a real recording stops there.
+    gauge_length_mm : float
+        Length of the unstretched sensor between the clamps.
     model : KnitModel, result or path, optional
         The model that something may be missing from; default: the baseline.
     effects : path, Catalogue or effect classes, optional
@@ -117,9 +120,11 @@ def investigate(
     folder, catalogue = Path(folder), catalogue_of(effects)
     hidden = None if sensor is None else model_file_of(sensor, catalogue).model
     own_effects = Path(effects) if isinstance(effects, str | Path) else None
-    if not resume:
-        if (hidden is None) == (port is None):
-            raise UserError("investigate: give a SENSOR to simulate, or the port of a real rig")
+    if resume:
+        refuse_links(folder.glob("*"), "copy the folder and use the copy")
+    elif (hidden is None) == (port is None):
+        raise UserError("investigate: give a SENSOR to simulate, or the port of a real rig")
+    else:
         asked = {
             "bounds": {**(bounds or {}), "duration_s": 60 * run_minutes},
             "budget_s": 60 * budget_minutes,
@@ -137,21 +142,20 @@ def investigate(
         loop.begin(folder, settings, str(port) if sensor is None else model_name(sensor))
         if hidden is not None:
             write_json(folder / SENSOR, hidden.to_dict())
-    else:
-        refuse_links(folder.glob("*"), "copy the folder and use the copy")
     state = load_investigation(folder)
     bench = _bench(folder, port, speed, state, catalogue, own_effects)
     start = None if model is None else model_file_of(model, catalogue).model
-
-    def judged(now: Investigation) -> None:
-        result = InvestigationResult(now, folder)
-        result.write_picture(folder / f"belief-{len(now.runs)}.png")
-        if after_run is not None:
-            after_run(run_words(len(now.runs), now.runs[-1]))
-
+    told = partial(_told, folder, after_run)
     with telling(progress) as tell:
-        watcher = loop.Watcher(tell or (lambda _text: None), judged, status or (lambda _status: None), stopped)
+        watcher = loop.Watcher(tell or (lambda _text: None), told, status or (lambda _status: None), stopped)
         return InvestigationResult(loop.proceed(folder, bench, catalogue, start, watcher), folder)
+
+
+def _told(folder: Path, after_run: Callable[[str], None] | None, now: Investigation) -> None:
+    """A picture of the belief after each run, and a few lines for whoever asked for them."""
+    InvestigationResult(now, folder).write_picture(folder / f"belief-{len(now.runs)}.png")
+    if after_run is not None:
+        after_run(run_words(len(now.runs), now.runs[-1]))
 
 
 def _bench(

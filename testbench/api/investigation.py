@@ -13,9 +13,9 @@ from gcode.trajectories.trajectory import read_csv
 from testbench.investigating.state import SURE, Investigation, RunState, program_folder
 from testbench.investigating.words import ending_words, investigation_words, spoken
 from testbench.knit.effect import FloatArray
-from testbench.report.investigation_figures import COLOURS, hypotheses
-from testbench.report.investigation_figures import investigation as figure_of
-from testbench.report.static import write_figure
+from testbench.report.figures.investigation_figures import COLOURS, hypotheses
+from testbench.report.figures.investigation_figures import investigation as figure_of
+from testbench.report.writing.static import write_figure
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -11,7 +11,7 @@ from gcode.support.figures import outline, panels
 from testbench.fitting.measurement import Measurement
 from testbench.knit.model import KnitModel
 from testbench.report import style
-from testbench.report.comparison_figures import CHANNEL_TITLES, model_colour
+from testbench.report.figures.comparison_figures import CHANNEL_TITLES, model_colour
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -17,13 +17,13 @@ from testbench.api.model_result import ModelResult
 from testbench.api.overlay import plot_overlay
 from testbench.api.progress import Tell, telling
 from testbench.fitting.model_file import ModelFile
-from testbench.proposing.formulas import in_words
+from testbench.proposing.laws.formulas import in_words
 from testbench.proposing.laws_found import Proposed
 from testbench.proposing.proposal import MOST_LAWS
 from testbench.proposing.words import as_json, first_line, proposal_text, story
 from testbench.proposing.writing import check_name, file_text, free_path
-from testbench.report.proposal_figures import proposal as figure_of
-from testbench.report.static import write_figure
+from testbench.report.figures.proposal_figures import proposal as figure_of
+from testbench.report.writing.static import write_figure
 
 if TYPE_CHECKING:
     import pandas as pd

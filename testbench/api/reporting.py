@@ -15,7 +15,7 @@ from testbench.recordings.files import read_recording
 from testbench.recordings.recording import Recording
 from testbench.report.build import Inputs, build_report
 from testbench.report.document import Report
-from testbench.report.write import write_report
+from testbench.report.writing.write import write_report
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -94,6 +94,11 @@ def example(*effects: Effect, seed: int = 1, duration_s: float = EXAMPLE_S) -> R
     seed : int
         Of motion, noise and sampling times: another seed is another recording of the same sensor.
     duration_s : float
+        Of the motion; the way back to zero comes after it.
+
+    Returns
+    -------
+    Recording
 
     Examples
     --------

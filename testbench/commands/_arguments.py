@@ -8,7 +8,7 @@ import re
 
 def add_recording(parser: argparse.ArgumentParser) -> None:
     """RECORDING, --held-out and --gauge-length-mm."""
-    parser.add_argument("recording", help="a CSV, or a campaign folder")
+    parser.add_argument("recording", metavar="RECORDING", help="a CSV, or a campaign folder")
     add_held_out(parser)
 
 

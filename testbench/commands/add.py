@@ -17,7 +17,7 @@ IN_PLACE = {"output": "model"}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("effect", nargs="?", help="a name from `testbench effects`")
+    parser.add_argument("effect", nargs="?", metavar="EFFECT", help="a name from `testbench effects`")
     parser.add_argument("--model", metavar="M", required=True, help="the model.json to start from")
     parser.add_argument("--fit", metavar="RECORDING", help="the recording to refit on")
     parser.add_argument("--undo", action="store_true", help="take the last step of the ladder back instead")

@@ -14,7 +14,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("recording", metavar="RECORDING", help="campaign folder, or a CSV with --program")
     parser.add_argument("--program", metavar="FILE", help="default: the campaign's own")
     parser.add_argument("--gauge-length-mm", type=positive, metavar="L", help="of a bare CSV")
-    parser.add_argument("-o", dest="out", metavar="CAMPAIGN", help="write the recording on the plan's clock")
+    parser.add_argument(
+        "-o", "--output", dest="out", metavar="CAMPAIGN", help="write the recording on the plan's clock"
+    )
     parser.add_argument("--json", action="store_true", help="print the result as JSON")
     parser.add_argument("--overwrite", action="store_true", help="replace an earlier result in that folder")
 

@@ -18,6 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "recording",
         nargs="+",
+        metavar="RECORDING",
         help="a CSV, or a campaign folder; several are of one specimen, as they were made in turn",
     )
     add_held_out(parser)

@@ -21,7 +21,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_effects(parser)
     parser.add_argument(
-        "--check", action="store_true", help="try the laws every effect obeys (NAME, or all of FILE.py)"
+        "--check", action="store_true", help="try the rules that every effect keeps (NAME, or all of FILE.py)"
     )
     parser.add_argument("--new", metavar="NAME", help="write a commented template for an effect of your own")
     parser.add_argument("-o", "--output", metavar="FILE.py", help="with --new: where to (default: NAME.py)")
@@ -66,10 +66,10 @@ def _plot(catalogue: Catalogue, name: str, output: str) -> None:
 
 
 def _check(catalogue: Catalogue, name: str | None) -> int:
-    from testbench.knit.laws import checked
+    from testbench.knit.rules import checked
 
-    all_obey = True
+    all_keep = True
     for effect, problems in checked(catalogue, name):
-        all_obey &= not problems
-        print("\n  ".join([f"{effect}:", *problems]) if problems else f"{effect}: obeys all laws")
-    return 0 if all_obey else 1
+        all_keep &= not problems
+        print("\n  ".join([f"{effect}:", *problems]) if problems else f"{effect}: keeps all rules")
+    return 0 if all_keep else 1

@@ -17,7 +17,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--model", metavar="M", help="start from this model.json instead of the baseline")
     add_clamp_play(parser)
     add_effects(parser)
-    parser.add_argument("-o", "--output", default="model.json", help="where to write (default: model.json)")
+    parser.add_argument(
+        "-o", "--output", default="model.json", metavar="MODEL", help="where to write (default: model.json)"
+    )
 
 
 def run(args: argparse.Namespace) -> int:

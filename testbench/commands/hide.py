@@ -23,17 +23,30 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--strength",
         type=float,
         default=5.0,
-        help="RMS of what the baseline cannot absorb, over the noise floor (%(default)g)",
+        metavar="X",
+        help="RMS of what the baseline cannot absorb, over the noise floor (default %(default)g)",
     )
-    parser.add_argument("--seed", type=int, help="sensor, motion and noise; the same seed, the same files (random)")
-    parser.add_argument("--world", default="matched", metavar="WORLD", help=f"{WORLDS_HELP} (%(default)s)")
-    parser.add_argument("--minutes", type=float, default=23.0, help="length of each recording [min] (%(default)g)")
-    parser.add_argument("--rate-hz", type=float, default=40.0, help="mean sampling rate [Hz] (%(default)g)")
-    parser.add_argument("--noise", default="any", help="white, ar1, pink or any of them by seed (%(default)s)")
+    parser.add_argument(
+        "--seed",
+        type=int,
+        metavar="N",
+        help="sensor, motion and noise; the same seed, the same files (default: random)",
+    )
+    parser.add_argument("--world", default="matched", metavar="WORLD", help=f"{WORLDS_HELP} (default %(default)s)")
+    parser.add_argument(
+        "--minutes", type=float, default=23.0, metavar="T", help="length of each recording (default %(default)g)"
+    )
+    parser.add_argument(
+        "--rate-hz", type=float, default=40.0, metavar="F", help="mean sampling rate (default %(default)g)"
+    )
+    parser.add_argument(
+        "--noise", default="any", metavar="KIND", help="white, ar1, pink or any of them by seed (default %(default)s)"
+    )
     parser.add_argument(
         "--protocol",
         default="perlin",
-        help="motion: perlin, holds, triangles, return_to_zero or mix (%(default)s)",
+        metavar="KIND",
+        help="motion: perlin, holds, triangles, return_to_zero or mix (default %(default)s)",
     )
     parser.add_argument("--force-only", action="store_true", help="record no resistance")
     parser.add_argument("-o", "--output", required=True, metavar="DIR", help="a new folder for the case")

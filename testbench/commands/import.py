@@ -14,7 +14,7 @@ SUMMARY = "turn a file of a tester or logger (CSV, Excel, TDMS) into a recording
 EXAMPLE = """testbench import lab.csv --gauge-length-mm 40 -o lab
   testbench import raw.csv --time 3 --force 6 --force-unit N --time-unit s --displacement 4 --displacement-unit mm \\
       --gauge-length-mm 40 -o raw"""
-# Keys of testbench.importing.roles.ROLES; that module is too heavy for --help.
+# Keys of testbench.importing.vocabulary.roles.ROLES; that module is too heavy for --help.
 COLUMNS = (
     ("time", "of the time"),
     ("displacement", ""),
@@ -43,7 +43,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--gauge-length-mm", type=positive, metavar="L", help="length between the clamps at rest; needed for strain"
     )
-    parser.add_argument("-o", dest="out", required=True, metavar="OUT", help="campaign folder, or a file NAME.csv")
+    parser.add_argument(
+        "-o", "--output", dest="out", required=True, metavar="OUT", help="campaign folder, or a file NAME.csv"
+    )
     parser.add_argument("--overwrite", action="store_true", help="replace an earlier import in that folder")
     parser.add_argument("--json", action="store_true", help="say what was taken for what as JSON")
     _add_columns(parser)

@@ -24,7 +24,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="what hangs in the simulated rig: a model.json or a preset (pes@3)",
     )
     parser.add_argument("--port", metavar="URL", help="a real rig's serial port, in place of SENSOR")
-    parser.add_argument("-o", dest="folder", required=True, metavar="FOLDER", help="where everything is kept")
+    parser.add_argument(
+        "-o", "--output", dest="folder", required=True, metavar="FOLDER", help="where everything is kept"
+    )
     parser.add_argument("--resume", action="store_true", help="go on with the investigation in FOLDER")
     parser.add_argument(
         "--speed",
@@ -45,7 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--max-force-n", type=positive, metavar="F", help="no motion that may need more force")
     parser.add_argument("--gauge-length-mm", type=positive, default=25.0, metavar="L", help="default 25")
     parser.add_argument("--trials", type=count, default=24, metavar="N", help="motions a design weighs (default 24)")
-    parser.add_argument("--seed", type=natural, default=1, help="of noise and random motion (default 1)")
+    parser.add_argument("--seed", type=natural, default=1, metavar="N", help="of noise and random motion (default 1)")
     parser.add_argument("--repeat", type=count, default=2, metavar="N", help="effects of a diagnosis (default 2)")
     parser.add_argument(
         "--motion", choices=("designed", "perlin"), default="designed", help="perlin: random motion, to compare with"

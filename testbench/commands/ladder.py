@@ -12,7 +12,7 @@ EXAMPLE = "testbench ladder model2.json"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("model", help="a model.json")
+    parser.add_argument("model", metavar="MODEL", help="a model.json")
     add_effects(parser)
     parser.add_argument("--json", action="store_true", help="print the history as JSON")
 

@@ -16,7 +16,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--port", metavar="URL", help="device (/dev/ttyUSB0), socket://HOST:PORT or rfc2217://HOST:PORT"
     )
     parser.add_argument("--program", metavar="FILE", help="Mach4 program that the machine will run")
-    parser.add_argument("-o", dest="campaign", required=True, metavar="CAMPAIGN", help="folder to write")
+    parser.add_argument("-o", "--output", dest="campaign", required=True, metavar="CAMPAIGN", help="folder to write")
     parser.add_argument("--resume", action="store_true", help="continue the unfinished recording in CAMPAIGN")
     parser.add_argument(
         "--gauge-length-mm", type=positive, metavar="L", help="default: from the program's header, else 25"
@@ -26,7 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--max-force-n", type=positive, default=float("inf"), metavar="F", help="stop beyond this force"
     )
     parser.add_argument(
-        "--max-strain", type=positive, default=float("inf"), metavar="E", help="stop beyond this strain"
+        "--max-strain", type=positive, default=float("inf"), metavar="E", help="stop beyond this strain (0.3: 30 %%)"
     )
     parser.add_argument("--baud", type=int, default=115200, metavar="B", help="default 115200")
     parser.add_argument(
@@ -34,7 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=positive,
         default=60.0,
         metavar="S",
-        help="end when a lost port stays away, or a full disk full, for so long (default 60)",
+        help="end when the port stays lost, or the disk full, for so long (default 60)",
     )
     parser.add_argument(
         "--compensator",

@@ -14,7 +14,7 @@ EXAMPLE = "testbench run --sensor pes --program program.tap --seed 1 -o pes-1"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_simulation_arguments(parser)
-    parser.add_argument("-o", dest="campaign", required=True, metavar="CAMPAIGN", help="folder to write")
+    parser.add_argument("-o", "--output", dest="campaign", required=True, metavar="CAMPAIGN", help="folder to write")
     parser.add_argument("--divider-ohm", type=positive, metavar="R", help="reference resistor (default 606000)")
     parser.add_argument("--rate-hz", type=positive, metavar="F", help="mean sampling rate (default 41.5)")
     parser.add_argument("--rate-sd-hz", type=positive, metavar="S", help="its spread (default 14.2)")

@@ -9,7 +9,9 @@ EXAMPLE = "testbench studio campaigns"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("folder", nargs="?", default=".", help="folder of campaigns (default: this one)")
+    parser.add_argument(
+        "folder", nargs="?", default=".", metavar="FOLDER", help="folder of campaigns (default: this one)"
+    )
     parser.add_argument("--port", type=int, default=8123, help="port on 127.0.0.1 (default: 8123)")
     parser.add_argument("--no-browser", action="store_true", help="only serve; do not open a browser")
 

@@ -1,7 +1,7 @@
-"""The motion that is expected to tell most: named protocols, motions by chance, and neighbours of the best.
+"""The motion that is expected to tell most: named protocols, random motions, and neighbours of the best.
 
-What a motion tells is the mutual information between hypothesis and recording (`testbench.design.information`), its
-lower bound, which is what the search climbs: it makes the doubt that may stay as small as it can.
+What a motion tells is the mutual information between hypothesis and recording (`testbench.design.information`). The
+search climbs its lower bound: it makes the conditional entropy, what may stay open, as small as it can.
 """
 
 from __future__ import annotations
@@ -111,11 +111,11 @@ def best_motion(
         weigh(name, motion)
     by_chance = max(int(BY_CHANCE * trials), 1)
     for number in range(trials):
-        free = sorted((w for w in found if w.motion.genes), key=lambda w: w.told.doubt)[:BEST]
+        free = sorted((w for w in found if w.motion.genes), key=lambda w: w.told.conditional_entropy)[:BEST]
         genes = drawn(rng) if number < by_chance or not free else varied(free[number % len(free)].motion.genes, rng)
         weigh("designed", motion_of(genes, bounds, seed))
     perlin = next((w.told for w in found if w.name == NOISE), Information(0.0, 0.0, float("nan")))
-    for one in sorted(found, key=lambda w: w.told.doubt):
+    for one in sorted(found, key=lambda w: w.told.conditional_entropy):
         with contextlib.suppress(UserError):  # the controller's deviations may pass a limit that the plan keeps
             made = make(one.motion.spec, seed, bounds.gauge_length_mm)
             return Design(one.name, made, one.told, perlin, len(found))
@@ -143,7 +143,7 @@ class _Weigher:
     ) -> None:
         self.history = coarser(measurement, DESIGN_HZ)
         self.forecasters = [Forecaster(one, self.history, reading) for one in likely]
-        self.chances = [max(one.chance, LEAST_WEIGHT) for one in likely]
+        self.probabilities = [max(one.probability, LEAST_WEIGHT) for one in likely]
         self.bounds, self.rest_s, self.force_max_N = bounds, rest_s, force_max_N
 
     def __call__(self, trajectory: Trajectory) -> Information | None:
@@ -153,7 +153,7 @@ class _Weigher:
             return None
         if not all(np.all(np.isfinite(p.mean)) and np.all(np.isfinite(p.factor)) for p, _ in expected):
             return None
-        return information([prediction for prediction, _ in expected], self.chances)
+        return information([prediction for prediction, _ in expected], self.probabilities)
 
 
 def following(

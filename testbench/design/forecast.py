@@ -35,7 +35,7 @@ class Likely:
     ----------
     name : str
         ``nothing`` or a mechanism.
-    chance : float
+    probability : float
     model : KnitModel
         Fitted to all readings so far.
     scales : mapping of str to float
@@ -43,7 +43,7 @@ class Likely:
     """
 
     name: str
-    chance: float
+    probability: float
     model: KnitModel
     scales: Mapping[str, float] = field(default_factory=dict)
 

@@ -41,33 +41,37 @@ class Information:
     ----------
     low, high : float
         Bounds.
-    doubt : float
-        What stays open at most: the entropy of the hypotheses less `low`, exact where it is small. Motions that tell
-        nearly all are ranked by it.
+    conditional_entropy : float
+        Of the hypotheses once the reading is known, at most: their entropy less `low`, exact where it is small.
+        Motions that tell nearly all are ranked by it.
     """
 
     low: float
     high: float
-    doubt: float
+    conditional_entropy: float
 
 
-def information(predictions: Sequence[Prediction], chances: Sequence[float]) -> Information:
+def information(predictions: Sequence[Prediction], probabilities: Sequence[float]) -> Information:
     """Bounds of what a reading tells about which hypothesis holds.
 
     Parameters
     ----------
     predictions : sequence of Prediction
         Of one motion, one of each hypothesis.
-    chances : sequence of float
+    probabilities : sequence of float
         Probabilities of the hypotheses; they are normalised.
+
+    Returns
+    -------
+    Information
     """
     gaussians = _spanned(predictions)
-    weight = _normalised(chances)
+    weight = _normalised(probabilities)
     near = np.array([[_bhattacharyya(one, other) for other in gaussians] for one in gaussians])
     far = np.array([[_divergence(one, other) for other in gaussians] for one in gaussians])
     entropy = float(-weight @ np.log(weight))
-    doubt, least = _doubt(near, weight), _doubt(far, weight)
-    return Information(max(entropy - doubt, 0.0), max(entropy - least, 0.0), doubt)
+    most, least = _conditional_entropy(near, weight), _conditional_entropy(far, weight)
+    return Information(max(entropy - most, 0.0), max(entropy - least, 0.0), most)
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,13 +115,13 @@ def _divergence(one: _Gaussian, other: _Gaussian) -> float:
     return 0.5 * (trace + shift - len(one.mean)) + other.half_log_det - one.half_log_det
 
 
-def _doubt(distance: FloatArray, weight: FloatArray) -> float:
+def _conditional_entropy(distance: FloatArray, weight: FloatArray) -> float:
     """Entropy less information: sum_i p_i ln(1 + sum_(j not i) p_j / p_i exp(-D_ij))."""
     odds = np.exp(-np.maximum(distance, 0.0)) * weight[None, :] / weight[:, None]
     np.fill_diagonal(odds, 0.0)
     return float(weight @ np.log1p(odds.sum(axis=1)))
 
 
-def _normalised(chances: Sequence[float]) -> FloatArray:
-    weight = np.asarray(chances, dtype=float)
+def _normalised(probabilities: Sequence[float]) -> FloatArray:
+    weight = np.asarray(probabilities, dtype=float)
     return weight / weight.sum()

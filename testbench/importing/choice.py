@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 
 from gcode.support.errors import UserError
 from testbench.importing.clocks import own_clocks
-from testbench.importing.laboratory_units import Unit, given_unit, units_spelt
 from testbench.importing.layout import Column, Layout, shortened
-from testbench.importing.notation import is_when
-from testbench.importing.roles import ROLES, STRETCH, SYMBOL, is_generic
+from testbench.importing.vocabulary.laboratory_units import Unit, given_unit, units_spelt
+from testbench.importing.vocabulary.notation import is_when
+from testbench.importing.vocabulary.roles import ROLES, STRETCH, SYMBOL, is_generic
 
 ELECTRICAL = ("resistance", "conductance", "relative", "relative_change")
 NOT_THERE = "none"
@@ -29,7 +29,7 @@ class Taken:
     Attributes
     ----------
     role : str
-        Key of `testbench.importing.roles.ROLES`.
+        Key of `testbench.importing.vocabulary.roles.ROLES`.
     column : Column
     unit : Unit or None
         None for a time given as dates.
@@ -251,7 +251,7 @@ def _take(choice: Choice, role: str, column: Column, clock: Column | None, said:
         role = "strain"
     if from_file is None:
         choice.troubles.append(Trouble("unit", role, (column,)))
-        from_file, where = None, ""
+        where = ""
     else:
         where = column.unit_from or NAMED
     choice.taken[role] = Taken(role, column, from_file, where, clock)

@@ -8,7 +8,7 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from testbench.importing.layout import Column
-from testbench.importing.roles import words_of
+from testbench.importing.vocabulary.roles import words_of
 
 _TIME_WORDS = {"t", "time", "zeit", "timestamp", "s", "时间"}
 

@@ -11,12 +11,12 @@ import numpy as np
 from gcode.support.errors import UserError
 from testbench.importing.choice import UNIT_FLAGS, Choice, Taken
 from testbench.importing.clocks import on_one_clock
-from testbench.importing.headings import read_heading
-from testbench.importing.laboratory_units import OURS, Unit, conversion
 from testbench.importing.layout import Column, shortened
-from testbench.importing.notation import is_number, is_when, may_be_thousands, numbers, seconds
 from testbench.importing.sheet import Sheet
 from testbench.importing.trouble_words import unit_unknown
+from testbench.importing.vocabulary.headings import read_heading
+from testbench.importing.vocabulary.laboratory_units import OURS, Unit, conversion
+from testbench.importing.vocabulary.notation import is_number, is_when, may_be_thousands, numbers, seconds
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -15,17 +15,17 @@ from gcode.support.errors import UserError
 from gcode.support.files import sha256_of
 from testbench.importing.choice import ELECTRICAL, FLAGS, NAMED, Choice, choose
 from testbench.importing.columns import Read, on_main_clock, read_columns
+from testbench.importing.files.opening import open_sheet
 from testbench.importing.gauge import gauge_doubt
 from testbench.importing.imported import Imported
-from testbench.importing.laboratory_units import units_spelt
 from testbench.importing.layout import Column, misfit
-from testbench.importing.notation import numbers
-from testbench.importing.opening import open_sheet
-from testbench.importing.roles import STRETCH, counts_repeats, speaks_about
 from testbench.importing.rows import channels_of, check_change, in_order, repeats_of, usable
 from testbench.importing.sheet import Sheet
 from testbench.importing.signs import doubts, turned, zeroed
 from testbench.importing.trouble_words import in_words
+from testbench.importing.vocabulary.laboratory_units import units_spelt
+from testbench.importing.vocabulary.notation import numbers
+from testbench.importing.vocabulary.roles import STRETCH, counts_repeats, speaks_about
 from testbench.importing.wish import Wish
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE
 from testbench.recordings.recording import Recording

@@ -6,8 +6,8 @@ import numpy as np
 
 from testbench.importing.choice import Choice
 from testbench.importing.columns import Read
-from testbench.importing.notation import numbers
 from testbench.importing.sheet import Sheet
+from testbench.importing.vocabulary.notation import numbers
 
 APART = 0.02  # relative; a gauge length is measured with a ruler
 ALIKE = 0.999  # correlation of the two; below it, the strain is that of something else

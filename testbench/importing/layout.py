@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from testbench.importing.headings import Heading, power_of_ten, read_heading
-from testbench.importing.laboratory_units import units_spelt
-from testbench.importing.notation import MISSING, is_number, is_when
+from testbench.importing.vocabulary.headings import Heading, power_of_ten, read_heading
+from testbench.importing.vocabulary.laboratory_units import units_spelt
+from testbench.importing.vocabulary.notation import MISSING, is_number, is_when
 
 Rows = Sequence[Sequence[str]]
 SHOWN = 60  # characters of a name in a message

@@ -9,8 +9,8 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from testbench.importing.choice import Choice
-from testbench.importing.laboratory_units import Unit, conversion, unit_of
-from testbench.importing.roles import STRETCH
+from testbench.importing.vocabulary.laboratory_units import Unit, conversion, unit_of
+from testbench.importing.vocabulary.roles import STRETCH
 from testbench.importing.wish import Wish
 from testbench.recordings.channels import DISPLACEMENT, FORCE
 from testbench.recordings.doubts import AGAINST

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from testbench.importing.choice import FLAGS, UNIT_FLAGS, Trouble, described
-from testbench.importing.laboratory_units import symbols
 from testbench.importing.layout import Column, Layout
-from testbench.importing.roles import ROLES
+from testbench.importing.vocabulary.laboratory_units import symbols
+from testbench.importing.vocabulary.roles import ROLES
 
 WORDS = {
     "relative": "relative resistance R/R0",

@@ -18,7 +18,7 @@ class Wish:
     gauge_length_mm : float or None
         Needed where the file has a displacement or strain.
     columns : mapping of str to str
-        By role (`testbench.importing.roles.ROLES`): the column's name, or its number from 1; ``none``: not there.
+        By role (of `vocabulary.roles.ROLES`): the column's name, or its number from 1; ``none``: not there.
     units : mapping of str to str
         By role, in place of what the file says; ``date`` for a time of dates.
     rate_hz : float, optional

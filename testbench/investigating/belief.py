@@ -46,7 +46,7 @@ class Belief:
         return max(self.probabilities.items(), key=lambda one: one[1])
 
 
-def judged(
+def belief_after(
     measurement: Measurement,
     runs: int,
     catalogue: Catalogue,
@@ -72,8 +72,10 @@ def judged(
     first = rounds[0]
     whole = whole_of(rounds, put_in)
     verdict = first.verdict(whole)
-    chances = first.probabilities(whole) if verdict == "missing" else first.probabilities()
-    return Belief(chances, verdict, _likely(first, chances), Reading(_noise(first), constants.INDEPENDENT))
+    probabilities = first.probabilities(whole) if verdict == "missing" else first.probabilities()
+    return Belief(
+        probabilities, verdict, _likely(first, probabilities), Reading(_noise(first), constants.INDEPENDENT)
+    )
 
 
 def before_any(names: Iterable[str]) -> dict[str, float]:
@@ -115,7 +117,7 @@ def doubted(beliefs: Sequence[Mapping[str, float]]) -> dict[str, float]:
     agreeing = next((k for k, answer in enumerate(reversed(answers)) if answer != answers[-1]), len(answers))
     misled = constants.MISLED**agreeing
     prior = before_any(last)
-    return {name: (1 - misled) * chance + misled * prior[name] for name, chance in last.items()}
+    return {name: (1 - misled) * probability + misled * prior[name] for name, probability in last.items()}
 
 
 def _noise(first: Round) -> dict[str, float]:
@@ -124,16 +126,16 @@ def _noise(first: Round) -> dict[str, float]:
     return {c: float(max(sigma, first.likelihood.misfit[c])) for c, sigma in best.evidence.sigma.items()}
 
 
-def _likely(first: Round, chances: Mapping[str, float]) -> tuple[Likely, ...]:
+def _likely(first: Round, probabilities: Mapping[str, float]) -> tuple[Likely, ...]:
     """The best model of each hypothesis that has one; *unknown* has none that could foretell a recording."""
-    found = {NOTHING: _as_likely(NOTHING, chances[NOTHING], first.before.hypothesis)}
+    found = {NOTHING: _as_likely(NOTHING, probabilities[NOTHING], first.before.hypothesis)}
     for entry in sorted(first.entries, key=lambda e: e.log_z):
-        found[entry.mechanism] = _as_likely(entry.mechanism, chances[entry.mechanism], entry.hypothesis)
-    ranked = sorted(found.values(), key=lambda one: -one.chance)
-    return tuple(one for k, one in enumerate(ranked[:RIVALS]) if k < 2 or one.chance >= LEAST)
+        found[entry.mechanism] = _as_likely(entry.mechanism, probabilities[entry.mechanism], entry.hypothesis)
+    ranked = sorted(found.values(), key=lambda one: -one.probability)
+    return tuple(one for k, one in enumerate(ranked[:RIVALS]) if k < 2 or one.probability >= LEAST)
 
 
-def _as_likely(name: str, chance: float, h: Hypothesis) -> Likely:
+def _as_likely(name: str, probability: float, h: Hypothesis) -> Likely:
     model = h.model_in_use
     scales = {group: float(scale) for group, scale in h.scales.items() if group.partition(".")[0] in model}
-    return Likely(name, chance, model, scales)
+    return Likely(name, probability, model, scales)

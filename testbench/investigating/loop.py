@@ -13,7 +13,7 @@ from testbench.design.best_motion import best_motion
 from testbench.design.protocols import NOISE, menu
 from testbench.fitting.joining import joined
 from testbench.fitting.measurement import Measurement
-from testbench.investigating.belief import Belief, doubted, judged, over_specimens
+from testbench.investigating.belief import Belief, belief_after, doubted, over_specimens
 from testbench.investigating.benches import Bench, Order, now_s
 from testbench.investigating.state import (
     NAME,
@@ -198,7 +198,7 @@ class _Loop:
         self.watcher.tell(f"run {number}: diagnosing")
         runs = 1 if fresh else number
         tell = self.watcher.tell
-        found = judged(self._measured(), runs, self.catalogue, self.start, settings.effects_at_most, tell)
+        found = belief_after(self._measured(), runs, self.catalogue, self.start, settings.effects_at_most, tell)
         own = [run.belief.own for run in self.state.runs if run.belief is not None] + [dict(found.probabilities)]
         together = doubted([over_specimens(own[: k + 1]) for k in range(len(own))] if fresh else own)
         run = self.state.runs[-1].model_copy(update={"belief": _kept(found, together)})

@@ -31,7 +31,7 @@ def curve(x: FloatArray, low: float, span: float, weights: tuple[float, ...]) ->
     """
     if not any(weights):
         return np.zeros_like(x)
-    from testbench.knit.kernels import cosine_series
+    from testbench.knit.splines import cosine_series
 
     return cosine_series(x, low, span, np.asarray(weights))
 

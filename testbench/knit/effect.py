@@ -2,7 +2,7 @@
 
 A signal is a whole array on a uniform time grid. An effect reads some signals and returns new arrays for the
 ones it writes; it keeps no state between calls and changes nothing in place. Adding an effect to knitbench
-takes one class, one line in `catalogue.py`, and no test: the laws in ``tests/testbench/knit/test_laws.py``
+takes one class, one line in `catalogue.py`, and no test: the rules in ``tests/testbench/knit/test_rules.py``
 hold for every registered effect.
 
 Signals by stage
@@ -58,10 +58,9 @@ def parameter(
     high: float,
     doc: str,
     scale: str = "linear",
-    source: str = "",
     typical: float | None = None,
 ) -> Any:
-    """Declare one parameter of an effect: value, unit, bounds, scale, meaning, source, in one place.
+    """Declare one parameter of an effect: value, unit, bounds, scale, meaning, in one place.
 
     Validation, fit bounds, JSON schema, command-line help and the web form all read this declaration.
 
@@ -76,8 +75,8 @@ def parameter(
         Inclusive bounds. A fit stays within; a value outside is refused. The prior is as wide as half of them.
     scale : {"linear", "log"}
         How a fit should step; ``"log"`` needs ``low > 0``.
-    doc, source : str
-        What it means, and where its usual value comes from.
+    doc : str
+        What it means.
     typical : float, optional
         Of a strength: its usual size, the width of its prior around zero; in N, as a share of the range of the force.
         Default: `default`, or a tenth of that range. Of another linear parameter: the width of its prior around
@@ -95,7 +94,7 @@ def parameter(
     >>> Stiffer().share
     0.1
     """
-    extra = {"unit": unit, "low": low, "high": high, "scale": scale, "source": source, "typical": typical}
+    extra = {"unit": unit, "low": low, "high": high, "scale": scale, "typical": typical}
     if isinstance(default, tuple):
         return Field(default=default, description=doc, json_schema_extra=extra)  # type: ignore[arg-type]
     return Field(default=default, ge=low, le=high, description=doc, json_schema_extra=extra)  # type: ignore[arg-type]

@@ -52,7 +52,7 @@ def lowpass(x: FloatArray, tau_s: float, dt_s: float, start: float | None = None
     start : float, optional
         ``y`` at the first sample; the rest value ``x[0]`` when not given.
     """
-    from testbench.knit.kernels import first_order
+    from testbench.knit.lags import first_order
 
     a, b0, b1 = (float(c[0]) for c in hold_coefficients(np.array([tau_s]), dt_s))
     return first_order(np.ascontiguousarray(x), a, b0, b1, float(x[0]) if start is None else start)
@@ -78,7 +78,7 @@ def lagging_rate(x: FloatArray, dt_s: float) -> FloatArray:
 
 def memory(x: FloatArray, tau_s: FloatArray, weights: FloatArray, dt_s: float) -> FloatArray:
     """``sum_k weights_k (lowpass_k(x) - x[0])``: what a spectrum of relaxation times has forgotten so far."""
-    from testbench.knit.kernels import exponential_bank
+    from testbench.knit.lags import exponential_bank
 
     a, b0, b1 = hold_coefficients(tau_s, dt_s)
     return exponential_bank(np.ascontiguousarray(x), a, b0, b1, np.asarray(weights, dtype=np.float64))

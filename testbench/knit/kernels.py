@@ -1,6 +1,7 @@
-"""Sequential operators, compiled: play, stop and running maxima over whole signals.
+"""Operators with a memory of where a signal has been, compiled: play, stop, Bouc-Wen, maxima, travel and turns.
 
-Each walks once through the samples, which NumPy cannot do; numba makes them 100 times faster than Python.
+They depend on no rate. Each walks once through the samples, which NumPy cannot do; numba makes them 100 times
+faster than Python.
 """
 
 from __future__ import annotations
@@ -48,36 +49,6 @@ def running_max(x: FloatArray) -> FloatArray:
     for i in range(len(x)):
         top = max(top, x[i])
         out[i] = top
-    return out
-
-
-@njit("float64[:](float64[:], float64[:], float64[:], float64[:], float64[:])", cache=True, nogil=True)
-def exponential_bank(x: FloatArray, a: FloatArray, b0: FloatArray, b1: FloatArray, weights: FloatArray) -> FloatArray:
-    """Weighted sum of first-order low-passes, all at rest at ``x[0]`` before the start.
-
-    Parameters
-    ----------
-    x : ndarray, shape (n,)
-    a, b0, b1, weights : ndarray, shape (k,)
-        ``y_k[i] = a_k y_k[i-1] + b0_k x[i] + b1_k x[i-1]``; see `testbench.knit.filters.hold_coefficients`.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        ``sum_k weights_k (y_k - x[0])``: zero at the start.
-    """
-    y = np.zeros(len(a))
-    out = np.empty_like(x)
-    out[0] = 0.0
-    before = 0.0
-    for i in range(1, len(x)):
-        now = x[i] - x[0]
-        total = 0.0
-        for k in range(len(a)):
-            y[k] = a[k] * y[k] + b0[k] * now + b1[k] * before
-            total += weights[k] * y[k]
-        out[i] = total
-        before = now
     return out
 
 
@@ -165,34 +136,6 @@ def crossings(x: FloatArray, level: float, rearm: float) -> FloatArray:
     return out
 
 
-@njit("float64[:](float64[:], float64[:])", cache=True, nogil=True)
-def bspline(x: FloatArray, weights: FloatArray) -> FloatArray:
-    """Uniform cubic B-spline over 0 <= x <= 1 with one weight a bump, held flat outside.
-
-    Parameters
-    ----------
-    x : ndarray, shape (n,)
-    weights : ndarray, shape (k,), k >= 4
-        Equal weights give that constant (the bumps sum to one).
-
-    Source: de Boor, A Practical Guide to Splines (1978), uniform cubic case.
-    """
-    spans = len(weights) - 3
-    out = np.empty_like(x)
-    for i in range(len(x)):
-        u = min(max(x[i], 0.0), 1.0) * spans
-        cell = min(int(u), spans - 1)
-        t = u - cell
-        s = 1.0 - t
-        out[i] = (
-            weights[cell] * s**3
-            + weights[cell + 1] * (4 - 6 * t**2 + 3 * t**3)
-            + weights[cell + 2] * (4 - 6 * s**2 + 3 * s**3)
-            + weights[cell + 3] * t**3
-        ) / 6
-    return out
-
-
 @njit("float64[:](float64[:], float64, float64)", cache=True, nogil=True)
 def follower(x: FloatArray, up: float, down: float) -> FloatArray:
     """Follows `x` by closing its gap over a length of travel, `up` when `x` rises and `down` when it falls.
@@ -208,38 +151,6 @@ def follower(x: FloatArray, up: float, down: float) -> FloatArray:
         kept = math.exp(-abs(step) / travel)
         gap = gap * kept + math.copysign(travel, step) * (1.0 - kept)
         out[i] = x[i] - gap
-    return out
-
-
-_SIDE = 64
-
-
-@njit("float64[:](float64[:], float64, float64, float64[:])", cache=True, nogil=True)
-def cosine_series(x: FloatArray, low: float, span: float, weights: FloatArray) -> FloatArray:
-    """w_0 u + w_1 u^2 + sum_k w_(k+1) cos(k pi u) / k^2 with u = (x - low) / span, clipped to 0 <= u <= 1.
-
-    Source: Clenshaw, Math. Tables Aids Comput. 9 (1955) 118 (summing a Chebyshev series).
-    """
-    terms = len(weights) - 2
-    scaled = np.empty(terms)
-    for k in range(terms):
-        scaled[k] = weights[k + 2] / (k + 1) ** 2
-    out = np.empty_like(x)
-    # Samples go side by side, for each has to wait for its own last term.
-    u, first, now, after = np.empty(_SIDE), np.empty(_SIDE), np.empty(_SIDE), np.empty(_SIDE)
-    for start in range(0, len(x), _SIDE):
-        count = min(_SIDE, len(x) - start)
-        for i in range(count):
-            u[i] = min(max((x[start + i] - low) / span, 0.0), 1.0)
-            first[i] = math.cos(math.pi * u[i])
-            now[i], after[i] = 0.0, 0.0
-        for k in range(terms - 1, -1, -1):
-            for i in range(count):
-                new = scaled[k] + 2.0 * first[i] * now[i] - after[i]
-                after[i] = now[i]
-                now[i] = new
-        for i in range(count):
-            out[start + i] = weights[0] * u[i] + weights[1] * u[i] * u[i] + now[i] * first[i] - after[i]
     return out
 
 
@@ -269,57 +180,10 @@ def weighted_stops(x: FloatArray, thresholds: FloatArray, weights: FloatArray, g
     return out
 
 
-@njit("float64[:](float64[:], float64, float64, float64, float64)", cache=True, nogil=True)
-def first_order(x: FloatArray, a: float, b0: float, b1: float, start: float) -> FloatArray:
-    """First-order filter ``y[i] = a y[i-1] + b0 x[i] + b1 x[i-1]`` with ``y[0] = start``.
-
-    Four samples a turn: each then waits for the one four before it, not for its neighbour (three times faster).
-    """
-    n = len(x)
-    out = np.empty(n)
-    if n == 0:
-        return out
-    a2, a3, a4 = a * a, a * a * a, a * a * a * a
-    y = start
-    out[0] = y
-    i = 1
-    while i + 3 < n:
-        c1 = b0 * x[i] + b1 * x[i - 1]
-        c2 = b0 * x[i + 1] + b1 * x[i] + a * c1
-        c3 = b0 * x[i + 2] + b1 * x[i + 1] + a * c2
-        c4 = b0 * x[i + 3] + b1 * x[i + 2] + a * c3
-        out[i] = a * y + c1
-        out[i + 1] = a2 * y + c2
-        out[i + 2] = a3 * y + c3
-        y = a4 * y + c4
-        out[i + 3] = y
-        i += 4
-    while i < n:
-        y = a * y + b0 * x[i] + b1 * x[i - 1]
-        out[i] = y
-        i += 1
-    return out
-
-
 @njit("float64[:](float64[:], float64[:])", cache=True, nogil=True)
 def mean_stop(x: FloatArray, thresholds: FloatArray) -> FloatArray:
     """Mean of the normalised stop operators ``(x - play_r(x)) / r``, shape (n,)."""
     return weighted_stops(x, thresholds, np.full(len(thresholds), 1.0 / len(thresholds)), np.zeros(len(thresholds)))
-
-
-@njit("float64[:](float64[:], float64, float64)", cache=True, nogil=True)
-def two_way_lowpass(x: FloatArray, keep_up: float, keep_down: float) -> FloatArray:
-    """First-order low-pass with one memory while it rises and another while it falls, at rest at ``x[0]``.
-
-    ``keep = exp(-dt / tau)`` for each way.
-    """
-    out = np.empty_like(x)
-    y = x[0]
-    for i in range(len(x)):
-        keep = keep_up if x[i] > y else keep_down
-        y = keep * y + (1.0 - keep) * x[i]
-        out[i] = y
-    return out
 
 
 @njit("float64[:](float64[:], float64)", cache=True, nogil=True)
@@ -359,40 +223,3 @@ def turns(x: FloatArray, back: float) -> tuple[FloatArray, FloatArray, FloatArra
             heading, extreme, at = -heading, x[i], i
         turned[i], known[i], count[i] = last_turned, last_known, so_far
     return turned, known, count
-
-
-@njit("float64[:](float64[:], float64, float64, float64)", cache=True, nogil=True)
-def overstress_flow(over: FloatArray, rate: float, hardening: float, power: float) -> FloatArray:
-    """Set s that flows as ``ds = rate ((over - hardening s)+)^power`` per sample, zero at the start.
-
-    Exact for an overload that stands still at its mean over each step, so that no rate makes it overshoot.
-    """
-    out = np.empty_like(over)
-    flowed = 0.0
-    out[0] = flowed
-    for i in range(1, len(over)):
-        beyond = 0.5 * (over[i - 1] + over[i]) - hardening * flowed
-        if beyond > 0.0:
-            if power > 1.001:
-                sooner = (power - 1.0) * hardening * rate * beyond ** (power - 1.0)
-                kept = (1.0 + sooner) ** (-1.0 / (power - 1.0))
-            else:
-                kept = math.exp(-hardening * rate)
-            flowed += beyond * (1.0 - kept) / hardening
-        out[i] = flowed
-    return out
-
-
-@njit("float64[:](float64[:], float64[:])", cache=True, nogil=True)
-def varying_lowpass(x: FloatArray, keep: FloatArray) -> FloatArray:
-    """First-order low-pass with a memory of its own at each step, at rest at ``x[0]``; ``keep = exp(-dt / tau)``.
-
-    Exact for an input that stands still at its mean over each step.
-    """
-    out = np.empty_like(x)
-    y = x[0]
-    out[0] = y
-    for i in range(1, len(x)):
-        y = keep[i] * y + (1.0 - keep[i]) * 0.5 * (x[i] + x[i - 1])
-        out[i] = y
-    return out

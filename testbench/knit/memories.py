@@ -14,7 +14,8 @@ from numba import njit
 from testbench.knit import spectra
 from testbench.knit.effect import FloatArray
 from testbench.knit.filters import memory, rate
-from testbench.knit.kernels import running_max, travelled, turns, two_way_lowpass
+from testbench.knit.kernels import running_max, travelled, turns
+from testbench.knit.lags import two_way_lowpass
 
 BACK = 0.02  # of the span: a turn is known once the strain has come back so far
 BROAD = 7  # lags of a memory over decades

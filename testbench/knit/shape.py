@@ -161,7 +161,7 @@ class ContactDriftShape(ConductanceLaw):
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain covered by the bumps, without a force")
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        from testbench.knit.kernels import bspline
+        from testbench.knit.splines import bspline
 
         t = signals["time_s"]
         times = [*_settled(float(t[0]), float(t[-1]), len(t)), t / 1000]

@@ -44,7 +44,7 @@ class {cls}(Effect):
 
 
 def write_template(name: str, path: Path) -> None:
-    """Write a template that passes the laws.
+    """Write a template that keeps the rules.
 
     Raises
     ------

@@ -10,13 +10,13 @@ from scipy.optimize import minimize
 
 from testbench.diagnosis.side_by_side import SideBySide
 from testbench.knit.effect import FloatArray
-from testbench.proposing.grammar import NO_MEMORY, SIGNAL_ONLY, coordinates_at, fits, price_of
 from testbench.proposing.grids import Grid, rounded, usual_size
-from testbench.proposing.law import Law, Term
-from testbench.proposing.law_coordinates import KINETICS
-from testbench.proposing.law_parts import Operator, Slot
-from testbench.proposing.operators import OPERATORS
-from testbench.proposing.places import Place
+from testbench.proposing.laws.grammar import NO_MEMORY, SIGNAL_ONLY, coordinates_at, fits, price_of
+from testbench.proposing.laws.law import Law, Term
+from testbench.proposing.laws.law_coordinates import KINETICS
+from testbench.proposing.laws.law_parts import Operator, Slot
+from testbench.proposing.laws.operators import OPERATORS
+from testbench.proposing.laws.places import Place
 from testbench.proposing.screening import Projector
 
 WIDTH, PER_FAMILY = 14, 2  # laws that grow on; of them, with the same place, coordinate and memory

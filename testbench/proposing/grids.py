@@ -9,7 +9,7 @@ import numpy as np
 from scipy.signal import periodogram
 
 from testbench.knit.effect import FloatArray
-from testbench.proposing.law_parts import Slot
+from testbench.proposing.laws.law_parts import Slot
 
 LEVELS = (0.1, 0.3, 0.5, 0.7, 0.9)  # quantiles
 SIZES = (0.03, 0.1, 0.3, 1.0, 3.0)  # of the usual size
@@ -132,9 +132,9 @@ def usual_size(x: FloatArray) -> float:
     return max(float(np.std(x)), 0.5 * abs(float(np.mean(x))), 1e-9)
 
 
-def rounded(value: float, digits: int = 2) -> float:
-    """To so many digits that say something."""
-    return float(f"{value:.{digits - 1}e}")
+def rounded(value: float) -> float:
+    """To two digits: no more are known of it."""
+    return float(f"{value:.1e}")
 
 
 def _strongest_periods(residual: Sequence[FloatArray], dt_s: float) -> list[float]:

@@ -13,15 +13,15 @@ from testbench.diagnosis.rounds import excess
 from testbench.diagnosis.search import Search
 from testbench.fitting.baseline import without_shapes
 from testbench.knit.effect import FloatArray
-from testbench.knit.laws import check
+from testbench.knit.rules import check
 from testbench.proposing.beam import Beam, Found
 from testbench.proposing.grids import Grid, rounded
-from testbench.proposing.law import Law
+from testbench.proposing.laws.law import Law
 from testbench.proposing.laws_found import Option, Step, numbered
 from testbench.proposing.open_chain import OpenChain
 from testbench.proposing.screening import Projector
 from testbench.proposing.stability import SURE, stability
-from testbench.proposing.trial import Bench, Trial
+from testbench.proposing.trial import LawFitter, Trial
 from testbench.proposing.writing import effect_class
 
 NOTHING_LEFT = 0.3  # squared noise floors above the noise, all channels: the floors themselves are known to a tenth
@@ -48,7 +48,7 @@ class Hunt:
         self.base = search.flexible
         self.said_nothing_left = excess(self.base, self.likelihood) < NOTHING_LEFT
         self.grid = self.grid_for(self.base)
-        self.bench = Bench(self.likelihood, search.reference, self.grid)
+        self.fitter = LawFitter(self.likelihood, search.reference, self.grid)
 
     def grid_for(self, h: Hypothesis) -> Grid:
         """Start values of the parameters, from this recording and what a model leaves of it."""
@@ -80,8 +80,8 @@ class Hunt:
         trials = [one for null in nulls for one in self.look(null, name)]
         if not trials:
             return None
-        first = self.bench.settled(max(trials, key=_evidence))
-        null = self.null_model(self.bench.bare(first))
+        first = self.fitter.settled(max(trials, key=_evidence))
+        null = self.null_model(self.fitter.bare(first))
         trials = _best_of_each([first, *trials, *self.look(null, name)])
         trials = _best_of_each([*self.pool.map(self.carried, trials[:SETTLED]), *trials])
         holds, wins = stability(current, [t.hypothesis for t in trials], self.likelihood)
@@ -115,7 +115,7 @@ class Hunt:
     def refitted(self, law: Law, null: NullModel, name: str) -> Trial:
         """A law refitted with its base, quickly."""
         self.tell(f"refitting with {law.key}")
-        return self.bench.tried(law, name, null.hypothesis, null.projector.law_prior_sd(law))
+        return self.fitter.tried(law, name, null.hypothesis, null.projector.law_prior_sd(law))
 
     def simpler(self, trial: Trial, null: NullModel) -> Trial:
         """A law without those of its pieces that the evidence does not ask for."""
@@ -125,11 +125,11 @@ class Hunt:
             score = scores.of_law(less)
             if score.gain > scores.of_law(best.law).gain - LEAST_GAIN:
                 quick = self.refitted(replace(less, strength=score.strength), null, trial.name)
-                best = max(best, self.bench.settled(quick), key=_evidence)
+                best = max(best, self.fitter.settled(quick), key=_evidence)
         return best
 
     def pays(self, option: Option, trial: Trial, current: Hypothesis) -> bool:
-        """Whether a law gains in evidence and in error, on nearly every part, and obeys the laws of all effects."""
+        """Whether a law gains in evidence and in error, on nearly every part, and keeps the rules of all effects."""
         before, after = excess(current, self.likelihood), excess(trial.hypothesis, self.likelihood)
         return (
             option.log_evidence > LEAST_GAIN
@@ -144,12 +144,12 @@ class Hunt:
         A base that has done so has moved its other parameters along, and may not find back beside the law; and what
         it was bent by may not be needed any more.
         """
-        done = self.bench.settled(trial)
+        done = self.fitter.settled(trial)
         model = self.search.reference
         for key, effect in done.hypothesis.model.effects.items():
             model = model if key in self.base.model else model.plus(effect, key)
-        stiff = self.bench.anew(done, model)
-        free = self.bench.anew(done, self.search.bent(stiff.hypothesis.model))
+        stiff = self.fitter.anew(done, model)
+        free = self.fitter.anew(done, self.search.bent(stiff.hypothesis.model))
         return max(done, stiff, free, key=_evidence)
 
     def dependence(self, trial: Trial) -> tuple[FloatArray, FloatArray, FloatArray]:

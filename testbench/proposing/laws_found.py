@@ -10,7 +10,7 @@ from testbench.fitting.measurement import Measurement
 from testbench.fitting.model_file import ModelFile
 from testbench.knit.effect import FloatArray
 from testbench.proposing.grids import Grid
-from testbench.proposing.law import Law
+from testbench.proposing.laws.law import Law
 
 Verdict = Literal["proposed", "nothing_left", "no_law", "does_not_hold"]
 

@@ -21,9 +21,9 @@ from testbench.knit.model import KnitModel
 from testbench.proposing.blindness import not_judged
 from testbench.proposing.grids import Grid
 from testbench.proposing.hunt import Hunt
-from testbench.proposing.law import Law
+from testbench.proposing.laws.law import Law
+from testbench.proposing.laws.places import PLACES
 from testbench.proposing.laws_found import Proposed, Step, Verdict, numbered
-from testbench.proposing.places import PLACES
 from testbench.proposing.trial import as_fitted
 from testbench.proposing.writing import effect_class
 from testbench.recordings.recording import Recording

@@ -13,9 +13,9 @@ from testbench.diagnosis.likelihood import Likelihood
 from testbench.fitting.fit import shape_scales
 from testbench.fitting.responses import FORCE_CHANNEL
 from testbench.knit.effect import FloatArray, Stage
-from testbench.proposing.law import Law
+from testbench.proposing.laws.law import Law
+from testbench.proposing.laws.places import Place
 from testbench.proposing.open_chain import OpenChain
-from testbench.proposing.places import Place
 
 MOST_ROWS = 1800  # samples of a channel that the search looks at; a refit looks at all
 MOST = 3.0  # typical corrections: what is larger than that is no effect beside a base law, but the base law itself

@@ -14,12 +14,12 @@ from testbench.diagnosis.proposals import Proposal, Screen
 from testbench.diagnosis.starts import best_start
 from testbench.knit.effect import Effect, bounds_of
 from testbench.knit.model import KnitModel
-from testbench.proposing.grammar import PRICE_OF_PIECE
 from testbench.proposing.grids import Grid
-from testbench.proposing.law import Law
+from testbench.proposing.laws.grammar import PRICE_OF_PIECE
+from testbench.proposing.laws.law import Law
 from testbench.proposing.writing import effect_class, strength_key
 
-QUICK = 6
+QUICK = 6  # iterations of a first refit; the best are carried to their end
 WIDTHS = {"time": 2.0, "size": 1.5, "path": 1.5, "number": 0.7, "frequency": 1.0}  # e-folds, before seeing data
 
 
@@ -44,8 +44,8 @@ class Trial:
     log_z: float
 
 
-class Bench:
-    """Where laws are tried: a likelihood, and the model around which the base laws are believed."""
+class LawFitter:
+    """Refits laws beside a base: by a likelihood, with priors of the base laws around a reference model."""
 
     def __init__(self, likelihood: Likelihood, reference: KnitModel, grid: Grid) -> None:
         self.likelihood, self.reference, self.grid = likelihood, reference, grid

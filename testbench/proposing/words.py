@@ -14,8 +14,8 @@ from testbench.comparing.words import percent
 from testbench.fitting.model_errors import channel_name
 from testbench.fitting.responses import UNIT_OF
 from testbench.knit.effect import bounds_of
-from testbench.proposing.formulas import in_words, latex_of, plain
-from testbench.proposing.law import Law
+from testbench.proposing.laws.formulas import in_words, latex_of, plain
+from testbench.proposing.laws.law import Law
 from testbench.proposing.laws_found import Option, Proposed, Step, numbered
 from testbench.proposing.writing import effect_class
 

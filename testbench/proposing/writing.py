@@ -14,9 +14,9 @@ from typing import Any
 from gcode.support.errors import UserError
 from testbench.knit.catalogue import BUILT_IN
 from testbench.knit.effect import Effect
-from testbench.proposing.formulas import SYMBOLS, in_words, latex_of, plain
 from testbench.proposing.grids import Grid, rounded
-from testbench.proposing.law import NAMES, SINCE_START, STRENGTH, TOOLS, Law
+from testbench.proposing.laws.formulas import SYMBOLS, in_words, latex_of, plain
+from testbench.proposing.laws.law import NAMES, SINCE_START, STRENGTH, TOOLS, Law
 
 MODULE = "knitbench_proposed"
 REACH = 30  # bounds of the strength, over what was found

@@ -6,6 +6,7 @@ import io
 import re
 
 LONGEST = 400  # characters; a longer line is not drawn
+SIZE_PT = 13.0
 # What our formulas use and matplotlib spells otherwise.
 RESPELT = ((r"\tfrac", r"\frac"), (r"\text{", r"\mathrm{"))
 RELATION = re.compile(r"\\mathrel\{(.)\}=")
@@ -16,14 +17,13 @@ def lines_of(latex: str) -> list[str]:
     return [part.strip().rstrip(",") for part in latex.split(r"\quad") if part.strip()]
 
 
-def formula_svg(line: str, size_pt: float = 13.0) -> str:
+def formula_svg(line: str) -> str:
     """One line as SVG, its letters drawn as outlines; empty where matplotlib cannot read it.
 
     Parameters
     ----------
     line : str
         Without dollar signs.
-    size_pt : float
     """
     from matplotlib import mathtext
     from matplotlib.font_manager import FontProperties
@@ -34,7 +34,7 @@ def formula_svg(line: str, size_pt: float = 13.0) -> str:
         line = line.replace(ours, theirs)
     line = RELATION.sub(r"\\;{\1}\\!{=}\\;", line)
     drawn = io.BytesIO()
-    font = FontProperties(size=size_pt, math_fontfamily="dejavuserif")
+    font = FontProperties(size=SIZE_PT, math_fontfamily="dejavuserif")
     try:
         mathtext.math_to_image(f"${line}$", drawn, format="svg", prop=font)
     except (ValueError, RuntimeError):

@@ -17,8 +17,8 @@ from testbench.fitting.model_file import ModelFile
 from testbench.fitting.remounting import remounted
 from testbench.knit.catalogue import Catalogue, model_from_dict
 from testbench.knit.model import KnitModel
-from testbench.report.comparison_figures import Overlay
-from testbench.report.ladder_figures import Step
+from testbench.report.figures.comparison_figures import Overlay
+from testbench.report.figures.ladder_figures import Step
 from testbench.report.words import spoken
 from testbench.report.worst_places import Spot, spots
 

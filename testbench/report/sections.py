@@ -12,19 +12,20 @@ from testbench.comparing.numbers import plain
 from testbench.knit.model import KnitModel
 from testbench.recordings.manifest import CSV
 from testbench.recordings.recording import Recording
-from testbench.report import (
+from testbench.report import words
+from testbench.report.document import Facts, Item, Picture, Section, Table
+from testbench.report.figures import (
     comparison_figures,
     compensator_figures,
     diagnosis_figures,
     ladder_figures,
     recording_figures,
     residual_figures,
-    words,
 )
-from testbench.report.comparison_figures import Overlay
-from testbench.report.document import Facts, Item, Picture, Section, Table
-from testbench.report.ladder_figures import UNITS, Step
+from testbench.report.figures.comparison_figures import Overlay
+from testbench.report.figures.ladder_figures import Step
 from testbench.report.parameter_table import parameter_table
+from testbench.report.words import PANEL_UNITS
 from testbench.report.worst_places import beyond_noise
 
 # How far above the noise is told of ln G, which was fitted: the same share of the resistance.
@@ -88,7 +89,7 @@ def errors_table(both: Overlay, channels: Mapping[str, Mapping[str, Any]]) -> Ta
         rms, floor = told["rms"], told["noise_floor"]
         if name in LOGARITHM:
             rms, floor = float(np.std(both.residual(name))), both.noise_floor[name]
-        unit = UNITS[name]
+        unit = PANEL_UNITS[name]
         rows.append((name, f"{plain(rms)} {unit}", f"{plain(floor, 2)} {unit}", f"{told['over_noise']:.1f} x"))
     return Table(("Channel", "RMS error", "Noise floor", "Error over noise"), rows)
 
@@ -96,13 +97,13 @@ def errors_table(both: Overlay, channels: Mapping[str, Mapping[str, Any]]) -> Ta
 def ladder_section(steps: Sequence[Step], zero: str = "") -> Section:
     """The errors step by step; `zero` says where the held-out recording was clamped anew."""
     channels = list(steps[0].errors)
-    head = ("Step", *(f"Held-out {channel} / {UNITS[channel]}" for channel in channels), "Fall")
+    head = ("Step", *(f"Held-out {channel} / {PANEL_UNITS[channel]}" for channel in channels), "Fall")
     rows = [
         (step.label, *(plain(step.errors[channel]) for channel in channels), fall_in_words(steps[0], step))
         for step in steps
     ]
     floor = ", ".join(
-        f"{channel} {plain(value, 2)} {UNITS[channel]}" for channel, value in steps[-1].noise_floor.items()
+        f"{channel} {plain(value, 2)} {PANEL_UNITS[channel]}" for channel, value in steps[-1].noise_floor.items()
     )
     caption = (
         "Held-out error after each step; the dashed line is the noise floor, below which nothing is left to explain."

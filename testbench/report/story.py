@@ -14,10 +14,11 @@ from testbench.fitting.model_file import ModelFile, check_same_set_up
 from testbench.fitting.remounting import remounted
 from testbench.knit.catalogue import Catalogue, model_from_dict
 from testbench.recordings.recording import Recording
-from testbench.report import ladder_figures, sections, words
-from testbench.report.comparison_figures import Overlay, busiest_window
+from testbench.report import sections, words
 from testbench.report.document import Facts, Item, Picture, Section
-from testbench.report.ladder_figures import UNITS, Step
+from testbench.report.figures import ladder_figures
+from testbench.report.figures.comparison_figures import Overlay, busiest_window
+from testbench.report.figures.ladder_figures import Step
 from testbench.report.overlays import (
     failings_of,
     models_of,
@@ -26,6 +27,7 @@ from testbench.report.overlays import (
     steps_of,
     zero_in_words,
 )
+from testbench.report.words import PANEL_UNITS
 
 GLANCE_S = 60.0
 
@@ -155,7 +157,7 @@ def glance_facts(steps: Sequence[Step]) -> list[tuple[str, str]]:
     last = steps[-1]
     pairs = []
     for channel, error in last.errors.items():
-        pairs.append((f"held-out error of the {channel}", f"{plain(error)} {UNITS[channel]}"))
+        pairs.append((f"held-out error of the {channel}", f"{plain(error)} {PANEL_UNITS[channel]}"))
         floor = last.noise_floor.get(channel, 0.0)
         if len(steps) > 1 and steps[0].errors[channel] > 0:
             pairs.append(("against the first model", f"{100 * (error / steps[0].errors[channel] - 1):+.0f} %"))

@@ -8,7 +8,9 @@ from typing import Any
 
 from testbench.comparing.numbers import plain
 from testbench.comparing.words import MANY, percent
-from testbench.report.ladder_figures import UNITS
+from testbench.fitting.responses import UNIT_OF
+
+PANEL_UNITS = {**UNIT_OF, "resistance": "kΩ"}  # of an axis or a table, by what it shows
 
 
 def verdict_in_words(diagnosis: Mapping[str, Any]) -> str:
@@ -97,7 +99,7 @@ def ladder_notes(steps: Iterable[str]) -> list[str]:
 def error_fall(before: Mapping[str, float], after: Mapping[str, float]) -> str:
     """How the held-out error changes, channel by channel."""
     shown = [channel for channel in before if channel in after]
-    falls = [f"from {plain(before[channel])} to {plain(after[channel])} {UNITS[channel]}" for channel in shown]
+    falls = [f"from {plain(before[channel])} to {plain(after[channel])} {PANEL_UNITS[channel]}" for channel in shown]
     parts = [f"that of the {channel} {fall}" for channel, fall in zip(shown[1:], falls[1:], strict=True)]
     return ", ".join([f"the held-out error of the {shown[0]} goes {falls[0]}", *parts])
 

@@ -12,11 +12,11 @@ from gcode.support.files import make_folder
 from testbench.fitting.model_file import about_model, same_source
 from testbench.recordings.manifest import CSV
 from testbench.report.words import spoken
-from testbench.studio.fields import check, number_field, typed
-from testbench.studio.job import Commands, Job, State
-from testbench.studio.job_card import job_card
+from testbench.studio.jobs.job import Commands, Job, State
+from testbench.studio.parts.fields import check, number_field, typed
+from testbench.studio.parts.job_card import job_card
+from testbench.studio.parts.widgets import attempt, subheading
 from testbench.studio.studio import Studio
-from testbench.studio.widgets import attempt, subheading
 from testbench.studio.workspace import RESULTS, results_name
 
 LAST_THIRD = "the last third of this recording"

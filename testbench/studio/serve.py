@@ -6,6 +6,7 @@ import importlib
 import socket
 import threading
 
+from gcode.support.colours import BLUE
 from gcode.support.errors import UserError
 from gcode.support.files import make_folder
 from testbench.rig.stopping import what_ends_it
@@ -22,7 +23,7 @@ WARM = (
     "testbench.api.investigating",
 )
 FAVICON = (
-    '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 30 30" fill="none" stroke="#0072B2" stroke-width="6" '
+    f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 30 30" fill="none" stroke="{BLUE}" stroke-width="6" '
     'stroke-linecap="round"><path d="M5 6 L15 24 M25 6 L15 24"/></svg>'
 )
 
@@ -38,7 +39,7 @@ def serve(studio: Studio, port: int, show: bool) -> None:
     from nicegui import app, ui
     from starlette.middleware.trustedhost import TrustedHostMiddleware
 
-    from testbench.studio.picture import serve_plotly
+    from testbench.studio.parts.picture import serve_plotly
     from testbench.studio.shell import frame
 
     _check_free(port)

@@ -8,6 +8,7 @@ from urllib.parse import parse_qs
 
 from nicegui import ui
 
+from gcode.support.colours import BLUE, VERMILION
 from testbench.studio.pages import (
     align,
     campaigns,
@@ -25,8 +26,9 @@ from testbench.studio.pages import (
     recording,
     side,
 )
-from testbench.studio.picture import load_plotly
-from testbench.studio.running_jobs import running_now
+from testbench.studio.parts.picture import load_plotly
+from testbench.studio.parts.running_jobs import running_now
+from testbench.studio.parts.widgets import invitation
 from testbench.studio.studio import Studio
 
 NAVIGATION = (
@@ -57,9 +59,9 @@ PAGES: dict[str, Callable] = {
 # Two rows of knit stitches: the face side of a plain jersey, drawn as the V that everybody knows.
 LOGO = (
     '<svg width="30" height="30" viewBox="0 0 30 30" fill="none" stroke-linecap="round" stroke-width="4.4" '
-    'aria-hidden="true"><path stroke="#0072B2" d="M4 4 L8.5 12 M13 4 L8.5 12 M17 4 L21.5 12 M26 4 L21.5 12"/>'
-    '<path stroke="#D55E00" d="M4 15 L8.5 23 M13 15 L8.5 23"/>'
-    '<path stroke="#0072B2" d="M17 15 L21.5 23 M26 15 L21.5 23"/></svg>'
+    f'aria-hidden="true"><path stroke="{BLUE}" d="M4 4 L8.5 12 M13 4 L8.5 12 M17 4 L21.5 12 M26 4 L21.5 12"/>'
+    f'<path stroke="{VERMILION}" d="M4 15 L8.5 23 M13 15 L8.5 23"/>'
+    f'<path stroke="{BLUE}" d="M17 15 L21.5 23 M26 15 L21.5 23"/></svg>'
 )
 
 
@@ -67,12 +69,23 @@ def frame(studio: Studio) -> None:
     """Build the frame for one browser tab."""
     load_plotly()
     ui.add_css(files("testbench.studio").joinpath("theme.css").read_text("utf-8"))
-    ui.colors(primary="#0072B2", secondary="#5b6875", accent="#b34e00", positive="#00795a", negative="#b03a00")
+    ui.colors(primary=BLUE, secondary="#5b6875", accent="#b34e00", positive="#00795a", negative="#b03a00")
     with ui.element("div").classes("frame"):
         with ui.element("aside").classes("side"):
             _side(studio)
         with ui.element("div").classes("w-full").style("min-width:0"):
-            ui.sub_pages(dict(PAGES), data={"studio": studio}).classes("w-full")
+            _Pages(dict(PAGES), data={"studio": studio}).classes("w-full")
+
+
+class _Pages(ui.sub_pages):
+    """The pages; an address that leads to none of them says so as every other empty page does."""
+
+    def _render_404(self) -> None:
+        with (
+            ui.column().classes("page gap-4"),
+            invitation("No such page", f"Nothing is at {ui.context.client.sub_pages_router.current_path}."),
+        ):
+            ui.button("Campaigns", icon="grid_view", on_click=lambda: ui.navigate.to("/")).props("unelevated")
 
 
 TITLES = {

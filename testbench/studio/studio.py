@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 from gcode.support.errors import UserError
 from gcode.support.files import make_folder, write_text
 from gcode.support.strict import read_text
-from testbench.studio.job import Job
-from testbench.studio.jobs import JobBoard
+from testbench.studio.jobs.job import Job
+from testbench.studio.jobs.jobs import JobBoard
 from testbench.studio.memory import Memory
 from testbench.studio.notes import Notes
 from testbench.studio.workspace import RESULTS, Workspace

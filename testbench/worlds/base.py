@@ -12,7 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from testbench.worlds.kernels import FloatArray, bouc_wen, stop
+from gcode.support.arrays import FloatArray
+from testbench.worlds.kernels import bouc_wen, stop
 
 Parameters = dict[str, float]
 

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE
 from testbench.recordings.recording import Recording
@@ -17,7 +18,7 @@ from testbench.worlds.base import WORLDS, BaseWorld, draw_world
 from testbench.worlds.chain import Form, Hidden, Scene, Usual, run
 from testbench.worlds.coloured_noise import KINDS, quantised, unit_noise
 from testbench.worlds.forms import FORMS, UNKNOWN
-from testbench.worlds.kernels import FloatArray, lowpass
+from testbench.worlds.kernels import lowpass
 from testbench.worlds.motions import GAUGE_LENGTH_MM, PROTOCOLS, commanded_strain, sample_times
 
 CATALOGUE = tuple(name for name in FORMS if name not in UNKNOWN)

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from gcode.support.arrays import FloatArray
 from testbench.worlds.base import BaseWorld
-from testbench.worlds.kernels import FloatArray
 
 STAGES = ("kinematics", "mechanics", "pressure", "electrical", "readout")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.signal import lfilter
 
-from testbench.worlds.kernels import FloatArray
+from gcode.support.arrays import FloatArray
 
 KINDS = ("white", "ar1", "pink")
 

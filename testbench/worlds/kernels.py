@@ -7,9 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from gcode.support.arrays import FloatArray
 
 
 @njit("float64[:](float64[:], float64[:], float64)", cache=True, nogil=True)

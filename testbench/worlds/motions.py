@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from testbench.worlds.kernels import FloatArray
+from gcode.support.arrays import FloatArray
 
 MEAN_SPEED_MM_PER_S = 1.0
 TOP_STRAIN = 0.3

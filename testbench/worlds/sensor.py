@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from gcode.support.arrays import FloatArray
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE
 from testbench.recordings.recording import Recording
 from testbench.worlds import strength as strengths
@@ -11,7 +12,6 @@ from testbench.worlds.base import draw_world
 from testbench.worlds.case import PARTS, Bench, ambient_K, choose, names_of, rng_of
 from testbench.worlds.chain import Scene, run
 from testbench.worlds.coloured_noise import quantised, unit_noise
-from testbench.worlds.kernels import FloatArray
 from testbench.worlds.motions import GAUGE_LENGTH_MM, sample_times
 
 HORIZON_S = 4 * 3600.0  # the room is drawn for so long

@@ -19,8 +19,8 @@ from collections.abc import Callable
 
 import numpy as np
 
+from gcode.support.arrays import FloatArray
 from testbench.worlds.base import BaseWorld
-from testbench.worlds.kernels import FloatArray
 
 THIN = 2  # the projection is done on every second sample: the effects are slow against the sampling
 TOLERANCE = 0.02

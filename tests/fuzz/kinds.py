@@ -20,10 +20,10 @@ from testbench.fitting.result_files import read_diagnosis, read_experiment, read
 from testbench.knit.catalogue import load_catalogue
 from testbench.recordings.files import read_recording
 from testbench.recordings.manifest import NAME, sealed
-from testbench.report.experiment_figures import of_file
+from testbench.report.figures.experiment_figures import of_file
+from testbench.studio.jobs.outliving import ABOUT, Outliving
+from testbench.studio.jobs.pace import Paces
 from testbench.studio.notes import FILE, Notes
-from testbench.studio.outliving import ABOUT, Outliving
-from testbench.studio.pace import Paces
 from testbench.studio.proposed_law import Proposal
 from tests.fuzz.targets import DATASET, compensator_sealed
 from tests.testbench.builders import record, truth, write_csv

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import gcode
 from gcode.programs.make import make
 from gcode.support.errors import UserError
 from gcode.trajectories.planning import plan
@@ -30,6 +31,11 @@ def test_any_seed_gives_them(name, seeds):
     assert off[:, [0, 2]].max() < 0.02
     assert off[:, [1, 3]].max() < 0.03
     assert max(abs(run.v_max_mm_per_s / V_MAX[name] - 1) for run in runs) < 0.12
+
+
+def test_an_unknown_limit_is_refused_with_the_names_there_are():
+    with pytest.raises(UserError, match=r"there is no limit v_max; limits are .*v_max_mm_per_s"):
+        gcode.generate("paper-1", seed=1, v_max=3)
 
 
 def test_an_unknown_preset_is_refused_with_the_names_there_are():

@@ -119,7 +119,11 @@ def test_a_comment_that_would_break_the_file_is_refused():
         ("[[pieces]]\nkind = 'noise'\noctaves = 0", "octaves.*greater than or equal to 1"),
         ("[[pieces]]\nkind = 'noise'\npersistence = 0.0", "persistence"),
         ("[[pieces]]\nkind = 'noise'\nhigh_percent = -5.0", "low_percent must be below"),
-        ("[[pieces]]\nkind = 'noise'\nlacunarity = 0", "lacunarity"),
+        (
+            "[[pieces]]\nkind = 'noise'\nlacunarity = 0",
+            "lacunarity: there is no such entry; leave it out",
+        ),
+        ("[[pieces]]\nkind = 'hold'", "duration_s: this entry is needed"),
         ("not toml", "not valid TOML"),
     ],
 )

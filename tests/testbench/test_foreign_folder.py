@@ -19,7 +19,7 @@ MINE = "import pathlib; pathlib.Path(__file__).with_name('it-ran').write_text(__
 # As the console script, whose own folder Python looks into: -P holds for this process alone.
 START = "from testbench.cli import main; code = main({words}); {then}; raise SystemExit(code)"
 JOB = (
-    "import subprocess; from testbench.studio.jobs import interpreter_argv; "
+    "import subprocess; from testbench.studio.jobs.jobs import interpreter_argv; "
     "code = subprocess.run(interpreter_argv(['testbench', 'effects'])).returncode"
 )
 

@@ -29,6 +29,10 @@ def preset(name: str) -> KnitModel:
         ``"pes"`` (conductive polyester yarn) or ``"lycra"`` (with elastane); see `names`. ``"pes@3"``: one of many
         that differ as specimens do; ``"pes@0"`` is ``"pes"``.
 
+    Returns
+    -------
+    KnitModel
+
     Raises
     ------
     UserError

@@ -10,15 +10,15 @@ from nicegui import ui
 
 from gcode.support.errors import UserError
 from testbench.recordings.channels import DISPLACEMENT
-from testbench.report.alignment_figures import alignment
+from testbench.report.figures.alignment_figures import alignment
 from testbench.report.words import clocks_in_words
-from testbench.studio.address import Address, address, span_of
-from testbench.studio.job import Job, State
-from testbench.studio.job_card import job_card
+from testbench.studio.jobs.job import Job, State
 from testbench.studio.memory import stamp
-from testbench.studio.picture import zooming_plot
+from testbench.studio.parts.address import Address, address, span_of
+from testbench.studio.parts.job_card import job_card
+from testbench.studio.parts.picture import zooming_plot
+from testbench.studio.parts.widgets import aside, attempt, campaign_head, facts, guarded, subheading, working
 from testbench.studio.studio import Studio
-from testbench.studio.widgets import aside, attempt, campaign_head, facts, guarded, subheading, working
 
 if TYPE_CHECKING:
     from testbench.api.aligning import AlignmentResult

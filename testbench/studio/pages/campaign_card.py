@@ -14,15 +14,15 @@ from nicegui import ui
 
 from gcode.support.errors import UserError
 from testbench.recordings.manifest import IN_PROGRESS
-from testbench.report.recording_figures import summary
-from testbench.report.thumbnail import thumbnail
-from testbench.studio.address import address
+from testbench.report.figures.recording_figures import summary
+from testbench.report.figures.thumbnail import thumbnail
 from testbench.studio.finding import STATES, Found
 from testbench.studio.memory import stamp
 from testbench.studio.notes import Note, tags_of
+from testbench.studio.parts.address import address
+from testbench.studio.parts.unfinished import is_under_way, is_unfinished
+from testbench.studio.parts.widgets import aside, attempt
 from testbench.studio.studio import Studio
-from testbench.studio.unfinished import is_under_way, is_unfinished
-from testbench.studio.widgets import aside, attempt
 from testbench.studio.workspace import Campaign
 
 

@@ -6,13 +6,13 @@ from functools import partial
 
 from nicegui import ui
 
-from testbench.studio.address import Address, address
 from testbench.studio.finding import ORDERS, STATES, Found, all_tags, narrowed
 from testbench.studio.notes import Note
 from testbench.studio.pages.campaign_card import Card
+from testbench.studio.parts.address import Address, address
+from testbench.studio.parts.unfinished import is_unfinished
+from testbench.studio.parts.widgets import aside, attempt, guarded, heading, invitation
 from testbench.studio.studio import Studio
-from testbench.studio.unfinished import is_unfinished
-from testbench.studio.widgets import aside, attempt, guarded, heading, invitation
 from testbench.studio.workspace import results_name
 
 AT_ONCE = 24  # cards; more on demand

@@ -12,20 +12,18 @@ from nicegui import ui
 
 from testbench.comparing.numbers import plain
 from testbench.recordings.manifest import CSV
-from testbench.report import comparison_figures as figures
-from testbench.report import residual_figures
-from testbench.report.comparison_figures import Overlay
 from testbench.report.document import Table
-from testbench.report.ladder_figures import UNITS
-from testbench.report.words import spoken
+from testbench.report.figures import comparison_figures as figures
+from testbench.report.figures import residual_figures
+from testbench.report.figures.comparison_figures import Overlay
+from testbench.report.words import PANEL_UNITS, spoken
 from testbench.report.worst_places import Spot, noise_reached
-from testbench.studio.address import Address, address, span_of
 from testbench.studio.beside import Beside, beside_choices, beside_of, side_by_side
 from testbench.studio.memory import stamp
 from testbench.studio.models import LAST_THIRD, PLAY, add_fit_form, held_out_of, model_path
-from testbench.studio.picture import Span, ZoomingPlot, plot, zooming_plot
-from testbench.studio.studio import Studio
-from testbench.studio.widgets import (
+from testbench.studio.parts.address import Address, address, span_of
+from testbench.studio.parts.picture import Span, ZoomingPlot, plot, zooming_plot
+from testbench.studio.parts.widgets import (
     RESISTANCE,
     aside,
     campaign_head,
@@ -37,6 +35,7 @@ from testbench.studio.widgets import (
     table,
     trouble,
 )
+from testbench.studio.studio import Studio
 
 if TYPE_CHECKING:
     from testbench.api.comparing import ComparisonResult
@@ -205,7 +204,7 @@ def _errors(view: View, shown: Overlay) -> list[tuple[str, str]]:
         source = channels["conductance" if channel == RESISTANCE else channel]
         for label, rms in reversed(list(view.rms.items())):
             whose = f" ({label})" if len(view.rms) > 1 else ""
-            pairs.append((f"RMS error of the {channel}{whose}", f"{plain(rms[channel])} {UNITS[channel]}"))
+            pairs.append((f"RMS error of the {channel}{whose}", f"{plain(rms[channel])} {PANEL_UNITS[channel]}"))
         pairs.append((f"times the noise floor of the {channel}", f"{source['over_noise']:.1f} x"))
     return pairs
 

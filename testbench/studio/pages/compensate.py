@@ -11,15 +11,15 @@ from nicegui import ui
 
 from gcode.support.errors import UserError
 from testbench.fitting.result_files import read_score
-from testbench.report import compensator_figures as figures
+from testbench.report.figures import compensator_figures as figures
 from testbench.report.sections import short_name
-from testbench.studio.address import address
-from testbench.studio.job import State
-from testbench.studio.job_card import job_card
+from testbench.studio.jobs.job import State
 from testbench.studio.models import companions, join_running, run_in_turn
-from testbench.studio.picture import plot
+from testbench.studio.parts.address import address
+from testbench.studio.parts.job_card import job_card
+from testbench.studio.parts.picture import plot
+from testbench.studio.parts.widgets import attempt, campaign_head, facts, guarded, later, subheading
 from testbench.studio.studio import Studio
-from testbench.studio.widgets import attempt, campaign_head, facts, guarded, later, subheading
 from testbench.studio.workspace import RESULTS
 
 TARGETS = {"force": "force", "displacement": "displacement"}

@@ -14,7 +14,7 @@ from testbench.knit.effect import Effect, bounds_of
 from testbench.report.document import Table
 from testbench.report.parameter_table import parameter_table
 from testbench.report.words import spoken
-from testbench.studio.widgets import subheading, table
+from testbench.studio.parts.widgets import subheading, table
 
 
 def effect_told(diagnosis: Mapping[str, Any], entry: Mapping[str, Any], catalogue: Catalogue) -> None:

@@ -11,10 +11,10 @@ from nicegui import ui
 from gcode.support.errors import UserError
 from gcode.support.files import write_text
 from gcode.support.strict import read_text
-from testbench.studio.job import Job, State
-from testbench.studio.job_card import job_card
+from testbench.studio.jobs.job import Job, State
+from testbench.studio.parts.job_card import job_card
+from testbench.studio.parts.widgets import attempt, guarded, heading, name_in_page
 from testbench.studio.studio import OWN_EFFECTS, Studio
-from testbench.studio.widgets import attempt, guarded, heading, name_in_page
 
 MOST_BYTES = 1 << 20
 
@@ -73,7 +73,7 @@ class _Editor:
         write_text(self.path, self.text.value)
         self.studio.agree_to_effects()  # who saves it here wants it to run
         argv = ["testbench", "effects", "--effects", str(self.path), "--check"]
-        self._run(argv, "Trying the laws that every effect obeys")
+        self._run(argv, "Trying the rules that every effect keeps")
 
     def _run(self, argv: list[str], title: str) -> None:
         job = self.studio.jobs.start("effects", title, argv)

@@ -10,15 +10,15 @@ from nicegui import ui
 
 from gcode.support.errors import UserError
 from testbench.fitting.result_files import read_diagnosis, read_experiment
-from testbench.report import experiment_figures as figures
+from testbench.report.figures import experiment_figures as figures
 from testbench.report.words import experiment_in_words, spoken
 from testbench.studio import models
-from testbench.studio.address import Address, address
-from testbench.studio.fields import asked, check, keep_in, number_field, typed
 from testbench.studio.pages.plan import PROGRAMS, program_downloads
-from testbench.studio.picture import plot
+from testbench.studio.parts.address import Address, address
+from testbench.studio.parts.fields import asked, check, keep_in, number_field, typed
+from testbench.studio.parts.picture import plot
+from testbench.studio.parts.widgets import aside, attempt, campaign_head, guarded, subheading
 from testbench.studio.studio import Studio
-from testbench.studio.widgets import aside, attempt, campaign_head, guarded, subheading
 
 
 @guarded

@@ -14,16 +14,15 @@ from nicegui import events, ui
 from nicegui.elements.mixins.value_element import ValueElement
 
 from gcode.support.errors import UserError
-from testbench.studio.address import Address, address
-from testbench.studio.import_form import Choices
-from testbench.studio.import_look import Seen, described, look_at, roles_by_number, still_to_say
-from testbench.studio.import_words import TITLES, page_words
-from testbench.studio.job import Job, State
-from testbench.studio.job_card import job_card
-from testbench.studio.pages.import_columns import Columns
-from testbench.studio.raw_lines import raw_table
-from testbench.studio.studio import Studio
-from testbench.studio.widgets import (
+from testbench.studio.importing.import_columns import Columns
+from testbench.studio.importing.import_form import Choices
+from testbench.studio.importing.import_look import Seen, described, look_at, roles_by_number, still_to_say
+from testbench.studio.importing.import_words import TITLES, page_words
+from testbench.studio.importing.raw_lines import raw_table
+from testbench.studio.jobs.job import Job, State
+from testbench.studio.parts.address import Address, address
+from testbench.studio.parts.job_card import job_card
+from testbench.studio.parts.widgets import (
     aside,
     attempt,
     guarded,
@@ -34,6 +33,7 @@ from testbench.studio.widgets import (
     trouble,
     working,
 )
+from testbench.studio.studio import Studio
 
 LARGEST_BYTES = 2_000_000_000
 KINDS = ".csv,.txt,.tsv,.dat,.asc,.raw,.xlsx,.xlsm,.tdms"

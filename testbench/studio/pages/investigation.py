@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 from nicegui import ui
 
 from gcode.support.errors import UserError
-from testbench.studio.address import address
-from testbench.studio.picture import plot
+from testbench.studio.parts.address import address
+from testbench.studio.parts.picture import plot
+from testbench.studio.parts.widgets import aside, guarded, heading, invitation, table
 from testbench.studio.studio import Studio
-from testbench.studio.widgets import aside, guarded, heading, invitation, table
 from testbench.studio.workspace import MAX_DEPTH, RESULTS
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ async def _shown(root: Path, name: str, names: list[str]) -> None:
     from testbench.api.investigation import motions_of
     from testbench.investigating.state import load_investigation, run_folder
     from testbench.investigating.words import ending_words
-    from testbench.report.investigation_figures import investigation as figure_of
+    from testbench.report.figures.investigation_figures import investigation as figure_of
 
     folder = root / name
     state = await aside(load_investigation, folder)

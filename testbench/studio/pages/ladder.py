@@ -14,17 +14,16 @@ from nicegui import ui
 from testbench.comparing.numbers import plain
 from testbench.fitting.model_file import ModelFile
 from testbench.fitting.result_files import read_diagnosis
-from testbench.report import diagnosis_figures
-from testbench.report import ladder_figures as figures
-from testbench.report.comparison_figures import busiest_window
+from testbench.report.figures import diagnosis_figures
+from testbench.report.figures import ladder_figures as figures
+from testbench.report.figures.comparison_figures import busiest_window
 from testbench.report.parameter_table import parameter_table
 from testbench.report.sections import fall_in_words
-from testbench.report.words import ladder_notes, spoken, verdict_in_words
+from testbench.report.words import PANEL_UNITS, ladder_notes, spoken, verdict_in_words
 from testbench.studio import models
-from testbench.studio.address import Address, address
-from testbench.studio.picture import plot
-from testbench.studio.studio import RESULTS_URL, Studio
-from testbench.studio.widgets import (
+from testbench.studio.parts.address import Address, address
+from testbench.studio.parts.picture import plot
+from testbench.studio.parts.widgets import (
     RESISTANCE,
     aside,
     attempt,
@@ -35,6 +34,7 @@ from testbench.studio.widgets import (
     subheading,
     table,
 )
+from testbench.studio.studio import RESULTS_URL, Studio
 from testbench.studio.workspace import RESULTS
 
 REPORT = "report.html"
@@ -128,7 +128,7 @@ class _Ladder:
             ("this step" if step else "the first model", spoken(chosen.label)),
         ]
         pairs += [
-            (f"held-out {channel}", f"{plain(error)} {figures.UNITS[channel]}")
+            (f"held-out {channel}", f"{plain(error)} {PANEL_UNITS[channel]}")
             for channel, error in chosen.errors.items()
         ]
         pairs += [

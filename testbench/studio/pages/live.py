@@ -14,14 +14,14 @@ from nicegui import ui
 from gcode.support.errors import UserError
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TIME
 from testbench.report import style
-from testbench.report.live_figures import LiveChannel, live
-from testbench.studio.address import address
-from testbench.studio.job import Job, State
+from testbench.report.figures.live_figures import LiveChannel, live
+from testbench.studio.jobs.job import Job, State
 from testbench.studio.live import Follower
-from testbench.studio.picture import plot
+from testbench.studio.parts.address import address
+from testbench.studio.parts.picture import plot
+from testbench.studio.parts.unfinished import is_unfinished, resume
+from testbench.studio.parts.widgets import aside, attempt, trouble
 from testbench.studio.studio import KEY_RIG, Studio
-from testbench.studio.unfinished import is_unfinished, resume
-from testbench.studio.widgets import aside, attempt, trouble
 
 REFRESH_S = 0.5
 CAPTION = "Left: the last minute, every sample. Right: all so far. Dashed: your limits."

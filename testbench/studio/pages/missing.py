@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 from nicegui import ui
 
 from testbench.fitting.result_files import read_diagnosis
-from testbench.report import diagnosis_figures as figures
-from testbench.report.kohm import contribution_kohm
+from testbench.report.figures import diagnosis_figures as figures
+from testbench.report.figures.kohm import contribution_kohm
 from testbench.report.words import (
     base_in_words,
     error_left,
@@ -20,12 +20,11 @@ from testbench.report.words import (
     with_probability,
 )
 from testbench.studio import models
-from testbench.studio.address import Address, address, span_of
 from testbench.studio.memory import stamp
 from testbench.studio.pages.effect_told import effect_told
-from testbench.studio.picture import Span, plot, zooming_plot
-from testbench.studio.studio import Studio
-from testbench.studio.widgets import (
+from testbench.studio.parts.address import Address, address, span_of
+from testbench.studio.parts.picture import Span, plot, zooming_plot
+from testbench.studio.parts.widgets import (
     RESISTANCE,
     aside,
     attempt,
@@ -37,6 +36,7 @@ from testbench.studio.widgets import (
     trouble,
     working,
 )
+from testbench.studio.studio import Studio
 
 if TYPE_CHECKING:
     from testbench.api.contributing import ContributionResult

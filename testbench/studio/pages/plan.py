@@ -11,14 +11,14 @@ from nicegui import ui
 
 from gcode.programs.stored_plan import read_plan
 from gcode.support.errors import UserError
-from testbench.report.trajectory_figures import motion
-from testbench.studio.address import Address, address
-from testbench.studio.fields import asked, check, keep_in, number_field, typed
-from testbench.studio.job import Job, State
-from testbench.studio.job_card import job_card
-from testbench.studio.picture import plot
+from testbench.report.figures.trajectory_figures import motion
+from testbench.studio.jobs.job import Job, State
+from testbench.studio.parts.address import Address, address
+from testbench.studio.parts.fields import asked, check, keep_in, number_field, typed
+from testbench.studio.parts.job_card import job_card
+from testbench.studio.parts.picture import plot
+from testbench.studio.parts.widgets import aside, attempt, facts, guarded, heading, subheading
 from testbench.studio.studio import Studio
-from testbench.studio.widgets import aside, attempt, facts, guarded, heading, subheading
 
 PRESETS = {
     "paper-1": "paper-1, 0–30 % strain",

@@ -11,14 +11,12 @@ from testbench.comparing.numbers import in_words, plain, with_error
 from testbench.comparing.words import percent
 from testbench.fitting.model_file import about_model
 from testbench.report.formula import formula_svg, lines_of
-from testbench.report.ladder_figures import UNITS
-from testbench.report.words import spoken
+from testbench.report.words import PANEL_UNITS, spoken
 from testbench.studio import models, proposed_law
-from testbench.studio.address import address
-from testbench.studio.fields import check, number_field
 from testbench.studio.pages.ladder import report_url
-from testbench.studio.studio import Studio
-from testbench.studio.widgets import (
+from testbench.studio.parts.address import address
+from testbench.studio.parts.fields import check, number_field
+from testbench.studio.parts.widgets import (
     aside,
     attempt,
     campaign_head,
@@ -29,6 +27,7 @@ from testbench.studio.widgets import (
     trouble,
     working,
 )
+from testbench.studio.studio import Studio
 
 MOST_ASKED = 4
 SHOWN = 4
@@ -112,7 +111,7 @@ def _verdict(found: proposed_law.Proposal) -> str:
 def _errors(found: proposed_law.Proposal) -> list[tuple[str, str]]:
     pairs = []
     for channel, before in found.error_before.items():
-        after, floor, unit = found.error_after[channel], found.noise_floor[channel], UNITS[channel]
+        after, floor, unit = found.error_after[channel], found.noise_floor[channel], PANEL_UNITS[channel]
         fall = f"{plain(before)} → {plain(after)} {unit}" if found.laws else f"{plain(before)} {unit}"
         pairs.append((f"held-out {channel}{', without and with it' if found.laws else ''}", fall))
         pairs.append((f"noise floor of the {channel}", f"{plain(floor)} {unit}"))
@@ -164,7 +163,7 @@ async def _law(law: proposed_law.FoundLaw, errors: Mapping[str, float]) -> None:
 
 
 def _formula(line: str, svg: str) -> None:
-    from testbench.proposing.formulas import plain as read_aloud
+    from testbench.proposing.laws.formulas import plain as read_aloud
 
     words = read_aloud(line)
     if svg:

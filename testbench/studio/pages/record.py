@@ -8,13 +8,13 @@ from pathlib import Path
 from nicegui import ui
 
 from gcode.support.errors import UserError
-from testbench.studio.fields import check, number_field, typed
 from testbench.studio.pages.compensate import compensators
 from testbench.studio.pages.live import Live
 from testbench.studio.pages.plan import PROGRAMS, SENSORS
+from testbench.studio.parts.fields import check, number_field, typed
+from testbench.studio.parts.unfinished import rig_port
+from testbench.studio.parts.widgets import attempt, guarded, heading, invitation
 from testbench.studio.studio import KEY_RECORDING, KEY_RIG, Studio
-from testbench.studio.unfinished import rig_port
-from testbench.studio.widgets import attempt, guarded, heading, invitation
 
 SIMULATED = "the simulated rig"
 STARTS_WITHIN_S = 30

@@ -13,15 +13,24 @@ from testbench.recordings.channels import DISPLACEMENT
 from testbench.recordings.channels import RESISTANCE as RESISTANCE_CHANNEL
 from testbench.recordings.manifest import IN_PROGRESS
 from testbench.recordings.recording import Recording
-from testbench.report import recording_figures as figures
-from testbench.studio.address import Address, address, span_of
+from testbench.report.figures import recording_figures as figures
 from testbench.studio.models import LAST_THIRD, held_out_of, model_path
-from testbench.studio.origin import provenance
 from testbench.studio.pages.compare import view_of
-from testbench.studio.picture import plot, zooming_plot
+from testbench.studio.parts.address import Address, address, span_of
+from testbench.studio.parts.origin import provenance
+from testbench.studio.parts.picture import plot, zooming_plot
+from testbench.studio.parts.unfinished import is_under_way, is_unfinished, under_way_card, unfinished_card
+from testbench.studio.parts.widgets import (
+    RESISTANCE,
+    aside,
+    campaign_head,
+    facts,
+    guarded,
+    later,
+    quantity_toggle,
+    trouble,
+)
 from testbench.studio.studio import Studio
-from testbench.studio.unfinished import is_under_way, is_unfinished, under_way_card, unfinished_card
-from testbench.studio.widgets import RESISTANCE, aside, campaign_head, facts, guarded, later, quantity_toggle, trouble
 
 
 @guarded

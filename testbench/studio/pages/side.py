@@ -13,16 +13,15 @@ from testbench.comparing.numbers import plain
 from testbench.fitting.model_file import about_model
 from testbench.fitting.result_files import read_diagnosis, read_score
 from testbench.recordings.recording import Recording
-from testbench.report import recording_figures as figures
-from testbench.report.ladder_figures import UNITS
+from testbench.report.figures import recording_figures as figures
 from testbench.report.parameter_table import parameter_name
-from testbench.report.words import spoken, with_probability
+from testbench.report.words import PANEL_UNITS, spoken, with_probability
 from testbench.studio import models
-from testbench.studio.address import Address, address
 from testbench.studio.beside import fitted_value
-from testbench.studio.picture import plot
+from testbench.studio.parts.address import Address, address
+from testbench.studio.parts.picture import plot
+from testbench.studio.parts.widgets import RESISTANCE, aside, guarded, heading, quantity_toggle, table
 from testbench.studio.studio import Studio
-from testbench.studio.widgets import RESISTANCE, aside, guarded, heading, quantity_toggle, table
 
 
 @dataclass(frozen=True)
@@ -80,7 +79,7 @@ def _model_facts(file: Mapping[str, Any]) -> dict[str, str]:
     for channel, error in steps[-1]["errors"]["held_out"].items():
         floor = steps[-1]["noise_floor"].get(channel, 0.0)
         times = f" ({error / floor:.1f} x the noise)" if floor > 0 else ""
-        told[f"Held-out error of the {channel}"] = f"{plain(error)} {UNITS[channel]}{times}"
+        told[f"Held-out error of the {channel}"] = f"{plain(error)} {PANEL_UNITS[channel]}{times}"
     return told
 
 

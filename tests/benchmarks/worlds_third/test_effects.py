@@ -14,7 +14,6 @@ from worlds_third.signals import Signals
 from testbench.recordings.channels import FORCE, RESISTANCE
 
 SHORT = {"minutes": 4.0, "rate_hz": 20.0}
-READINGS = {"force": (FORCE, 1.0), "conductance": (RESISTANCE, -1.0)}
 KINDS = [*MECHANISMS, *UNKNOWN_KINDS]
 
 

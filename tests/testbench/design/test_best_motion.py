@@ -90,7 +90,7 @@ def designed():
 
 def test_the_best_motion_is_expected_to_tell_more_than_random_motion(designed):
     _, _, found = designed
-    assert found.expected.doubt <= found.perlin.doubt
+    assert found.expected.conditional_entropy <= found.perlin.conditional_entropy
     assert found.expected.low >= found.perlin.low
     assert found.tried > 10
 

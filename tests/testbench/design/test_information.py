@@ -78,7 +78,7 @@ def test_a_difference_that_the_parameters_can_imitate_tells_nothing():
 def test_what_is_surely_told_is_ranked_by_the_doubt_that_stays():
     near, far = (information([at(0.0), at(d)], [1, 1]) for d in (20.0, 40.0))
     assert near.low == pytest.approx(np.log(2), rel=1e-9)
-    assert 0 < far.doubt < near.doubt < 1e-12
+    assert 0 < far.conditional_entropy < near.conditional_entropy < 1e-12
 
 
 @settings(max_examples=25, deadline=None)
@@ -96,9 +96,9 @@ def test_simulation_lies_between_the_bounds(seed, rivals, size, free, spread):
         Prediction(spread * rng.standard_normal(size), spread * rng.standard_normal((size, free)))
         for _ in range(rivals)
     ]
-    chances = rng.dirichlet([2.0] * rivals)
-    found = information(predictions, chances)
-    told = sampled_information(predictions, chances, rng, draws=4000)
+    probabilities = rng.dirichlet([2.0] * rivals)
+    found = information(predictions, probabilities)
+    told = sampled_information(predictions, probabilities, rng, draws=4000)
     slack = 0.06  # of 4000 draws
     assert found.low - slack <= told <= found.high + slack
-    assert 0 <= found.low <= found.high + 1e-9 <= -float(chances @ np.log(chances)) + 2e-9
+    assert 0 <= found.low <= found.high + 1e-9 <= -float(probabilities @ np.log(probabilities)) + 2e-9

@@ -12,8 +12,8 @@ from gcode.support.errors import UserError
 from testbench.cli import main
 from testbench.diagnosis import diagnose
 from testbench.fitting.joining import joined, last_of
-from testbench.knit.damage import MullinsSoftening
-from testbench.knit.mounting import DisplacementZeros, ForceZeros
+from testbench.knit.kinematics.mounting import DisplacementZeros, ForceZeros
+from testbench.knit.mechanics.damage import MullinsSoftening
 from testbench.recordings.recording import Recording
 from tests.testbench.builders import CATALOGUE, GAUGE_LENGTH_MM, record, truth, write_csv
 

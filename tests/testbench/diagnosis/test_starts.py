@@ -10,7 +10,7 @@ from testbench.diagnosis.proposals import Proposal
 from testbench.diagnosis.starts import best_start
 from testbench.fitting.baseline import with_shapes
 from testbench.fitting.measurement import prepare
-from testbench.knit.interference import PeriodicInterferenceForce
+from testbench.knit.readout.interference import PeriodicInterferenceForce
 from tests.testbench.builders import record, truth
 
 

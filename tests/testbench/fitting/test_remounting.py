@@ -5,7 +5,7 @@ from __future__ import annotations
 from testbench.fitting.fit import fit
 from testbench.fitting.measurement import prepare
 from testbench.fitting.remounting import held_errors, remounted
-from testbench.knit.interference import PeriodicInterference
+from testbench.knit.readout.interference import PeriodicInterference
 from tests.testbench.builders import NOISE_LN, record, truth
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 RATE_HZ, DURATION_S = 10.0, 60.0
 TIME_S = np.round(np.arange(0.0, DURATION_S, 1 / RATE_HZ), 6)
@@ -128,3 +129,12 @@ def labview(folder: Path) -> Path:
 def _written(path: Path, text: str, encoding: str) -> Path:
     path.write_bytes(text.encode(encoding))
     return path
+
+
+def check_same(recording, resistance: bool = True) -> None:
+    """It is the test that every export holds."""
+    assert recording.time_s == pytest.approx(TIME_S, abs=1e-6)
+    assert recording["displacement_mm"] == pytest.approx(EXTENSION_MM, abs=1e-5)
+    assert recording["force_N"] == pytest.approx(FORCE_N, abs=1e-5)
+    if resistance:
+        assert recording["resistance_ohm"] == pytest.approx(RESISTANCE_OHM, rel=1e-6)

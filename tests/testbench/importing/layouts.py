@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from hypothesis import strategies as st
 
-from testbench.importing.laboratory_units import unit_of
-from testbench.importing.roles import ROLES
+from testbench.importing.vocabulary.laboratory_units import unit_of
+from testbench.importing.vocabulary.roles import ROLES
 
 ROWS = 12
 TIME_S = np.round(np.linspace(0.0, 1.1, ROWS), 3)

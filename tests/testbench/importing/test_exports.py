@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -23,19 +22,10 @@ needs_foreign = pytest.mark.skipif(not FOREIGN.is_dir(), reason="the heads of fo
 needs_real = pytest.mark.skipif(not REAL.is_dir(), reason="the measured recordings are not here")
 
 
-def same(recording, resistance: bool = True) -> None:
-    """It is the test that every export holds."""
-    assert recording.time_s == pytest.approx(exports.TIME_S, abs=1e-6)
-    assert recording["displacement_mm"] == pytest.approx(exports.EXTENSION_MM, abs=1e-5)
-    assert recording["force_N"] == pytest.approx(exports.FORCE_N, abs=1e-5)
-    if resistance:
-        assert recording["resistance_ohm"] == pytest.approx(exports.RESISTANCE_OHM, rel=1e-6)
-
-
 def test_testxpert_has_its_units_in_a_row_and_the_conversion_is_shown(tmp_path, capsys):
     path = exports.testxpert(tmp_path)
     assert main(["import", str(path), "--gauge-length-mm", "40", "-o", str(tmp_path / "out")]) == 0
-    same(read_recording(tmp_path / "out"))
+    exports.check_same(read_recording(tmp_path / "out"))
     said = capsys.readouterr().out
     assert "resistance: column 4 'Widerstand' in kΩ (row 2): 439.377 kΩ read as 439 377 Ω" in said
     assert "force: column 3 'Standardkraft' in kN (row 2): 0.0002 kN read as 0.2 N" in said
@@ -44,18 +34,18 @@ def test_testxpert_has_its_units_in_a_row_and_the_conversion_is_shown(tmp_path, 
 def test_bluehill_has_titles_a_results_table_and_two_positions(tmp_path):
     path = exports.bluehill(tmp_path)
     done = import_csv(path, Wish(40.0))
-    same(done.recording)
+    exports.check_same(done.recording)
     assert done.taken["displacement"].startswith("column 2 'Extension' in mm (row 9)")
     assert any("Corrected Position" in note for note in done.notes)
 
 
 def test_testsuite_has_the_separator_in_its_preamble(tmp_path):
-    same(import_csv(exports.testsuite(tmp_path), Wish(40.0)).recording, resistance=False)
+    exports.check_same(import_csv(exports.testsuite(tmp_path), Wish(40.0)).recording, resistance=False)
 
 
 def test_electropuls_has_commas_in_its_names_and_two_times(tmp_path):
     done = import_csv(exports.electropuls(tmp_path), Wish(40.0))
-    same(done.recording, resistance=False)
+    exports.check_same(done.recording, resistance=False)
     assert done.taken["time"].startswith("column 1 'Total Time (s)'")
 
 
@@ -87,124 +77,6 @@ def test_a_displacement_that_runs_the_wrong_way_is_said(tmp_path):
     assert any("runs the wrong way; add --negate displacement" in doubt for doubt in done.doubts)
     turned = import_csv(exports.headerless(tmp_path), Wish(40.0, negate=frozenset({"displacement"}), **HEADERLESS))
     assert not turned.doubts
-
-
-def test_excel_is_read_as_it_is_shown(tmp_path):
-    same(import_csv(exports.workbook(tmp_path), Wish(40.0)).recording)
-
-
-def written_workbook(folder: Path, values: list, number_format: str = "General") -> Path:
-    import openpyxl
-
-    book = openpyxl.Workbook()
-    book.active.append(["Time (s)", "Extension (mm)", "R (kOhm)"])
-    for at, value in enumerate(values):
-        book.active.append([at, 0.5 * at, value])
-        book.active.cell(at + 2, 3).number_format = number_format
-    book.save(folder / "lab.xlsx")
-    return folder / "lab.xlsx"
-
-
-@pytest.mark.parametrize(
-    ("form", "shown"), [("#,##0.0,", 47_000), ('0.0,,"M"', 47), ("#,##0.0", 47e6), ('0.0 "a,"', 47e6), ("0%", 47e8)]
-)
-def test_a_number_is_what_the_sheet_shows(tmp_path, form, shown):
-    """A header that says kOhm is of what stands there: a format may show a thousandth of what the cell holds."""
-    recording = import_csv(written_workbook(tmp_path, [47e3, 46e3, 45e3], form), Wish(40.0)).recording
-    assert recording["resistance_ohm"][0] == pytest.approx(shown)
-
-
-def test_numbers_that_a_workbook_holds_as_text(tmp_path):
-    path = written_workbook(tmp_path, ["46,5", "46,4", "46,3"])
-    assert import_csv(path, Wish(40.0)).recording["resistance_ohm"][0] == pytest.approx(46_500)
-    path = written_workbook(tmp_path, ["46,512", "46,412", "46,312"])
-    with pytest.raises(UserError, match="numbers stored as text such as '46,512'; say --decimal"):
-        import_csv(path, Wish(40.0))
-    recording = import_csv(path, Wish(40.0, hints=Hints(decimal=","))).recording
-    assert recording["resistance_ohm"][0] == pytest.approx(46_512)
-
-
-def test_of_several_tables_in_a_workbook_one_must_be_named(tmp_path):
-    import openpyxl
-
-    book = openpyxl.load_workbook(exports.workbook(tmp_path))
-    copy = book.copy_worksheet(book["Data"])
-    copy.title = "Again"
-    book.save(tmp_path / "two.xlsx")
-    with pytest.raises(UserError, match="'Data', 'Again' have tables; say which one with --sheet"):
-        import_csv(tmp_path / "two.xlsx", Wish(40.0))
-    same(import_csv(tmp_path / "two.xlsx", Wish(40.0, hints=Hints(sheet="Data"))).recording)
-    with pytest.raises(UserError, match="no sheet 'Dat'; it has Remarks, Data, Again"):
-        import_csv(tmp_path / "two.xlsx", Wish(40.0, hints=Hints(sheet="Dat")))
-
-
-@pytest.mark.parametrize("name", ["lab.xlsx", "lab.tdms", "lab.xls"])
-def test_what_only_has_the_name_of_a_workbook_is_a_sentence(tmp_path, name):
-    (tmp_path / name).write_text("t,x\n0,1\n")
-    with pytest.raises(UserError, match=r"Excel|TDMS"):
-        import_csv(tmp_path / name, Wish(40.0))
-
-
-def test_tdms_channels_keep_their_clocks(tmp_path):
-    recording = import_csv(exports.labview(tmp_path), Wish(40.0)).recording
-    assert recording.time_s == pytest.approx(exports.TIME_S[::2], abs=1e-6)
-    assert recording["displacement_mm"] == pytest.approx(exports.EXTENSION_MM[::2], abs=1e-6)
-    assert recording["force_N"] == pytest.approx(exports.FORCE_N[::2], abs=1e-6)
-    assert recording["resistance_ohm"] == pytest.approx(exports.RESISTANCE_OHM[::2])
-
-
-TWO_CLOCKS = "t_R [s],R [ohm],t_F [s],F [N],t_x [s],x [mm]\n" + "".join(
-    f"{t:.2f},{900 + t:.2f},{t + 0.01:.2f},{t:.2f},{t + 0.02:.2f},{2 * t:.2f}\n" for t in np.arange(0, 2, 0.1)
-)
-
-
-@pytest.mark.parametrize(
-    ("unit", "said"), [("t_F", "does not say its unit"), ("t_F [ticks]", "'ticks' cannot be read")]
-)
-def test_another_clocks_unit_says_nothing_of_this_one(tmp_path, unit, said):
-    (tmp_path / "lab.csv").write_text(TWO_CLOCKS.replace("t_F [s]", unit))
-    wish = Wish(40.0, columns={"time": "1"}, time_of={"force": "3", "displacement": "5"})
-    with pytest.raises(UserError, match=f"the times of force: .*{said}.*; say --time-unit"):
-        import_csv(tmp_path / "lab.csv", wish)
-    recording = import_csv(tmp_path / "lab.csv", replace(wish, units={"time": "s"})).recording
-    assert recording["force_N"] == pytest.approx(recording.time_s + 0.1 - 0.01, abs=1e-9)
-
-
-def test_of_several_times_the_message_knows_clocks(tmp_path):
-    (tmp_path / "lab.csv").write_text(TWO_CLOCKS.replace("t_x", "t_other"))
-    with pytest.raises(UserError, match=r"say which, .* where a channel has a clock of its own, --time-of force="):
-        import_csv(tmp_path / "lab.csv", Wish(40.0))
-
-
-@pytest.mark.parametrize("name", ["{}", "Time [s]"])
-def test_clocks_are_found_by_their_names_or_places(tmp_path, name):
-    text = TWO_CLOCKS
-    if name != "{}":
-        for own in ("t_R [s]", "t_F [s]", "t_x [s]"):
-            text = text.replace(own, name)
-    (tmp_path / "lab.csv").write_text(text)
-    recording = import_csv(tmp_path / "lab.csv", Wish(40.0)).recording
-    assert recording["force_N"] == pytest.approx(recording.time_s + 0.1 - 0.01, abs=1e-9)
-    assert recording["displacement_mm"] == pytest.approx(2 * (recording.time_s + 0.1 - 0.02), abs=1e-9)
-    assert recording["resistance_ohm"] == pytest.approx(900.1 + recording.time_s)
-
-
-REPEATS = "repeat,time_s,displacement_mm,force_N\n" + "".join(
-    f"{repeat},{t:.1f},{repeat + t:.1f},{t:.1f}\n" for repeat in (1, 2, 3) for t in np.arange(0, 2, 0.1)
-)
-
-
-def test_repeats_become_recordings_of_their_own(tmp_path):
-    path = tmp_path / "lab.csv"
-    path.write_text(REPEATS)
-    done = import_file(path, Wish(40.0, zero={"displacement": None}))
-    assert [one.label for one in done] == ["1", "2", "3"]
-    assert [float(one.recording["displacement_mm"][0]) for one in done] == [0, 0, 0]
-    assert main(["import", str(path), "--gauge-length-mm", "40", "-o", str(tmp_path / "out")]) == 0
-    assert [read_recording(tmp_path / f"out-{one}")["displacement_mm"][0] for one in (1, 2, 3)] == [1, 2, 3]
-    assert main(["import", str(path), "--gauge-length-mm", "40", "--repeat", "2", "-o", str(tmp_path / "two")]) == 0
-    assert read_recording(tmp_path / "two")["displacement_mm"][0] == 2
-    assert main(["import", str(path), "--gauge-length-mm", "40", "--repeat", "7", "-o", str(tmp_path / "no")]) == 2
 
 
 def test_zero_and_sign(tmp_path):

@@ -13,9 +13,9 @@ import pytest
 
 from gcode.support.errors import UserError
 from testbench.cli import main
-from testbench.importing import unpacking
+from testbench.importing.files import unpacking
+from testbench.importing.files.unpacking import check_unpacked
 from testbench.importing.from_file import import_csv
-from testbench.importing.unpacking import check_unpacked
 from testbench.importing.wish import Wish
 from tests.fuzz.targets import no_hang
 from tests.testbench.importing import exports

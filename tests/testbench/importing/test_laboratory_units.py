@@ -7,10 +7,16 @@ import pandas as pd
 import pytest
 
 from gcode.support.errors import UserError
-from testbench.importing.headings import read_heading
-from testbench.importing.laboratory_units import conversion, given_unit, number_in_words, unit_of, units_spelt
-from testbench.importing.notation import decimal_sign, seconds
-from testbench.importing.roles import ROLES
+from testbench.importing.vocabulary.headings import read_heading
+from testbench.importing.vocabulary.laboratory_units import (
+    conversion,
+    given_unit,
+    number_in_words,
+    unit_of,
+    units_spelt,
+)
+from testbench.importing.vocabulary.notation import decimal_sign, seconds
+from testbench.importing.vocabulary.roles import ROLES
 
 EVERY = tuple(dict.fromkeys(quantity for quantities in ROLES.values() for quantity in quantities))
 ONES = [

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from gcode.support.errors import UserError
 from testbench.cli import main
 from testbench.importing.from_file import import_csv, look
-from testbench.importing.headings import read_heading
+from testbench.importing.vocabulary.headings import read_heading
 from testbench.importing.wish import Wish
 
 FORMULAS = [

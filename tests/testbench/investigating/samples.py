@@ -45,7 +45,7 @@ class Believing:
 def believed(monkeypatch, *chances: float) -> Believing:
     """Puts a table of beliefs in the place of the diagnosis; they are told as they are, with no doubt in evidence."""
     believing = Believing(*chances)
-    monkeypatch.setattr(loop, "judged", believing)
+    monkeypatch.setattr(loop, "belief_after", believing)
     monkeypatch.setattr(constants, "MISLED", 0.0)
     return believing
 

@@ -152,7 +152,7 @@ def test_killed_in_the_diagnosis_it_goes_on(tmp_path, monkeypatch, whole):
         raise Killed
 
     loop.begin(tmp_path / "cut", asked(), "sample")
-    monkeypatch.setattr(loop, "judged", dies)
+    monkeypatch.setattr(loop, "belief_after", dies)
     with pytest.raises(Killed):
         loop.proceed(tmp_path / "cut", SimulatedBench(hidden()), CATALOGUE)
     again, believing = investigated(tmp_path / "cut", monkeypatch, [0.6, 0.96], resume=True)

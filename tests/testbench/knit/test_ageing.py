@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from testbench.knit.ageing import ContactAgeing
+from testbench.knit.conduction.ageing import ContactAgeing
+from testbench.knit.conduction.turning import ElectricalOvershootTurn, since_turn_s
 from testbench.knit.kernels import turns
-from testbench.knit.turning import ElectricalOvershootTurn, since_turn_s
 
 DT_S = 0.05
 T = np.arange(0, 60, DT_S)

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from testbench.knit.buckling import Buckling
-from testbench.knit.elasticity import Elasticity
+from testbench.knit.mechanics.buckling import Buckling
+from testbench.knit.mechanics.elasticity import Elasticity
+from testbench.knit.mechanics.relaxation import StressRelaxation
 from testbench.knit.model import KnitModel
-from testbench.knit.relaxation import StressRelaxation
 
 DT_S = 0.1
 OUT_AND_BACK = np.r_[np.linspace(0, 1, 500), np.linspace(1, 0, 500)]

@@ -12,13 +12,13 @@ import pytest
 
 from gcode.support.errors import UserError
 from testbench.cli import main
-from testbench.knit import laws
+from testbench.knit import rules
 from testbench.knit.card import card_text, catalogue_markdown, catalogue_text, doc_sections
 from testbench.knit.catalogue import load_catalogue, model_from_dict
 from testbench.knit.effect import bounds_of
-from testbench.knit.laws import check
 from testbench.knit.model import KnitModel, inputs
 from testbench.knit.presets import names, preset
+from testbench.knit.rules import check
 from testbench.knit.showcase import VISIBLE, draw, showcase
 from testbench.knit.template import write_template
 
@@ -88,7 +88,7 @@ def test_picture_is_a_png(tmp_path: Path) -> None:
     assert (tmp_path / "picture.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_template_obeys_the_laws_and_takes_part_in_a_model(tmp_path: Path) -> None:
+def test_template_keeps_the_rules_and_takes_part_in_a_model(tmp_path: Path) -> None:
     write_template("my_effect", tmp_path / "mine.py")
     catalogue = load_catalogue(tmp_path / "mine.py")
     mine = catalogue["my_effect"]()
@@ -166,7 +166,7 @@ def test_an_effect_that_does_not_settle_on_finer_grids_is_caught(tmp_path: Path)
     body = 'return {"conductance_S": signals["conductance_S"] + self.gain * np.random.default_rng(0).normal('
     body += 'size=signals["conductance_S"].shape)}'
     (tmp_path / "bad.py").write_text(BROKEN.replace("BODY", body), encoding="utf-8")
-    assert "does not settle" in laws.converges(load_catalogue(tmp_path / "bad.py")["bad"]())
+    assert "does not settle" in rules.converges(load_catalogue(tmp_path / "bad.py")["bad"]())
 
 
 @pytest.mark.parametrize(
@@ -291,7 +291,7 @@ def test_command_lists_shows_draws_starts_and_checks(
     assert (tmp_path / "contact.png").is_file()
     assert main(["effects", "--new", "mine"]) == 0
     assert main(["effects", "--effects", "mine.py", "--check"]) == 0
-    assert "mine: obeys all laws" in capsys.readouterr().out
+    assert "mine: keeps all rules" in capsys.readouterr().out
     broken = (tmp_path / "mine.py").read_text().replace('signals["conductance_S"] *', "1e-6 +")
     (tmp_path / "mine.py").write_text(broken)
     assert main(["effects", "--effects", "mine.py", "--check", "mine"]) == 1

@@ -5,15 +5,19 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from testbench.knit.contact import Contact
-from testbench.knit.contact_relaxation import (
+from testbench.knit.conduction.contact import Contact
+from testbench.knit.conduction.contact_relaxation import (
     ContactRelaxation,
     ContactRelaxationActivated,
     ContactRelaxationSpots,
 )
-from testbench.knit.electrical import CoatingCracks, Drift, DriftExponential, DriftPower
-from testbench.knit.piezoresistance import Piezoresistance, PiezoresistancePercolation, PiezoresistanceTunnelling
-from testbench.knit.pressure import ContactHysteresis, ContactSaturation, ContactSaturationHard
+from testbench.knit.conduction.electrical import CoatingCracks, Drift, DriftExponential, DriftPower
+from testbench.knit.conduction.piezoresistance import (
+    Piezoresistance,
+    PiezoresistancePercolation,
+    PiezoresistanceTunnelling,
+)
+from testbench.knit.conduction.pressure import ContactHysteresis, ContactSaturation, ContactSaturationHard
 
 FORCE = np.linspace(0, 50, 401)
 STRAIN = np.linspace(0, 0.4, 401)

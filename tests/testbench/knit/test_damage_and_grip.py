@@ -7,8 +7,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from testbench.knit.damage import CyclicFatigue, MullinsSoftening, MullinsSofteningDamage, MullinsSofteningPower
-from testbench.knit.grip import (
+from testbench.knit.kernels import travelled
+from testbench.knit.kinematics.grip import (
     ActuatorBacklash,
     ActuatorBacklashCompensated,
     ActuatorBacklashWindup,
@@ -16,8 +16,13 @@ from testbench.knit.grip import (
     LeadscrewRippleWave,
     Slack,
 )
-from testbench.knit.jamming import JammingStiffening
-from testbench.knit.kernels import travelled
+from testbench.knit.mechanics.damage import (
+    CyclicFatigue,
+    MullinsSoftening,
+    MullinsSofteningDamage,
+    MullinsSofteningPower,
+)
+from testbench.knit.mechanics.jamming import JammingStiffening
 from tests.testbench.knit.samples import UP, UP_DOWN_UP
 
 

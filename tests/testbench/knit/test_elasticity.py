@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from testbench.knit.catalogue import baseline, load_catalogue
-from testbench.knit.elasticity import (
+from testbench.knit.mechanics.elasticity import (
     ElasticityCubic,
     ElasticityGent,
     ElasticityOgden,

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from testbench.knit.catalogue import baseline
-from testbench.knit.grip import ActuatorBacklash
-from testbench.knit.hysteresis import Hysteresis, HysteresisBoucWen, HysteresisOnTension, mean_slip
 from testbench.knit.kernels import bouc_wen, play
+from testbench.knit.kinematics.grip import ActuatorBacklash
+from testbench.knit.mechanics.hysteresis import Hysteresis, HysteresisBoucWen, HysteresisOnTension, mean_slip
 
 # 0 -> 1 -> -1 -> 1
 LOOP = np.concatenate([np.linspace(0, 1, 501), np.linspace(1, -1, 1001)[1:], np.linspace(-1, 1, 1001)[1:]])

@@ -7,9 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from testbench.knit.kernels import overstress_flow
-from testbench.knit.length import TAUT
-from testbench.knit.permanent_set import (
+from testbench.knit.kinematics.length import TAUT
+from testbench.knit.kinematics.permanent_set import (
     PermanentSet,
     PermanentSetCreep,
     PermanentSetRecovering,
@@ -17,6 +16,7 @@ from testbench.knit.permanent_set import (
     PermanentSetWorked,
     PermanentSetYield,
 )
+from testbench.knit.lags import overstress_flow
 from tests.testbench.knit.samples import UP_DOWN_UP
 
 HELD = np.full(2001, 0.25)

@@ -10,7 +10,7 @@ from testbench.diagnosis.likelihood import jitter_of, likelihood_of, noise_of
 from testbench.fitting.baseline import starting_baseline
 from testbench.fitting.fit import fit
 from testbench.fitting.measurement import prepare
-from testbench.knit.reading_age import ConductanceAge, ForceAge
+from testbench.knit.readout.reading_age import ConductanceAge, ForceAge
 from tests.testbench.builders import record, truth
 
 TIME_S = np.arange(0, 60, 0.02)

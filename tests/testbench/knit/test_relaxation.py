@@ -7,8 +7,8 @@ import pytest
 
 from testbench.knit import spectra
 from testbench.knit.filters import hold_coefficients, lowpass, memory, rate
-from testbench.knit.rate_stiffening import ViscousRateStiffening, ViscousRateStiffeningEyring
-from testbench.knit.relaxation import (
+from testbench.knit.mechanics.rate_stiffening import ViscousRateStiffening, ViscousRateStiffeningEyring
+from testbench.knit.mechanics.relaxation import (
     StressRelaxation,
     StressRelaxationLog,
     StressRelaxationNonlinear,

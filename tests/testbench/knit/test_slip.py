@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from testbench.knit.jumps import jumps, slips
 from testbench.knit.kernels import crossings
-from testbench.knit.slip import (
+from testbench.knit.kinematics.slip import (
     NEVER_S,
     ClampSlip,
     ClampSlipEvents,

@@ -5,9 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from testbench.knit.adc_saturation import AdcSaturation, AdcSaturationForce, AdcSaturationHigh
-from testbench.knit.channel_lag import ChannelLag, ChannelLagDelay
-from testbench.knit.heat import (
+from testbench.knit.conduction.heat import (
     SelfHeating,
     SelfHeatingCurrent,
     SelfHeatingTwoMasses,
@@ -15,16 +13,18 @@ from testbench.knit.heat import (
     ThermalSoftening,
     ThermalSofteningWander,
 )
-from testbench.knit.interference import PeriodicInterference, PeriodicInterferenceWave
-from testbench.knit.load_cell import LoadCellCreep, LoadCellCreepTwoTimes, LoadCellZeroDrift
-from testbench.knit.transient import (
+from testbench.knit.conduction.transient import (
     ElectricalOvershoot,
     ElectricalOvershootMagnitude,
     RateResistance,
     ShoulderPeak,
     on_the_way_back,
 )
-from testbench.knit.turning import ElectricalOvershootAnew, ElectricalOvershootReversal
+from testbench.knit.conduction.turning import ElectricalOvershootAnew, ElectricalOvershootReversal
+from testbench.knit.readout.adc_saturation import AdcSaturation, AdcSaturationForce, AdcSaturationHigh
+from testbench.knit.readout.channel_lag import ChannelLag, ChannelLagDelay
+from testbench.knit.readout.interference import PeriodicInterference, PeriodicInterferenceWave
+from testbench.knit.readout.load_cell import LoadCellCreep, LoadCellCreepTwoTimes, LoadCellZeroDrift
 
 DT_S = 0.05
 T = np.arange(0, 100, DT_S)

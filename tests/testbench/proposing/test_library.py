@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 
 from testbench.knit.filters import lowpass
-from testbench.knit.laws import applied, check, example_signals
 from testbench.knit.memories import broad_memory, two_way_lag
-from testbench.proposing.formulas import latex_of, plain
+from testbench.knit.rules import applied, check, example_signals
 from testbench.proposing.grids import Grid
-from testbench.proposing.law import Law, Term
-from testbench.proposing.law_coordinates import COORDINATES, KINETICS
-from testbench.proposing.operators import OPERATORS
-from testbench.proposing.places import PLACES, READABLE
-from testbench.proposing.units import KELVIN, NEWTON, ONE, SECOND
+from testbench.proposing.laws.formulas import latex_of, plain
+from testbench.proposing.laws.law import Law, Term
+from testbench.proposing.laws.law_coordinates import COORDINATES, KINETICS
+from testbench.proposing.laws.operators import OPERATORS
+from testbench.proposing.laws.places import PLACES, READABLE
+from testbench.proposing.laws.units import KELVIN, NEWTON, ONE, SECOND
 from testbench.proposing.writing import effect_class
 
 DT_S = 0.05
@@ -61,14 +61,14 @@ def test_the_strength_has_the_unit_that_makes_the_sum_possible(law: Law, unit: s
 
 
 @pytest.mark.parametrize("coordinate", EVERY)
-def test_every_coordinate_makes_an_effect_that_obeys_the_laws(coordinate: str):
+def test_every_coordinate_makes_an_effect_that_keeps_the_rules(coordinate: str):
     place = next(p for p in PLACES.values() if set(EVERY[coordinate].reads) - {"temperature_C"} <= READABLE[p.stage])
     law = law_of(place.name, coordinate)
     assert check(effect_class(law, "my_law", GRID)()) == []
 
 
 @pytest.mark.parametrize("operator", [name for name in OPERATORS if name not in ("log", "power")])
-def test_every_operator_makes_an_effect_that_obeys_the_laws(operator: str):
+def test_every_operator_makes_an_effect_that_keeps_the_rules(operator: str):
     coordinate = "conductance" if operator == "dead band" else "force" if operator == "ring" else "strain"
     law = law_of("conductance reading", coordinate, operator)
     effect = effect_class(law, "my_law", GRID)()

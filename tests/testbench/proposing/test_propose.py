@@ -13,7 +13,7 @@ from testbench.cli import main
 from testbench.fitting.measurement import split
 from testbench.knit.catalogue import load_catalogue
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
-from testbench.knit.laws import check
+from testbench.knit.rules import check
 from testbench.proposing import Proposed, propose_law
 from testbench.proposing.blindness import not_judged
 from testbench.proposing.words import _safe, first_line, proposal_text, story
@@ -80,7 +80,7 @@ def test_the_held_out_error_falls_to_the_noise():
     assert [step["step"] for step in proposed.after.history] == ["baseline", "+ shape freedom", "+ my_effect"]
 
 
-def test_the_file_obeys_the_laws_and_joins_the_catalogue(tmp_path: Path):
+def test_the_file_keeps_the_rules_and_joins_the_catalogue(tmp_path: Path):
     proposed = found()
     path = tmp_path / "my_effect.py"
     path.write_text(file_text(proposed.laws, proposed.grid, story(proposed), path.name))

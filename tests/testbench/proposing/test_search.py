@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from testbench.proposing.beam import Beam, Found, _condensed
-from testbench.proposing.grammar import fits
 from testbench.proposing.grids import DAMPINGS
 from testbench.proposing.hunt import _best_of_each, finalists
-from testbench.proposing.law import Term
-from testbench.proposing.operators import OPERATORS
+from testbench.proposing.laws.grammar import fits
+from testbench.proposing.laws.law import Term
+from testbench.proposing.laws.operators import OPERATORS
 from testbench.proposing.proposal import holds
 from testbench.proposing.screening import Part, at_bounds
 from testbench.proposing.stability import SURE, stability

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from testbench.recordings.recording import Recording
-from testbench.report.comparison_figures import Overlay
-from testbench.report.ladder_figures import Step
+from testbench.report.figures.comparison_figures import Overlay
+from testbench.report.figures.ladder_figures import Step
 
 
 def recording(count: int = 3000, force: bool = True, resistance: bool = True, temperature: bool = False) -> Recording:

@@ -15,13 +15,14 @@ import tests.testbench.report.samples as samples
 from gcode.support.errors import UserError
 from testbench.cli import main
 from testbench.recordings.files import write_recording_csv
-from testbench.report import ladder_figures, recording_figures, sections
+from testbench.report import sections
 from testbench.report.document import Picture, Report, Section, Table
-from testbench.report.markdown import to_markdown
-from testbench.report.packing import packed, plotly_path
-from testbench.report.page import to_html
-from testbench.report.static import write_figure
-from testbench.report.write import write_report
+from testbench.report.figures import ladder_figures, recording_figures
+from testbench.report.writing.markdown import to_markdown
+from testbench.report.writing.packing import packed, plotly_path
+from testbench.report.writing.page import to_html
+from testbench.report.writing.static import write_figure
+from testbench.report.writing.write import write_report
 
 PLOTLY_SHA256 = "7c593b9eda0e74a1d07335cf89cbf7a55ffc114909980c3729af835453bdb02a"  # npm, cartesian-dist-min 3.7.0
 

@@ -11,7 +11,9 @@ import pytest
 import tests.testbench.report.samples as samples
 from compensation.paper.published import COMPENSATED
 from testbench.recordings.recording import Recording
-from testbench.report import (
+from testbench.report import overlays, sections, words
+from testbench.report.downsample import rows_to_draw, thinned, window
+from testbench.report.figures import (
     alignment_figures,
     comparison_figures,
     compensator_figures,
@@ -19,17 +21,13 @@ from testbench.report import (
     experiment_figures,
     ladder_figures,
     live_figures,
-    overlays,
     recording_figures,
     residual_figures,
-    sections,
     trajectory_figures,
-    words,
 )
-from testbench.report.downsample import rows_to_draw, thinned, window
-from testbench.report.static import draw
+from testbench.report.figures.thumbnail import thumbnail
 from testbench.report.style import Figure
-from testbench.report.thumbnail import thumbnail
+from testbench.report.writing.static import draw
 
 
 def residual_and_contribution():
@@ -58,7 +56,7 @@ FIGURES: dict[str, Callable[[], Figure | None]] = {
     "overlay": lambda: comparison_figures.overlay(samples.overlay()),
     "overlay, a stretch": lambda: comparison_figures.overlay(samples.overlay(), 20.0, 40.0),
     "modelled loops": lambda: comparison_figures.modelled_loops(samples.overlay()),
-    "heat maps": lambda: residual_figures.heat_maps(samples.overlay(), "baseline"),
+    "heat maps": lambda: residual_figures.heat_maps(samples.overlay()),
     "profiles": lambda: residual_figures.profiles(samples.comparison()["channels"]["force"]["maps"], "force"),
     "ladder": lambda: ladder_figures.ladder(samples.steps(), current=0),
     "at a glance": lambda: ladder_figures.at_a_glance(samples.overlay(), samples.steps(), (20.0, 60.0)),

@@ -6,8 +6,8 @@ import re
 
 import pytest
 
-from testbench.proposing.law_coordinates import COORDINATES, KINETICS
-from testbench.proposing.places import PLACES
+from testbench.proposing.laws.law_coordinates import COORDINATES, KINETICS
+from testbench.proposing.laws.places import PLACES
 from testbench.report.formula import formula_svg, lines_of
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import AsyncIterator
 from pathlib import Path
 
@@ -46,8 +47,6 @@ def fitted_model(campaign_folder: Path, tmp_path_factory: pytest.TempPathFactory
 @pytest.fixture
 def studio(campaign_folder: Path, tmp_path: Path) -> Studio:
     """A studio over its own copy of the campaigns."""
-    import shutil
-
     shutil.copytree(campaign_folder, tmp_path / "ws")
     return Studio(tmp_path / "ws")
 
@@ -55,7 +54,14 @@ def studio(campaign_folder: Path, tmp_path: Path) -> Studio:
 @pytest_asyncio.fixture
 async def user(studio: Studio, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[User]:
     """A user without a browser; nothing on a page waits."""
-    monkeypatch.setattr("testbench.studio.widgets.LATER_S", 0.0)
+    monkeypatch.setattr("testbench.studio.parts.widgets.LATER_S", 0.0)
     async with user_simulation(root=lambda: frame(studio)) as simulated:
         yield simulated
         await studio.jobs.close()
+
+
+@pytest.fixture
+def fitted(studio: Studio, fitted_model: Path) -> Studio:
+    """The studio with a model for ``sleeve``."""
+    shutil.copy(fitted_model, studio.workspace.results("sleeve") / "model.json")
+    return studio

@@ -15,7 +15,7 @@ import pytest
 
 from testbench.cli import main as run_testbench
 from testbench.knit.catalogue import baseline, load_catalogue
-from testbench.studio.jobs import interpreter_argv
+from testbench.studio.jobs.jobs import interpreter_argv
 from tests.testbench import builders
 from tests.testbench.studio.browsing import IN_CHROMIUM, browser, page, running, samples, screen, shot, until
 

@@ -17,7 +17,6 @@ from tests.testbench.studio.served import Served
 pytestmark = IN_CHROMIUM
 __all__ = ["browser", "finished", "full", "page", "running", "standing"]  # pytest finds its fixtures by name
 
-RANGE = "document.querySelector('.js-plotly-plot').layout.xaxis.range"
 LINES = "[...document.querySelector('.js-plotly-plot').data].map(trace => trace.name)"
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from gcode.support.errors import UserError
-from testbench.studio.import_form import Choices
+from testbench.studio.importing.import_form import Choices
 
 PATH = Path("lab.csv")
 

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from testbench.studio.import_form import Choices
-from testbench.studio.import_words import page_words
+from testbench.studio.importing.import_form import Choices
+from testbench.studio.importing.import_words import page_words
 
 command = importlib.import_module("testbench.commands.import")
 

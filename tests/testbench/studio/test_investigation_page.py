@@ -16,7 +16,7 @@ from testbench.investigating.state import (
     program_folder,
     save_investigation,
 )
-from testbench.studio.picture import Picture
+from testbench.studio.parts.picture import Picture
 from testbench.studio.studio import Studio
 
 pytestmark = pytest.mark.asyncio

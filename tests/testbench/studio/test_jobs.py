@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from testbench.studio.job import Job, State
-from testbench.studio.job_card import progress_in_words
-from testbench.studio.jobs import JobBoard, interpreter_argv
+from testbench.studio.jobs.job import Job, State
+from testbench.studio.jobs.jobs import JobBoard, interpreter_argv
+from testbench.studio.parts.job_card import progress_in_words
 
 
 async def ended(job: Job) -> Job:
@@ -42,7 +42,7 @@ async def test_a_second_job_with_the_same_key_is_the_first_one() -> None:
 @pytest.mark.asyncio
 async def test_cancelling_ends_the_process(monkeypatch: pytest.MonkeyPatch) -> None:
     started = [sys.executable, "-c", 'import time\nprint(\'{"done": 1, "total": 4}\', flush=True)\ntime.sleep(600)']
-    monkeypatch.setattr("testbench.studio.jobs.interpreter_argv", lambda argv: started)
+    monkeypatch.setattr("testbench.studio.jobs.jobs.interpreter_argv", lambda argv: started)
     board = JobBoard()
     job = board.start("long", "Long", ["testbench", "diagnose"])
     while job.share is None:
@@ -57,7 +57,7 @@ async def test_cancelling_ends_the_process(monkeypatch: pytest.MonkeyPatch) -> N
 @pytest.mark.asyncio
 async def test_a_crash_is_told_in_words(monkeypatch: pytest.MonkeyPatch) -> None:
     crash = [sys.executable, "-c", "import os; os.kill(os.getpid(), 9)"]
-    monkeypatch.setattr("testbench.studio.jobs.interpreter_argv", lambda argv: crash)
+    monkeypatch.setattr("testbench.studio.jobs.jobs.interpreter_argv", lambda argv: crash)
     job = await ended(JobBoard().start("crash", "Crash", ["testbench", "fit"]))
     assert job.state is State.FAILED
     assert job.problem == "something outside the studio ended it (SIGKILL)"
@@ -65,7 +65,7 @@ async def test_a_crash_is_told_in_words(monkeypatch: pytest.MonkeyPatch) -> None
 
 @pytest.mark.asyncio
 async def test_an_interpreter_that_is_not_there_is_a_failed_job(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("testbench.studio.jobs.interpreter_argv", lambda argv: ["/nowhere/python"])
+    monkeypatch.setattr("testbench.studio.jobs.jobs.interpreter_argv", lambda argv: ["/nowhere/python"])
     job = await ended(JobBoard().start("none", "None", ["testbench", "fit"]))
     assert job.state is State.FAILED
     assert "No such file" in job.problem

@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 from gcode.cli import main as gcode
-from testbench.studio.job import Job, State
-from testbench.studio.jobs import JobBoard
-from testbench.studio.outliving import CAUGHT_UP_BYTES, Tail
+from testbench.studio.jobs.job import Job, State
+from testbench.studio.jobs.jobs import JobBoard
+from testbench.studio.jobs.outliving import CAUGHT_UP_BYTES, Tail
 
 RIG = "rig"
 

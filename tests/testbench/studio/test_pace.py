@@ -10,9 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from testbench.commands.diagnose import CANDIDATES_OF_A_ROUND, Refits
-from testbench.studio.job import Job
-from testbench.studio.job_card import progress_in_words, spark_line
-from testbench.studio.pace import Pace, Paces, Profile, duration_in_words, kind_of
+from testbench.studio.jobs.job import Job
+from testbench.studio.jobs.pace import Pace, Paces, Profile, duration_in_words, kind_of
+from testbench.studio.parts.job_card import progress_in_words, spark_line
 
 DURATIONS = st.lists(st.floats(0.05, 20), min_size=3, max_size=60)
 

@@ -1,0 +1,160 @@
+"""Excel workbooks (.xlsx), read by openpyxl."""
+
+from __future__ import annotations
+
+import datetime
+import re
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from xml.etree.ElementTree import ParseError
+
+from gcode.support.errors import UserError
+from testbench.importing.files import unpacking
+from testbench.importing.files.unpacking import BROKEN, check_unpacked
+from testbench.importing.layout import find_layout
+from testbench.importing.sheet import HEAD_ROWS, Hints, Sheet
+from testbench.importing.vocabulary.notation import decimal_sign, is_number
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Cells = Sequence[Any]
+_LITERAL = re.compile(
+    r'"[^"]*"|\\.|\[[^\]]*\]'
+)  # of a number format: what is shown as it stands, colours, conditions
+_BY_THOUSAND = re.compile(r"[0#?](,+)(?![0#?,])")  # a comma with no digit behind it
+
+
+@dataclass(frozen=True)
+class ExcelSheet(Sheet):
+    """One sheet of a workbook."""
+
+    rows: Sequence[Cells]
+
+    def body(self, numbers: Sequence[int]) -> pd.DataFrame:
+        """The columns with these numbers, from the first row of numbers on."""
+        import pandas as pd
+
+        rows = self.rows[self.layout.first_row - 1 :]
+        columns = {
+            number: [row[number - 1] if number <= len(row) else None for row in rows] for number in set(numbers)
+        }
+        return pd.DataFrame({number: _typed(cells) for number, cells in sorted(columns.items())})
+
+
+def open_excel(path: Path, wanted: Sequence[str], hints: Hints) -> ExcelSheet:
+    """Read a workbook; the sheet is the only one with a table, or the one that `hints` names.
+
+    Raises
+    ------
+    UserError
+        If it is no workbook, there is no such sheet, none has numbers, or several have and none was named.
+    """
+    sheets = _read(path, hints.sheet)
+    found = {}
+    for name, rows in sheets.items():
+        head = [[_shown(cell) for cell in row] for row in rows[:HEAD_ROWS]]
+        layout = find_layout(head, wanted, hints.header_row, hints.units_row)
+        if layout and len(layout.columns) > 1:
+            found[name] = (head, layout, rows)
+    if not found:
+        raise UserError(f"{path}: no rows of numbers in {_sheets(sheets)}; see --header-row")
+    if len(found) > 1:
+        raise UserError(f"{path}: {_sheets(found)} have tables; say which one with --sheet NAME")
+    name, (head, layout, rows) = next(iter(found.items()))
+    lines = ["\t".join(cells) for cells in head]
+    decimal = hints.decimal_said or _decimal(path, rows[layout.first_row - 1 :][:HEAD_ROWS])
+    return ExcelSheet(path, head, lines, layout, decimal, {"sheet": name, "decimal": decimal}, rows)
+
+
+def _decimal(path: Path, rows: Sequence[Cells]) -> str:
+    """The decimal sign of numbers that were stored as text; those that are numbers have none."""
+    texts = [cell for row in rows for cell in row if isinstance(cell, str)]
+    sign = decimal_sign(texts)
+    if sign is None:
+        seen = next(text for text in texts if is_number(text) and ("," in text or "." in text))
+        raise UserError(
+            f"{path}: cannot tell what the sign means in numbers stored as text such as {seen!r}; "
+            "say --decimal , or --decimal ."
+        )
+    return sign
+
+
+def _sheets(sheets: dict[str, Any]) -> str:
+    return f"the sheet{'s' if len(sheets) > 1 else ''} {', '.join(map(repr, sheets))}"
+
+
+def _read(path: Path, wanted: str | None) -> dict[str, list[Cells]]:
+    import openpyxl
+    from openpyxl.utils.exceptions import InvalidFileException
+
+    check_unpacked(path)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of styles and extensions that are of no use here
+            book = openpyxl.load_workbook(path, read_only=True, data_only=True)
+    except (*BROKEN, InvalidFileException, ParseError, KeyError, TypeError, AttributeError) as error:
+        raise UserError(f"{path}: not an Excel workbook that can be read ({error}); save it again as .xlsx") from None
+    try:
+        names = [sheet.title for sheet in book.worksheets]
+        if wanted is not None and wanted not in names:
+            raise UserError(f"{path}: no sheet {wanted!r}; it has {', '.join(names)}")
+        return {name: _rows(path, book[name]) for name in ([wanted] if wanted is not None else names)}
+    except UserError:
+        raise
+    except (*BROKEN, ParseError, KeyError, IndexError, TypeError) as error:
+        raise UserError(f"{path}: a workbook with broken parts ({error}); save it again as .xlsx") from None
+    finally:
+        book.close()
+
+
+def _rows(path: Path, sheet: Any) -> list[Cells]:
+    """The values as the sheet shows them: ``0 %`` shows 0.5 as 50 %, and ``#,##0,`` shows 47000 as 47."""
+    from openpyxl.cell.read_only import EMPTY_CELL
+
+    rows: list[Cells] = []
+    count = 0
+    # What a sheet says of its size would fill every row up to there.
+    sheet.reset_dimensions()
+    for cells in sheet.iter_rows():
+        count += max(len(cells), 1)
+        if count > unpacking.MOST_CELLS:
+            raise UserError(
+                f"{path}: sheet {sheet.title!r} has more than {unpacking.MOST_CELLS} cells, empty ones between "
+                "others counted; export the table as CSV"
+            )
+        # Empty cells are all one object.
+        rows.append([None if cell is EMPTY_CELL else _value(cell) for cell in cells])
+    return rows
+
+
+def _value(cell: Any) -> Any:
+    if not isinstance(cell.value, int | float) or isinstance(cell.value, bool):
+        return cell.value
+    form = _LITERAL.sub("", str(cell.number_format or "").partition(";")[0])
+    thousands = _BY_THOUSAND.search(form)
+    value = cell.value / 1000 ** len(thousands[1]) if thousands else cell.value
+    return 100 * value if "%" in form else value
+
+
+def _shown(cell: Any) -> str:
+    if cell is None:
+        return ""
+    if isinstance(cell, datetime.datetime):
+        return cell.isoformat(sep=" ")
+    return str(cell)
+
+
+def _typed(cells: list[Any]) -> pd.Series:
+    import pandas as pd
+
+    if all(cell is None or (isinstance(cell, int | float) and not isinstance(cell, bool)) for cell in cells):
+        return pd.Series(cells, dtype="float64")
+    if all(cell is None or isinstance(cell, datetime.datetime) for cell in cells):
+        return pd.to_datetime(pd.Series(cells))
+    if all(cell is None or isinstance(cell, datetime.timedelta) for cell in cells):
+        return pd.to_timedelta(pd.Series(cells))
+    return pd.Series([None if cell is None else _shown(cell) for cell in cells], dtype="string")

@@ -1,0 +1,183 @@
+"""Text files: encoding, separator and decimal sign are found, then the layout."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from gcode.support.errors import UserError
+from gcode.support.strict import check_plain
+from testbench.importing.files.encodings import encoding_of, known_encoding
+from testbench.importing.layout import Layout, find_layout, is_data
+from testbench.importing.sheet import HEAD_ROWS, Hints, Sheet
+from testbench.importing.vocabulary.notation import decimal_sign, is_number, is_when
+from testbench.recordings.csv_columns import MOST_BYTES, MOST_COLUMNS, in_words
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+SEPARATORS = (",", ";", "\t", "|")
+BLANKS = " "  # any number of blanks is one separator
+MOST_BROKEN = 60  # lines of a row whose quoted cells have line breaks
+HEAD_BYTES = 1 << 20
+_GAP = re.compile(r"\t+| {2,}")
+
+
+@dataclass(frozen=True)
+class TextSheet(Sheet):
+    """A text file."""
+
+    separator: str
+    encoding: str
+
+    def body(self, numbers: Sequence[int]) -> pd.DataFrame:
+        """The columns with these numbers, from the first row of numbers on."""
+        import pandas as pd
+
+        try:
+            with self.path.open(encoding=self.encoding) as stream:
+                for _ in range(self.layout.first_row - 1):  # pandas would count a cell with line breaks as one line
+                    stream.readline()
+                frame = pd.read_csv(
+                    stream,
+                    sep=r"\s+" if self.separator == BLANKS else self.separator,
+                    decimal=self.decimal,
+                    header=None,
+                    names=list(range(len(self.layout.columns))),
+                    usecols=[number - 1 for number in sorted(set(numbers))],
+                    skip_blank_lines=False,
+                    skipinitialspace=True,
+                    index_col=False,
+                    low_memory=False,
+                )
+            return frame.set_axis(sorted(set(numbers)), axis=1)
+        except pd.errors.EmptyDataError:
+            return pd.DataFrame()
+        except (pd.errors.ParserError, UnicodeError) as error:
+            raise UserError(f"{self.path}: {in_words(error)}; check the export, or name --separator") from None
+
+
+def open_text(path: Path, wanted: Sequence[str], hints: Hints) -> TextSheet:
+    """Read the top of a text file and find how it is written.
+
+    Raises
+    ------
+    UserError
+        If the file is missing, empty or no text, has no numbers, or it cannot be told what its decimal sign is.
+    """
+    encoding, lines = _head(path, hints.encoding)
+    found = _layouts(lines, [hints.separator] if hints.separator else SEPARATORS, wanted, hints)
+    if not any(len(layout.columns) > 1 for _, _, layout in found):
+        found = _layouts(lines, [hints.separator or BLANKS], wanted, hints) or found
+    if not found:
+        raise UserError(f"{path}: {_no_numbers(lines, wanted, hints)}")
+    separator, rows, layout = max(found, key=lambda one: _worth(one[1], one[2], wanted))
+    decimal = hints.decimal_said or _decimal(path, rows, layout, separator)
+    details = {"separator": separator, "decimal": decimal, "encoding": encoding.removesuffix("-sig")}
+    return TextSheet(path, rows, lines, layout, decimal, details, separator, encoding)
+
+
+def _layouts(
+    lines: Sequence[str], separators: Sequence[str], wanted: Sequence[str], hints: Hints
+) -> list[tuple[str, list[list[str]], Layout]]:
+    """What each separator makes of the file, as far as it makes a table of it."""
+    return [
+        (separator, rows, layout)
+        for separator in separators
+        for rows in [_split(lines, separator)]
+        if (layout := find_layout(rows, wanted, hints.header_row, hints.units_row))
+    ]
+
+
+def _head(path: Path, encoding: str | None) -> tuple[str, list[str]]:
+    check_plain(path, "table", MOST_BYTES)
+    try:
+        with path.open("rb") as stream:
+            raw = stream.read(HEAD_BYTES)
+    except OSError as error:
+        raise UserError(f"{path}: cannot read it: {error.strerror or error}") from None
+    if not raw.strip():
+        raise UserError(f"{path}: the file is empty")
+    # The cut at 1 MiB may fall within a character: whole lines only.
+    whole = raw if len(raw) < HEAD_BYTES else raw[: raw.rfind(b"\n") + 1] or raw
+    encoding = known_encoding(encoding) if encoding else encoding_of(whole)
+    if encoding is None:
+        raise UserError(f"{path}: not a text file; export it as CSV, Excel (.xlsx) or TDMS first")
+    text = whole.decode(encoding, errors="replace")
+    if not encoding.startswith("utf-16") and "\0" in text:
+        raise UserError(f"{path}: not a text file in {encoding}; leave --encoding out, or export it again")
+    return encoding, text.replace("\r\n", "\n").replace("\r", "\n").split("\n")[:HEAD_ROWS]
+
+
+def _split(lines: Sequence[str], separator: str) -> list[list[str]]:
+    """Rows of cells, one a line; below a cell with line breaks, as many empty ones."""
+    if separator == BLANKS:
+        return [_at_blanks(line) for line in lines]
+    rows: list[list[str]] = []
+    while len(rows) < len(lines):
+        cells, count = _cells(lines[len(rows) : len(rows) + MOST_BROKEN], separator)
+        rows += [cells, *([[]] * (count - 1))]
+    return rows
+
+
+def _at_blanks(line: str) -> list[str]:
+    """Numbers stand apart by any blanks; names that have blanks themselves (``Force (N)``), by wider gaps."""
+    cells = line.split()
+    wide = [cell.strip() for cell in _GAP.split(line.strip())]
+    return wide if len(wide) > 1 and not is_data(cells) else cells
+
+
+def _cells(lines: Sequence[str], separator: str) -> tuple[list[str], int]:
+    """The cells of the first line, and how many lines they take: a quoted cell may have line breaks."""
+    ways = [(lines[:1], False)]
+    if lines[0].count('"') % 2:  # over several lines, or no more than a quotation mark, as of inches
+        ways.insert(0, (lines, True))
+    for some, strict in ways:
+        reader = csv.reader([f"{line}\n" for line in some], delimiter=separator, skipinitialspace=True, strict=strict)
+        with suppress(csv.Error):  # a cell of more than 128 kB is no name of a column
+            cells = [cell.replace("\n", " ").rstrip() for cell in next(reader, [])]
+            return cells[:MOST_COLUMNS], max(1, reader.line_num)
+    return [], 1
+
+
+def _worth(rows: Sequence[Sequence[str]], layout: Layout, wanted: Sequence[str]) -> tuple[float, ...]:
+    """What a separator makes of the file: all wanted names, rows of numbers, how pure they are, names, columns."""
+    header = rows[layout.header_row - 1] if layout.header_row else []
+    have = {cell.strip() for cell in header} | {column.heading.base for column in layout.columns}
+    meanings = sum(bool(column.heading.roles) for column in layout.columns)
+    data = [row for row in rows[layout.first_row - 1 :] if len(row) > 1 and is_data(row)]
+    cells = [cell for row in data for cell in row if cell.strip()]
+    pure = sum(is_number(cell) or is_when(cell) for cell in cells) / max(1, len(cells))
+    return all(name in have for name in wanted), len(data), round(pure, 2), meanings, len(layout.columns)
+
+
+def _decimal(path: Path, rows: Sequence[Sequence[str]], layout: Layout, separator: str) -> str:
+    cells = [cell for row in rows[layout.first_row - 1 :] for cell in row]
+    sign = decimal_sign(cells)
+    if sign is None:
+        commas = [cell for cell in cells if "," in cell]
+        if not commas and separator == ",":
+            return "."  # a comma that parts the columns is no decimal sign
+        seen = next(cell for cell in commas or cells if "," in cell or "." in cell)
+        raise UserError(
+            f"{path}: cannot tell what the {'comma' if commas else 'point'} means in numbers such as "
+            f"{seen.strip()!r}; say --decimal , or --decimal ."
+        )
+    return sign
+
+
+def _no_numbers(lines: Sequence[str], wanted: Sequence[str], hints: Hints) -> str:
+    below = hints.header_row
+    for separator in SEPARATORS:
+        rows = _split(lines, separator)
+        for number, cells in enumerate(rows, 1) if wanted else ():
+            if all(name in [cell.strip() for cell in cells] for name in wanted):
+                below = number
+    if below:
+        return f"there is nothing below the header in row {below}"
+    return f"no rows of numbers in its first {len(lines)} lines; see --separator, --encoding and --header-row"

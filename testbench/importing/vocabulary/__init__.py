@@ -1,0 +1,1 @@
+"""How laboratories write things down: numbers, units, and the names of the columns."""

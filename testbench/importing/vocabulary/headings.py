@@ -1,0 +1,134 @@
+"""One cell of a header: the name, what stands in brackets behind it, and the unit, wherever it was written."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from testbench.importing.vocabulary.laboratory_units import PREFIX, Unit, plain_text, unit_of, units_spelt
+from testbench.importing.vocabulary.relative import ratio_by_formula
+from testbench.importing.vocabulary.roles import ROLES, STRETCH, is_generic, roles_of
+
+_BRACKET = re.compile(r"^(.*?)\s*(?:\[([^\[\]]*)\]|\(([^()]*)\)|\{([^{}]*)\}|<([^<>]*)>)\s*$", re.S)
+_TAIL = re.compile(rf"^(.*?)(?:\s*/\s*|\s+in\s+|\s*[,:;=]\s*|_|\s+)((?:{PREFIX}[\s_]+)?[^\s/,:;=_]+)$", re.S)
+_STROKE = re.compile(r"^([^/,]+?)\s*[/,]\s*([^\s/,\d][^\s,]*)$")
+_RATIOS = {role for role, quantities in ROLES.items() if quantities == ("ratio",)}
+LONGEST = 300  # characters of a cell that are looked at; no name of a column is longer
+_PER_CENT = re.compile(r"^(.*?)\s*([%‰])$", re.S)
+_COMMENT = re.compile(r"^(?:#+|//+)\s*(?=\S)")
+_HIGH = "[⁰¹²³⁴-⁹⁻]"
+_POWERS = (  # whether the numbers are to be multiplied or were, nobody can tell
+    rf"(?<=\S)\s*(?:(?<![A-Za-z])x|[×*·÷])\s*(?:10+(?![\d.])(?:\^?[-+]?\d+|{_HIGH}+)?|0[.,]0*1\b)",  # x1000, *0.001
+    r"(?<=\S)\s*/\s*10{2,}\b",  # /1000
+    rf"\b10(?:(?:\^|\*\*)\s*[-+−]?\d+|{_HIGH}+)",  # 10^3, 10**-3, 10³
+    r"\b\d+[eE][-+]?\d+\b",  # 1e3
+    r"(?:(?<=[\s/(\[{<])|^)10+(?=\s*[^\W\d]+[\])}>]*$)",  # 1000 before a unit at the end
+)
+_POWER = re.compile("|".join(_POWERS))
+
+
+@dataclass(frozen=True)
+class Heading:
+    """What a header cell says.
+
+    Attributes
+    ----------
+    text : str
+        The cell as it was written.
+    base : str
+        The name without its unit and without brackets.
+    whole : str
+        The name without its unit.
+    unit_text : str
+        The unit as it was written; empty where none is.
+    roles : dict of str to int
+        The roles that the name speaks of, with how plainly (`testbench.importing.vocabulary.roles`).
+    power : str
+        A power of ten beside name or unit (``x1000``), with which no unit can be told; empty where none is.
+    """
+
+    text: str
+    base: str
+    whole: str
+    unit_text: str
+    roles: dict[str, int]
+    power: str = ""
+
+    @property
+    def says_ratio(self) -> bool:
+        """Whether the name is a formula (``dR/R0``), which has the unit 1 where no other is said."""
+        return bool(ratio_by_formula(self.whole) or ratio_by_formula(self.base))
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """The quantities that a unit of this column may be of; every one where the name says nothing."""
+        roles = set(self.roles) | (STRETCH if STRETCH & set(self.roles) else set())
+        if not roles:
+            roles = set(ROLES) if is_generic(self.base) else set()
+        # A change of the resistance may be in Ω; then it is neither a resistance nor relative to one.
+        more = ("resistance",) if "relative_change" in roles else ()
+        return tuple(dict.fromkeys([*(quantity for role in roles for quantity in ROLES[role]), *more]))
+
+    def unit(self, unit_text: str) -> Unit | None:
+        """The unit that `unit_text` means in a column of this name; None where it cannot be told."""
+        return unit_of(unit_text, self.quantities) if unit_text else None
+
+
+def read_heading(text: str) -> Heading:
+    """Part a header cell: ``Kraft [N]``, ``Weg / mm``, ``time_ms``, ``Load(Cell 1:Load) (N)``, ``# Zeit in s``."""
+    plain = _COMMENT.sub("", plain_text(text[:LONGEST]).strip("\"'").strip())
+    whole, unit_text = _parted(plain)
+    base = _without_brackets(whole)
+    power = power_of_ten(text[:LONGEST])
+    if power and power not in unit_text:
+        unit_text = f"{unit_text} {power}".strip()
+    return Heading(text.strip(), base, whole, unit_text, roles_of(base, whole), power)
+
+
+def power_of_ten(text: str) -> str:
+    """The power of ten that a cell of names or units speaks of (``x1000``, ``10^3``); empty where it does not."""
+    found = _POWER.search(text)
+    return found[0].strip() if found else ""
+
+
+def _parted(plain: str) -> tuple[str, str]:
+    """The name and the unit's text."""
+    bracket = _BRACKET.match(plain)
+    if bracket and bracket[1].strip():
+        inside = next(part for part in bracket.groups()[1:] if part is not None).strip()
+        if _may_be_a_unit(inside, bracket[1]):
+            return bracket[1].strip(), inside
+        return plain, _tail(bracket[1])[1]
+    if plain and units_spelt(plain) and not roles_of(plain, plain):
+        return "", plain  # nothing but a unit: the unit is the name
+    return _tail(plain)
+
+
+def _may_be_a_unit(inside: str, name: str) -> bool:
+    """Known units, and short words without sense to us: those are units too, which we cannot read."""
+    if inside.isdigit():  # "Load (1)" numbers the cell, "Strain (1)" says that it is no percentage
+        return inside == "1" and bool(_RATIOS & set(roles_of(name.strip(), name)))
+    return bool(units_spelt(inside)) or (0 < len(inside) <= 6 and not re.search(r"\d|\s", inside))
+
+
+def _tail(plain: str) -> tuple[str, str]:
+    """A unit behind a stroke, a comma, an underscore or a blank: one that suits the name before it."""
+    for pattern in (_PER_CENT, _TAIL):
+        found = pattern.match(plain)
+        if found and found[1].strip() and not ratio_by_formula(plain):
+            name = found[1].strip()
+            quantities = read_heading(name).quantities if not is_generic(name) else ()
+            if unit_of(found[2], quantities) is not None:
+                return name, found[2]
+    stroke = _STROKE.match(plain)
+    if stroke and roles_of(stroke[1], stroke[1]) and not ratio_by_formula(plain):
+        return stroke[1], stroke[2]  # a unit that we cannot read
+    return plain, ""
+
+
+def _without_brackets(name: str) -> str:
+    """``Load(ElectroPuls (0,1):Load)`` is ``Load``; a formula in brackets stays."""
+    if "/" in name or "Δ" in name:
+        return name
+    before = re.split(r"[(\[{<]", name, maxsplit=1)[0].strip()
+    return before or name

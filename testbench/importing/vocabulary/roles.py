@@ -1,0 +1,201 @@
+"""The words for time, displacement, force and resistance in exports: which role a column's name speaks of.
+
+English, German and Chinese, and the testers' own words: Standardweg and Standardkraft (testXpert), Extension and Load
+(Bluehill), Crosshead (MTS), Digital Position (WaveMatrix).
+"""
+
+from __future__ import annotations
+
+import re
+
+from testbench.importing.vocabulary.relative import ratio_by_formula, ratio_by_words
+
+# Roles a column can have, and the quantities its unit may be of. A displacement in % is a strain, a strain in mm a
+# displacement: there the unit decides.
+ROLES: dict[str, tuple[str, ...]] = {
+    "time": ("time",),
+    "displacement": ("length",),
+    "strain": ("ratio",),
+    "force": ("force",),
+    "resistance": ("resistance",),
+    "conductance": ("conductance",),
+    "relative": ("ratio",),
+    "relative_change": ("ratio",),
+    "temperature": ("temperature",),
+}
+STRETCH = {"displacement", "strain"}
+
+_ENGLISH = {
+    "time": "time elapsed timestamp clock seconds runtime",
+    "displacement": "displacement displ disp extension elongation crosshead position pos stroke travel deflection "
+    "extensometer",
+    "strain": "strain",
+    "force": "force load loadcell",
+    "resistance": "resistance resistor res",
+    "conductance": "conductance",
+    "temperature": "temperature temp",
+}
+# Parts of a word, for German, which joins its words, and Chinese, which does not part them.
+_PARTS = {
+    "time": ("zeit", "时间", "时刻", "時間", "時刻"),
+    "displacement": (
+        "weg",
+        "verschiebung",
+        "verlängerung",
+        "verlaengerung",
+        "traverse",
+        "位移",
+        "行程",
+        "伸长",
+        "伸長",
+        "变形",
+        "變形",
+    ),
+    "strain": ("dehnung", "应变", "應變"),
+    "force": ("kraft", "试验力", "試驗力", "拉力", "载荷", "載荷", "荷重", "负荷", "負荷", "力"),
+    "resistance": ("widerstand", "电阻", "電阻"),
+    "conductance": ("leitwert", "电导", "電導"),
+    "temperature": ("temperatur", "温度", "溫度"),
+}
+_SYMBOLS = {
+    "time": ("t", "T"),
+    "displacement": ("x", "s", "u", "d", "dl", "Δl", "ΔL", "δ"),
+    "strain": ("ε", "eps", "epsilon"),
+    "force": ("F", "f"),
+    "resistance": ("R", "r"),
+    "conductance": ("G",),
+    "temperature": ("T", "ϑ", "θ"),
+}
+# A column with such a word is about the quantity, not the quantity itself. Rates, set points, extremes, counters.
+_ABOUT = frozenset(
+    [
+        "rate",
+        "speed",
+        "velocity",
+        "setpoint",
+        "set",
+        "command",
+        "cmd",
+        "commanded",
+        "target",
+        "demand",
+        "reference",
+        "max",
+        "maximum",
+        "min",
+        "minimum",
+        "peak",
+        "break",
+        "rupture",
+        "yield",
+        "std",
+        "sd",
+        "error",
+        "limit",
+        "count",
+        "counter",
+        "number",
+        "index",
+        "energy",
+        "work",
+        "stress",
+        "modulus",
+        "cycle",
+        "cycles",
+        "zyklus",
+        "zyklen",
+        "planned",
+        "noise",
+        "adc",
+        "stiffness",
+        "density",
+    ]
+)
+_ABOUT_PARTS = (
+    "geschwindigkeit", "soll", "zyklus", "bruch", "spannung",
+    "应力", "速度", "速率", "循环", "次数", "最大", "最小", "设定", "目标", "编号",
+    "應力", "循環", "次數", "設定", "目標", "編號",
+)  # fmt: skip
+_NOT_ALONE = ("力矩", "动力", "動力", "应力", "應力")
+_GENERIC = re.compile(
+    r"^(ch(annel)?|kanal|ai|analog(ue)?[ _]?in(put)?|sensor|signal|value|wert|column|spalte|y|通道)?[ _#.:-]*\d*$",
+    re.I,
+)
+_WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[^\W\d_]+")
+
+CERTAIN, LIKELY, SYMBOL = 3, 2, 1
+
+
+def words_of(name: str) -> list[str]:
+    """The words of a name, lower case: ``axialForce_cell 2`` gives axial, force, cell."""
+    return [word.casefold() for word in _WORD.findall(name)]
+
+
+def roles_of(base: str, whole: str) -> dict[str, int]:
+    """The roles that a name speaks of, with how plainly: `CERTAIN`, `LIKELY` or `SYMBOL`.
+
+    Parameters
+    ----------
+    base : str
+        The name without unit and without what stands in brackets behind it.
+    whole : str
+        The name without its unit.
+    """
+    formula = ratio_by_formula(whole) or ratio_by_formula(base)
+    if formula:
+        return {formula: CERTAIN}
+    ratio = ratio_by_words(whole, words_of(whole))
+    if ratio and not speaks_about(whole, ratio):
+        return {ratio: LIKELY}
+    if speaks_about(whole):
+        return {}
+    found: dict[str, int] = {}
+    for role in _ENGLISH:
+        strength = max(_by_word(role, base, whole), _by_symbol(role, base))
+        if strength:
+            found[role] = strength
+    strongest = max(found.values(), default=0)
+    return {role: strength for role, strength in found.items() if strength == strongest}
+
+
+def _by_word(role: str, base: str, whole: str) -> int:
+    english, parts = _ENGLISH[role].split(), _PARTS[role]
+    plain = base.strip().casefold()
+    if plain in english or plain in parts:
+        return CERTAIN
+    words = words_of(whole)
+    if any(word in english for word in words):
+        return LIKELY
+    text = whole.casefold()
+    for other in _NOT_ALONE:
+        text = text.replace(other, "")
+    return LIKELY if any(part in text for part in parts) else 0
+
+
+def _by_symbol(role: str, base: str) -> int:
+    """A formula's letter alone, or with an index behind it (``t_R``, ``R_inner``, ``F1``)."""
+    found = re.match(r"^([A-Za-zΔδεϑθ]+?)(?:[_ ]\w+|\d+)?$", base.strip())
+    return SYMBOL if found and found[1] in _SYMBOLS[role] else 0
+
+
+def speaks_about(whole: str, role: str = "") -> bool:
+    """Whether a name is of something derived: a rate, a set point, a maximum, a counter.
+
+    The change rate of a resistance (电阻变化率) is its relative change, no change in time.
+    """
+    text = whole.casefold()
+    rate = {"rate"} if role == "relative_change" else set()
+    return bool((_ABOUT - rate) & set(words_of(whole))) or any(part in text for part in _ABOUT_PARTS)
+
+
+def is_generic(base: str) -> bool:
+    """Whether a name says nothing (``Channel 3``, ``AI0``, empty): there, the unit alone tells the role."""
+    return bool(_GENERIC.match(base.strip()))
+
+
+REPEAT_WORDS = {"repeat", "repetition", "wiederholung", "pull", "run", "specimen", "probe", "cycle", "重复", "试样"}
+
+
+def counts_repeats(base: str) -> bool:
+    """Whether a name may number the repeats of a test."""
+    return any(word in REPEAT_WORDS for word in words_of(base)) or base.strip() in REPEAT_WORDS

@@ -1,0 +1,271 @@
+"""Conductance that answers motion before it answers stretch: overshoot, shoulders, rate."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from testbench.knit.additive import ConductanceLaw
+from testbench.knit.effect import FloatArray, Signals, parameter
+from testbench.knit.filters import highpass, lagging_rate, log_conductance, lowpass, rate
+
+SETTLING_S = (0.1, 0.3, 1.0, 3.0, 10.0, 30.0)
+SMALLEST_TURN = 0.02  # of the span; wobbles below are no turns
+
+
+class OvershootLaw(ConductanceLaw):
+    """Base of the laws of a conductance that answers motion before it answers stretch."""
+
+    mechanism = "electrical_overshoot"
+
+
+class ElectricalOvershoot(OvershootLaw):
+    """After each change of strain the conductance overshoots and comes back.
+
+    ln G += gain * (e - y),   tau y' = e - y        (high-pass of the strain: signed)
+
+    Source: Zhang et al., J. Polym. Sci. B 38 (2000) 2739 (time-dependent piezoresistance of filled polymers);
+    first-order high-pass as the simplest law.
+    Valid: small overshoot; up while stretching, down while releasing (negative gain: the reverse).
+    """
+
+    name = "electrical_overshoot"
+    look = "conductance shoots beyond its final value after every move and settles within seconds"
+
+    gain: float = parameter(0.5, unit="1", low=-20, high=20, doc="change of ln G per unit of sudden strain")
+    # Slower than this it is a relaxation of the contacts.
+    tau_s: float = parameter(3.0, unit="s", low=0.1, high=30, scale="log", doc="time in which it settles")
+
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
+        sudden = highpass(signals["strain"], self.tau_s, dt_s)
+        return self.gain * sudden
+
+
+class ElectricalOvershootConductance(OvershootLaw):
+    """The conductance overshoots with its own changes, most where it changes most with the strain.
+
+    ln G += gain * (ln G - y),   tau y' = ln G - y
+
+    Source: as `electrical_overshoot`, in proportion to what the contacts do.
+    Valid: small overshoot.
+    """
+
+    name = "electrical_overshoot_conductance"
+    reads = ("conductance_S",)
+    look = "conductance shoots beyond its final value, always by the same share of its change"
+
+    gain: float = parameter(0.2, unit="1", low=0, high=5, doc="share of a sudden change of ln G that is too much")
+    tau_s: float = parameter(3.0, unit="s", low=0.1, high=30, scale="log", doc="time in which it settles")
+
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
+        conductance = signals["conductance_S"]
+        sudden = highpass(log_conductance(conductance), self.tau_s, dt_s)
+        return self.gain * sudden
+
+
+class ElectricalOvershootProny(OvershootLaw):
+    """After each change of strain the conductance overshoots, and comes back over any spectrum of times.
+
+    ln G += sum_k w_k * (e - y_k) / span,   tau_k y_k' = e - y_k,   tau_k = 0.1, 0.3, ... 30 s
+
+    Source: as `electrical_overshoot`, with a Prony series at fixed times (Tschoegl, 1989, ch. 3).
+    Valid: small overshoot.
+    """
+
+    name = "electrical_overshoot_prony"
+    strength = "weights"
+    look = "conductance shoots beyond its final value after every move and settles over whatever times"
+
+    weights: tuple[float, ...] = parameter(
+        (0.0,) * len(SETTLING_S), unit="1", low=-5, high=5, doc="change of ln G by a sudden strain of `span`"
+    )
+    span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain by which it is counted")
+
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
+        strain = signals["strain"] / self.span
+        sudden = (w * highpass(strain, tau_s, dt_s) for w, tau_s in zip(self.weights, SETTLING_S, strict=True) if w)
+        return sum(sudden, np.zeros_like(strain))
+
+
+class ElectricalOvershootMagnitude(OvershootLaw):
+    """Any motion, in either direction, shakes the contacts: the conductance shifts and comes back at rest.
+
+    ln G += gain * y,   y' = |e'| - y / tau
+
+    Source: simplest law of a disturbance in proportion to the speed that heals exponentially.
+    Valid: small shift.
+    """
+
+    name = "electrical_overshoot_magnitude"
+    look = "conductance shifts the same way during stretch and release and comes back in a hold"
+
+    gain: float = parameter(0.5, unit="1", low=-20, high=20, doc="change of ln G per unit of strain path")
+    tau_s: float = parameter(3.0, unit="s", low=0.1, high=300, scale="log", doc="time in which it heals")
+
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
+        speed = np.abs(lagging_rate(signals["strain"], dt_s))
+        shaken = self.tau_s * lowpass(speed, self.tau_s, dt_s)
+        return self.gain * shaken
+
+
+class ElectricalOvershootMotion(OvershootLaw):
+    """While it moves at all, the conductance stands at another level.
+
+    ln G += gain * y,   tau y' = tanh(|e'| / rate0) - y
+
+    Source: simplest law of contacts that slide, or do not: the level hardly depends on how fast.
+    Valid: small shift; a long `tau_s` makes the level come and go slowly.
+    """
+
+    name = "electrical_overshoot_motion"
+    look = "conductance steps to another level when motion begins and back when it ends"
+
+    gain: float = parameter(0.05, unit="1", low=-3, high=3, doc="change of ln G in motion")
+    tau_s: float = parameter(0.5, unit="s", low=0.02, high=100, scale="log", doc="time in which the level changes")
+    rate0_per_s: float = parameter(0.02, unit="1/s", low=1e-4, high=1, scale="log", doc="rate that counts as motion")
+
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
+        moving = np.tanh(np.abs(rate(signals["strain"], dt_s)) / self.rate0_per_s)
+        return self.gain * lowpass(moving, self.tau_s, dt_s)
+
+    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+        return [{"tau_s": tau_s, "rate0_per_s": r} for tau_s in (0.1, 1.0, 5.0) for r in (0.005, 0.02, 0.08)]
+
+
+class ShoulderLaw(ConductanceLaw):
+    """Base of the laws of a second peak of the resistance on the way back."""
+
+    mechanism = "shoulder_peak"
+
+
+class ShoulderPeak(ShoulderLaw):
+    """On release the conductance of carbon-filled composites dips (or peaks) a second time.
+
+    ln G += gain * (y - e)+,   tau y' = e - y        (the matrix is still long when the filler is let go)
+
+    Source: Flandin, Hiltner & Baer, Polymer 42 (2001) 827 (carbon-black elastomers under cyclic strain); the
+    one-sided lag is the simplest law that shows it.
+    Valid: release only; negative gain: resistance has a second peak.
+    """
+
+    name = "shoulder_peak"
+    look = "a second peak of the resistance on the way back, none on the way out"
+
+    gain: float = parameter(-1.0, unit="1", low=-50, high=50, doc="change of ln G per unit of strain lag")
+    tau_s: float = parameter(10.0, unit="s", low=0.1, high=1000, scale="log", doc="how slowly the matrix follows")
+
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
+        lag = np.maximum(-highpass(signals["strain"], self.tau_s, dt_s), 0.0)
+        return self.gain * lag
+
+
+class ShoulderPeakAnywhere(ShoulderLaw):
+    """Peaks of the resistance at some strains on the way back, none on the way out.
+
+    ln G += b(z) * sum_j w_j B_j(e / span),   dz/de = (sgn(de) - z) / (travel * span)
+    b = max((1 - z) / 2 - late, 0) / (1 - late)
+
+    Source: Flandin, Hiltner & Baer, Polymer 42 (2001) 827; penalised splines, Eilers & Marx, Statist. Sci. 11 (1996)
+    89. Valid: inside the strain seen in the fit.
+    """
+
+    name = "shoulder_peak_anywhere"
+    strength = "weights"
+    look = "a second peak of the resistance at one strain on the way back, at any speed"
+
+    weights: tuple[float, ...] = parameter(
+        (0.0,) * 14, unit="1", low=-5, high=5, doc="height of each bump over strain"
+    )
+    travel: float = parameter(
+        0.06, unit="1", low=1e-3, high=1, scale="log", doc="strain until a turn is forgotten, over the span"
+    )
+    late: float = parameter(0.0, unit="1", low=0, high=0.9, doc="share of a turn after which a way back begins")
+    span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain covered by the bumps")
+
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
+        from testbench.knit.splines import bspline
+
+        e = signals["strain"]
+        return on_the_way_back(e, self.travel * self.span, self.late) * bspline(e / self.span, np.array(self.weights))
+
+
+class ShoulderPeakAfterTurn(ShoulderLaw):
+    """Peaks of the resistance on the way back, at some shares of the stretch from which the knit came back.
+
+    ln G += b(z) * sum_j w_j B_j(e / e_turn),   dz/de = (sgn(de) - z) / (travel * span)
+    b = max((1 - z) / 2 - late, 0) / (1 - late)
+
+    e_turn is the strain of the last turn.
+
+    Source: Flandin, Hiltner & Baer, Polymer 42 (2001) 827; penalised splines, Eilers & Marx, Statist. Sci. 11 (1996)
+    89. Valid: turns far above the rest length.
+    """
+
+    name = "shoulder_peak_after_turn"
+    strength = "weights"
+    look = "a second peak of the resistance on the way back, later after a higher turn, at any speed"
+
+    weights: tuple[float, ...] = parameter(
+        (0.0,) * 14, unit="1", low=-5, high=5, doc="height of each bump over the share of the last turn"
+    )
+    travel: float = parameter(
+        0.06, unit="1", low=1e-3, high=1, scale="log", doc="strain until a turn is forgotten, over the span"
+    )
+    late: float = parameter(0.0, unit="1", low=0, high=0.9, doc="share of a turn after which a way back begins")
+    span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain at the end of the stroke")
+
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
+        from testbench.knit.kernels import turns
+        from testbench.knit.splines import bspline
+
+        e = signals["strain"]
+        turned = e[turns(e, SMALLEST_TURN * self.span)[0].astype(int)]
+        share = e / np.maximum(turned, SMALLEST_TURN * self.span)
+        return on_the_way_back(e, self.travel * self.span, self.late) * bspline(share, np.array(self.weights))
+
+
+def on_the_way_back(strain: FloatArray, travel: float, late: float) -> FloatArray:
+    """0 on the way out, 1 on the way back, shape (n,); `travel` in strain, `late` as a share of a turn."""
+    from testbench.knit.kernels import dahl
+
+    return np.maximum(0.5 * (1 - dahl(strain, travel)) - late, 0.0) / (1 - late)
+
+
+class RateResistance(OvershootLaw):
+    """The conductance depends on the speed itself.
+
+    ln G += gain * e' / 0.1 per s
+
+    Source: Eyring-type activation linearised; the strain-rate dependence of filled elastomers.
+    Valid: small changes.
+    """
+
+    name = "rate_resistance"
+    look = "conductance is shifted while the knit moves and is back at once when it stops"
+
+    gain: float = parameter(0.05, unit="1", low=-3, high=3, doc="change of ln G at 10 % strain per second")
+
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
+        speed = rate(signals["strain"], dt_s) / 0.1
+        return self.gain * speed
+
+
+class RateResistanceMagnitude(OvershootLaw):
+    """The conductance depends on how fast the knit moves, in either direction.
+
+    ln G += gain * ln(1 + |e'| / rate0)
+
+    Source: as `rate_resistance`; logarithm as in Eyring's law.
+    Valid: small changes.
+    """
+
+    name = "rate_resistance_magnitude"
+    look = "conductance is shifted the same way in both directions of motion and is back at once when it stops"
+
+    gain: float = parameter(0.02, unit="1", low=-1, high=1, doc="change of ln G per e-fold of the rate")
+    rate0_per_s: float = parameter(0.01, unit="1/s", low=1e-5, high=1, scale="log", doc="rate where it sets in")
+
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
+        decades = np.log1p(np.abs(rate(signals["strain"], dt_s)) / self.rate0_per_s)
+        return self.gain * decades

@@ -1,0 +1,1 @@
+"""What a proposed law is: a place in the chain, and operators on a coordinate, with dimensions and a formula."""

@@ -1,0 +1,216 @@
+"""A law: a place in the chain, and z(t), a coordinate that operators act on one after the other."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property, lru_cache
+from types import CodeType, SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from testbench.knit import filters, memories
+from testbench.knit.effect import FloatArray, Signals
+from testbench.proposing.laws.law_parts import Coordinate, Operator, Slot
+from testbench.proposing.laws.places import Place
+from testbench.proposing.laws.units import PER_SECOND, SECOND, Unit
+
+MOST_PARAMETERS = 4
+STRENGTH = "gain"
+TOOLS: dict[str, Any] = {
+    "np": np,
+    **{name: getattr(filters, name) for name in ("lowpass", "highpass", "rate", "shifted")},
+    **{
+        name: getattr(memories, name)
+        for name in (
+            "kinetics", "moving", "oscillator", "relay", "held", "stuck", "seconds_near", "heading", "since_turn",
+            "turns_so_far", "last_top", "largest", "path", "work", "delayed", "stop", "power_of", "over", "bump",
+            "broad_memory", "two_way_lag",
+        )
+    },
+}  # fmt: skip
+NAMES = {
+    "strain": ("e", 'signals["strain"]'),
+    "force_N": ("F", 'signals["force_N"]'),
+    "contact_force_N": ("P", 'signals["contact_force_N"]'),
+    "conductance_S": ("ln_g", 'log_conductance(signals["conductance_S"])'),
+    "time_s": ("t", 'signals["time_s"]'),
+    "temperature_C": ("T", 'signals["temperature_C"]'),
+}
+SINCE_START = ("conductance_S", "temperature_C")  # counted from their first value
+
+
+@dataclass(frozen=True)
+class Term:
+    """z(t): a coordinate and the operators that act on it, in turn.
+
+    `sizes` are the usual sizes of the input of each operator, written into the code where a power needs one.
+    """
+
+    coordinate: Coordinate
+    operators: tuple[Operator, ...] = ()
+    span: float = 0.3
+    sizes: tuple[float, ...] = ()
+
+    @cached_property
+    def slots(self) -> tuple[Slot, ...]:
+        """All parameters in turn."""
+        return self.coordinate.slots + tuple(slot for one in self.operators for slot in one.slots)
+
+    @property
+    def name(self) -> str:
+        """What it is made of, in a line."""
+        return ", ".join([self.coordinate.name, *(one.name for one in self.operators)])
+
+    @property
+    def memory(self) -> str:
+        """Its memory, or nothing."""
+        return next((one.name for one in self.operators if one.kind == "memory"), "")
+
+    @property
+    def reads(self) -> tuple[str, ...]:
+        """Signals of the chain that it needs."""
+        found = [*self.coordinate.reads, *(name for one in self.operators for name in one.reads)]
+        return tuple(dict.fromkeys(found))
+
+    @property
+    def inner(self) -> Term:
+        """What the last operator acts on."""
+        return Term(self.coordinate, self.operators[:-1], self.span, self.sizes[:-1])
+
+    def without(self, at: int) -> Term:
+        """The same with one operator less."""
+        sizes = self.sizes[:at] + self.sizes[at + 1 :]
+        return replace(self, operators=self.operators[:at] + self.operators[at + 1 :], sizes=sizes)
+
+    def units(self) -> Iterator[tuple[Unit, Operator | None]]:
+        """The unit before each operator, and of the whole (with no operator)."""
+        unit = self.coordinate.unit
+        for one in self.operators:
+            yield unit, one
+            unit = one.unit if one.unit is not None else unit * one.times
+            unit = unit * unit if one.squares else unit
+        yield unit, None
+
+    @property
+    def unit(self) -> Unit:
+        """Of z."""
+        return [unit for unit, _ in self.units()][-1]
+
+    def unit_of(self, slot: Slot) -> Unit:
+        """Of one parameter."""
+        if slot.kind in ("time", "delay"):
+            return SECOND
+        if slot.kind == "frequency":
+            return PER_SECOND
+        if slot.kind in ("level", "size"):
+            return next((unit for unit, one in self.units() if one and slot in one.slots), Unit())
+        return Unit()
+
+    @cached_property
+    def lines(self) -> tuple[str, ...]:
+        """The code, one line a piece."""
+        pieces = [self.coordinate.code, *(one.code for one in self.operators)]
+        sizes = (1.0, *self.sizes, *(1.0 for _ in pieces))
+        return tuple(
+            piece.replace("{span}", f"{self.span:g}").replace("{size}", f"{size:g}")
+            for piece, size in zip(pieces, sizes, strict=False)
+        )
+
+    @property
+    def latex(self) -> str:
+        """z as a formula."""
+        return self._woven()[0]
+
+    @property
+    def definitions(self) -> tuple[str, ...]:
+        """What the symbols of the formula stand for, where they have an equation of their own."""
+        return self._woven()[1]
+
+    def _woven(self) -> tuple[str, tuple[str, ...]]:
+        text, found = self.coordinate.latex, list(self.coordinate.definitions)
+        for place, one in enumerate(self.operators):
+            found += [line.replace("{x}", text) for line in one.definitions]
+            size = self.sizes[place] if place < len(self.sizes) else 1.0
+            text = one.latex.replace("{x}", text).replace("x_0", f"{size:g}")
+        return text, tuple(
+            dict.fromkeys(re.sub(r"(?<![\w\\])s(?=\\,|\^2\\,)", f"{self.span:g}", line) for line in found)
+        )
+
+    @property
+    def words(self) -> str:
+        """z in words."""
+        text = self.coordinate.words
+        for one in self.operators:
+            text = one.words.replace("{x}", text)
+        return text
+
+    def evaluated(self, signals: Signals, values: Mapping[str, float], dt_s: float) -> FloatArray:
+        """z on the grid, shape (n,)."""
+        space = namespace(signals, dt_s) | {"self": SimpleNamespace(**values)}
+        for line in self.lines:
+            space["x"] = eval(compiled(line), space)
+        return space["x"]
+
+
+def namespace(signals: Signals, dt_s: float) -> dict[str, Any]:
+    """What the code of a law finds by name."""
+    space: dict[str, Any] = {**TOOLS, "dt_s": dt_s}
+    for signal, (name, _) in NAMES.items():
+        if signal in signals:
+            values = signals[signal]
+            values = filters.log_conductance(values) if signal == "conductance_S" else values
+            space[name] = values - values[0] if signal in SINCE_START else values
+    return space
+
+
+@lru_cache(maxsize=1000)
+def compiled(line: str) -> CodeType:
+    """One line of our own library as code."""
+    return compile(line, "<law>", "eval")
+
+
+@dataclass(frozen=True)
+class Law:
+    """A term at a place, with its parameters.
+
+    Attributes
+    ----------
+    values : mapping of str to float
+        Parameters by key, without the strength.
+    strength : float
+        In the unit of the place over that of the term.
+    """
+
+    place: Place
+    term: Term
+    values: Mapping[str, float] = field(default_factory=dict)
+    strength: float = 1.0
+
+    @property
+    def key(self) -> str:
+        """Names its structure, whatever the numbers."""
+        return f"{self.place.name}: {self.term.name}"
+
+    @property
+    def family(self) -> tuple[str, ...]:
+        """Laws that differ in bends and factors alone are of one family."""
+        return self.place.name, self.term.coordinate.name, self.term.memory
+
+    @cached_property
+    def unit(self) -> Unit:
+        """Of the strength."""
+        return self.place.unit / self.term.unit
+
+    def without(self, at: int) -> Law:
+        """The same with one operator less; its strength is that of another unit."""
+        term = self.term.without(at)
+        values = {slot.key: self.values[slot.key] for slot in term.slots}
+        return Law(self.place, term, values, self.strength)
+
+    @property
+    def count(self) -> int:
+        """Parameters, the strength among them."""
+        return 1 + len(self.term.slots)

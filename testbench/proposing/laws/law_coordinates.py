@@ -1,0 +1,195 @@
+"""Where a law may depend on: what the knit does and has gone through, and states that form and go."""
+
+from __future__ import annotations
+
+from testbench.proposing.laws.law_parts import FORCE, LN_G, PRESSING, STRAIN, TIME, WARM, Coordinate, Slot
+from testbench.proposing.laws.units import KELVIN, NEWTON, ONE, PER_SECOND, SECOND
+
+COORDINATES = {
+    c.name: c
+    for c in (
+        Coordinate("strain", "e", "e", "the strain", ONE, STRAIN),
+        Coordinate("strain rate", "rate(e, dt_s)", r"\dot e", "the strain rate", PER_SECOND, STRAIN),
+        Coordinate(
+            "speed", "np.abs(rate(e, dt_s))", r"|\dot e|", "the speed of the strain", PER_SECOND, STRAIN, signed=False
+        ),
+        Coordinate(
+            "direction",
+            "heading(e, {span})",
+            "d",
+            "the direction of motion",
+            ONE,
+            STRAIN,
+            definitions=(r"d = \pm 1 \text{ while stretching / releasing}",),
+        ),
+        Coordinate("force", "F", "F", "the force", NEWTON, FORCE),
+        Coordinate("force rate", "rate(F, dt_s)", r"\dot F", "the rate of the force", NEWTON / SECOND, FORCE),
+        Coordinate("contact force", "P", "P", "the force on the contacts", NEWTON, PRESSING),
+        Coordinate("conductance", "ln_g", r"\ln\frac{G}{G_0}", "the change of ln G since the start", ONE, LN_G),
+        Coordinate(
+            "conductance rate", "rate(ln_g, dt_s)", r"\tfrac{d}{dt}\ln G", "the rate of ln G", PER_SECOND, LN_G
+        ),
+        Coordinate(
+            "heating power",
+            "np.expm1(np.clip(ln_g, -30.0, 30.0))",
+            r"\tfrac{G}{G_0} - 1",
+            "the electrical power in the sensor",
+            ONE,
+            LN_G,
+        ),
+        Coordinate(
+            "largest strain", "largest(e)", r"e_{\max}", "the largest strain so far", ONE, STRAIN, signed=False
+        ),
+        Coordinate(
+            "below the largest strain",
+            "largest(e) - e",
+            r"(e_{\max} - e)",
+            "how far the strain is below its largest so far",
+            ONE,
+            STRAIN,
+            signed=False,
+        ),
+        Coordinate(
+            "past the last top",
+            "e - last_top(e, {span})",
+            r"(e - e_{\text{top}})",
+            "how far the strain is from where it last turned down",
+            ONE,
+            STRAIN,
+        ),
+        Coordinate("path", "path(e, {span})", r"\int |de|", "the path travelled", ONE, STRAIN, signed=False),
+        Coordinate(
+            "work", "work(F, e)", r"\int |F\,de|", "the work done on the knit", NEWTON, FORCE + STRAIN, signed=False
+        ),
+        Coordinate(
+            "turns",
+            "turns_so_far(e, {span})",
+            r"N",
+            "the number of turns",
+            ONE,
+            STRAIN,
+            signed=False,
+            definitions=(r"N = \text{turns so far}",),
+        ),
+        Coordinate("time", "t", "t", "the time since the start", SECOND, TIME, signed=False),
+        Coordinate(
+            "time since reversal",
+            "since_turn(e, {span}, dt_s)",
+            r"t_{\text{rev}}",
+            "the time since the last reversal",
+            SECOND,
+            STRAIN,
+            signed=False,
+        ),
+        Coordinate(
+            "time at rest",
+            "seconds_near(e, self.width, dt_s)",
+            r"t_{\text{rest}}",
+            "the time at the present strain",
+            SECOND,
+            STRAIN,
+            (Slot("width", "w", "half width of a strain", "size"),),
+            (r"t_{\text{rest}} = \text{time within} \pm w",),
+            signed=False,
+        ),
+        Coordinate("temperature", "T", r"\Delta T", "the change of temperature", KELVIN, WARM),
+    )
+}
+
+# A share n of something that forms and goes: dn/dt = gain (1 - n) - loss n. What makes it form, and what ends it.
+_EDGE = Slot("edge", "e_1", "strain beyond which it forms", "strain")
+_FORMS = {
+    "with time": (
+        r"\frac{1}{\tau_1}",
+        "np.full_like(e, 1.0 / self.form_s)",
+        (Slot("form_s", r"\tau_1", "time in which it forms"),),
+        "forms with time",
+    ),
+    "under stretch": (
+        r"\frac{(e - e_1)^+}{s\,\tau_1}",
+        "over(e, self.edge) / ({span} * self.form_s)",
+        (_EDGE, Slot("form_s", r"\tau_1", "time in which it forms, a span beyond the edge")),
+        "forms beyond a strain",
+    ),
+    "steeply": (
+        r"\frac{((e - e_1)^+)^2}{s^2\,\tau_1}",
+        "over(e, self.edge) ** 2 / ({span}**2 * self.form_s)",
+        (_EDGE, Slot("form_s", r"\tau_1", "time in which it forms, a span beyond the edge")),
+        "forms ever quicker beyond a strain",
+    ),
+    "with the square": (
+        r"\frac{e^2}{s^2\,\tau_1}",
+        "e * e / ({span}**2 * self.form_s)",
+        (Slot("form_s", r"\tau_1", "time in which it forms at the largest strain"),),
+        "forms with the square of the strain",
+    ),
+    "with motion": (
+        r"\frac{|\dot e|}{l_1}",
+        "np.abs(moving(e, dt_s)) / self.reach",
+        (Slot("reach", "l_1", "path in which it forms", "path"),),
+        "forms with motion",
+    ),
+    "while stretching": (
+        r"\frac{\dot e^+}{l_1}",
+        "over(moving(e, dt_s), 0.0) / self.reach",
+        (Slot("reach", "l_1", "path in which it forms", "path"),),
+        "forms while stretching",
+    ),
+}
+_ENDS = {
+    "with time": (
+        r"\frac{1}{\tau_2}",
+        "np.full_like(e, 1.0 / self.end_s)",
+        (Slot("end_s", r"\tau_2", "time in which it goes"),),
+        "goes with time",
+    ),
+    "with motion": (
+        r"\frac{|\dot e|}{l_2}",
+        "np.abs(moving(e, dt_s)) / self.wipe",
+        (Slot("wipe", "l_2", "path that wipes it out", "path"),),
+        "is wiped out by motion",
+    ),
+    "when short": (
+        r"\frac{(e_1 - e)^+}{s\,\tau_2}",
+        "over(self.edge - e, 0.0) / ({span} * self.end_s)",
+        (Slot("end_s", r"\tau_2", "time in which it goes, a span below"),),
+        "goes only below it",
+    ),
+    "near rest": (
+        r"\frac{[e < e_1]}{\tau_2}",
+        "(e < self.edge) / self.end_s",
+        (
+            Slot("edge", "e_1", "strain below which it goes", "strain"),
+            Slot("end_s", r"\tau_2", "time in which it goes there"),
+        ),
+        "goes near rest",
+    ),
+}
+_SENSIBLE = (
+    ("with time", "with motion"),
+    ("under stretch", "with time"),
+    ("under stretch", "with motion"),
+    ("steeply", "with time"),
+    ("while stretching", "with time"),
+    ("under stretch", "when short"),
+    ("with the square", "near rest"),
+)
+
+
+def _kinetic(forms: str, ends: str) -> Coordinate:
+    gain, gain_code, gain_slots, gain_words = _FORMS[forms]
+    loss, loss_code, loss_slots, loss_words = _ENDS[ends]
+    return Coordinate(
+        f"state that {gain_words} and {loss_words}",
+        f"kinetics({gain_code}, {loss_code}, dt_s)",
+        "n",
+        f"a state that {gain_words} and {loss_words}",
+        ONE,
+        STRAIN,
+        gain_slots + loss_slots,
+        (rf"\dot n = {gain}\,(1 - n) - {loss}\,n",),
+        signed=False,
+    )
+
+
+KINETICS = {c.name: c for c in (_kinetic(*pair) for pair in _SENSIBLE)}

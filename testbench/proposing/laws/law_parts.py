@@ -1,0 +1,86 @@
+"""What laws are made of: coordinates, and operators on them, each with its code, its formula and its words.
+
+A law's changing part z is a *coordinate* (what the knit does or has gone through) followed by *operators* (a memory,
+a bend, a factor). Every piece is one line of Python that acts on whole signals; the same line is tried in the search,
+fitted in the model and written into the effect file, so that what was judged is what comes out.
+
+Names in the code: ``e`` strain, ``F`` force, ``P`` contact force, ``ln_g`` ln of the conductance since the start,
+``t`` time, ``T`` temperature since the start, ``x`` what came out of the line before, ``self.KEY`` a parameter;
+``{span}`` and ``{size}`` stand for the largest strain of the recording and the usual size of `x`, written as numbers.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from testbench.proposing.laws.units import ONE, Unit
+
+STRAIN, FORCE, PRESSING, LN_G = ("strain",), ("force_N",), ("contact_force_N",), ("conductance_S",)
+TIME, WARM = ("time_s",), ("temperature_C",)
+
+
+@dataclass(frozen=True)
+class Slot:
+    """A parameter that a piece needs.
+
+    Attributes
+    ----------
+    key : str
+        Its name in the effect; it ends in its unit where that is not 1.
+    symbol, doc : str
+    kind : {"time", "level", "size", "number", "angle"}
+        Where its values lie: a time constant; a level or a size of the input `x` (its unit is the input's); a number
+        between `low` and `high`; an angle.
+    """
+
+    key: str
+    symbol: str
+    doc: str
+    kind: str = "time"
+    low: float = 0.0
+    high: float = 0.0
+
+
+@dataclass(frozen=True)
+class Coordinate:
+    """Where a law may depend on: one signal made of what is there.
+
+    Attributes
+    ----------
+    code : str
+        One expression.
+    latex, words : str
+    reads : tuple of str
+        Signals of the chain that it needs.
+    """
+
+    name: str
+    code: str
+    latex: str
+    words: str
+    unit: Unit
+    reads: tuple[str, ...]
+    slots: tuple[Slot, ...] = ()
+    definitions: tuple[str, ...] = ()
+    signed: bool = True
+
+
+@dataclass(frozen=True)
+class Operator:
+    """One step from `x` to the next `x`.
+
+    `latex` and `words` hold ``{x}`` where the input stands; `unit` maps the input's unit to the output's.
+    """
+
+    name: str
+    code: str
+    latex: str
+    words: str
+    kind: str  # "memory", "bend" or "factor"
+    slots: tuple[Slot, ...] = ()
+    definitions: tuple[str, ...] = ()
+    reads: tuple[str, ...] = ()
+    unit: Unit | None = None  # of the output; None: as the input
+    times: Unit = ONE  # that the input's unit is multiplied by, where `unit` is None
+    squares: bool = False
+    only_positive: bool = False

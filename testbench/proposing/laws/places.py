@@ -1,0 +1,93 @@
+"""Where a law may act: a stage of the chain, the signal that it changes, and how."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from testbench.knit.effect import Stage
+from testbench.proposing.laws.units import NEWTON, ONE, Unit
+
+
+@dataclass(frozen=True)
+class Place:
+    """One stage and signal.
+
+    Attributes
+    ----------
+    name, words : str
+    stage : Stage
+    writes : str
+        The signal that it changes.
+    code : str
+        How z changes it: ``{a}`` is the strength.
+    latex : str
+    unit : Unit
+        Of the change.
+    channel : str
+        The channel that the strength is scaled by: ``force`` or ``conductance``.
+    """
+
+    name: str
+    words: str
+    stage: Stage
+    writes: str
+    code: str
+    latex: str
+    unit: Unit
+    channel: str
+
+    @property
+    def by_chain(self) -> bool:
+        """Whether what comes after passes the change on to other channels."""
+        return self.stage < Stage.CONTACT
+
+
+PLACES = {
+    p.name: p
+    for p in (
+        Place(
+            "strain", "the strain that the knit sees", Stage.KINEMATICS, "strain", "e + {a} * x", "e", ONE, "force"
+        ),
+        Place("force", "the force of the knit", Stage.MECHANICS, "force_N", "F + {a} * x", "F", NEWTON, "force"),
+        Place(
+            "contact force",
+            "the force on the contacts",
+            Stage.PRESSURE,
+            "contact_force_N",
+            "P + {a} * x",
+            "P",
+            NEWTON,
+            "conductance",
+        ),
+        Place(
+            "conductance",
+            "the conductance",
+            Stage.ELECTRICAL,
+            "conductance_S",
+            'shifted(signals["conductance_S"], {a} * x)',
+            r"\ln G",
+            ONE,
+            "conductance",
+        ),
+        Place(
+            "force reading", "the reading of the force", Stage.READOUT, "force_N", "F + {a} * x", "F", NEWTON, "force"
+        ),
+        Place(
+            "conductance reading",
+            "the reading of the conductance",
+            Stage.READOUT,
+            "conductance_S",
+            'shifted(signals["conductance_S"], {a} * x)',
+            r"\ln G",
+            ONE,
+            "conductance",
+        ),
+    )
+}
+READABLE = {
+    Stage.KINEMATICS: {"time_s", "strain"},
+    Stage.MECHANICS: {"time_s", "strain", "force_N"},
+    Stage.PRESSURE: {"time_s", "strain", "force_N", "contact_force_N"},
+    Stage.ELECTRICAL: {"time_s", "strain", "force_N", "contact_force_N", "conductance_S"},
+    Stage.READOUT: {"time_s", "strain", "force_N", "contact_force_N", "conductance_S"},
+}

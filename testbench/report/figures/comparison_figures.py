@@ -1,0 +1,211 @@
+"""Figures of a model against a measurement: both over time, the residual under each, loops. No files, no fitting."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gcode.support.arrays import FloatArray
+from testbench.report import style
+from testbench.report.downsample import window
+from testbench.report.figures.recording_figures import line, stretches
+
+CHANNEL_TITLES = {"force": "Force / N", "conductance": "ln (G / S)", "resistance": "Resistance / kΩ"}
+RESIDUAL_TITLES = {"force": "Residual / N", "conductance": "Residual / ln S", "resistance": "Residual / kΩ"}
+
+
+@dataclass(frozen=True, eq=False)
+class Overlay:
+    """Measured and modelled signals on one time grid.
+
+    Attributes
+    ----------
+    time_s, strain : ndarray, shape (n,)
+    measured : mapping of channel to ndarray, shape (n,)
+        ``force`` in N, ``conductance`` as ln S.
+    modelled : mapping of label to mapping of channel to ndarray, shape (n,)
+        One entry a model, in the order of drawing ("baseline", "with stress_relaxation").
+    noise_floor : mapping of channel to float
+    held_out_from_s : float, optional
+        Where the held-out part begins; it is shaded.
+    """
+
+    time_s: FloatArray
+    strain: FloatArray
+    measured: Mapping[str, FloatArray]
+    modelled: Mapping[str, Mapping[str, FloatArray]]
+    noise_floor: Mapping[str, float]
+    held_out_from_s: float | None = None
+
+    def residual(self, channel: str, label: str | None = None) -> FloatArray:
+        """Measured minus modelled of one model (default: the last)."""
+        label = label or list(self.modelled)[-1]
+        return self.measured[channel] - self.modelled[label][channel]
+
+    def within(self, rows: np.ndarray) -> Overlay:
+        """The same over the rows that count, shape (n,) of bool."""
+        return replace(
+            self,
+            time_s=self.time_s[rows],
+            strain=self.strain[rows],
+            measured={channel: values[rows] for channel, values in self.measured.items()},
+            modelled={
+                label: {channel: values[rows] for channel, values in signals.items()}
+                for label, signals in self.modelled.items()
+            },
+        )
+
+    def in_resistance(self) -> Overlay:
+        """The same with the resistance in kΩ instead of the logarithm of the conductance."""
+        if "conductance" not in self.measured:
+            return self
+        measured = _renamed(self.measured)
+        floor = self.noise_floor.get("conductance", 0.0) * float(np.sqrt(np.mean(measured["resistance"] ** 2)))
+        return replace(
+            self,
+            measured=measured,
+            modelled={label: _renamed(signals) for label, signals in self.modelled.items()},
+            noise_floor={**self.noise_floor, "resistance": floor},
+        )
+
+
+def resistance_kohm(log_conductance: FloatArray) -> FloatArray:
+    """Resistance in kΩ, from ln (G / S)."""
+    return 1e-3 * np.exp(-log_conductance)
+
+
+def _renamed(signals: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+    return {
+        **{channel: values for channel, values in signals.items() if channel != "conductance"},
+        "resistance": resistance_kohm(signals["conductance"]),
+    }
+
+
+def model_colour(index: int, count: int) -> str:
+    """The last model is drawn in vermilion, those before it fainter."""
+    return style.VERMILION if index == count - 1 else style.ORANGE
+
+
+def overlay(both: Overlay, start_s: float | None = None, end_s: float | None = None) -> style.Figure:
+    """Measured and modelled over time with the residual under each, zoom linked in all rows.
+
+    Parameters
+    ----------
+    both : Overlay
+    start_s, end_s : float, optional
+        Draw this stretch only, at full detail for it.
+    """
+    rows = window(both.time_s, start_s, end_s)
+    traces: list[dict[str, Any]] = []
+    titles: list[str] = []
+    for channel in both.measured:
+        traces += _channel_traces(both, channel, rows, len(titles))
+        titles += [CHANNEL_TITLES[channel], RESIDUAL_TITLES[channel]]
+    axes = _uneven_axes(titles)
+    shapes = [_floor_band(2 * row + 1, both.noise_floor.get(c, 0.0)) for row, c in enumerate(both.measured)]
+    shapes += _held_out_shade(both, end_s)
+    return style.figure(traces, height=150 * len(titles) + 60, shapes=shapes, **axes)
+
+
+def _channel_traces(both: Overlay, channel: str, rows: slice, row: int) -> list[dict[str, Any]]:
+    time_s = both.time_s[rows]
+    first = row == 0
+    traces = [line(time_s, both.measured[channel][rows], style.MEASURED, "measured", row, showlegend=first)]
+    for index, label in enumerate(both.modelled):
+        colour = model_colour(index, len(both.modelled))
+        values = both.modelled[label][channel][rows]
+        traces.append(line(time_s, values, colour, label, row, showlegend=first))
+        residual = both.residual(channel, label)[rows]
+        traces.append(line(time_s, residual, colour, f"{label}: residual", row + 1))
+    return traces
+
+
+def _uneven_axes(titles: list[str]) -> dict[str, Any]:
+    """Stacked axes in which each residual (every second row) is half as tall as its signal."""
+    weights = [2.0 if row % 2 == 0 else 1.0 for row in range(len(titles))]
+    gap = 0.035
+    unit = (1 - gap * (len(titles) - 1)) / sum(weights)
+    axes, top = {}, 1.0
+    for row, (title, weight) in enumerate(zip(titles, weights, strict=True)):
+        low = max(top - weight * unit, 0.0)
+        axes[style.axis_key("yaxis", row)] = style.axis(title, domain=[low, top], anchor="x")
+        top = low - gap
+    axes["xaxis"] = style.axis("Time / s", anchor=style.y_ref(len(titles) - 1))
+    return axes
+
+
+def _floor_band(row: int, floor: float) -> dict[str, Any]:
+    """A band of plus and minus two noise floors: what no model can explain."""
+    where = {"xref": "paper", "yref": style.y_ref(row), "x0": 0, "x1": 1, "y0": -2 * floor, "y1": 2 * floor}
+    return {
+        "type": "rect",
+        "fillcolor": style.FLOOR,
+        "opacity": 0.35,
+        "line": {"width": 0},
+        "layer": "below",
+        **where,
+    }
+
+
+def _held_out_shade(both: Overlay, end_s: float | None) -> list[dict[str, Any]]:
+    if both.held_out_from_s is None or (end_s is not None and end_s < both.held_out_from_s):
+        return []
+    shade = {"type": "rect", "xref": "x", "yref": "paper", "y0": 0, "y1": 1, "fillcolor": style.SKY, "opacity": 0.12}
+    return [
+        shade | {"x0": both.held_out_from_s, "x1": float(both.time_s[-1]), "line": {"width": 0}, "layer": "below"}
+    ]
+
+
+def modelled_loops(both: Overlay) -> style.Figure:
+    """Hysteresis loops of a few half minutes, modelled over measured: force and ln G over strain."""
+    names = ["measured", *both.modelled]
+    colours = [style.MEASURED, *(model_colour(i, len(both.modelled)) for i in range(len(both.modelled)))]
+    rows = _joined(stretches(both.time_s, 3))
+    traces = []
+    for column, channel in enumerate(both.measured):
+        signals = [both.measured[channel], *(model[channel] for model in both.modelled.values())]
+        for name, colour, values in zip(names, colours, signals, strict=True):
+            traces.append(
+                {
+                    "type": "scatter",
+                    "mode": "lines",
+                    "name": name,
+                    "x": _broken(100 * both.strain, rows),
+                    "y": _broken(values, rows),
+                    "line": {"color": colour, "width": 1.3},
+                    **style.place(column),
+                    "hovertemplate": "%{y:.4g} at %{x:.2f} %",
+                    "showlegend": column == 0,
+                }
+            )
+    axes = style.side_by_side_axes([("Strain / %", CHANNEL_TITLES[channel]) for channel in both.measured])
+    return style.figure(traces, height=380, **axes)
+
+
+def _joined(parts: Sequence[slice]) -> NDArray[np.intp]:
+    """Rows of several stretches with -1 between them."""
+    rows = [np.append(np.arange(part.start, part.stop), -1) for part in parts]
+    return np.concatenate(rows)[:-1]
+
+
+def _broken(values: FloatArray, rows: NDArray[np.intp]) -> FloatArray:
+    """Values at `rows`, NaN (a gap in the line) at -1."""
+    return np.where(rows < 0, np.nan, values[rows])
+
+
+def busiest_window(both: Overlay, length_s: float) -> tuple[float, float]:
+    """The stretch of `length_s` in which the residuals of the first model are largest: the one to look at."""
+    first = next(iter(both.modelled))
+    size = sum(
+        (both.residual(channel, first) / (float(np.ptp(values)) or 1.0)) ** 2
+        for channel, values in both.measured.items()
+    )
+    step = float(np.median(np.diff(both.time_s)))
+    width = min(len(both.time_s), max(2, round(length_s / step)))
+    energy = np.convolve(np.asarray(size), np.ones(width), mode="valid")
+    start = int(np.argmax(energy))
+    return float(both.time_s[start]), float(both.time_s[min(start + width, len(both.time_s)) - 1])

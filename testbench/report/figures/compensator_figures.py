@@ -1,0 +1,126 @@
+"""Figures of a compensator, from the JSON of ``compensation score``: F, G and p over time, and scatter."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from testbench.report import style
+from testbench.report.figures.recording_figures import line
+
+RAW, TRUTH, PREDICTION = style.ORANGE, style.INK, style.BLUE
+# Mean r² over A and B after compensation that Aigner and Stoeckl report (arXiv:2306.12129), by knit.
+PAPER = {"force": {"PES": 0.779, "Lycra": 0.829}, "displacement": {"PES": 0.667, "Lycra": 0.639}}
+SYMBOLS = {"force": "F", "displacement": "d"}
+TITLES = {"force": "Force / N", "displacement": "Displacement / mm"}
+
+
+def over_time(row: Mapping[str, Any], target: str) -> style.Figure:
+    """Truth, rescaled conductance and prediction: the whole recording, and below it the first and the last minute.
+
+    Parameters
+    ----------
+    row : mapping
+        One entry of the score's ``recordings``.
+    target : str
+        ``force`` or ``displacement``.
+    """
+    windows = [row["trace"], row["zooms"][0], row["zooms"][-1]]
+    traces = []
+    for panel, window in enumerate(windows):
+        place: dict[str, Any] = {"xaxis": style.x_ref(panel), "showlegend": panel == 0}
+        for key, colour, name in _lines(target):
+            time_s, values = np.asarray(window["time_s"]), np.asarray(window[key])
+            traces.append(line(time_s, values, colour, name, panel, **place))
+    return style.figure(traces, height=460, **_axes(target))
+
+
+def _lines(target: str) -> list[tuple[str, str, str]]:
+    return [
+        ("G_rescaled", RAW, "G: conductance, rescaled"),
+        ("F", TRUTH, f"{SYMBOLS[target]}: measured"),
+        ("p", PREDICTION, "p: compensated"),
+    ]
+
+
+def _axes(target: str) -> dict[str, Any]:
+    upper, lower = [0.58, 1.0], [0.0, 0.42]
+    axes = {
+        "xaxis": style.axis("", domain=[0, 1], anchor="y"),
+        "yaxis": style.axis(TITLES[target], domain=upper, anchor="x"),
+    }
+    for panel, domain in ((1, [0.0, 0.47]), (2, [0.53, 1.0])):
+        axes[style.axis_key("xaxis", panel)] = style.axis("Time / s", domain=domain, anchor=style.y_ref(panel))
+        axes[style.axis_key("yaxis", panel)] = style.axis(
+            TITLES[target] if panel == 1 else "", domain=lower, anchor=style.x_ref(panel)
+        )
+    return axes
+
+
+def scatter(row: Mapping[str, Any], target: str) -> style.Figure:
+    """Against the truth: the raw signal on the left, the compensated one on the right; the line is 1:1."""
+    truth = np.asarray(row["trace"]["F"])
+    ends = np.array([truth.min(), truth.max()])
+    panels = [
+        ("G_rescaled", RAW, f"raw: r² {row['r2_before']:.3f}"),
+        ("p", PREDICTION, f"after: r² {row['r2_after']:.3f}"),
+    ]
+    traces: list[dict[str, Any]] = []
+    for column, (key, colour, _) in enumerate(panels):
+        place = {"type": "scatter", **style.place(column), "hoverinfo": "skip"}
+        dots = {"mode": "markers", "marker": {"size": 3, "color": colour}, "opacity": 0.5}
+        traces.append({**place, **dots, "x": truth, "y": np.asarray(row["trace"][key])})
+        traces.append({**place, "mode": "lines", "x": ends, "y": ends, "line": {"color": TRUTH, "width": 1}})
+    quantity, unit = TITLES[target].split(" / ")
+    titles = [
+        (f"Measured {quantity.lower()} / {unit}", f"{name} / {unit}")
+        for name in ("Conductance, rescaled", "Compensated")
+    ]
+    axes = style.side_by_side_axes(titles)
+    notes = [
+        style.note(f"<b>{title}</b>", 0.545 * column, 1.0, xanchor="left", yanchor="bottom")
+        for column, (_, _, title) in enumerate(panels)
+    ]
+    return style.figure(traces, height=360, annotations=notes, **axes)
+
+
+def before_and_after(rows: Sequence[Mapping[str, Any]], names: Sequence[str], target: str) -> style.Figure:
+    """r² of every recording before and after, with the 95 % interval of the latter; the paper's means as lines."""
+    places = np.arange(len(rows))
+    after = np.array([row["r2_after"] for row in rows])
+    span = np.array([row["r2_after_interval"] for row in rows])
+    up, down = span[:, 1] - after, after - span[:, 0]
+    whiskers = {"array": up, "arrayminus": down, "symmetric": False, "color": TRUTH}
+    bars = [
+        _bars(places - 0.2, [row["r2_before"] for row in rows], RAW, "raw conductance"),
+        _bars(places + 0.2, after, PREDICTION, "compensated") | {"error_y": whiskers},
+    ]
+    ticks = {"tickvals": list(range(len(rows))), "ticktext": list(names), "showgrid": False}
+    axes: dict[str, Any] = {
+        "xaxis": style.axis("", **ticks),
+        "yaxis": style.axis("r²", range=[min(0.0, float(span.min())), 1.02]),
+    }
+    lines = [style.level(value, style.MUTED, dash="dot") for value in PAPER[target].values()]
+    words = [_paper_words(knit, value, value == max(PAPER[target].values())) for knit, value in PAPER[target].items()]
+    margin = {"l": 64, "r": 120, "t": 30, "b": 44}
+    return style.figure(bars, height=300, bargap=0.3, shapes=lines, annotations=words, margin=margin, **axes)
+
+
+def _paper_words(knit: str, value: float, upper: bool) -> dict[str, Any]:
+    place = {"yref": "y", "xanchor": "left", "yanchor": "bottom" if upper else "top"}  # the two lie close together
+    return style.note(f"paper, {knit} {value:.2f}", 1.01, value, font={"size": 11, "color": style.MUTED}, **place)
+
+
+def _bars(places: np.ndarray, heights: Sequence[float] | np.ndarray, colour: str, name: str) -> dict[str, Any]:
+    return {
+        "type": "bar",
+        "x": places,
+        "y": np.asarray(heights),
+        "width": 0.36,
+        "marker": {"color": colour},
+        "name": name,
+        "showlegend": True,
+        "hovertemplate": "%{y:.3f}",
+    }

@@ -1,0 +1,148 @@
+"""Figures of a diagnosis: candidates with their evidence, what the residual depends on, prediction over residual."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from gcode.support.arrays import FloatArray
+from testbench.report import style
+from testbench.report.downsample import window
+from testbench.report.figures.comparison_figures import RESIDUAL_TITLES
+from testbench.report.figures.recording_figures import line
+from testbench.report.words import spoken, with_probability
+
+SHOWN = 8
+VISIBLE = 0.01  # share of the residual's squares; less is not worth a bar
+SCATTER_BINS = 24
+
+
+def removed_percent(gain: float) -> float:
+    """Share of the held-out RMS error that a gain (ln of the ratio of squared errors) takes away, in per cent."""
+    return float(100 * (1 - np.exp(-0.5 * gain)))
+
+
+def candidates(diagnosis: Mapping[str, Any]) -> style.Figure:
+    """What a refit with each effect takes off the error on samples that no fit has seen, best first.
+
+    The bar is measured, with its 95 % interval over blocks of 60 s; an effect that was not worth a refit has none.
+
+    Parameters
+    ----------
+    diagnosis : mapping
+        The JSON of ``testbench diagnose``.
+    """
+    ranking = diagnosis["ranking"][:SHOWN]
+    notes = [_untried(place) for place, entry in enumerate(ranking) if not entry.get("held_out_gain")]
+    names = [with_probability(diagnosis, entry["effect"]) for entry in ranking]
+    axes: dict[str, Any] = {
+        "xaxis": style.axis("Error removed / %", range=[0, 104]),
+        "yaxis": style.names_of_bars(names),
+        "margin": {"l": 230, "r": 20, "t": 16, "b": 44},
+    }
+    height = 70 + 34 * max(len(ranking), 2)
+    return style.figure([_measured(diagnosis, ranking)], height=height, annotations=notes, **axes)
+
+
+def _measured(diagnosis: Mapping[str, Any], ranking: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Bars with intervals, for the candidates that were refitted."""
+    places = [place for place, entry in enumerate(ranking) if entry.get("held_out_gain")]
+    gains = [ranking[place]["held_out_gain"] for place in places]
+    ends = np.array([[removed_percent(gain) for gain in one] for one in gains]).reshape(-1, 3)
+    shown = np.maximum(ends[:, 0], 0.0)
+    whiskers = {
+        "array": np.maximum(ends[:, 2] - ends[:, 0], 0.0),
+        "arrayminus": np.clip(ends[:, 0] - ends[:, 1], 0.0, shown),
+        "symmetric": False,
+        "color": style.INK,
+    }
+    colours = [_colour(diagnosis, place) for place in places]
+    hover = "with it refitted: %{x:.0f} % of the held-out error is gone"
+    return style.bars(shown, colours, hover, y=np.array(places, dtype=float), error_x=whiskers)
+
+
+def _untried(place: int) -> dict[str, Any]:
+    look: dict[str, Any] = {"font": {"size": 11, "color": style.MUTED}, "xanchor": "left"}
+    return style.note("not worth a refit", 1.0, place, xref="x", yref="y", **look)
+
+
+def _colour(diagnosis: Mapping[str, Any], number: int) -> str:
+    """What was found, and what is tied with the first of it, stands out."""
+    entry = diagnosis["ranking"][number]
+    named = diagnosis["verdict"] == "missing"
+    found = {one["effect"] for one in diagnosis["found"]}
+    return style.VERMILION if named and (entry["effect"] in found or entry.get("tied_for_first")) else style.SKY
+
+
+def dependence(diagnosis: Mapping[str, Any]) -> style.Figure | None:
+    """What the final model's residual depends on, force and conductance apart; None when it depends on nothing."""
+    found = [entry for entry in diagnosis.get("depends_on", []) if entry["gain"] >= VISIBLE][:SHOWN]
+    if not found:
+        return None
+    names = [f"{entry['channel']} on {spoken(entry['coordinate'])}" for entry in found]
+    colours = [style.BLUE if entry["channel"] == "force" else style.GREEN for entry in found]
+    bars = style.bars(np.array([100 * entry["gain"] for entry in found]), colours, "%{x:.1f} %")
+    axes: dict[str, Any] = {
+        "xaxis": style.axis("Share of its squares that a free-form map explains / %", rangemode="tozero"),
+        "yaxis": style.names_of_bars(names),
+        "margin": {"l": 250, "r": 20, "t": 16, "b": 44},
+    }
+    return style.figure([bars], height=70 + 30 * max(len(found), 2), **axes)
+
+
+def prediction(
+    time_s: FloatArray,
+    residual: Mapping[str, FloatArray],
+    contribution: Mapping[str, FloatArray],
+    start_s: float | None = None,
+    end_s: float | None = None,
+) -> style.Figure:
+    """What the model leaves, and what an effect would add, over time; zoom linked.
+
+    Parameters
+    ----------
+    time_s : ndarray, shape (n,)
+    residual, contribution : mapping of channel to ndarray, shape (n,)
+        Measured minus modelled, and modelled with minus modelled without the effect.
+    start_s, end_s : float, optional
+        Draw this stretch only.
+    """
+    rows = window(time_s, start_s, end_s)
+    traces = []
+    for row, channel in enumerate(residual):
+        first: dict[str, Any] = {"showlegend": row == 0}
+        left = "what the model leaves"
+        traces.append(line(time_s[rows], residual[channel][rows], style.FAINT, left, row, **first))
+        added = "what the effect would add"
+        traces.append(line(time_s[rows], contribution[channel][rows], style.VERMILION, added, row, **first))
+        traces[-1]["line"] = {"color": style.VERMILION, "width": 1.8}
+    axes = style.stacked_axes([RESIDUAL_TITLES[channel] for channel in residual], "Time / s")
+    return style.figure(traces, height=190 * len(residual) + 70, **axes)
+
+
+def slope(residual: Mapping[str, FloatArray], contribution: Mapping[str, FloatArray]) -> style.Figure:
+    """Mean residual against predicted contribution: an effect that is really there lies on the 1:1 line."""
+    channels = list(residual)
+    traces: list[dict[str, Any]] = []
+    for column, channel in enumerate(channels):
+        x, y = _binned(contribution[channel], residual[channel])
+        ends = np.array([x.min(), x.max()])
+        place = {"type": "scatter", **style.place(column)}
+        dots, one = {"size": 7, "color": style.VERMILION}, {"color": style.INK, "width": 1, "dash": "dash"}
+        traces.append({**place, "mode": "markers", "x": x, "y": y, "marker": dots})
+        traces.append({**place, "mode": "lines", "x": ends, "y": ends, "line": one, "hoverinfo": "skip"})
+    titles: Sequence[tuple[str, str]] = [
+        (RESIDUAL_TITLES[channel].replace("Residual", f"Predicted {channel}"), RESIDUAL_TITLES[channel])
+        for channel in channels
+    ]
+    return style.figure(traces, height=330, **style.side_by_side_axes(list(titles), gap=0.17))
+
+
+def _binned(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Means over bins of equal count, both about their own mean (offsets belong to the mounting)."""
+    order = np.array_split(np.argsort(x, kind="stable"), SCATTER_BINS)
+    x, y = x - x.mean(), y - y.mean()
+    filled = [rows for rows in order if len(rows)]
+    return np.array([x[rows].mean() for rows in filled]), np.array([y[rows].mean() for rows in filled])

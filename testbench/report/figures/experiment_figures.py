@@ -1,0 +1,95 @@
+"""Figure of a proposed experiment: every protocol's worth, the best one's motion, and what it would show."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from gcode.support.arrays import FloatArray
+from testbench.report import style
+from testbench.report.figures.recording_figures import line
+
+LEAST = 0.1  # evidence below this is drawn as this: a logarithmic axis has no zero
+DECISIVE = 5.0
+COLOURS = {"force": style.FORCE, "conductance": style.CONDUCTANCE}
+
+
+def of_file(found: Mapping[str, Any], time_s: FloatArray, strain_percent: FloatArray) -> style.Figure:
+    """The figure of a ``testbench experiment --json`` and the motion that it proposes.
+
+    Parameters
+    ----------
+    found : mapping
+        The JSON.
+    time_s, strain_percent : ndarray, shape (n,)
+    """
+    evidence = [(option["protocol"], option["log_odds"]) for option in found["options"]]
+    shown = found["left"].items()
+    left = {channel: (np.array(entry["time_s"]), np.array(entry["over_noise"])) for channel, entry in shown}
+    return experiment(evidence, time_s, strain_percent, left)
+
+
+def experiment(
+    evidence: Sequence[tuple[str, float]],
+    time_s: FloatArray,
+    strain_percent: FloatArray,
+    left: Mapping[str, tuple[FloatArray, FloatArray]],
+) -> style.Figure:
+    """Ranking, motion, and what the wrong model leaves.
+
+    Parameters
+    ----------
+    evidence : sequence of (str, float)
+        Protocols with their expected log odds, the best first.
+    time_s, strain_percent : ndarray, shape (n,)
+        Motion of the best.
+    left : mapping of channel to (time in s, misfit over the noise floor), each shape (m,)
+        What the wrong model cannot imitate of the right one.
+    """
+    motion = line(time_s, strain_percent, style.STRAIN, "strain", 1)
+    misfits = [line(t, values, COLOURS[channel], channel, 2) for channel, (t, values) in left.items()]
+    for trace in (motion, *misfits):
+        trace["xaxis"] = "x2"
+    for trace in misfits:
+        trace["showlegend"] = True
+    legend = {"orientation": "h", "x": 1, "xanchor": "right", "y": 0.44, "yanchor": "bottom"}
+    words = style.note("decisive", float(np.log10(DECISIVE)), 1.0, xref="x", xanchor="left", yanchor="bottom")
+    lengths = np.maximum([value for _, value in evidence], LEAST)
+    bars = style.bars(lengths, [style.BLUE] + [style.FAINT] * (len(evidence) - 1), "%{x:.3g}")
+    return style.figure(
+        [bars, motion, *misfits],
+        height=760,
+        margin={"l": 130, "r": 20, "t": 26, "b": 44},
+        annotations=[words],
+        shapes=[_decisive()],
+        legend=legend,
+        **_axes(evidence),
+    )
+
+
+def _axes(evidence: Sequence[tuple[str, float]]) -> dict[str, Any]:
+    """The ranking on top, motion and misfit below it on one axis of time."""
+    names = [name.replace("-", " ") for name, _ in evidence]
+    top = max(max(value for _, value in evidence), 10 * DECISIVE)
+    return {
+        "xaxis": style.axis(
+            "Expected evidence against the wrong model (log odds)",
+            type="log",
+            dtick=1,
+            anchor="y",
+            range=[float(np.log10(LEAST)), float(np.log10(top * 1.5))],
+        ),
+        "yaxis": style.names_of_bars(names, anchor="x", domain=[0.56, 1.0]),
+        "xaxis2": style.axis("Time / s", anchor="y3"),
+        "yaxis2": style.axis("Strain / %", anchor="x2", domain=[0.25, 0.44]),
+        "yaxis3": style.axis("Left over / noise", anchor="x2", domain=[0.0, 0.21]),
+    }
+
+
+def _decisive() -> dict[str, Any]:
+    """The line beyond which the evidence decides."""
+    look = {"color": style.VERMILION, "width": 1, "dash": "dash"}
+    where = {"xref": "x", "yref": "paper", "x0": DECISIVE, "x1": DECISIVE, "y0": 0.56, "y1": 1}
+    return {"type": "line", "line": look, **where}

@@ -1,0 +1,174 @@
+"""Figures of the way from the first model to the last: the error falling, step by step, to the noise floor."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from testbench.comparing.numbers import plain
+from testbench.report import style
+from testbench.report.downsample import window
+from testbench.report.figures.comparison_figures import CHANNEL_TITLES, Overlay, model_colour
+from testbench.report.figures.recording_figures import line
+from testbench.report.words import PANEL_UNITS
+
+NAMED_STEPS = 3
+
+
+@dataclass(frozen=True)
+class Step:
+    """One step of the ladder.
+
+    Attributes
+    ----------
+    label : str
+        What was done: ``baseline``, ``+ stress_relaxation``.
+    errors : mapping of channel to float
+        Held-out RMS in N and ln S.
+    noise_floor : mapping of channel to float
+    """
+
+    label: str
+    errors: Mapping[str, float]
+    noise_floor: Mapping[str, float]
+
+
+def ladder(steps: Sequence[Step], current: int | None = None) -> style.Figure:
+    """Held-out error after each step, one panel a channel, with the noise floor below all.
+
+    Parameters
+    ----------
+    steps : sequence of Step
+    current : int, optional
+        The step that is in use; later ones are drawn faint.
+    """
+    channels = list(steps[0].errors)
+    current = len(steps) - 1 if current is None else current
+    traces = [trace for column, channel in enumerate(channels) for trace in _rungs(steps, channel, column, current)]
+    panels = [("", f"Held-out error / {PANEL_UNITS[channel]}") for channel in channels]
+    axes = style.side_by_side_axes(panels, gap=0.12)
+    for column, channel in enumerate(channels):
+        _label_steps(axes, column, steps)
+        axes[style.axis_key("yaxis", column)]["range"] = [0, 1.15 * max(step.errors[channel] for step in steps)]
+    floors, notes = _floors(channels, steps, range(len(channels)))
+    margin = {"l": 64, "r": 20, "t": 26, "b": 60}
+    return style.figure(traces, height=320, margin=margin, shapes=floors, annotations=notes, **axes)
+
+
+def _rungs(steps: Sequence[Step], channel: str, column: int, current: int) -> list[dict[str, Any]]:
+    errors = [step.errors[channel] for step in steps]
+    colours = [
+        style.RULE if i > current else style.VERMILION if i == current else style.ORANGE for i in range(len(steps))
+    ]
+    return [
+        {
+            "type": "bar",
+            "x": np.arange(len(steps)),
+            "y": np.array(errors),
+            "width": 0.62,
+            "marker": {"color": colours},
+            "text": [plain(error) for error in errors],
+            "textposition": "outside",
+            "cliponaxis": False,
+            "hovertext": [step.label for step in steps],
+            "hovertemplate": "%{hovertext}: %{y:.4g}<extra></extra>",
+            **style.place(column),
+        }
+    ]
+
+
+def _label_steps(axes: dict[str, Any], column: int, steps: Sequence[Step], room: bool = True) -> None:
+    """Names under the bars; numbers where there is no `room` for names (the bar tells its name when pointed at)."""
+    axes[style.axis_key("xaxis", column)] |= {
+        "tickvals": list(range(len(steps))),
+        "ticktext": [_wrapped(step.label) for step in steps] if room else [str(n) for n in range(len(steps))],
+        "showgrid": False,
+        "range": [-0.6, len(steps) - 0.4],
+    }
+
+
+def _wrapped(label: str) -> str:
+    """Words instead of underscores; long names on two lines."""
+    words = label.replace("_", " ").split(" ")
+    if len(label) <= 14:
+        return " ".join(words)
+    half = max(1, round(len(words) / 2))
+    return " ".join(words[:half]) + "<br>" + " ".join(words[half:])
+
+
+def _floors(
+    channels: Sequence[str], steps: Sequence[Step], places: Iterable[int]
+) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+    """The noise floor of each channel in its panel, and its number in words."""
+    lines, words = [], []
+    for channel, index in zip(channels, places, strict=True):
+        floor = steps[-1].noise_floor.get(channel, 0.0)
+        lines.append(style.level(floor, style.INK, index, 1.4))
+        look: dict[str, Any] = {"font": {"size": 11, "color": style.INK}, "xanchor": "right", "yanchor": "top"}
+        where = {"xref": f"{style.x_ref(index)} domain", "yref": f"{style.y_ref(index)} domain"}
+        words.append(
+            style.note(f"- - -  noise floor {plain(floor, 2)} {PANEL_UNITS[channel]}", 1, 1, **look, **where)
+        )
+    return lines, words
+
+
+def at_a_glance(both: Overlay, steps: Sequence[Step], span_s: tuple[float, float]) -> style.Figure:
+    """The picture that says it all: measured against modelled on the left, the error falling on the right.
+
+    Parameters
+    ----------
+    both : Overlay
+        With the first and the last model in `modelled`.
+    steps : sequence of Step
+    span_s : (start_s, end_s)
+        The stretch to show.
+    """
+    channels = list(both.measured)
+    rows = window(both.time_s, *span_s)
+    traces: list[dict[str, Any]] = []
+    axes: dict[str, Any] = {}
+    gap = 0.15  # room for names of steps on two lines
+    for row, (channel, domain) in enumerate(zip(channels, style.rows(len(channels), gap), strict=True)):
+        left, right = 2 * row, 2 * row + 1
+        traces += _measured_against_modelled(both, channel, rows, left)
+        traces += _rungs(steps, channel, right, len(steps) - 1)
+        last = row == len(channels) - 1
+        axes |= _glance_axes(channel, domain, left, right, last, steps)
+        axes[style.axis_key("xaxis", left)]["range"] = list(span_s)
+    shapes, notes = _floors(channels, steps, range(1, 2 * len(channels), 2))
+    notes.append(style.note("<b>Held-out error</b>", 0.68, 1.0, xanchor="left", yanchor="bottom"))
+    return style.figure(traces, height=240 * len(channels) + 60, shapes=shapes, annotations=notes, **axes)
+
+
+def _measured_against_modelled(both: Overlay, channel: str, rows: slice, axis: int) -> list[dict[str, Any]]:
+    time_s = both.time_s[rows]
+    place: dict[str, Any] = {"xaxis": style.x_ref(axis), "showlegend": axis == 0}
+    traces = [line(time_s, both.measured[channel][rows], style.MEASURED, "measured", axis, **place)]
+    for index, (label, signals) in enumerate(both.modelled.items()):
+        colour = model_colour(index, len(both.modelled))
+        traces.append(line(time_s, signals[channel][rows], colour, label, axis, **place))
+    traces[0]["line"]["width"] = 2.0
+    return traces
+
+
+def _glance_axes(
+    channel: str, domain: list[float], left: int, right: int, last: bool, steps: Sequence[Step]
+) -> dict[str, Any]:
+    axes = {
+        style.axis_key("xaxis", left): style.axis(
+            "Time / s" if last else "", domain=[0, 0.6], anchor=style.y_ref(left), matches="x" if left else None
+        ),
+        style.axis_key("yaxis", left): style.axis(CHANNEL_TITLES[channel], domain=domain, anchor=style.x_ref(left)),
+        style.axis_key("xaxis", right): style.axis(domain=[0.68, 1], anchor=style.y_ref(right)),
+        style.axis_key("yaxis", right): style.axis(
+            PANEL_UNITS[channel],
+            domain=domain,
+            anchor=style.x_ref(right),
+            range=[0, 1.2 * max(step.errors[channel] for step in steps)],
+        ),
+    }
+    _label_steps(axes, right, steps, room=len(steps) <= NAMED_STEPS)
+    return axes

@@ -1,0 +1,116 @@
+"""Figure of a proposed law: what the channel lacks over the law's own coordinate, and before and after, held out."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from gcode.support.arrays import FloatArray
+from testbench.fitting.measurement import Measurement
+from testbench.fitting.model_errors import channel_name
+from testbench.fitting.remounting import brought_together
+from testbench.fitting.responses import UNIT_OF
+from testbench.knit.model import KnitModel
+from testbench.proposing.laws.formulas import in_words, plain
+from testbench.proposing.laws_found import Proposed, Step, numbered
+from testbench.report import style
+
+BINS, POINTS, DOTS = 24, 1500, 800
+ROW_PX, LEGEND_PX = 270, 24  # the legend stands above the first row's title, which may be long
+LEGEND = {"orientation": "h", "x": 1, "xanchor": "right", "y": 1.0, "yanchor": "bottom"}
+
+
+def proposal(proposed: Proposed) -> style.Figure:
+    """One row for each law (partial dependence), and one for each channel (held-out residual before and after)."""
+    traces: list[dict[str, Any]] = []
+    notes: list[dict[str, Any]] = []
+    panels: list[tuple[str, str]] = []
+    for step in proposed.steps:
+        traces += _dependence(step, len(panels))
+        panels.append((f"z = {plain(step.option.law.term.latex)}", _lacks(step)))
+    before, after = (_residuals(model, proposed.held) for model in (proposed.before.model, proposed.after.model))
+    for channel, values in after.items():
+        traces += _over_time(before[channel], values, proposed.held, len(panels))
+        panels.append(("Time / s", f"Measured − modelled, {channel_name(channel)} / {UNIT_OF[channel]}"))
+    axes, tops = _rows(panels)
+    for index, step in enumerate(proposed.steps):
+        text = f"<b>{numbered(proposed.name, index)}</b>: {in_words(step.option.law)}"
+        notes.append(style.note(text, 0, tops[index], xanchor="left", yanchor="bottom"))
+    for index, channel in enumerate(after):
+        floor, (low, high) = (
+            proposed.noise_floor[channel],
+            (proposed.error_after[channel], proposed.error_before[channel]),
+        )
+        text = f"<b>held out</b>: {high:.3g} → {low:.3g} {UNIT_OF[channel]}, noise floor {floor:.2g}"
+        notes.append(style.note(text, 0, tops[len(proposed.steps) + index], xanchor="left", yanchor="bottom"))
+    height = ROW_PX * len(panels) + 60
+    return style.figure(traces, height=height, annotations=notes, legend=LEGEND, **axes)
+
+
+def _lacks(step: Step) -> str:
+    channel = step.option.law.place.channel
+    return f"What the {channel_name(channel)} lacks / {UNIT_OF[channel]}"
+
+
+def _dependence(step: Step, index: int) -> list[dict[str, Any]]:
+    """Residual without the law over z, its mean in bins with two standard errors, and what is left with it."""
+    z, without, left = step.dependence
+    every = max(1, len(z) // DOTS)
+    axes = style.place(index)
+    dots: dict[str, Any] = {
+        "type": "scatter", "mode": "markers", "x": z[::every], "y": without[::every],
+        "marker": {"size": 3, "color": style.FAINT}, **axes,
+    }  # fmt: skip
+    traces = [dots]
+    for name, values, colour in (("without the law", without, style.VERMILION), ("with it", left, style.BLUE)):
+        x, mean, error = binned(z, values)
+        traces.append(
+            {
+                "type": "scatter", "mode": "lines+markers", "name": name, "x": x, "y": mean,
+                "error_y": {"array": 2 * error, "color": colour}, "line": {"width": 1.5, "color": colour},
+                "marker": {"size": 5, "color": colour}, "showlegend": index == 0, **axes,
+            }
+        )  # fmt: skip
+    return traces
+
+
+def binned(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Mean of `x` and `y`, and the standard error of that of `y`, in bins with about as many samples each."""
+    edges = np.unique(np.quantile(x, np.linspace(0, 1, BINS + 1)))
+    if len(edges) < 3:
+        edges = np.array([x.min(), 0.5 * (x.min() + x.max()), x.max() + 1e-12])
+    place = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, len(edges) - 2)
+    count = np.maximum(np.bincount(place, minlength=len(edges) - 1), 1)
+    mean_x, mean_y = (np.bincount(place, weights=v, minlength=len(count)) / count for v in (x, y))
+    square = np.bincount(place, weights=(y - mean_y[place]) ** 2, minlength=len(count)) / count
+    filled = np.bincount(place, minlength=len(count)) > 0
+    return mean_x[filled], mean_y[filled], np.sqrt(square / count)[filled]
+
+
+def _residuals(model: KnitModel, held: Measurement) -> dict[str, FloatArray]:
+    model, there = brought_together(model, held)
+    found = there.residual(model)
+    return {channel: values - values[held.counts].mean() for channel, values in found.items()}
+
+
+def _over_time(before: FloatArray, after: FloatArray, held: Measurement, index: int) -> list[dict[str, Any]]:
+    rows = np.flatnonzero(held.counts)
+    rows = rows[:: max(1, len(rows) // POINTS)]
+    axes = style.place(index)
+    both = ((before, style.VERMILION), (after, style.BLUE))
+    return [
+        {"type": "scatter", "mode": "lines", "x": held.grid_s[rows], "y": values[rows],
+         "line": {"width": 1, "color": colour}, **axes}
+        for values, colour in both
+    ]  # fmt: skip
+
+
+def _rows(panels: list[tuple[str, str]]) -> tuple[dict[str, Any], list[float]]:
+    """Axes of panels below each other, each with an axis of its own, and where their tops are."""
+    axes: dict[str, Any] = {}
+    domains = style.rows(len(panels), 0.32 / len(panels), 1 - LEGEND_PX / (ROW_PX * len(panels)))
+    for index, ((x_title, y_title), domain) in enumerate(zip(panels, domains, strict=True)):
+        axes[style.axis_key("xaxis", index)] = style.axis(x_title, anchor=style.y_ref(index))
+        axes[style.axis_key("yaxis", index)] = style.axis(y_title, domain=domain, anchor=style.x_ref(index))
+    return axes, [top for _, top in domains]

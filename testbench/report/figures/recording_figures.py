@@ -1,0 +1,209 @@
+"""Figures of a recording: what was moved, what was felt, what was read. Data in, Plotly figures out; no files."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from gcode.support.arrays import FloatArray
+from gcode.support.figures import histogram_range
+from testbench.comparing.numbers import span
+from testbench.recordings.channels import DISPLACEMENT, RESISTANCE, TEMPERATURE
+from testbench.recordings.channels import FORCE as FORCE_CHANNEL
+from testbench.recordings.recording import Recording
+from testbench.report import style
+from testbench.report.downsample import POINTS, rows_to_draw, window
+
+Channel = tuple[str, FloatArray, str]  # axis title, values, colour
+
+LOOPS, LOOP_S, LOOP_SAMPLES, LOOP_POINTS = 6, 30.0, 30, 300
+BINS = 60
+SPEED_RATE_HZ = 20.0
+
+
+def conductance_scale(conductance_S: FloatArray) -> tuple[float, str]:
+    """Factor and unit that give readable numbers: S, mS, µS or nS."""
+    typical = float(np.median(np.abs(conductance_S)))
+    for factor, unit in ((1.0, "S"), (1e3, "mS"), (1e6, "µS")):
+        if typical * factor >= 0.5:
+            return factor, unit
+    return 1e9, "nS"
+
+
+def channels_of(recording: Recording, resistance: bool = False) -> list[Channel]:
+    """Strain, force, conductance (or resistance) and temperature, as far as they were recorded."""
+    found: list[Channel] = []
+    if recording.has(DISPLACEMENT):
+        found.append(("Strain / %", 100 * recording.strain, style.STRAIN))
+    if recording.has(FORCE_CHANNEL):
+        found.append(("Force / N", recording[FORCE_CHANNEL], style.FORCE))
+    if recording.has(RESISTANCE):
+        found.append(_electrical(recording, resistance))
+    if recording.has(TEMPERATURE):
+        found.append(("Temperature / °C", recording[TEMPERATURE], style.ORANGE))
+    return found
+
+
+def _electrical(recording: Recording, resistance: bool) -> Channel:
+    if resistance:
+        return "Resistance / kΩ", 1e-3 * recording[RESISTANCE], style.CONDUCTANCE
+    factor, unit = conductance_scale(recording.conductance_S)
+    return f"Conductance / {unit}", factor * recording.conductance_S, style.CONDUCTANCE
+
+
+def time_series(
+    recording: Recording, start_s: float | None = None, end_s: float | None = None, resistance: bool = False
+) -> style.Figure:
+    """Every channel over time, one row each, zoom linked.
+
+    Parameters
+    ----------
+    recording : Recording
+    start_s, end_s : float, optional
+        Draw this stretch only, at full detail for it.
+    resistance : bool
+        Draw the resistance in kΩ instead of the conductance.
+    """
+    rows = window(recording.time_s, start_s, end_s)
+    time_s = recording.time_s[rows]
+    channels = channels_of(recording, resistance)
+    traces = [
+        line(time_s, values[rows], colour, title.split(" / ")[0], row)
+        for row, (title, values, colour) in enumerate(channels)
+    ]
+    axes = style.stacked_axes([title for title, _, _ in channels], "Time / s")
+    return style.figure(traces, height=150 * len(channels) + 90, **axes)
+
+
+def line(
+    time_s: FloatArray, values: FloatArray, colour: str, name: str, row: int = 0, points: int = POINTS, **more: Any
+) -> dict[str, Any]:
+    """A line over time in row `row` of a stacked figure, downsampled to `points` so that peaks stay."""
+    kept = rows_to_draw(values, points)
+    return {
+        "type": "scatter",
+        "mode": "lines",
+        "name": name,
+        "x": time_s[kept],
+        "y": values[kept],
+        "line": {"color": colour, "width": 1.2},
+        "xaxis": "x",
+        "yaxis": style.y_ref(row),
+        "hovertemplate": "%{y:.4g} at %{x:.1f} s",
+        **more,
+    }
+
+
+def hysteresis_loops(recording: Recording, resistance: bool = False) -> style.Figure | None:
+    """Force and log-conductance over strain, and log-conductance over force: a few half minutes, dark to light.
+
+    With `resistance` in kΩ instead of the conductance.
+
+    Whole stretches of motion are drawn, not a cloud of samples, so that the loops are seen as loops.
+    None when neither force nor resistance was recorded.
+    """
+    panels = _loop_panels(recording, resistance)
+    if not panels:
+        return None
+    windows = stretches(recording.time_s)
+    colours = shades(len(windows))
+    every = {rows.start: max(1, (rows.stop - rows.start) // LOOP_POINTS) for rows in windows}
+    traces = [
+        {
+            "type": "scatter",
+            "mode": "lines",
+            "name": f"{(recording.time_s[rows][0] - recording.time_s[0]) / 60:.1f} min",
+            "x": x[rows][:: every[rows.start]],
+            "y": y[rows][:: every[rows.start]],
+            **style.place(column),
+            "line": {"color": colour, "width": 1.3},
+            "showlegend": column == 0,
+            "hovertemplate": "%{x:.4g}, %{y:.4g}",
+        }
+        for column, (_, _, x, y) in enumerate(panels)
+        for rows, colour in zip(windows, colours, strict=True)
+    ]
+    axes = style.side_by_side_axes([(x_title, y_title) for x_title, y_title, _, _ in panels])
+    return style.figure(traces, height=400, **axes)
+
+
+def stretches(time_s: FloatArray, count: int = LOOPS) -> list[slice]:
+    """Rows of a few stretches of motion, evenly spread from the first sample to the last.
+
+    Where samples are rare, a stretch is as long as thirty of them take.
+    """
+    duration_s = time_s[-1] - time_s[0]
+    length_s = max(LOOP_S, LOOP_SAMPLES * duration_s / len(time_s))
+    if duration_s <= count * length_s:
+        return [slice(0, len(time_s))]
+    begins = np.linspace(time_s[0], time_s[-1] - length_s, count)
+    return [window(time_s, float(begin), float(begin) + length_s) for begin in begins]
+
+
+def shades(count: int) -> list[str]:
+    """Colours from dark (first) to light (last); see `testbench.report.style.SEQUENCE`."""
+    if count == 1:
+        return [style.BLUE]
+    places = np.linspace(0, len(style.SEQUENCE) - 1, count).round().astype(int)
+    return [style.SEQUENCE[place] for place in places]
+
+
+def _loop_panels(recording: Recording, resistance: bool) -> list[tuple[str, str, FloatArray, FloatArray]]:
+    strain = 100 * recording.strain if recording.has(DISPLACEMENT) else None
+    panels = []
+    if recording.has(FORCE_CHANNEL) and strain is not None:
+        panels.append(("Strain / %", "Force / N", strain, recording[FORCE_CHANNEL]))
+    if recording.has(RESISTANCE):
+        title, values = "ln (G / S)", np.log(recording.conductance_S)
+        if resistance:
+            title, values = "Resistance / kΩ", 1e-3 * recording[RESISTANCE]
+        if strain is not None:
+            panels.append(("Strain / %", title, strain, values))
+        if recording.has(FORCE_CHANNEL):
+            panels.append(("Force / N", title, recording[FORCE_CHANNEL], values))
+    return panels
+
+
+def distributions(recording: Recording, resistance: bool = False) -> style.Figure:
+    """How often each strain, speed, force and conductance (or resistance) occurred, in per cent of the time."""
+    rate_hz = speed_rate_hz(recording)
+    even = recording.resampled(rate_hz)
+    panels = channels_of(even, resistance)[:3]
+    if recording.has(DISPLACEMENT):
+        panels.insert(1, ("Speed / mm/s", np.gradient(even[DISPLACEMENT], 1 / rate_hz), style.MUTED))
+    traces = []
+    for column, (_, values, colour) in enumerate(panels):
+        counts, edges = np.histogram(values, bins=BINS, range=histogram_range(values))
+        traces.append(
+            {
+                "type": "bar",
+                "x": (edges[:-1] + edges[1:]) / 2,
+                "y": 100 * counts / counts.sum(),
+                "width": float(edges[1] - edges[0]),
+                **style.place(column),
+                "marker": {"color": colour, "line": {"width": 0}},
+                "hovertemplate": "%{y:.2f} % of the time near %{x:.3g}<extra></extra>",
+            }
+        )
+    titles = [(title, "Time / %" if column == 0 else "") for column, (title, _, _) in enumerate(panels)]
+    return style.figure(traces, height=240, bargap=0, **style.side_by_side_axes(titles, gap=0.06))
+
+
+def speed_rate_hz(recording: Recording) -> float:
+    """The rate at which the speed is taken: 20 Hz, or the recording's own where its samples are rarer."""
+    return min(SPEED_RATE_HZ, recording.mean_rate_hz)
+
+
+def summary(recording: Recording, resistance: bool = False) -> list[tuple[str, str]]:
+    """What a person asks first of a recording: pairs of name and value, in words."""
+    facts = [
+        ("Duration", f"{recording.duration_s / 60:.1f} min"),
+        ("Samples", f"{len(recording):,}".replace(",", " ") + f" at {recording.mean_rate_hz:.1f} Hz"),
+    ]
+    if recording.has(DISPLACEMENT):
+        facts.append(("Gauge length", f"{recording.gauge_length_mm:g} mm"))
+    for title, values, _ in channels_of(recording, resistance):
+        name, unit = title.split(" / ")
+        facts.append((name, span(float(values.min()), float(values.max()), unit)))
+    return facts

@@ -1,0 +1,152 @@
+"""Figures of where a residual sits: over each coordinate, and over strain and strain rate. No files, no fitting."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from gcode.support.arrays import FloatArray
+from gcode.support.figures import histogram_range
+from testbench.report import style
+from testbench.report.figures.comparison_figures import RESIDUAL_TITLES, Overlay
+
+COORDINATE_TITLES = {
+    "strain": "Strain / %",
+    "strain_rate": "Strain rate / %/s",
+    "elapsed_s": "Elapsed time / s",
+    "largest_strain": "Largest strain so far / %",
+    "since_reversal_s": "Since the last reversal / s",
+    "since_hold_s": "Into a hold / s",
+    "cycle": "Cycle",
+    "temperature_C": "Temperature / °C",
+}
+IN_PERCENT = ("strain", "largest_strain", "strain_rate")
+LOG_COORDINATES = ("since_reversal_s", "since_hold_s")
+DIRECTIONS = ((1, "stretching", style.BLUE, "triangle-up"), (-1, "releasing", style.VERMILION, "diamond"))
+HEAT_BINS = 24
+FEW = 8  # cells of a map with fewer samples are left blank
+
+
+def profiles(maps: Mapping[str, Sequence[Mapping[str, Any]]], channel: str) -> style.Figure:
+    """Mean residual over each coordinate with two standard errors, stretching and releasing apart.
+
+    Parameters
+    ----------
+    maps : mapping of coordinate to cells
+        As in ``testbench compare --json``: each cell has low, high, direction, mean, standard_error.
+    channel : str
+        ``force`` or ``conductance``.
+    """
+    shown = [name for name in COORDINATE_TITLES if len(maps.get(name, ())) > 1]
+    columns = 3
+    traces: list[dict[str, Any]] = []
+    for index, coordinate in enumerate(shown):
+        traces += _profile(maps[coordinate], coordinate, index)
+    axes = _grid_axes(shown, columns, channel)
+    count = -(-len(shown) // columns)
+    return style.figure(_legend_once(traces), height=230 * max(count, 1) + 60, **axes)
+
+
+def _profile(cells: Sequence[Mapping[str, Any]], coordinate: str, index: int) -> list[dict[str, Any]]:
+    split = any(cell["direction"] for cell in cells)
+    groups = DIRECTIONS if split else ((0, "both directions", style.INK, "circle"),)
+    traces = []
+    for direction, name, colour, symbol in groups:
+        mine = [cell for cell in cells if cell["direction"] == direction]
+        if not mine:
+            continue
+        traces.append(
+            {
+                "type": "scatter",
+                "mode": "lines+markers",
+                "name": name,
+                "x": np.array([_centre(cell, coordinate) for cell in mine]),
+                "y": np.array([cell["mean"] for cell in mine]),
+                "error_y": {"array": np.array([2 * cell["standard_error"] for cell in mine]), "color": colour},
+                "marker": {"size": 6, "symbol": symbol, "color": colour},
+                "line": {"width": 1, "color": colour},
+                **style.place(index),
+                "hovertemplate": "%{y:.3g} at %{x:.3g}",
+                "showlegend": True,
+            }
+        )
+    return traces
+
+
+def _centre(cell: Mapping[str, Any], coordinate: str) -> float:
+    low, high = float(cell["low"]), float(cell["high"])
+    if coordinate in LOG_COORDINATES:
+        return float(np.sqrt(max(low, high / 20, 1e-3) * max(high, 1e-3)))
+    return (100 if coordinate in IN_PERCENT else 1) * (low + high) / 2
+
+
+def _legend_once(traces: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    seen: set[str] = set()
+    for trace in traces:
+        trace["showlegend"] = trace["name"] not in seen
+        seen.add(trace["name"])
+    return traces
+
+
+def _grid_axes(coordinates: list[str], columns: int, channel: str) -> dict[str, Any]:
+    across, down = style.parts(columns, 0.07), style.rows(-(-len(coordinates) // columns), 0.2)
+    axes = {}
+    for index, coordinate in enumerate(coordinates):
+        row, column = divmod(index, columns)
+        kind = {"type": "log", "dtick": 1} if coordinate in LOG_COORDINATES else {}
+        axes[style.axis_key("xaxis", index)] = style.axis(
+            COORDINATE_TITLES[coordinate], domain=across[column], anchor=style.y_ref(index), **kind
+        )
+        axes[style.axis_key("yaxis", index)] = style.axis(
+            RESIDUAL_TITLES[channel] if column == 0 else "",
+            domain=down[row],
+            anchor=style.x_ref(index),
+            zeroline=True,
+            zerolinecolor=style.FAINT,
+        )
+    return axes
+
+
+def heat_maps(both: Overlay) -> style.Figure:
+    """Mean residual over strain and strain rate, one map a channel: blue where the model is too high."""
+    rate = np.gradient(both.strain, both.time_s)
+    limit = float(np.quantile(np.abs(rate), 0.995)) or 1.0
+    inside = np.abs(rate) <= limit
+    panels = [("Strain / %", "Strain rate / %/s" if i == 0 else "") for i in range(len(both.measured))]
+    traces = []
+    for column, channel in enumerate(both.measured):
+        cells = _heat(100 * both.strain[inside], 100 * rate[inside], both.residual(channel)[inside])
+        bar_x = (1.0 if column == len(both.measured) - 1 else 0.42) + 0.01
+        unit = RESIDUAL_TITLES[channel].rpartition(" / ")[2]
+        bar = {"title": {"text": unit}, "thickness": 10, "outlinewidth": 0, "x": bar_x}
+        traces.append(_heat_map(*cells) | {**style.place(column), "colorbar": bar})
+    axes = style.side_by_side_axes(panels, gap=0.16)
+    notes = [
+        style.note(f"<b>{channel}</b>: measured minus modelled", index * 0.58, 1.0, xanchor="left", yanchor="bottom")
+        for index, channel in enumerate(both.measured)
+    ]
+    return style.figure(traces, height=360, margin={"l": 64, "r": 80, "t": 36, "b": 44}, annotations=notes, **axes)
+
+
+def _heat_map(x: FloatArray, y: FloatArray, z: FloatArray) -> dict[str, Any]:
+    size = float(np.nanquantile(np.abs(z), 0.98)) if np.isfinite(z).any() else 1.0
+    return {
+        "type": "heatmap",
+        "x": x,
+        "y": y,
+        "z": z,
+        "zmin": -size,
+        "zmax": size,
+        "colorscale": style.DIVERGING,
+        "hovertemplate": "strain %{x:.1f} %, rate %{y:.2f} %/s: %{z:.3g}<extra></extra>",
+    }
+
+
+def _heat(x: FloatArray, y: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    counts, x_edges, y_edges = np.histogram2d(x, y, bins=HEAT_BINS, range=(histogram_range(x), histogram_range(y)))
+    sums, _, _ = np.histogram2d(x, y, bins=(x_edges, y_edges), weights=z)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        means = np.where(counts >= FEW, sums / counts, np.nan)
+    return (x_edges[1:] + x_edges[:-1]) / 2, (y_edges[1:] + y_edges[:-1]) / 2, means.T

@@ -1,0 +1,1 @@
+"""A report as a file: one HTML page, Markdown, and its figures as PNG and PDF."""

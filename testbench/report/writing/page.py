@@ -1,0 +1,88 @@
+"""A report as one HTML file that opens anywhere: no server, no network, plotly.js inlined once."""
+
+from __future__ import annotations
+
+from html import escape
+from importlib.resources import files
+from typing import Any
+
+from testbench.report import style
+from testbench.report.document import Facts, Item, Picture, Report, Section, Table
+from testbench.report.writing.packing import plotly_js, to_json
+
+CONTENT_POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:"
+
+
+def to_html(report: Report) -> str:
+    """The whole page.
+
+    Notes
+    -----
+    A content security policy in the page forbids every fetch, so nothing can be loaded from outside even by mistake.
+    """
+    own = files("testbench.report")
+    figures: dict[str, Any] = {picture.name: picture.figure for picture in report.pictures()}
+    figures["config"] = style.CONFIG
+    body = "".join(_section(section) for section in report.sections)
+    links = "".join(f'<a href="#{anchor(section)}">{escape(section.title)}</a>' for section in report.sections)
+    return f"""<!doctype html>
+<html lang="en"><head><meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta http-equiv="Content-Security-Policy" content="{CONTENT_POLICY}">
+<title>{escape(report.title)}</title>
+<style>{own.joinpath("page.css").read_text("utf-8")}</style></head>
+<body><header class="hero">
+<p class="kicker">knitbench report{escape(f" · {report.date}" if report.date else "")}</p>
+<h1>{escape(report.title)}</h1><p class="verdict">{escape(report.verdict)}</p>
+{"".join(_item(item) for item in report.opening)}
+<nav class="contents" aria-label="Contents">{links}</nav></header>
+<main>{body}<footer>{escape(report.footer)}</footer></main>
+<script>{plotly_js()}</script>
+<script type="application/json" id="figures">{_for_script(to_json(figures))}</script>
+<script>{own.joinpath("narrow.js").read_text("utf-8")}</script>
+<script>{own.joinpath("page.js").read_text("utf-8")}</script>
+</body></html>
+"""
+
+
+def anchor(section: Section) -> str:
+    """The id of a section in its page."""
+    return "-".join("".join(c if c.isalnum() else " " for c in section.title.lower()).split())
+
+
+def _for_script(json_text: str) -> str:
+    # "</script>" inside a string would end the element, so the slash is escaped (the same JSON string).
+    return json_text.replace("</", "<\\/")
+
+
+def _facts(facts: Facts) -> str:
+    cells = "".join(
+        f'<div class="tile"><b>{escape(value)}</b><span>{escape(name)}</span></div>' for name, value in facts.pairs
+    )
+    return f'<div class="tiles">{cells}</div>'
+
+
+def _section(section: Section) -> str:
+    items = "".join(_item(item) for item in section.items)
+    return f'<section id="{anchor(section)}"><h2>{escape(section.title)}</h2>{items}</section>'
+
+
+def _item(item: Item) -> str:
+    if isinstance(item, Picture):
+        height = item.figure["layout"]["height"]
+        return (
+            f'<figure><div class="plot" id="{escape(item.name)}" style="height:{height}px" role="img" '
+            f'aria-label="{escape(item.caption)}"></div><figcaption>{escape(item.caption)}</figcaption></figure>'
+        )
+    if isinstance(item, Table):
+        return _table(item)
+    if isinstance(item, Facts):
+        return _facts(item)
+    return f"<p>{escape(item)}</p>"
+
+
+def _table(table: Table) -> str:
+    head = "".join(f"<th>{escape(name)}</th>" for name in table.head)
+    rows = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in table.rows)
+    caption = f"<caption>{escape(table.caption)}</caption>" if table.caption else ""
+    return f'<div class="scroll"><table>{caption}<thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>'

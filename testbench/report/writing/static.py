@@ -1,0 +1,88 @@
+"""Our Plotly figures as PNG, PDF or SVG for a paper, drawn by matplotlib: no browser needed.
+
+It knows what our figures use and no more: lines, markers, filled bands, bars with error bars, heat maps,
+annotations, lines and rectangles, linear and log axes placed by their domain. Anything else is refused by name,
+so that a picture can never lose a part in silence.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from gcode.support.errors import UserError
+from gcode.support.files import atomic_path
+from testbench.report import style
+from testbench.report.writing.static_page import Page
+from testbench.report.writing.static_traces import DRAWERS
+
+FORMATS = ("png", "pdf", "svg")
+WIDTH_PX, DOTS_PER_INCH = 1000, 100
+RC: Any = {"font.family": "sans-serif", "font.size": 9, "svg.hashsalt": "knitbench"}
+
+
+def write_figure(figure: style.Figure, path: str | Path) -> None:
+    """Write one figure; the format follows the suffix of `path`.
+
+    Parameters
+    ----------
+    figure : dict
+        A Plotly figure as plain data.
+    path : path
+        ``.png``, ``.pdf`` or ``.svg``; written atomically.
+
+    Raises
+    ------
+    UserError
+        For another suffix.
+    """
+    suffix = Path(path).suffix.lstrip(".").lower()
+    if suffix not in FORMATS:
+        raise UserError(f"{path}: a figure is written as {', '.join(FORMATS)}; got {suffix or 'no suffix'!r}")
+    drawing = draw(figure)
+    # Fixed metadata: the same figure gives the same bytes.
+    metadata: dict[str, Any] = {"png": {"Software": None}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}[
+        suffix
+    ]
+    from matplotlib import rc_context
+
+    with rc_context(RC), atomic_path(path) as temporary:
+        # Wide tick labels push the axis title out of the page: the page grows as far as needed.
+        drawing.savefig(
+            temporary,
+            dpi=2 * DOTS_PER_INCH,
+            format=suffix,
+            metadata=metadata,
+            bbox_inches="tight",
+            pad_inches=0.05,
+        )
+
+
+def draw(figure: style.Figure):
+    """Draw a figure with matplotlib.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    from matplotlib import rc_context
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    layout = figure["layout"]
+    height_px = layout.get("height", 400)
+    with rc_context(RC):
+        drawing = Figure(figsize=(WIDTH_PX / DOTS_PER_INCH, height_px / DOTS_PER_INCH), facecolor=style.PAPER)
+        FigureCanvasAgg(drawing)
+        page = Page(drawing, layout, WIDTH_PX, height_px)
+        for trace in figure["data"]:
+            DRAWERS[_known(trace)](page.axes_of(trace), trace, page)
+        page.finish(figure["data"])
+    return drawing
+
+
+def _known(trace: dict[str, Any]) -> str:
+    kind = trace.get("type", "scatter")
+    if kind not in DRAWERS:
+        raise UserError(f"figures of type {kind} cannot be drawn without a browser; allowed: {', '.join(DRAWERS)}")
+    return kind

@@ -1,0 +1,47 @@
+"""Writing a report and its figures to disk."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from gcode.support.files import make_folder, write_text
+from testbench.report.document import Report
+from testbench.report.writing.markdown import to_markdown
+from testbench.report.writing.page import to_html
+from testbench.report.writing.static import write_figure
+
+
+def write_report(
+    report: Report, output: str | Path, form: str = "html", figures: str | Path | None = None
+) -> list[str]:
+    """Write the report, and its figures as PNG and PDF where a folder is given.
+
+    Markdown needs its pictures as files, so it gets them beside itself when no folder is named.
+
+    Returns
+    -------
+    list of str
+        What was written, for the user to read.
+    """
+    output = Path(output)
+    if form == "md" and figures is None:
+        figures = output.with_name(f"{output.stem}-figures")
+    written = [] if figures is None else _write_figures(report, Path(figures))
+    if form == "md":
+        assert figures is not None
+        text = to_markdown(report, Path(os.path.relpath(figures, output.parent)).as_posix())
+    else:
+        text = to_html(report)
+    write_text(output, text)
+    return [f"{output} ({output.stat().st_size / 1e6:.1f} MB)", *written]
+
+
+def _write_figures(report: Report, folder: Path) -> list[str]:
+    make_folder(folder)
+    count = 0
+    for picture in report.pictures():
+        for suffix in ("png", "pdf"):
+            write_figure(picture.figure, folder / f"{picture.name}.{suffix}")
+        count += 1
+    return [f"{folder} ({count} figures, each as PNG and PDF)"]

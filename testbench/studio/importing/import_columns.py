@@ -1,0 +1,158 @@
+"""How a file that is imported is written, and the column and unit of each quantity: found, and to be changed."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable
+from functools import partial
+from typing import TYPE_CHECKING
+
+from nicegui import events, ui
+
+from testbench.importing.signs import SIGNED, TURNED
+from testbench.studio.importing.import_form import NOT_THERE, Choices
+from testbench.studio.importing.import_look import (
+    DECIMALS,
+    ENCODINGS,
+    SEPARATORS,
+    THOUSANDS,
+    column_options,
+    known,
+    still_to_say,
+    unit_key,
+    unit_options,
+)
+from testbench.studio.importing.import_words import R0, TITLES, page_words
+
+if TYPE_CHECKING:
+    from testbench.importing.choice import Choice
+    from testbench.importing.sheet import Sheet
+
+
+class Columns:
+    """Fields that change the choices for one file.
+
+    Parameters
+    ----------
+    choices : Choices
+    look : callable
+        Called where the file must be looked at once more.
+    note : callable
+        Called where what the file holds stays the same.
+    """
+
+    def __init__(self, choices: Choices, look: Callable[[], Awaitable[None]], note: Callable[[], None]) -> None:
+        self.choices, self.look, self.note = choices, look, note
+        self.unfolded = False  # what was unfolded stays so when the file is looked at again
+
+    def hints(self) -> None:
+        """How the file is written, each to be changed."""
+        with ui.row().classes("items-center"):
+            for name, label in (("header_row", "Header row"), ("units_row", "Units row")):
+                number = self.choices.hints.get(name)
+                row = ui.number(label, value=number if isinstance(number, int) else None, min=0, format="%.0f")
+                row.props("outlined dense debounce=500 clearable")
+                row.style("width:120px").tooltip("counting from 1; 0: there is none; empty: found")
+                row.on_value_change(partial(self._hinted, name))
+            for name, label, options in (
+                ("separator", "Separator", SEPARATORS),
+                ("decimal", "Decimal sign", DECIMALS),
+                ("thousands", "Thousands", THOUSANDS),
+                ("encoding", "Encoding", ENCODINGS),
+            ):
+                choice = ui.select(options, value=known(options, self.choices.hints.get(name)), label=label)
+                choice.props("outlined dense").style("width:150px")
+                choice.on_value_change(partial(self._hinted, name))
+            if self.choices.path.suffix.lower() in (".xlsx", ".xlsm", ".tdms"):
+                sheet = ui.input("Sheet", value=str(self.choices.hints.get("sheet") or ""))
+                sheet.props("outlined dense debounce=600").style("width:150px")
+                sheet.on_value_change(partial(self._hinted, "sheet"))
+
+    async def _hinted(self, name: str, event: events.ValueChangeEventArguments) -> None:
+        value = int(event.value) if name.endswith("_row") and event.value is not None else event.value
+        self.choices.hints[name] = None if value == "" else value
+        self.choices.columns.clear()
+        await self.look()
+
+    def roles(self, sheet: Sheet, choice: Choice, words: dict[str, str]) -> None:
+        asked = {one.role for one in choice.troubles} | set(choice.taken)
+        if not {"displacement", "strain"} & set(choice.taken):
+            asked |= {"displacement"}
+        shown = [role for role in TITLES if role in asked or role in ("time", "force", "resistance")]
+        for role in shown:
+            self._role(role, sheet, choice, words)
+        if "time" not in choice.taken:
+            rate = ui.number("Sampling rate / Hz", value=self.choices.rate_hz, min=0, format="%.6g")
+            rate.props("outlined dense debounce=500").on_value_change(partial(self._set, "rate_hz"))
+        if {"relative", "relative_change"} & set(choice.taken):
+            ohm = ui.number(R0, value=self.choices.r0_ohm, min=0, format="%.6g")
+            ohm.props("outlined dense debounce=500").on_value_change(partial(self._set, "r0_ohm"))
+        others = ui.expansion("Other quantities, and several clocks").bind_value(self, "unfolded")
+        with others.classes("w-full").props("dense"):
+            for role in TITLES:
+                if role not in shown:
+                    self._role(role, sheet, choice, words)
+            self._clocks(sheet, choice)
+        for note in choice.notes:
+            ui.label(page_words(note)).classes("quiet")
+
+    async def _set(self, name: str, event: events.ValueChangeEventArguments) -> None:
+        setattr(self.choices, name, event.value or None)
+        await self.look()
+
+    def _role(self, role: str, sheet: Sheet, choice: Choice, words: dict[str, str]) -> None:
+        """One quantity: its column, its unit, and a value as it is read."""
+        taken, title = choice.taken.get(role), TITLES[role]
+        with ui.element("div").classes("role"):
+            ui.label(title).style("font-weight:550")
+            value = str(taken.column.number) if taken else NOT_THERE
+            column = ui.select(column_options(sheet), value=value).props("outlined dense")
+            column.props(f"aria-label='Column of {title.lower()}'")
+            column.on_value_change(partial(self._column_chosen, role))
+            unit = ui.select(unit_options(role), value=unit_key(choice, role), label=f"Unit of {title.lower()}")
+            unit.props("outlined dense").set_enabled(taken is not None)
+            unit.on_value_change(partial(self._unit_chosen, role))
+            with ui.row().classes("items-center gap-2"):
+                wrong = still_to_say(choice, role)
+                ui.label(wrong or words.get(role, "")).classes("wrong" if wrong else "")
+                if role in TURNED and taken:
+                    self._repairs(role)
+
+    def _repairs(self, role: str) -> None:
+        for label, marked in (
+            ("Turn the sign", self.choices.negate),
+            ("Count from the first sample", self.choices.zero),
+        ):
+            if marked is self.choices.zero and role not in SIGNED:
+                continue
+
+            def mark(event: events.ValueChangeEventArguments, marked: set[str] = marked) -> None:
+                (marked.add if event.value else marked.discard)(role)
+                self.note()
+
+            box = ui.checkbox(label, value=role in marked, on_change=mark).props("dense")
+            box.classes("text-sm").props(f"aria-label='{label} of the {role}'")
+
+    async def _column_chosen(self, role: str, event: events.ValueChangeEventArguments) -> None:
+        self.choices.set_column(role, None if event.value == NOT_THERE else event.value)
+        await self.look()
+
+    async def _unit_chosen(self, role: str, event: events.ValueChangeEventArguments) -> None:
+        self.choices.units[role] = event.value
+        await self.look()
+
+    def _clocks(self, sheet: Sheet, choice: Choice) -> None:
+        """Where channels have clocks of their own."""
+        for role in ("displacement", "strain", "force", "resistance"):
+            taken = choice.taken.get(role)
+            if taken is None:
+                continue
+            value = str(taken.clock.number) if taken.clock else NOT_THERE
+            options = column_options(sheet) | {NOT_THERE: "(those of time)"}
+            clock = ui.select(options, value=value, label=f"Own times of {role}").props("outlined dense")
+            clock.style("width:320px").on_value_change(partial(self._clock_chosen, role))
+
+    async def _clock_chosen(self, role: str, event: events.ValueChangeEventArguments) -> None:
+        self.choices.clocks.pop(role, None)
+        if event.value != NOT_THERE:
+            self.choices.clocks[role] = event.value
+        await self.look()

@@ -1,0 +1,1 @@
+"""What several pages show: fields, pictures, cards of running work."""

@@ -1,0 +1,99 @@
+"""Fields for numbers that are checked in place: what is wrong with one stands under it, in its own words."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import partial
+
+from nicegui import ui
+from nicegui.elements.mixins.value_element import ValueElement
+from nicegui.events import ValueChangeEventArguments
+
+from gcode.support.errors import UserError
+from testbench.studio.parts.address import Address
+
+
+def number_field(
+    label: str, value: float | None, positive: bool = True, whole: bool = False, optional: bool = False
+) -> ui.number:
+    """A field for a number.
+
+    Parameters
+    ----------
+    label : str
+        With its unit: ``"Duration / min"``.
+    value : float or None
+    positive : bool
+        Only numbers above 0.
+    whole : bool
+        Only whole numbers from 0 on.
+    optional : bool
+        It may be left empty.
+    """
+    name = label.partition(" / ")[0].lower()
+    rules = _rules(name, positive and not whole, whole, optional)
+    field = ui.number(label, value=value, validation=rules).props("outlined dense bottom-slots")
+    return field.style("width:178px").without_auto_validation()
+
+
+def _rules(name: str, positive: bool, whole: bool, optional: bool) -> dict[str, Callable[[float | None], bool]]:
+    rules: dict[str, Callable[[float | None], bool]] = {}
+    if not optional:
+        rules[f"Give the {name}."] = lambda value: value is not None
+    if whole:
+        rules[f"The {name} must be a whole number, 0 or more."] = lambda value: (
+            value is None or (value >= 0 and value == int(value))
+        )
+    if positive:
+        rules[f"The {name} must be more than 0."] = lambda value: value is None or value > 0
+    return rules
+
+
+def asked(where: Address, key: str, otherwise: float | None) -> float | None:
+    """The number that an address asks for; `otherwise` where it asks for none.
+
+    Raises
+    ------
+    UserError
+        If it is no number.
+    """
+    text = where.query.get(key, "")
+    if not text:
+        return otherwise
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise UserError(f"the address asks for {key}={text!r}, which is no number")
+    return int(value) if value == int(value) else value
+
+
+def keep_in(where: Address, **fields: ValueElement) -> None:
+    """Keep what is chosen in `fields` in the address, each under its name, so that a link shows the same choices."""
+
+    def note(key: str, event: ValueChangeEventArguments) -> None:
+        value = event.value
+        where.note(**{key: "" if value is None else f"{value:.12g}" if isinstance(value, float) else str(value)})
+
+    for key, field in fields.items():
+        field.on_value_change(partial(note, key))
+
+
+def check(*fields: ui.number) -> None:
+    """Mark every field that is wrong.
+
+    Raises
+    ------
+    UserError
+        If one is; it repeats what stands under the first.
+    """
+    wrong = [field for field in fields if not field.validate()]
+    if wrong:
+        raise UserError(str(wrong[0].error))
+
+
+def typed(field: ui.number) -> str:
+    """The number as it was typed."""
+    return f"{field.value:.12g}"

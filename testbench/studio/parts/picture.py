@@ -1,0 +1,256 @@
+"""A Plotly figure on a page: drawn when it comes near the screen, drawn again at full detail where it is zoomed."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from importlib.resources import files
+from typing import Any
+
+import numpy as np
+from nicegui import events, ui
+from nicegui.element import Element
+from numpy.typing import NDArray
+
+from gcode.support.errors import UserError
+from testbench.report import style
+from testbench.report.writing.packing import PLOTLY_VERSION, plotly_path, to_json
+
+Drawn = Callable[[float | None, float | None], style.Figure]  # start and end in seconds (None: all) to a figure
+
+PLOTLY_URL = f"/plotly-cartesian-{PLOTLY_VERSION}.min.js"
+YEAR_S = 365 * 24 * 3600
+DRAWN_WITHIN_S = 10.0  # with a browser that does not say that it has drawn: it may sleep, or look elsewhere
+
+
+class Picture(Element, component="picture.js"):
+    """One figure.
+
+    Parameters
+    ----------
+    figure : dict
+        Of `testbench.report`; its arrays travel packed.
+    name : str
+        What a screen reader says of it.
+    """
+
+    def __init__(self, figure: style.Figure, name: str = "") -> None:
+        super().__init__()
+        self.figure = figure
+        self.classes("w-full js-plotly-plot")
+        self._props["role"], self._props["aria-label"] = "img", name or "plot"
+        self._sent_s = -math.inf  # when the figure was sent that the browser has not drawn yet
+        self.on("drawn", self._drawn)
+        self.show(figure)
+
+    def follow(self, figure: style.Figure) -> bool:
+        """Show the next figure of many, unless the browser is still busy with the last: a slow one sees fewer.
+
+        Returns
+        -------
+        bool
+            Whether it was sent.
+        """
+        now_s = time.monotonic()
+        if now_s - self._sent_s < DRAWN_WITHIN_S:
+            return False
+        self._sent_s = now_s
+        self.show(figure)
+        return True
+
+    def _drawn(self) -> None:
+        self._sent_s = -math.inf
+
+    def show(self, figure: style.Figure) -> None:
+        """Put another figure in its place; where the user has zoomed, the zoom stays."""
+        self.figure = figure
+        self.style(f"height:{figure['layout']['height']}px")
+        layout = {"uirevision": "kept", **figure["layout"]}
+        self._props["figure"] = to_json({"data": figure["data"], "layout": layout, "config": style.CONFIG})
+        self.update()
+
+
+def serve_plotly() -> None:
+    """Let the studio's own server hand out plotly.js."""
+    from nicegui import app
+
+    app.add_static_file(local_file=plotly_path(), url_path=PLOTLY_URL, max_cache_age=YEAR_S)
+
+
+def load_plotly() -> None:
+    """Have the page fetch it while everything else is still on its way."""
+    narrow = files("testbench.report").joinpath("narrow.js").read_text("utf-8")
+    ui.add_head_html(f'<script>{narrow}</script><script id="plotly" async src="{PLOTLY_URL}"></script>')
+
+
+def plot(figure: style.Figure, caption: str) -> Picture:
+    """A figure in a card."""
+    with _card(caption):
+        return Picture(figure, caption)
+
+
+@contextmanager
+def _card(caption: str) -> Iterator[ui.row]:
+    """A card for a picture; yields the row below it, which begins with the caption."""
+    with ui.element("figure").classes("card").style("margin:0"):
+        holder = ui.column().classes("w-full gap-0")
+        below = ui.row().classes("items-center justify-between w-full no-wrap gap-4 below")
+        with below, ui.element("figcaption").classes("quiet text-sm"):
+            ui.label(caption)
+        with holder:
+            yield below
+
+
+Span = tuple[float | None, float | None]  # start and end in seconds; None: as far as it goes
+
+
+def zooming_plot(
+    drawn: Drawn,
+    caption: str,
+    time_s: NDArray[np.float64],
+    span: Span = (None, None),
+    on_span: Callable[[Span], None] = lambda span: None,
+) -> ZoomingPlot:
+    """A plot over time that is drawn again at full detail for the stretch that is zoomed into.
+
+    Parameters
+    ----------
+    drawn : callable
+    caption : str
+    time_s : ndarray, shape (n,)
+        Times that there are.
+    span : (start_s, end_s)
+        What it opens on.
+    on_span : callable
+        Told of every stretch that is looked at, for the address.
+
+    Raises
+    ------
+    UserError
+        If it is to open on times that there are not.
+    """
+    ends = float(time_s[0]), float(time_s[-1])
+    wrong = not_there(span, ends)
+    if wrong:
+        raise UserError(f"the address asks for times from {span[0]:g} to {span[1]:g} s; {wrong}")
+    return ZoomingPlot(drawn, caption, ends, span, on_span)
+
+
+def not_there(span: Span, ends: tuple[float, float]) -> str:
+    """Why nothing would be seen of a stretch; empty where something would."""
+    start_s, end_s = span
+    if start_s is None or end_s is None or (start_s < ends[1] and end_s > ends[0]):
+        return ""
+    return f"there is nothing before {ends[0]:.1f} s" if end_s <= ends[0] else f"it ends at {ends[1]:.1f} s"
+
+
+class ZoomingPlot:
+    """The picture and the fields for its stretch."""
+
+    def __init__(
+        self, drawn: Drawn, caption: str, ends: tuple[float, float], span: Span, on_span: Callable[[Span], None]
+    ) -> None:
+        self.drawn, self.span, self._on_span = drawn, span, on_span
+        with _card(caption) as below:
+            self.picture = Picture(looking_at(drawn(*span), span), caption)
+        with below:
+            self._fields = _Stretch(self.look, ends)
+        self._fields.tell(*span)
+        self.picture.on("zoom", self._zoomed)
+
+    def look(self, start_s: float | None, end_s: float | None) -> None:
+        """Zoom to a stretch, as the mouse would."""
+        self.picture.run_method("look", start_s, end_s)
+
+    def draw(self, drawn: Drawn) -> None:
+        """Draw something else over the same stretch."""
+        self.drawn = drawn
+        self._show()
+
+    def _show(self) -> None:
+        # The range goes with the figure: plotly keeps only a range that the mouse has set.
+        self.picture.show(looking_at(self.drawn(*self.span), self.span))
+
+    def _zoomed(self, event: events.GenericEventArguments) -> None:
+        span = zoomed_span(event.args)
+        if span is not None:
+            self.span = span
+            self._fields.tell(*span)
+            self._show()
+            self._on_span(span)
+
+
+def looking_at(figure: style.Figure, span: Span) -> style.Figure:
+    """The figure, opened on a stretch of time."""
+    if span[0] is None or span[1] is None:
+        return figure
+    layout = figure["layout"]
+    return {**figure, "layout": {**layout, "xaxis": {**layout["xaxis"], "range": [span[0], span[1]]}}}
+
+
+class _Stretch:
+    """Fields for the stretch that is looked at: a zoom without a mouse, and to the second."""
+
+    def __init__(self, look: Callable[[float | None, float | None], None], ends: tuple[float, float]) -> None:
+        self.look, self.ends = look, ends
+        with ui.row().classes("items-center gap-2 stretch"):
+            self.start = self._field("From / s")
+            self.end = self._field("to / s")
+            whole = ui.button("All", on_click=lambda: look(None, None))
+            whole.props("flat dense").tooltip("The whole recording")
+        for field in (self.start, self.end):
+            field.on("keydown.enter", self._asked).on("blur", self._left)
+        self._told: Span = (None, None)
+
+    def _field(self, label: str) -> ui.number:
+        return ui.number(label, format="%.6g").props("outlined dense hide-bottom-space").style("width:104px")
+
+    def _left(self) -> None:
+        """A field was left: the other may not have been filled yet."""
+        if self.start.value is not None and self.end.value is not None:
+            self._asked()
+
+    def _asked(self) -> None:
+        start_s, end_s = self.start.value, self.end.value
+        if (start_s, end_s) == self._told:
+            return
+        self._mark(self.start, "from when?" if start_s is None else "")
+        self._mark(self.end, self._wrong_end(start_s, end_s))
+        if start_s is not None and end_s is not None and not self._wrong_end(start_s, end_s):
+            self.look(start_s, end_s)
+
+    def _wrong_end(self, start_s: float | None, end_s: float | None) -> str:
+        if end_s is None:
+            return "to when?"
+        if start_s is not None and start_s >= end_s:
+            return f"before {start_s:g} s"
+        return not_there((start_s, end_s), self.ends)
+
+    def _mark(self, field: ui.number, wrong: str) -> None:
+        field.props(f'error error-message="{wrong}"') if wrong else field.props(remove="error error-message")
+
+    def tell(self, start_s: float | None, end_s: float | None) -> None:
+        """Show the stretch that was chosen with the mouse; None: all."""
+        self._told = (_rounded(start_s), _rounded(end_s))
+        self.start.set_value(self._told[0])
+        self.end.set_value(self._told[1])
+        for field in (self.start, self.end):
+            self._mark(field, "")
+
+
+def _rounded(time_s: float | None) -> float | None:
+    return None if time_s is None else round(time_s, 2)
+
+
+def zoomed_span(change: dict[str, Any]) -> tuple[float | None, float | None] | None:
+    """The stretch of time that a zoom asks for; (None, None) for all, None when the zoom was not along time."""
+    if change.get("xaxis.autorange"):
+        return None, None
+    start, end = change.get("xaxis.range[0]"), change.get("xaxis.range[1]")
+    if start is None and isinstance(change.get("xaxis.range"), list):
+        start, end = change["xaxis.range"]
+    if start is None or end is None:
+        return None
+    return float(start), float(end)

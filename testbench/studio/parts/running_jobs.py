@@ -1,0 +1,81 @@
+"""What is running now, on every page: how far it is, where it is looked at, and its end within reach."""
+
+from __future__ import annotations
+
+import json
+
+from nicegui import ui
+
+from testbench.studio.jobs.job import Job
+from testbench.studio.parts.address import address
+from testbench.studio.parts.job_card import progress_in_words
+from testbench.studio.studio import Studio
+
+REFRESHED_S = 1.0
+PLACES = {
+    "model": "/compare",
+    "diagnose": "/missing",
+    "experiment": "/experiment",
+    "propose": "/propose",
+    "report": "/ladder",
+    "train": "/compensate",
+    "export": "/compensate",
+    "align": "/align",
+    "record": "/record",
+}
+
+
+def running_now(studio: Studio) -> None:
+    """Every job under way, whichever page or tab has started it."""
+    _Running(studio)
+
+
+class _Running:
+    """The list in one tab."""
+
+    def __init__(self, studio: Studio) -> None:
+        self.studio = studio
+        self.shown: list[Job] = []
+        self.words: list[tuple[Job, ui.label]] = []
+        self.holder = ui.column().classes("running gap-1").props("role=region aria-label='Running now'")
+        self._build()
+        self._look()
+        ui.timer(REFRESHED_S, self._look)
+
+    def _look(self) -> None:
+        running = self.studio.jobs.running()
+        if running != self.shown:
+            self.shown = running
+            self._build()
+        for job, words in self.words:
+            words.set_text(progress_in_words(job))
+
+    def _build(self) -> None:
+        self.words = []
+        self.holder.clear()
+        self.holder.set_visibility(bool(self.shown))
+        with self.holder:
+            ui.label("Running now").classes("quiet text-xs")
+            for job in self.shown:
+                self._line(job)
+
+    def _line(self, job: Job) -> None:
+        with ui.row().classes("items-center w-full no-wrap gap-1"):
+            with ui.column().classes("grow gap-0"):
+                where = place_of(job)
+                if where:
+                    ui.link(job.title, where).classes("text-sm")
+                else:
+                    ui.label(job.title).classes("text-sm")
+                self.words.append((job, ui.label().classes("quiet text-xs")))
+            end = ui.button(icon="stop", on_click=lambda: self.studio.jobs.cancel(job))
+            end.props(f"flat dense round size=sm color=accent aria-label={json.dumps('End: ' + job.title)}")
+
+
+def place_of(job: Job) -> str:
+    """The page on which a job is looked at; empty where it has none of its own."""
+    kind, _, campaign = job.key.partition(":")
+    if kind not in PLACES:
+        return ""
+    campaign, _, target = campaign.partition(":") if kind in ("train", "export") else (campaign, "", "")
+    return address(PLACES[kind], c=campaign, target=target)

@@ -1,0 +1,119 @@
+"""Recordings that ended early or were cut off: what is said of them, and how they are gone on with."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from nicegui import ui
+
+from gcode.support.errors import UserError
+from testbench.recordings.manifest import IN_PROGRESS, read_manifest
+from testbench.studio.jobs.job import Job
+from testbench.studio.parts.widgets import attempt
+from testbench.studio.studio import KEY_RECORDING, KEY_RIG, Studio
+from testbench.studio.workspace import Campaign
+
+GROWN_S = 15.0  # a recording that has grown within this time is being written, by whomever
+ENDINGS = {
+    IN_PROGRESS: "The recorder was cut off before the motion was over.",
+    "interrupted": "It was stopped before the motion was over.",
+    "port lost": "The port was lost before the motion was over.",
+    "disk full": "The disk was full before the motion was over.",
+}
+
+
+def is_unfinished(campaign: Campaign) -> bool:
+    """Whether there is more to be recorded; a limit that was passed is an end."""
+    return campaign.origin == "recorded" and campaign.status in ENDINGS
+
+
+def recording_job(studio: Studio, campaign: Campaign) -> Job | None:
+    """The job that is recording this very campaign now."""
+    job = studio.jobs.find(KEY_RECORDING)
+    return job if job and job.running and Path(job.argv[-1]) == campaign.folder else None
+
+
+def is_under_way(studio: Studio, campaign: Campaign) -> bool:
+    """Whether it is being recorded now, by this studio or by a command in a terminal."""
+    if campaign.status != IN_PROGRESS:
+        return False
+    if studio.jobs.last_command(KEY_RECORDING)[-1:] == (str(campaign.folder),):
+        return recording_job(studio, campaign) is not None  # it was our recorder, and of that we know
+    return _grew_lately(campaign.folder / "recording.csv")
+
+
+def _grew_lately(path: Path) -> bool:
+    try:
+        return time.time() - path.stat().st_mtime < GROWN_S
+    except FileNotFoundError:
+        return False
+
+
+def unfinished_card(studio: Studio, campaign: Campaign) -> None:
+    """Say that a recording is unfinished, and offer to go on with it."""
+    with ui.column().classes("trouble gap-2").props("role=status"):
+        with ui.row().classes("items-center gap-2"):
+            ui.label("unfinished").classes("tag bad")
+            ui.label(ENDINGS[campaign.status]).style("font-weight:600")
+        ui.label("Every sample up to then is on disk and is shown below. Resume records the rest into it.")
+        with ui.row().classes("items-center gap-2"):
+            port = ui.input("Port", value=_port_of(campaign)).props("outlined dense").style("width:min(420px, 76vw)")
+            button = ui.button("Resume", icon="fiber_manual_record").props("unelevated color=accent")
+            button.on_click(lambda: attempt(lambda: resume(studio, campaign, port.value or "")))
+
+
+def under_way_card() -> None:
+    """Say that it is being recorded now."""
+    with ui.row().classes("card items-center justify-between").props("role=status"):
+        ui.label("This is being recorded now; what is on disk so far is shown below.")
+        ui.button("Watch it live", icon="sensors", on_click=lambda: ui.navigate.to("/record")).props("unelevated")
+
+
+def resume(
+    studio: Studio, campaign: Campaign, port: str = "", go: Callable[[str], None] = lambda url: ui.navigate.to(url)
+) -> None:
+    """Go on recording into a campaign, and watch it.
+
+    Raises
+    ------
+    UserError
+        If a recording is under way, or what it was recorded from is not there.
+    """
+    running = studio.jobs.find(KEY_RECORDING)
+    if running and running.running:
+        raise UserError(f"{running.title}: this is still under way, and there is one recording at a time")
+    if is_under_way(studio, campaign):
+        raise UserError(
+            f"{campaign.name} has grown in the last {GROWN_S:.0f} s: another program is recording into it"
+        )
+    port = port or _port_of(campaign)
+    if port == str(rig_port(studio)) and not rig_port(studio).exists():
+        raise UserError(
+            "the simulated rig that this was recorded from has ended, and its motion with it; "
+            "record anew, or name another port"
+        )
+    argv = ["testbench", "record", "--resume", "--port", port, "--progress-json", *_compensator_of(studio, campaign)]
+    studio.jobs.start(KEY_RECORDING, f"Recording {campaign.name}", [*argv, "-o", str(campaign.folder)])
+    go("/record")
+
+
+def rig_port(studio: Studio) -> Path:
+    """The port that the simulated rig of this studio hangs on."""
+    return studio.workspace.results(KEY_RIG) / "port"
+
+
+def _port_of(campaign: Campaign) -> str:
+    """The port that it was recorded from."""
+    found, _ = read_manifest(campaign.folder)
+    return str(found.recipe.get("port") or "")
+
+
+def _compensator_of(studio: Studio, campaign: Campaign) -> list[str]:
+    """The option that it was recorded with last, where this studio recorded it with one."""
+    words = list(studio.jobs.last_command(KEY_RECORDING))
+    if words[-1:] != [str(campaign.folder)] or "--compensator" not in words:
+        return []
+    place = words.index("--compensator")
+    return words[place : place + 2]

@@ -1,0 +1,194 @@
+"""Pieces that several pages use: headings, facts, tables, troubles, tabs of a campaign."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import functools
+import inspect
+import json
+from collections.abc import Awaitable, Callable, Iterator, Sequence
+from html import escape
+from typing import Any, TypeVar
+
+from nicegui import ui
+
+from gcode.support.errors import UserError
+from testbench.studio.parts.address import Address, address
+from testbench.studio.studio import Studio
+
+T = TypeVar("T")
+
+LATER_S = 0.3
+TABS = (
+    ("/recording", "Recording"),
+    ("/compare", "Compare"),
+    ("/missing", "Missing effect"),
+    ("/ladder", "Error ladder"),
+    ("/compensate", "Compensate"),
+)
+
+
+def guarded(page: Callable) -> Callable:
+    """Show a `UserError` of a page in its place: errors are read, not thrown."""
+
+    @functools.wraps(page)
+    async def build(*args: Any, **kwargs: Any) -> None:
+        with ui.column().classes("page gap-4"):
+            _ask_before_running(kwargs.get("studio") or args[0])
+            try:
+                result = page(*args, **kwargs)
+                if inspect.isawaitable(result):
+                    await result
+            except UserError as error:
+                trouble(str(error))
+
+    return build
+
+
+def _ask_before_running(studio: Studio) -> None:
+    """Own effects are code, and a workspace may be somebody else's: ask before it is run."""
+    path = studio.effects_file
+    if path is None or studio.runnable_effects is not None:
+        return
+
+    def agree() -> None:
+        studio.agree_to_effects()
+        ui.navigate.reload()
+
+    with ui.column().classes("trouble gap-2").props("role=alert"):
+        ui.label(f"This workspace brings its own effects: {path}. They are Python code and have not been run.")
+        ui.label("Run them only if you know where they come from.").classes("text-sm")
+        with ui.row():
+            ui.button("Look at the code", icon="code", on_click=lambda: ui.navigate.to("/effects")).props("outline")
+            ui.button("Run it", icon="play_arrow", on_click=agree).props("unelevated color=accent")
+
+
+async def aside(function: Callable[..., T], *arguments: Any) -> T:
+    """Work in a thread, so that the other tabs stay alive meanwhile."""
+    return await asyncio.to_thread(function, *arguments)
+
+
+async def attempt(action: Callable[[], Any]) -> Any:
+    """Do something on a click; a `UserError` becomes a message at the screen's edge."""
+    try:
+        result = action()
+        return await result if inspect.isawaitable(result) else result
+    except UserError as error:
+        ui.notify(str(error), type="warning", position="top", multi_line=True, close_button="OK", timeout=12_000)
+        return None
+
+
+def trouble(text: str, remedy: str = "") -> None:
+    """An error in the page, in words."""
+    with ui.row().classes("trouble items-start no-wrap").props("role=alert"):
+        ui.icon("error_outline", size="22px")
+        with ui.column().classes("gap-1"):
+            ui.label(text)
+            if remedy:
+                ui.label(remedy).classes("text-sm")
+
+
+@contextlib.contextmanager
+def invitation(title: str, text: str) -> Iterator[None]:
+    """What an empty page says: what is missing, and the buttons that bring it."""
+    with ui.column().classes("card items-center gap-3").style("padding:44px 20px"):
+        ui.label(title).classes("verdict")
+        ui.label(text).classes("quiet")
+        with ui.row():
+            yield
+
+
+def heading(title: str, under: str = "") -> None:
+    """The page's title and a line under it."""
+    with ui.column().classes("gap-1"):
+        ui.html(f"<h1>{escape(title)}</h1>", sanitize=False)
+        if under:
+            ui.label(under).classes("quiet")
+
+
+def subheading(title: str, under: str = "") -> None:
+    """A heading inside a page."""
+    with ui.column().classes("gap-0"):
+        ui.html(f"<h2>{escape(title)}</h2>", sanitize=False)
+        if under:
+            ui.label(under).classes("quiet text-sm")
+
+
+def facts(pairs: Sequence[tuple[str, str]]) -> None:
+    """A few values at a glance."""
+    cells = "".join(
+        f'<div class="fact"><b>{escape(value)}</b><span>{escape(name)}</span></div>' for name, value in pairs
+    )
+    ui.html(f'<div class="facts">{cells}</div>', sanitize=False).classes("w-full")
+
+
+RESISTANCE = "resistance"
+CONDUCTANCE_OR = {"": "Conductance", RESISTANCE: "Resistance in kΩ"}
+
+
+def quantity_toggle(where: Address) -> None:
+    """Conductance or resistance: the choice is in the address and goes along from tab to tab."""
+    toggle = ui.toggle(CONDUCTANCE_OR, value=where.query.get("show", ""), clearable=False)
+    toggle.props("no-caps dense unelevated aria-label='Conductance or resistance'").classes("quantity")
+    toggle.on_value_change(lambda event: where.go(show=event.value))
+
+
+def table(head: Sequence[str], rows: Sequence[Sequence[str]], caption: str = "") -> None:
+    """A table of text; it scrolls by itself where the screen is narrow."""
+    names = "".join(f"<th scope='col'>{escape(name)}</th>" for name in head)
+    body = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
+    under = f"<caption>{escape(caption)}</caption>" if caption else ""
+    ui.html(
+        f"<table>{under}<thead><tr>{names}</tr></thead><tbody>{body}</tbody></table>", sanitize=False, tag="div"
+    ).classes("table wide" if len(head) > 3 else "table").props("tabindex=0")
+
+
+def campaign_head(name: str, here: str, show: str = "") -> None:
+    """Title and tabs of one campaign; each tab is a deep link."""
+    with ui.row().classes("crumbs gap-2"):
+        ui.link("Campaigns", "/").classes("quiet")
+        ui.icon("chevron_right").classes("quiet")
+        ui.html(f"<h1>{escape(name)}</h1>", sanitize=False)
+    with ui.element("nav").classes("tabs").props("aria-label='Steps'"):
+        for path, title in TABS:
+            link = ui.link(title, address(path, c=name, show=show))
+            if path == here:
+                link.classes("here").props("aria-current=page")
+    ui.run_javascript("document.querySelector('.tabs .here')?.scrollIntoView({block: 'nearest', inline: 'center'})")
+
+
+def later(build: Callable[[], Awaitable[None] | None]) -> None:
+    """Build what is below the first screen a moment later, so that the first screen is there at once."""
+    holder = ui.column().classes("w-full gap-4")
+
+    async def fill() -> None:
+        with holder:
+            result = build()
+            if inspect.isawaitable(result):
+                await result
+
+    ui.timer(LATER_S, fill, once=True)
+
+
+def name_in_page(selector: str, name: str) -> None:
+    """Give a part that its component leaves nameless a name for screen readers, as soon as it is there."""
+    ui.run_javascript(
+        f"const named = () => {{ const parts = document.querySelectorAll({json.dumps(selector)});"
+        f" parts.forEach(e => e.ariaLabel = {json.dumps(name)}); return parts.length; }};"
+        " if (!named()) { const waiting = new MutationObserver(() => named() && waiting.disconnect());"
+        " waiting.observe(document.body, { childList: true, subtree: true }); }"
+    )
+
+
+@contextlib.contextmanager
+def working(what: str) -> Iterator[None]:
+    """Say what is being done while the work below it goes on."""
+    with ui.row().classes("items-center gap-2 quiet").props("role=status") as sign:
+        ui.spinner(size="20px")
+        ui.label(f"{what} …")
+    try:
+        yield
+    finally:
+        with contextlib.suppress(ValueError):  # the page was left meanwhile, and is gone with all that was on it
+            sign.delete()

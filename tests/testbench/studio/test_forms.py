@@ -1,0 +1,122 @@
+"""What a person fills in on a page: it is checked, kept in the address, and asked for where it is missing."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from nicegui import ui
+from nicegui.testing import User
+
+from testbench.studio.parts.address import address
+from testbench.studio.studio import Studio
+from tests.testbench.importing import exports
+from tests.testbench.studio.diagnoses import with_diagnosis
+
+pytestmark = pytest.mark.asyncio
+
+
+async def test_recording_needs_a_program_first(user: User) -> None:
+    await user.open("/record")
+    await user.should_see("No program yet")
+
+
+async def test_a_wrong_field_is_marked_in_its_own_words(user: User, studio: Studio) -> None:
+    await user.open("/plan")
+    user.find("Duration / min").clear()
+    user.find("Speed / mm/s").type("-3")
+    user.find(kind=ui.button, content="Plan").click()
+    await user.should_see("Give the duration.")
+    assert not studio.jobs.jobs
+    fields = {field.props["label"]: field for field in user.find(kind=ui.number).elements}
+    assert fields["Duration / min"].error == "Give the duration."
+    assert fields["Speed / mm/s"].error == "The speed must be more than 0."
+    assert fields["Seed"].error is None
+    assert fields["Speed / mm/s"].props["hint"] == "empty: 4.35 mm/s"
+
+
+async def test_a_plan_that_was_not_made_is_a_sentence(user: User) -> None:
+    await user.open("/plan?program=../../etc")
+    await user.should_see("no plan called")
+
+
+async def test_the_choices_of_a_plan_are_in_its_address(user: User) -> None:
+    await user.open("/plan?motion=fast&seed=7&gauge=40&minutes=2.5&speed=3")
+    fields = numbers(user)
+    assert fields == {
+        "Seed": 7,
+        "Gauge length / mm": 40,
+        "Duration / min": 2.5,
+        "Speed / mm/s": 3,
+        "Acceleration / mm/s²": None,
+        "Travel from / mm": None,
+        "Travel to / mm": None,
+    }
+    user.find("Duration / min").clear().type("4")
+    await user.should_see("Plan and run")
+    for wrong, said in (("seed=soon", "seed='soon', which is no number"), ("motion=dance", "the motion 'dance'")):
+        await user.open(f"/plan?{wrong}")
+        await user.should_see(said)
+
+
+async def test_the_limits_of_an_experiment_are_in_its_address(user: User, fitted: Studio) -> None:
+    with_diagnosis(fitted)
+    await user.open("/experiment?c=sleeve&strain=12&minutes=3")
+    fields = numbers(user)
+    assert fields["Largest strain / %"] == 12
+    assert fields["Duration / min"] == 3
+    assert fields["Speed up to / mm/s"] == 10
+
+
+async def test_a_file_that_an_address_names_is_read_as_it_was_chosen(user: User, tmp_path: Path) -> None:
+    path = tmp_path / "plain.csv"
+    path.write_text("".join(f"{n / 10},{n % 7},{n % 5}\n" for n in range(60)))
+    told = json.dumps({"columns": {"time": "1", "force": "3"}, "units": {"force": "kN"}, "gauge_length_mm": 40})
+    await user.open(address("/import", file=str(path), name="again", chosen=told))
+    await user.should_see("Found: no row of names", retries=100)
+    chosen = {box.props.get("aria-label") or box.props.get("label"): box.value for box in _selects(user)}
+    assert chosen["Column of force"] == "3"
+    assert chosen["Unit of force"] == "kN"
+    assert numbers(user)["Gauge length / mm"] == 40
+    await user.open(address("/import", file=str(path), chosen='{"negate":["overwrite"]}'))
+    await user.should_see("which the import does not know", retries=50)
+
+
+async def test_thousands_show_what_becomes_of_them(user: User, tmp_path: Path) -> None:
+    path = tmp_path / "grouped.csv"
+    path.write_text("Zeit [s];Weg [mm];R [Ohm]\n" + "".join(f"{n},5;{n % 7},5;47.{n:03d}\n" for n in range(60)))
+    await user.open(address("/import", file=str(path)))
+    await user.should_see("no number at the top of the file", retries=100)
+    await user.open(address("/import", file=str(path), chosen='{"hints":{"thousands":"."}}'))
+    await user.should_see("47 000 Ω", retries=100)
+
+
+async def test_clocks_that_cannot_be_told_apart_lead_to_where_they_are_chosen(user: User, tmp_path: Path) -> None:
+    path = tmp_path / "clocks.csv"
+    path.write_text("t_R [s],R [kOhm],t_a [s],Force [N]\n" + "".join(f"{n},40,{n},1.5\n" for n in range(60)))
+    await user.open(address("/import", file=str(path)))
+    await user.should_see("a clock of its own, see “Other quantities, and several clocks”", retries=100)
+
+
+def numbers(user: User) -> dict[str, float | None]:
+    """What stands in every field for a number, by its label."""
+    return {field.props["label"]: field.value for field in user.find(kind=ui.number).elements}
+
+
+def _selects(user: User) -> set[ui.select]:
+    return user.find(kind=ui.select).elements
+
+
+async def test_a_file_is_named_as_in_a_shell(user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path))
+    exports.testxpert(tmp_path)
+    await user.open("/import")
+    user.find("Read the file").click()
+    await user.should_see("“File on this machine” is empty")
+    user.find("File on this machine").type("~nobody-here/testxpert.txt")
+    user.find("Read the file").click()
+    await user.should_see("~nobody-here/testxpert.txt: no such file")
+    user.find("File on this machine").clear().type(" ~/testxpert.txt ")
+    user.find("Read the file").click()
+    await user.should_see("Found: names in row 1", retries=50)

@@ -1,0 +1,166 @@
+"""The pages from a model to what it is missing, and to the experiment, without a browser."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+
+import pytest
+from nicegui.testing import User
+
+import tests.testbench.report.samples as samples
+from testbench.studio import models
+from testbench.studio.parts.picture import Picture
+from testbench.studio.studio import Studio
+from tests.testbench.studio.diagnoses import with_diagnosis
+
+pytestmark = pytest.mark.asyncio
+
+
+@pytest.mark.parametrize("path", ["/compare?c=sleeve", "/ladder?c=sleeve", "/missing?c=sleeve"])
+async def test_a_fitted_campaign_opens_every_step(user: User, fitted: Studio, path: str) -> None:
+    await user.open(path)
+    words = {"/compare": "Where it fails", "/ladder": "Through the history", "/missing": "Find what is missing"}
+    await user.should_see(words[path.partition("?")[0]], retries=50)
+
+
+async def test_candidates_are_ranked_and_ties_are_said(user: User, fitted: Studio) -> None:
+    with_diagnosis(fitted)
+    await user.open("/missing?c=sleeve")
+    await user.should_see("The model is missing stress relaxation")
+    await user.should_see("1. stress relaxation")
+    await user.should_see("2. load cell creep")
+    await user.should_see("tied")
+
+
+async def test_with_nothing_missing_there_is_nothing_to_add_but_a_better_law(user: User, fitted: Studio) -> None:
+    with_diagnosis(fitted, "nothing_missing")
+    await user.open("/missing?c=sleeve")
+    await user.should_see("Nothing is missing that these recordings could show (92 %).")
+    await user.should_see("lie on the dashed line", retries=100)
+    await user.should_not_see("Add stress relaxation")
+    await user.should_not_see("Design the experiment")
+    await user.should_not_see("Use elasticity ogden")
+    path = fitted.workspace.results("sleeve") / "diagnosis.json"
+    path.write_text(json.dumps(json.loads(path.read_text()) | {"other_laws": ["elasticity_ogden"]}))
+    await user.open("/missing?c=sleeve")
+    await user.should_see("The law elasticity ogden suits this sensor better.")
+    await user.should_see("Use elasticity ogden")
+
+
+async def test_a_candidate_is_told_with_formula_source_and_values(user: User, fitted: Studio) -> None:
+    with_diagnosis(fitted)
+    await user.open("/missing?c=sleeve")
+    await user.should_see("Add stress relaxation", retries=100)
+    await user.should_see("F(t) = F_e(t) - fraction")
+    await user.should_see("Source: Fung, Biomechanics")
+    await user.should_see("leaves 38 % of the held-out error")
+    await user.should_see("not worth a refit")
+
+
+async def test_several_that_were_found_are_added_together(user: User, fitted: Studio) -> None:
+    model = json.loads(models.model_path(fitted, "sleeve").read_text())
+    steps = [model["history"][0], *(model["history"][0] | {"step": f"+ {name}"} for name in ("one", "two"))]
+    models.diagnosed_path(fitted, "sleeve").write_text(json.dumps(model | {"history": steps}))
+    found = samples.diagnosis()
+    found["found"] = [found["found"][0], found["found"][0] | {"effect": "slack", "law": "slack"}]
+    (fitted.workspace.results("sleeve") / "diagnosis.json").write_text(json.dumps(found | {"history": steps}))
+    await user.open("/missing?c=sleeve")
+    await user.should_see("Add all that was found: stress relaxation, slack")
+    user.find("Add all that was found").click()
+    await user.should_see("Through the history", retries=50)
+    taken = json.loads(models.model_path(fitted, "sleeve").read_text())["history"]
+    assert [step["step"] for step in taken] == ["baseline", "+ one", "+ two"]
+
+
+async def test_looking_at_a_candidate_shows_its_prediction(user: User, fitted: Studio) -> None:
+    with_diagnosis(fitted)
+    await user.open("/missing?c=sleeve&pick=load_cell_creep")
+    await user.should_see("Add load cell creep", retries=100)
+    await user.should_see("lie on the dashed line")
+
+
+async def test_an_old_diagnosis_is_called_old(user: User, fitted: Studio) -> None:
+    with_diagnosis(fitted)
+    os.utime(fitted.workspace.results("sleeve") / "diagnosis.json", (1, 1))
+    await user.open("/missing?c=sleeve")
+    await user.should_see("The model has changed since this diagnosis.")
+
+
+async def test_the_next_step_is_judged_on_what_the_first_was(fitted: Studio) -> None:
+    assert models.held_out_of(fitted, "sleeve") == models.LAST_THIRD
+    title, argv = models.add_command(fitted, "sleeve", "stress_relaxation")
+    assert title == "Adding stress relaxation and refitting"
+    assert argv[:3] == ["testbench", "add", "stress_relaxation"]
+    assert "--held-out" not in argv
+    data = json.loads(models.model_path(fitted, "sleeve").read_text())
+    shutil.copytree(fitted.workspace.root / "sleeve", fitted.workspace.root / "other")
+    data["held_out"] = str(fitted.workspace.root / "other" / "recording.csv")
+    models.model_path(fitted, "sleeve").write_text(json.dumps(data))
+    assert models.held_out_of(fitted, "sleeve") == "other"
+    _, argv = models.add_command(fitted, "sleeve", "stress_relaxation")
+    assert argv[argv.index("--held-out") + 1] == str(fitted.workspace.root / "other")
+
+
+async def test_what_the_diagnosis_put_in_goes_on_top_of_the_ladder(fitted: Studio) -> None:
+    data = json.loads(models.model_path(fitted, "sleeve").read_text())
+    found = data | {"history": [data["history"][0], data["history"][0] | {"step": "+ slack"}]}
+    models.diagnosed_path(fitted, "sleeve").write_text(json.dumps(found))
+    models.adopt_diagnosed(fitted, "sleeve")
+    models.adopt_diagnosed(fitted, "sleeve")
+    steps = [step["step"] for step in json.loads(models.model_path(fitted, "sleeve").read_text())["history"]]
+    assert steps == ["baseline", "+ slack", "+ slack"]
+
+
+async def test_the_diagnosis_of_each_step_is_kept(user: User, fitted: Studio) -> None:
+    with_diagnosis(fitted)
+    models.keep_diagnosis(fitted, "sleeve")
+    assert models.kept_diagnoses(fitted, "sleeve") == {}, "the step has not been taken yet"
+    path = models.model_path(fitted, "sleeve")
+    data = json.loads(path.read_text())
+    data["history"].append(data["history"][0] | {"step": "+ stress_relaxation"})
+    path.write_text(json.dumps(data))
+    with_diagnosis(fitted, "nothing_missing")
+    kept = models.kept_diagnoses(fitted, "sleeve")
+    assert list(kept) == [1]
+    assert json.loads(kept[1].read_text())["verdict"] == "missing"
+    await user.open("/ladder?c=sleeve")
+    await user.should_see("The diagnosis that led to step 1, stress relaxation", retries=50)
+
+
+async def test_commands_of_a_campaign_are_kept(studio: Studio) -> None:
+    job = studio.jobs.start("model:sleeve", "Help", ["testbench", "--help"])
+    assert job.task
+    await job.task
+    other = studio.jobs.start("effects", "Help", ["testbench", "--version"])
+    assert other.task
+    await other.task
+    assert studio.commands_path("sleeve").read_text().endswith("  testbench --help\n")
+    assert studio.commands_path("sleeve").read_text().count("\n") == 1
+
+
+async def test_tied_effects_lead_to_the_experiment(user: User, fitted: Studio) -> None:
+    with_diagnosis(fitted)
+    await user.open("/missing?c=sleeve")
+    await user.should_see("Design the experiment that tells them apart")
+    await user.open("/experiment?c=sleeve")
+    await user.should_see("Which is it: stress relaxation or load cell creep?")
+
+
+async def test_an_experiment_without_diagnosis_says_what_to_do(user: User) -> None:
+    await user.open("/experiment?c=sleeve")
+    await user.should_see("ask what is missing first")
+
+
+async def test_an_experiment_shows_its_program_and_how_decisive_it_is(user: User, fitted: Studio) -> None:
+    with_diagnosis(fitted)
+    program = fitted.workspace.root / "programs" / "sleeve-experiment"
+    program.mkdir(parents=True)
+    (program / "trajectory.csv").write_text("time_s,position_mm\n0.0,0.0\n0.05,0.1\n0.1,0.2\n")
+    (fitted.workspace.results("sleeve") / "experiment.json").write_text(json.dumps(samples.experiment()))
+    await user.open("/experiment?c=sleeve")
+    await user.should_see("Run “long hold” for 10 min", retries=50)
+    await user.should_see("Download the Mach4 program", retries=50)
+    await user.should_see(Picture, retries=50)
+    assert len(user.find(Picture).elements) == 1
