@@ -1,8 +1,8 @@
 """From the twin: two minutes of measurement with a fitted knit model behind them, and without.
 
-    python benchmarks/bench_twin.py [--trials 5] [-j 2] [--campaigns DIR]
+    python benchmarks/bench_twin.py [--sets 21,22,23,11,12] [--trials 5] [-j 2] [--campaigns DIR]
 
-A trial is one campaign number (simulated sensors: the first 2 min of T) or one window (measured strip: five windows
+A trial is one specimen (simulated sensors: the first 2 min of T) or one window (measured strip: five windows
 of 2 min of its training recording). The baseline model is fitted on those 2 min, as `testbench fit` does. The twin
 fits it again with the memories it lacks, simulates campaigns from it and its near kin, and learns from these and from
 the 2 min. Beside it: the same from the baseline as it is, and without the 2 min among the lessons. All are scored on
@@ -38,7 +38,6 @@ from testbench.recordings.recording import Recording
 
 STRIP = Path(__file__).resolve().parents[1] / "../shared/data/real/cb_silicone_strip"
 STRIP_RUNS = ("cb7.5_s2_multisine_600s", "cb7.5_s2_multisine_300s_a", "cb7.5_s2_random_sawtooth_a")
-NUMBERS = (21, 22, 23, 11, 12)
 SHORT_S = 120.0
 METHODS = ("best of 5", "tuned", "twin", "baseline twin", "twin alone")
 
@@ -51,14 +50,14 @@ class Trial(NamedTuple):
     amplitude: float
 
 
-def trials(sensor: str, folder: Path, count: int) -> Iterator[Trial]:
-    """The trials of one sensor."""
+def trials(sensor: str, folder: Path, numbers: Sequence[int], count: int) -> Iterator[Trial]:
+    """The first `count` trials of one sensor: specimens of these numbers, or windows of the strip."""
     if sensor == "strip":
         long, *tests = (read_recording(STRIP / f"{name}.csv", 40.0) for name in STRIP_RUNS)
         for index in range(count):
             yield Trial(long.between(SHORT_S * index, SHORT_S * (index + 1)), tests, 0.25)
         return
-    for number in NUMBERS[:count]:
+    for number in numbers[:count]:
         long, *tests = campaigns(folder, sensor, runs=TAB, number=number).values()
         yield Trial(long.between(0.0, SHORT_S), tests, 0.3)
 
@@ -89,19 +88,21 @@ def scores(trial: Trial, target: str) -> list[float]:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--sets", default="21,22,23,11,12", help="numbers of the simulated specimens")
     parser.add_argument("--trials", type=int, default=5, choices=range(1, 6))
     parser.add_argument("--campaigns", type=Path, default=Path(tempfile.gettempdir()) / "knitbench-bench")
     parser.add_argument("-j", "--jobs", type=int, default=2)
     parser.add_argument("--sensor", choices=("pes", "lycra", "strip"), action="append", help="default: all three")
     args = parser.parse_args()
     args.campaigns.mkdir(parents=True, exist_ok=True)
-    print(f"mean r2 over A and B after {SHORT_S:g} s of measurement; {args.trials} trials: mean (worst), then each")
+    numbers = [int(number) for number in args.sets.split(",")]
+    print(f"mean r2 over A and B after {SHORT_S:g} s; up to {args.trials} trials: mean (worst), then each")
     print(f"{'sensor':6} {'target':12}" + "".join(f" {name:>16}" for name in METHODS) + "  twin less tuned, each")
     for sensor in args.sensor or ("pes", "lycra", "strip"):
         if sensor == "strip" and not STRIP.is_dir():
             continue
         for target in TARGETS:
-            cases = trials(sensor, args.campaigns, args.trials)
+            cases = trials(sensor, args.campaigns, numbers, args.trials)
             found = np.array(Parallel(n_jobs=args.jobs)(delayed(scores)(trial, target) for trial in cases))
             cells = [f"{column.mean():.3f} ({column.min():.3f})" for column in found.T]
             gains = " ".join(f"{gain:+.2f}" for gain in found[:, 2] - found[:, 1])

@@ -112,8 +112,9 @@ def cross_validation_table(recipe: Mapping[str, Any], unit: str) -> str:
     lines.append(f"  expect r2 {promise['r2']:.3f} ({low:.3f} to {high:.3f}); raw {promise['raw_r2']:.3f}")
     if not promise["whole_recordings"]:
         lines.append(
-            "  for this motion and day: another recording may begin at another level and gain; fewer than three "
-            "cannot show it: give more, or `compensation recalibrate`"
+            f"  for this motion and day; with the gain and zero of another day or specimen about r2 "
+            f"{promise['r2_elsewhere']:.2f}: fewer than three recordings cannot show it, give more, or "
+            "`compensation recalibrate`"
         )
     if recipe["chosen"] == "line":
         lines.append("  nothing is better than a straight line here, so that is what you get")
@@ -162,8 +163,8 @@ def parse_factors(text: str) -> tuple[float, ...]:
     return factors
 
 
-def finish(args: argparse.Namespace, scores: dict[str, Any], note: str) -> int:
-    """Print the score, as a table or JSON, and draw it where asked."""
+def finish(args: argparse.Namespace, scores: dict[str, Any], note: str, table: bool = True) -> int:
+    """Print the score, as a table (unless the note says it all) or as JSON, and draw it where asked."""
     import json
 
     if args.plot:
@@ -171,5 +172,6 @@ def finish(args: argparse.Namespace, scores: dict[str, Any], note: str) -> int:
 
         draw_scores(scores, args.plot)
         note = f"{note}\nwrote {args.plot}".strip()
-    print(json.dumps(scores) if args.json else "\n".join(filter(None, [score_table(scores), note])))
+    shown = score_table(scores) if table else ""
+    print(json.dumps(scores) if args.json else "\n".join(filter(None, [shown, note])))
     return 0

@@ -56,7 +56,10 @@ def run(args: argparse.Namespace) -> int:
     for flag in Status:
         share = float(np.mean(found.status & int(flag) != 0))
         if share and flag != Status.STARTING:
-            print(f"  {share:.1%} {WORDS[flag.name or '']} (status {int(flag)})")
+            print(f"  {_percent(share)} {WORDS[flag.name or '']} (status {int(flag)})")
+    good = found.status & int(Status.BAD_READING | Status.BAD_STEP) == 0
+    if good.any() and (found.status[good] & int(Status.UNSEEN_READING)).all():
+        print(NOTHING_KNOWN)
     print(f"wrote {args.output}")
     return 0
 
@@ -73,6 +76,14 @@ def _check_target(args: argparse.Namespace, compensator: Compensator) -> None:
             )
 
 
+def _percent(share: float) -> str:
+    return f"{share:.1%}" if share >= 0.0005 else "under 0.1%"
+
+
+NOTHING_KNOWN = (
+    "  no sample has a conductance that the training had: is resistance_ohm in ohm, and the sensor one of the kind "
+    "that was trained on?"
+)
 WORDS = {
     "BAD_READING": "with a resistance that is no positive number: the last value is repeated",
     "BAD_STEP": "with a time that is out of order: the last value is repeated",

@@ -83,11 +83,13 @@ def run(args: argparse.Namespace) -> int:
         f"{compensator.parameter_count} parameters, {recipe['dead_networks']} of {recipe['restarts']} starts dead"
         f"\nwrote {args.output}"
     )
-    if "cross_validated" in recipe:
+    cross_validated = "cross_validated" in recipe
+    if cross_validated:
         note = f"{cross_validation_table(recipe, compensator.unit)}\n{note}"
     if recipe["dead_networks"] == recipe["restarts"]:
         note += "\nwarning: the network is dead, its output hardly moves: give another --seed or more --restarts"
-    return finish(args, score_recordings(compensator, recordings), note)
+    # Where there is what was predicted unseen, a score of what was learned by heart would only mislead.
+    return finish(args, score_recordings(compensator, recordings), note, table=not cross_validated)
 
 
 def _implied(args: argparse.Namespace) -> str:

@@ -27,10 +27,11 @@ from compensation.series.preprocessing import Series
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
 
-# Time steps within which a float32 knows them well; a longer pause is a new start.
-SHORTEST_STEP_S, LONGEST_STEP_S = 1e-6, 3600.0
-# What a float32 holds as a normal number.
-SMALLEST_CONDUCTANCE_S, LARGEST_CONDUCTANCE_S = 1e-37, 3e38
+# Limits are numbers that single and double precision hold alike, so that all runtimes refuse the same samples.
+# About a microsecond, and an hour: a longer pause is a new start.
+SHORTEST_STEP_S, LONGEST_STEP_S = 2.0**-20, 3600.0
+# What single precision holds as a normal number (about 1e-37 to 1.7e38).
+SMALLEST_CONDUCTANCE_S, LARGEST_CONDUCTANCE_S = 2.0**-123, 2.0**127
 # Where no range is known: standard deviations that a float32 can square.
 UNKNOWN_LIMIT = 1e6
 

@@ -86,14 +86,18 @@ def train_automatically(
     scale = compensator.scaling_out.scale
     tried = {name: figures(truth, values, scale) for name, values in predictions.items()}
     residual = (truth - predictions[chosen]) * scale
-    margins = margins_of(residual, folds, [len(part) for part in series], lambda: wander(compensator, series))
+    whole_recordings = len(series) >= GROUPS_FROM
+    off = None if whole_recordings else wander(compensator, series)
+    margins = margins_of(residual, folds, [len(part) for part in series], off)
     promise = tried[chosen] | {
         "r2_interval": list(_interval(truth, predictions[chosen], series)),
         "raw_r2": float(np.mean([score.r2_before(p.truth, p.conductance_S, compensator.sign) for p in series])),
         "line_r2": tried["line"]["r2"],
         "folds": int(folds.max()) + 1,
-        "whole_recordings": len(series) >= GROUPS_FROM,
+        "whole_recordings": whole_recordings,
     }
+    if off is not None:
+        promise["r2_elsewhere"] = elsewhere(residual, off, scale)
     recipe = dict(compensator.recipe) | {
         "chosen": chosen,
         "weights": weights,
@@ -146,17 +150,31 @@ def stacked(predictions: Mapping[str, FloatArray], truth: FloatArray, folds: NDA
 
 
 def margins_of(
-    residual: FloatArray, folds: NDArray[np.int64], lengths: Sequence[int], changes: Callable[[], FloatArray]
+    residual: FloatArray, folds: NDArray[np.int64], lengths: Sequence[int], off: FloatArray | None
 ) -> tuple[float, float]:
     """Ends of the interval for an error to come, from whole recordings where there are enough, else from parts.
 
-    `changes` gives what `wander` says; it is asked for with parts alone.
+    `off` is what `wander` says, where parts are what there is.
     """
-    if len(lengths) >= GROUPS_FROM:
+    if off is None:
         return of_another(np.split(residual, np.cumsum(lengths)[:-1]))
     parts = [folds == number for number in np.unique(folds)]
-    off = changes()
     return of_one_recording([residual[rows] for rows in parts], [off[:, rows] for rows in parts])
+
+
+def elsewhere(residual: FloatArray, off: FloatArray, scale: float) -> float:
+    """Ordinary r2 to be expected where gains and zeros are off as on another day or specimen.
+
+    Parameters
+    ----------
+    residual : ndarray, shape (n,)
+        Errors of cross-validation, in the target's unit.
+    off : ndarray, shape (k, n)
+        What `wander` says; the numbers behind it are independent, so their squares add up.
+    scale : float
+        Standard deviation of the target.
+    """
+    return float(1.0 - (np.mean(residual**2) + np.mean(off**2, axis=1).sum()) / scale**2)
 
 
 def figures(truth: FloatArray, prediction: FloatArray, scale: float) -> dict[str, float]:

@@ -149,6 +149,22 @@ def predicting(folder):
     return ["predict", str(folder / "r.csv"), "--compensator", compensator, "-o", out]
 
 
+def test_a_resistance_in_another_unit_is_asked_about(compensator, recordings, tmp_path, capsys):
+    """Not one conductance of the training: kiloohm in a column of ohm."""
+    compensator_files.save(tmp_path / "c.json", compensator)
+    for factor, asked in ((1.0, False), (1e-3, True)):
+        part = recordings[1].between(0, 60)
+        resistance_ohm = factor * part["resistance_ohm"]
+        resistance_ohm[7] = -1.0
+        pd.DataFrame({"time_s": part.time_s, "resistance_ohm": resistance_ohm}).to_csv(
+            tmp_path / "r.csv", index=False
+        )
+        assert main(predicting(tmp_path)) == 0
+        printed = capsys.readouterr().out
+        assert ("is resistance_ohm in ohm" in printed) == asked
+        assert "under 0.1% with a resistance that is no positive number" in printed
+
+
 def test_another_target_or_unit_is_refused(compensator, recordings, tmp_path, capsys):
     compensator_files.save(tmp_path / "c.json", compensator)
     write_recording_csv(tmp_path / "r.csv", recordings[1])

@@ -16,7 +16,13 @@ from compensation.export.export_onnx import write_onnx
 from compensation.export.onnx_stream import OnnxStream
 from compensation.memories.history import History
 from compensation.model import files as compensator_files
-from compensation.model.runtime import LONGEST_STEP_S, Status
+from compensation.model.runtime import (
+    LARGEST_CONDUCTANCE_S,
+    LONGEST_STEP_S,
+    SHORTEST_STEP_S,
+    SMALLEST_CONDUCTANCE_S,
+    Status,
+)
 from compensation.model.streaming import CompensatorStream
 from compensation.training.options import Options
 from compensation.training.training import train
@@ -152,6 +158,28 @@ def test_chip_and_onnx_do_the_same(compensator, recordings, on_chip, in_onnx):
         np.testing.assert_allclose(theirs, values, atol=1e-5 * compensator.scaling_out.scale)
         # Single precision may see the edge of a range on the other side.
         assert np.mean([one != two for one, two in zip(flags, said, strict=True)]) < 0.002
+
+
+@needs_gcc
+def test_every_runtime_has_the_same_limits(compensator, on_chip, in_onnx):
+    """The single-precision numbers on, below and above each limit; a microsecond is a step like any other."""
+
+    def near(limit: float) -> list[float]:
+        ends = (np.float32(-np.inf), np.float32(np.inf))
+        one = np.float32(limit)
+        return [float(one), *(float(np.nextafter(one, end)) for end in ends)]
+
+    usual = compensator.scaling_in.mean
+    readings = [(one, 0.05) for limit in (SMALLEST_CONDUCTANCE_S, LARGEST_CONDUCTANCE_S) for one in near(limit)]
+    steps = [(usual, one) for limit in (SHORTEST_STEP_S, LONGEST_STEP_S) for one in near(limit)]
+    samples = [(usual, 0.05), *readings, *steps, (usual, 1e-6)]
+    _, flags = fed(CompensatorStream(compensator), samples)
+    refused = [flag & FAULTS for flag in flags]
+    good, reading, step = Status.GOOD, Status.BAD_READING, Status.BAD_STEP
+    lowest, highest = (lambda fault: [good, fault, good]), (lambda fault: [good, good, fault])
+    assert refused == [good, *lowest(reading), *highest(reading), *lowest(step), *highest(step), good]
+    for other in (on_chip, in_onnx):
+        assert [flag & FAULTS for flag in other(samples)[1]] == refused
 
 
 anything = st.one_of(

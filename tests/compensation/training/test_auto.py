@@ -50,6 +50,7 @@ def test_it_beats_the_line_on_a_knit_and_says_by_how_much(trained, series):
     assert set(tried) == {"line", "ridge", "paper", "networks", "stack"}
     assert trained.recipe["chosen"] == "stack"
     assert promise["r2"] == tried["stack"]["r2"] > tried["line"]["r2"]
+    assert 0.0 < promise["r2_elsewhere"] < promise["r2_ordinary"]
     assert promise["r2"] > max(row["r2"] for row in tried.values()) - 0.01
     assert trained.parameter_count <= 1500
     held_out = [score.r2(part.truth, trained.predict_series(part)) for part in series[1:]]
@@ -203,6 +204,10 @@ def test_ridge_is_scikit_learns(series):
     assert Sums.of(lesson, rows).error(weights, bias) == pytest.approx(squares, rel=1e-6)
 
 
+def promise_of(path) -> dict[str, float]:
+    return compensator_files.load(path).recipe["cross_validated"]
+
+
 def test_it_is_the_default_and_prints_what_it_tried(recordings, tmp_path, capsys):
     write_recording_csv(tmp_path / "r.csv", recordings[0])
     out = tmp_path / "c.json"
@@ -210,6 +215,9 @@ def test_it_is_the_default_and_prints_what_it_tried(recordings, tmp_path, capsys
     printed = capsys.readouterr().out
     for words in ("cross-validated on 5 contiguous parts", "<- chosen", "expect r2", "ordinary", "fewer than three"):
         assert words in printed
+    assert f"of another day or specimen about r2 {promise_of(out)['r2_elsewhere']:.2f}" in printed
+    # What was learned by heart is no figure to print beside what was predicted unseen.
+    assert "training " not in printed.split("cross-validated on")[0]
     trained = compensator_files.load(out)
     assert trained.margins is not None
     assert f"{len(trained.networks)} network(s) with hidden layers" in printed

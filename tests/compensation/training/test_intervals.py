@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from compensation.series import score
 from compensation.series.preprocessing import series_of
-from compensation.training.auto import margins_of
+from compensation.training.auto import elsewhere, margins_of
 from compensation.training.intervals import of_another, of_one_recording
 from compensation.training.options import Options
 from compensation.training.recalibration import SPREADS, wander
@@ -47,7 +48,7 @@ def test_of_one_recording_it_is_the_widest_part() -> None:
     rng = np.random.default_rng(0)
     folds = np.repeat([0, 1], 20_000)
     errors = rng.standard_normal(40_000) * np.where(folds == 0, 1.0, 3.0)
-    low, high = margins_of(errors, folds, [40_000], lambda: np.zeros((4, 40_000)))
+    low, high = margins_of(errors, folds, [40_000], np.zeros((4, 40_000)))
     assert (-low, high) == pytest.approx((3 * 1.645, 3 * 1.645), rel=0.05)
 
 
@@ -60,6 +61,18 @@ def test_of_one_recording_it_knows_how_far_others_wander() -> None:
         rng.standard_normal(20_000) + 1.5 * rng.standard_normal(20_000) + 2.0 * value * rng.standard_normal(20_000)
     )
     assert np.mean((low <= another) & (another <= high)) == pytest.approx(0.90, abs=0.01)
+
+
+def test_what_to_expect_elsewhere_is_what_draws_of_gain_and_zero_leave() -> None:
+    """A prediction with an error of its own, off by a zero and by a gain that are drawn again and again."""
+    rng = np.random.default_rng(0)
+    truth = 2.0 * rng.standard_normal(2000)
+    errors, off = 0.5 * rng.standard_normal(2000), np.stack([np.full(2000, 0.6), 0.3 * truth])
+    drawn = [
+        score.r2_ordinary(truth, truth - errors - zero * off[0] - gain * off[1])
+        for zero, gain in rng.standard_normal((4000, 2))
+    ]
+    assert elsewhere(errors, off, float(truth.std())) == pytest.approx(np.mean(drawn), abs=0.01)
 
 
 def test_what_wanders_is_the_prior_of_recalibration(recordings) -> None:
@@ -75,6 +88,5 @@ def test_what_wanders_is_the_prior_of_recalibration(recordings) -> None:
 def test_folds_of_several_recordings_are_told_apart() -> None:
     rng = np.random.default_rng(0)
     three = [rng.standard_normal(1000) + level for level in (-1.0, 0.0, 1.0)]
-    assert margins_of(
-        np.concatenate(three), np.zeros(3000, dtype=int), [1000] * 3, lambda: np.zeros((4, 3000))
-    ) == of_another(three)
+    found = margins_of(np.concatenate(three), np.zeros(3000, dtype=int), [1000] * 3, None)
+    assert found == of_another(three)

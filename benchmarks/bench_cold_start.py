@@ -1,0 +1,78 @@
+"""What switching on in mid-use costs: the error from 1 to 20 s after that, over that of one which ran all along.
+
+    python benchmarks/bench_cold_start.py [--sets 901,902] [--kinds pes,lycra,others,further] [--campaigns DIR]
+
+`auto` learns from campaign T of a specimen, or from the first recording of a measured pair (`compensator_cases`). On
+the next recording it is switched on at 40 moments, drawn evenly after the first minute. Both root mean squares are
+over the same samples. The goal is a ratio of 1.5 at most.
+"""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from compensator_cases import Case, real, simulated
+from compensator_rivals import seed_of
+
+from compensation.model.compensator import Compensator
+from compensation.series.preprocessing import Series, series_of
+from compensation.training.auto import train_automatically
+from compensation.training.options import Options
+
+RATE_HZ, MOMENTS = 20.0, 40
+# In samples: where moments begin, what is looked at after each, and what of it is left out.
+AFTER, LOOKED_AT, LEFT_OUT = 1200, 400, 20
+GOAL = 1.5
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--sets", default="901,902", help="numbers of the simulated specimens")
+    parser.add_argument("--kinds", default="pes,lycra,others,further", help="only these sensors")
+    parser.add_argument("--campaigns", type=Path, default=Path(tempfile.gettempdir()) / "knitbench-bench")
+    args = parser.parse_args()
+    args.campaigns.mkdir(parents=True, exist_ok=True)
+    numbers, kinds = [int(number) for number in args.sets.split(",")], args.kinds.split(",")
+    cases = [case for case in simulated(args.campaigns, numbers) if case.kind in kinds] + real(args.kinds)
+    print(f"{'':66} cold / running")
+    ratios = []
+    for case in cases:
+        for target in case.targets:
+            for ratio in _ratio(case, target):
+                ratios.append(ratio)
+                print(f"{case.name[:50] + ', ' + target:66} {ratio:.2f}", flush=True)
+    if ratios:
+        print(
+            f"{len(ratios)} rows: median {np.median(ratios):.2f}, largest {max(ratios):.2f}, "
+            f"{sum(ratio > GOAL for ratio in ratios)} above {GOAL}"
+        )
+
+
+def _ratio(case: Case, target: str) -> Iterator[float]:
+    """Cold over running error on the first test of a case; nothing where that is too short."""
+    learned, (part, *_) = ([series_of(one, target, RATE_HZ) for one in half] for half in case.load())
+    if len(part) < AFTER + 2 * LOOKED_AT:
+        return
+    trained = train_automatically(learned, target, Options(seed=seed_of(case.name, target)))
+    yield cold_over_running(replace(trained, start="causal"), part)
+
+
+def cold_over_running(compensator: Compensator, part: Series) -> float:
+    """Ratio of the two errors, each a root mean square over the same samples."""
+    running = compensator.predict_series(part) - part.truth
+    cold, warm = [], []
+    for begin in np.random.default_rng(0).integers(AFTER, len(part) - LOOKED_AT, MOMENTS):
+        rows = np.arange(begin, begin + LOOKED_AT)
+        fresh = compensator.predict_series(part.rows(rows)) - part.truth[rows]
+        cold.append(np.mean(fresh[LEFT_OUT:] ** 2))
+        warm.append(np.mean(running[rows][LEFT_OUT:] ** 2))
+    return float(np.sqrt(np.mean(cold) / np.mean(warm)))
+
+
+if __name__ == "__main__":
+    main()
