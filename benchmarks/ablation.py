@@ -39,6 +39,7 @@ JUDGING = (
     "LEAST_MISFIT",
     "MOST_LEFT",
 )
+EVERY = tuple(name for name, value in vars(constants).items() if name.isupper() and isinstance(value, int | float))
 MISFIT = ("INEXACT", "LEAST_MISFIT")  # those that enter the evidences, too
 TIMES = (0.5, 2.0)
 SHOWN = (
@@ -130,7 +131,9 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, nargs="+", default=[0], help="of the sensors")
     parser.add_argument("--minutes", type=float, default=6.0, help="length of each recording (6)")
     parser.add_argument("--limit", type=int, help="stop after so many cases")
-    parser.add_argument("--search", nargs="*", default=[], metavar="CONSTANT", help="search anew with these changed")
+    parser.add_argument(
+        "--search", nargs="*", default=[], choices=EVERY, metavar="CONSTANT", help="search anew with these changed"
+    )
     parser.add_argument("--results", type=Path, required=True, help="JSON lines to append to and to resume from")
     parser.add_argument("--report", action="store_true", help="only the tables of what is there")
     args = parser.parse_args()

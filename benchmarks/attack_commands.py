@@ -47,7 +47,9 @@ COMMANDS = {
     "gcode fit": "--v-mean 0 --v-sd 1 --a-mean 0 --a-sd 10 -o {out}",
     "testbench fit": "{recording} --gauge-length-mm 25 --model {model} --held-out {recording} -o {out}",
     "testbench compare": "{recording} --model {model} --gauge-length-mm 25",
-    "testbench diagnose": "{recording} --gauge-length-mm 25 --held-out {recording} --model {model} --json {out}",
+    "testbench diagnose": "{recording} {second} --held-out {third} --gauge-length-mm 25 --rest-s 60 "
+    "--clamp-play-mm 0.3 --repeat 1 --quiet --json {out}",
+    "testbench diagnose ": "{recording} --gauge-length-mm 25 --held-out {second} --model {model} --json {out}",
     "testbench propose": "{recording} --gauge-length-mm 25 --model {model} --quiet -o {law}",
     "testbench add": "hysteresis --model {model} --fit {recording} --gauge-length-mm 25 -o {out}",
     "testbench ladder": "{model}",
@@ -140,7 +142,9 @@ def good_files(folder: Path) -> dict[str, Path]:
     paths |= {name: folder / f"{name}.json" for name in ("model", "rival", "diagnosis", "score", "compensator")}
     paths |= {"recording": folder / "recording.csv", "effects": folder / "effects.py", "law": folder / "law.py"}
     paths |= {name: folder / name for name in ("campaign", "unfinished", "investigation")}
-    write_csv(record(truth(), 30), paths["recording"])
+    paths |= {name: folder / f"{name}.csv" for name in ("second", "third")}
+    for seed, name in enumerate(("recording", "second", "third")):
+        write_csv(record(truth(), 30, seed=seed), paths[name])
     for command in MADE_BY:
         sub, *words = command.format(**paths).split()[1:]
         with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()) as said:
@@ -297,7 +301,9 @@ class Attack:
         good = good_files(folder)
         bad = wrong_files(folder / "zoo", good)
         self.cases = list(cases(only, good, bad, folder / "out"))
-        self._kept = Kept(folder, [good[name] for name in ("recording", "campaign", "investigation")])
+        self._kept = Kept(
+            folder, [good[name] for name in ("recording", "second", "third", "campaign", "investigation")]
+        )
 
     def fault(self, case: Case) -> str:
         """What is wrong with how a case ends; empty if nothing is."""

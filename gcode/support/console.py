@@ -20,6 +20,7 @@ from collections.abc import Callable, Sequence
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any, NoReturn, TextIO, cast
 
+from gcode.support import streams
 from gcode.support.errors import UserError, first_problem
 
 # The folder that a command is started in may be a stranger's. Python looks for modules there in each process that we
@@ -66,17 +67,24 @@ def build_parser(prog: str, description: str, package: str, commands: Sequence[s
 
 def main(prog: str, description: str, package: str, commands: Sequence[str], argv: Sequence[str] | None) -> int:
     """Run one sub-command; bad input becomes one sentence on stderr and exit code 2."""
+    streams.make_ready()
     for name, value in KEPT_OUT.items():
         os.environ.setdefault(name, value)
     words = list(sys.argv[1:] if argv is None else argv)
     # Only the called sub-command is imported; --help needs them all.
     chosen = [words[0]] if words and words[0] in commands else list(commands)
-    args = build_parser(prog, description, package, chosen).parse_args(words)
+    with contextlib.redirect_stderr(cast(TextIO, streams.Remarks(sys.stderr))):
+        return _run(build_parser(prog, description, package, chosen).parse_args(words), words)
+
+
+def _run(args: argparse.Namespace, words: Sequence[str]) -> int:
     try:
         check_words(words)
         check_apart(args)
         with contextlib.redirect_stdout(cast(TextIO, _Printable(sys.stdout))):
-            return int(args.run(args) or 0)
+            code = int(args.run(args) or 0)
+            sys.stdout.flush()  # here, where it is known what to do if nobody takes it
+        return code
     except UserError as error:
         return _fail(args.command, str(error))
     except KeyboardInterrupt:

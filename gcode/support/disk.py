@@ -99,6 +99,15 @@ def open_growing(path: Path) -> int:
     return handle
 
 
+def append(path: Path, text: str) -> None:
+    """Append a text to a file of its own; see `open_growing`."""
+    handle = open_growing(path)
+    try:
+        write_all(handle, text.encode(errors="backslashreplace"))
+    finally:
+        DISK.close(handle)
+
+
 def sync_quietly(folder: Path) -> None:
     """Sync a folder's names where the file system can; some network file systems cannot."""
     with contextlib.suppress(OSError):

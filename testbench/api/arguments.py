@@ -12,7 +12,7 @@ import numpy as np
 
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
-from testbench.fitting.measurement import MAX_GRID_HZ
+from testbench.fitting.measurement import MAX_GRID_HZ, MIN_PART
 from testbench.fitting.model_file import ModelFile, check_same_set_up, load_model_file
 from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.knit.effect import Effect
@@ -20,7 +20,7 @@ from testbench.knit.model import KnitModel
 from testbench.knit.presets import names as preset_names
 from testbench.knit.presets import preset
 from testbench.recordings.channels import TIME
-from testbench.recordings.doubts import check_gap, check_grid, say_sign
+from testbench.recordings.doubts import check_gap, check_grid, say_if_same, say_sign
 from testbench.recordings.files import read_recording
 from testbench.recordings.recording import Recording
 
@@ -145,7 +145,8 @@ def recordings_for(
         check_same_set_up(file, first, model if isinstance(model, str | Path) else "model")
     second = None if held_out is None else recording_of(held_out, gauge_length_mm)
     if second is not None:
-        check_grid(second, first, MAX_GRID_HZ)
+        check_grid([second], first, MAX_GRID_HZ, MIN_PART)
+        say_if_same(second, first)
     return first, second, clamp_play_mm or (file.clamp_play_mm if file and second else 0.0)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -25,8 +25,11 @@ from testbench.api.model_result import ModelResult
 from testbench.api.progress import Tell, telling
 from testbench.diagnosis.diagnosis import REST_S, Diagnosis
 from testbench.diagnosis.words import diagnosis_table, first_line
+from testbench.fitting.measurement import MAX_GRID_HZ, MIN_PART
 from testbench.fitting.model_file import ModelFile
 from testbench.fitting.result_files import checked_diagnosis, read_diagnosis
+from testbench.recordings.doubts import check_grid, same
+from testbench.recordings.recording import Recording
 from testbench.report import style
 
 if TYPE_CHECKING:
@@ -197,9 +200,29 @@ def diagnose(
         raise UserError("recording: must be one or more, got none")
     first, held, play_mm = recordings_for(model, given, sources[0], held_out, gauge_length_mm, clamp_play_mm)
     more = [recording_of(one, first.gauge_length_mm) for one in sources[1:]]
+    check_one_history([first, *more], held, rest_s)
     with telling(progress) as tell:
         found = core.diagnose([first, *more], held, given, catalogue, tell, most, play_mm, rest_s)
     return DiagnosisResult(found)
+
+
+def check_one_history(recordings: Sequence[Recording], held: Recording | None, rest_s: float) -> None:
+    """Refuse several recordings that cannot be one history: one that is given twice, or too much for one grid.
+
+    Raises
+    ------
+    UserError
+    """
+    if len(recordings) < 2:
+        return
+    every = [*recordings, *([] if held is None else [held])]
+    for later, one in enumerate(every):
+        if twice := next((other for other in every[:later] if same(one, other)), None):
+            raise UserError(
+                f"{one.source}: holds the same samples as {twice.source}; of several recordings each is made after "
+                "the ones before it: give each once, and another one as --held-out"
+            )
+    check_grid(every[1:], recordings[0], MAX_GRID_HZ, MIN_PART, rest_s)
 
 
 def diagnosis_data(diagnosis: DiagnosisResult | str | Path) -> Mapping[str, Any]:

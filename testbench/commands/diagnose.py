@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from testbench.api.progress import Telling, clear_line
-from testbench.commands._arguments import add_clamp_play, add_effects, add_held_out, count, positive
+from testbench.commands._arguments import add_clamp_play, add_effects, add_held_out, count, rest
 from testbench.commands._output import show
 
 SUMMARY = "say which physical effect the model is missing, with the evidence"
@@ -24,7 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_held_out(parser)
     parser.add_argument(
         "--rest-s",
-        type=positive,
+        type=rest,
         default=60.0,
         metavar="S",
         help="rest between several recordings (default 60)",

@@ -19,15 +19,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    import signal
     import sys
 
     from gcode.support.files import existing_file
     from testbench.api.serving import serve_rig
-    from testbench.rig.stopping import what_ends_it
+    from testbench.rig.stopping import end_as_ctrl_c, what_ends_it
 
     def announce(port: str) -> None:
-        signal.signal(signal.SIGTERM, signal.default_int_handler)  # as Ctrl-C: the link must not stay behind
+        end_as_ctrl_c()  # the link must not stay behind
         print(port, flush=True)
         print(f"rig: the motion starts when the port is opened; {what_ends_it()} ends the rig", file=sys.stderr)
 

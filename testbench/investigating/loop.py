@@ -131,11 +131,12 @@ class _Loop:
     def _plan(self) -> None:
         """The next motion and its program: random at first, then the one that separates what is still likely."""
         number, settings, belief = len(self.state.runs) + 1, self.state.settings, self.state.belief
-        if belief is None or settings.motion == "perlin":
+        rivals = belief.rivals(self.catalogue, str(self.folder / NAME)) if belief else []
+        # Where no law was worth a refit, one model alone foretells recordings: no motion separates it from others.
+        if belief is None or len(rivals) < 2 or settings.motion == "perlin":
             made, words, expected, perlin = self._random(number), "random motion (Perlin noise)", None, None
         else:
             self.watcher.tell(f"run {number}: designing the motion that tells most")
-            rivals = belief.rivals(self.catalogue, str(self.folder / NAME))
             found = best_motion(
                 rivals,
                 self._measured(),

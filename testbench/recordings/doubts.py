@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from testbench.recordings.recording import Recording
 
 ABRUPT = 10.0  # times the steps beside it: where sampling is slowed down in a hold, steps grow little by little
 LEAST_RECORDED = 2e-3  # of the time: a grid of 200,000 points then has 400 with samples, in two parts
-MOST_HELD_OUT_POINTS = 5_000_000  # 55 h at 25 Hz
+MOST_POINTS = 5_000_000  # 55 h at 25 Hz
 AGAINST = -0.5  # correlation of force and displacement below which one of them runs the wrong way
 _SAID: set[str] = set()
 
@@ -51,19 +52,59 @@ def longest_gap(recording: Recording) -> tuple[float, float] | None:
     return float(recording.time_s[row]), float(steps_s[row])
 
 
-def check_grid(held_out: Recording, recording: Recording, most_hz: float) -> None:
-    """Refuse a held-out recording that is too long for a grid as fine as the calibration's.
+def check_grid(
+    others: Sequence[Recording], recording: Recording, most_hz: float, fewest: int, rest_s: float = 0.0
+) -> None:
+    """Refuse recordings that are too long, or too short, for a grid as fine as that of the first one.
 
     Parameters
     ----------
+    others : sequence of Recording
+        What is put on the grid of `recording`: held-out ones, or those that follow it.
     most_hz : float
         The finest grid that is used.
+    fewest : int
+        Grid points that each of them needs.
+    rest_s : float
+        Before each of them; it is on the grid, too.
+
+    Raises
+    ------
+    UserError
     """
-    rate_hz = min(most_hz, recording.mean_rate_hz)
-    if held_out.duration_s * rate_hz > MOST_HELD_OUT_POINTS:
+    # A grid is as fine as the mean rate, or as that of the quicker part where sampling was slowed down in a hold.
+    coarsest_hz = min(most_hz, recording.mean_rate_hz)
+    finest_hz = min(most_hz, 1 / float(np.quantile(np.diff(recording.time_s), 0.25)))
+    for other in others:
+        if other.duration_s * coarsest_hz < fewest:
+            raise UserError(
+                f"{other.source}: {other.duration_s:.4g} s at the {coarsest_hz:.3g} Hz of {recording.source} are "
+                f"fewer than the {fewest} points that are needed; give a longer one"
+            )
+    total_s = sum(other.duration_s + rest_s for other in others)
+    if total_s * finest_hz > MOST_POINTS:
+        longest = max(others, key=lambda other: other.duration_s)
         raise UserError(
-            f"{held_out.source}: {held_out.duration_s:.4g} s at the {rate_hz:.3g} Hz of {recording.source} are more "
-            f"than {MOST_HELD_OUT_POINTS / 1e6:g} million points; cut it, and hold out a part"
+            f"{longest.source}: {total_s:.4g} s at the {finest_hz:.3g} Hz of {recording.source} are more than "
+            f"{MOST_POINTS / 1e6:g} million points; cut it, and use a part"
+        )
+
+
+def same(one: Recording, other: Recording) -> bool:
+    """Whether two recordings hold the same samples, under whatever names."""
+    return (
+        one.channels.keys() == other.channels.keys()
+        and np.array_equal(one.time_s, other.time_s)
+        and all(np.array_equal(one[name], other[name]) for name in one.channels)
+    )
+
+
+def say_if_same(held_out: Recording, recording: Recording) -> None:
+    """Say where what is held out is what is fitted on: an error of that is none of a prediction."""
+    if same(held_out, recording):
+        say_once(
+            f"{held_out.source}: holds the same samples as what is fitted on, so its errors are not held out; give "
+            "another recording, or none (the last third is held out then)"
         )
 
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import math
+import select
 import sys
 from collections.abc import Callable
 from dataclasses import asdict
@@ -12,6 +14,7 @@ from typing import Any, TextIO
 from testbench.rig.recorder import Status
 
 Report = Callable[[Status], None]
+LAST_WORD_MS = 2000  # how long the end of a recording waits to be shown
 
 
 def as_text(status: Status) -> str:
@@ -49,9 +52,9 @@ def terminal(label: str, stream: TextIO | None = None) -> Report:
         ended = status.state != "recording"
         text = f"{label}: {as_text(status)}"
         if live:
-            print(f"\r\x1b[K{text}", end="\n" if ended else "", file=out, flush=True)
+            _show(out, f"\r\x1b[K{text}" + ("\n" if ended else ""), ended)
         elif status.message and status.message != said:
-            print(text, file=out, flush=True)
+            _show(out, f"{text}\n", ended)
         said = status.message
 
     return report
@@ -59,8 +62,31 @@ def terminal(label: str, stream: TextIO | None = None) -> Report:
 
 def json_lines() -> Report:
     """One JSON object a line on stdout, for a program that watches."""
+    out = sys.stdout
 
     def report(status: Status) -> None:
-        print(json.dumps(as_dict(status)), flush=True)
+        _show(out, json.dumps(as_dict(status)) + "\n", status.state != "recording")
 
     return report
+
+
+def _show(out: TextIO, text: str, ended: bool) -> None:
+    """Write what can be written at once: nobody who looks on may keep a recording waiting, or end it.
+
+    A terminal may be stopped (Ctrl-S) or gone, a program may read no more, a log's disk may be full.
+    """
+    with contextlib.suppress(OSError):
+        if _takes_more(out, LAST_WORD_MS if ended else 0):
+            out.write(text)
+            out.flush()
+
+
+def _takes_more(out: TextIO, wait_ms: int) -> bool:
+    """Whether a write would not wait; always for what is no file of the system."""
+    try:
+        number = out.fileno()
+    except OSError:
+        return True
+    poll = select.poll()
+    poll.register(number, select.POLLOUT)
+    return bool(poll.poll(wait_ms))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import signal
+import threading
 from collections.abc import Callable, Iterator
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
@@ -12,7 +13,10 @@ SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 @contextlib.contextmanager
 def stop_signals() -> Iterator[Callable[[], bool]]:
-    """Within the block, the first signal only sets a flag; the block gets a function that reads it."""
+    """Within the block, the first signal only sets a flag; the block gets a function that reads it.
+
+    A hang-up that is ignored (`nohup`) stays so. Outside the main thread, which alone gets signals, there are none.
+    """
     asked = False
 
     def stop(number: int, frame: object) -> None:
@@ -21,12 +25,24 @@ def stop_signals() -> Iterator[Callable[[], bool]]:
             raise KeyboardInterrupt
         asked = True
 
-    before = {number: signal.signal(number, stop) for number in SIGNALS}
+    main = threading.current_thread() is threading.main_thread()
+    before = {number: signal.signal(number, stop) for number in SIGNALS if main and _is_heeded(number)}
     try:
         yield lambda: asked
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+def end_as_ctrl_c() -> None:
+    """Let a kill and a hang-up end this program as Ctrl-C does: it then takes away what must not stay behind."""
+    for number in SIGNALS[1:]:
+        if _is_heeded(number):
+            signal.signal(number, signal.default_int_handler)
+
+
+def _is_heeded(number: signal.Signals) -> bool:
+    return number != signal.SIGHUP or signal.getsignal(number) is not signal.SIG_IGN
 
 
 def what_ends_it() -> str:

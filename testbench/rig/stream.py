@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE
+from testbench.rig.anew import Anew
 from testbench.rig.wire import MICROS_WRAP, SEQUENCE_WRAP, BadLine, LineBuffer, Sample, decode, rescue
 
 GAP_US = 1_000_000  # a longer silence is a gap
@@ -111,6 +112,7 @@ class Intake:
     _away: bool = False
     _resumed: bool = False
     _suspect: tuple[Sample, float] | None = None
+    _anew: Anew = field(default_factory=Anew)
     _run: tuple[int, int] = (0, 0)  # the last number of a run of lines with old numbers, and its length
 
     def continue_from(self, anchor: Anchor, sequence: int) -> None:
@@ -173,18 +175,36 @@ class Intake:
             self.channels = channels
             time_us = 0
             yield Event("start", 0, {**_device(sample), "channels": list(channels)})
-        elif sample.boot != self.anchor.boot:
-            yield self._reboot(sample, host_s, self.anchor)
-            time_us = self.time_us
         else:
-            time_us, events = self._next(sample, host_s, self.anchor)
+            time_us, events = self._placed(sample, host_s, self.anchor)
             yield from events
         self._sequence = sample.sequence
         epoch = self.anchor.epoch if self.anchor else 0
         self.anchor = Anchor(sample.boot, sample.micros, time_us, host_s, epoch)
         self._suspect, self._run, self._resumed = None, (0, 0), False
+        self._anew.forget()
         self.accepted += 1
         yield Row(time_us, sample)
+
+    def _placed(self, sample: Sample, host_s: float, anchor: Anchor) -> tuple[int, list[Event]]:
+        """The time of a sample after others, and what is to be remembered with it.
+
+        Raises
+        ------
+        BadLine
+            If it is of a boot that is over, or as `_next` says; unless so many of them agree that the device has
+            begun anew under a boot number that was there before.
+        """
+        try:
+            if sample.boot == anchor.boot:
+                return self._next(sample, host_s, anchor)
+            if sample.boot in self._old_boots:
+                raise BadLine("from before reboot")
+        except BadLine:
+            if not (self.host_clock and self._anew.sees(sample, host_s)):
+                raise
+        event = self._reboot(sample, host_s, anchor)
+        return event.time_us, [event]
 
     def _next(self, sample: Sample, host_s: float, anchor: Anchor) -> tuple[int, list[Event]]:
         """The time of a sample of the boot that is known, and what is to be remembered with it.
@@ -214,9 +234,8 @@ class Intake:
         return time_us, [Event("gap" if silent else "loss", time_us, details)]
 
     def _reboot(self, sample: Sample, host_s: float, anchor: Anchor) -> Event:
-        if sample.boot in self._old_boots:
-            raise BadLine("from before reboot")
         self._old_boots.add(anchor.boot)
+        self._old_boots.discard(sample.boot)
         self._missing.clear()
         # The device lost its clock: only the host knows how long it was away.
         time_us = anchor.time_us + max(1, round((host_s - anchor.host_s) * 1e6))

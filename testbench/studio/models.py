@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Callable
 from pathlib import Path
 
 from nicegui import ui
 
-from gcode.support.files import make_folder
+from gcode.support.files import copy_file, make_folder
 from testbench.fitting.model_file import about_model, same_source
 from testbench.recordings.manifest import CSV
 from testbench.report.words import spoken
@@ -99,7 +98,7 @@ def keep_diagnosis(studio: Studio, c: str) -> None:
     """Keep the diagnosis that the next step of the ladder is taken for."""
     target = step_diagnosis(studio, c, steps_in(studio, c))
     make_folder(target.parent)
-    shutil.copyfile(diagnosis_path(studio, c), target)
+    copy_file(diagnosis_path(studio, c), target)
 
 
 def kept_diagnoses(studio: Studio, c: str) -> dict[int, Path]:
@@ -190,7 +189,7 @@ def add_fit_form(studio: Studio, c: str, again: bool = False) -> None:
         def start() -> None:
             check(play)
             if again:
-                shutil.copyfile(model_path(studio, c), model_path(studio, c).with_name(BEFORE))
+                copy_file(model_path(studio, c), model_path(studio, c).with_name(BEFORE))
             argv = _fit_command(studio, c, str(held.value), typed(play) if play.value else "")
             run_in_turn(studio, f"model:{c}", [(f"Fitting the baseline to {c}", argv)], holder, ui.navigate.reload)
 

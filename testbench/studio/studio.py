@@ -9,6 +9,7 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from gcode.support.disk import append
 from gcode.support.errors import UserError
 from gcode.support.files import make_folder, write_text
 from gcode.support.strict import read_text
@@ -16,7 +17,7 @@ from testbench.studio.jobs.job import Job
 from testbench.studio.jobs.jobs import JobBoard
 from testbench.studio.memory import Memory
 from testbench.studio.notes import Notes
-from testbench.studio.workspace import RESULTS, Workspace
+from testbench.studio.workspace import Workspace
 from testbench.trust import is_trusted, trust
 
 if TYPE_CHECKING:
@@ -46,11 +47,11 @@ class Studio:
 
     def __init__(self, root: str | Path) -> None:
         self.workspace = Workspace(root)
-        running = self.workspace.root / RESULTS / RUNNING
-        self.jobs = JobBoard({key: running / key for key in (KEY_RECORDING, KEY_RIG)}, running / PACES)
+        outliving = {key: self.workspace.kept(RUNNING, key) for key in (KEY_RECORDING, KEY_RIG)}
+        self.jobs = JobBoard(outliving, self.workspace.kept(RUNNING) / PACES)
         self.memory = Memory()
         self.sketches = Memory(KEPT_SKETCHES)
-        self.notes = Notes(self.workspace.root / RESULTS)
+        self.notes = Notes(self.workspace.kept())
         self.jobs.listeners.append(self._log)
 
     def commands_path(self, name: str) -> Path:
@@ -65,8 +66,7 @@ class Studio:
         if kind in WITH_TARGET:
             name = name.rpartition(":")[0]
         if name and kind in LOGGED:
-            with self.commands_path(name).open("a", encoding="utf-8") as stream:
-                stream.write(f"{time.strftime('%Y-%m-%d %H:%M')}  {job.command}\n")
+            append(self.commands_path(name), f"{time.strftime('%Y-%m-%d %H:%M')}  {job.command}\n")
 
     @property
     def effects_path(self) -> Path:
@@ -94,7 +94,7 @@ class Studio:
 
     @property
     def _pointer(self) -> Path:
-        return self.workspace.root / RESULTS / POINTER
+        return self.workspace.kept(POINTER)
 
     def point_to(self, path: Path) -> None:
         """Use the own effects in another file; the workspace remembers it.

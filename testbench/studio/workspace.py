@@ -74,6 +74,7 @@ class Workspace:
         if self.root.exists() and not self.root.is_dir():
             raise UserError(f"{root}: the studio works in a folder, and this is a file; give the folder it is in")
         self.root.mkdir(parents=True, exist_ok=True)
+        self.kept()
         self._recordings = Memory(KEPT_RECORDINGS)
         self._verdicts = Memory(KEPT_VERDICTS)
         self._known: dict[str, tuple[tuple[int, int], Campaign]] = {}
@@ -141,14 +142,22 @@ class Workspace:
         UserError
             If a link leads it out of the workspace.
         """
-        folder = self.root / RESULTS / results_name(name)
-        if folder.resolve() != folder:
+        return make_folder(self.kept(results_name(name)))
+
+    def kept(self, *parts: str) -> Path:
+        """A place below the results, which the studio writes to.
+
+        Raises
+        ------
+        UserError
+            If a link leads it out of the workspace, which may be a stranger's.
+        """
+        place = self.root.joinpath(RESULTS, *parts)
+        if (real := os.path.realpath(place)) != str(place):
             raise UserError(
-                f"{folder}: a link leads to {folder.resolve()}; results are written below the workspace only: "
-                "remove the link"
+                f"{place}: a link leads to {real}; results are written below the workspace only: remove the link"
             )
-        folder.mkdir(parents=True, exist_ok=True)
-        return folder
+        return place
 
     def made(self) -> dict[str, frozenset[str]]:
         """What has been made from each campaign that something was made from: ``fitted``, ``compensated``, ..."""
@@ -169,7 +178,7 @@ class Workspace:
         """
         folder = self.campaign(name).folder
         plain = results_name(name)
-        place = make_folder(self.root / RESULTS / DELETED / f"{time.strftime('%Y%m%d-%H%M%S')}-{plain}")
+        place = make_folder(self.kept(DELETED, f"{time.strftime('%Y%m%d-%H%M%S')}-{plain}"))
         write_text(place / "name.txt", f"{name}\n")
         made = self.root / RESULTS / plain
         if made.is_dir():

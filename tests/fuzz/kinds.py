@@ -83,6 +83,8 @@ KINDS: dict[str, Kind] = {
             f"testbench fit {ON} --model {{doc}} -o {{out}}",
             "testbench run --program {driven} --sensor {doc} -o {out}",
             f"testbench add hysteresis --model {{doc}} --fit {ON} -o {{out}}",
+            f"testbench diagnose {ON} --model {{doc}} --repeat 1 --quiet --json {{out}}",
+            "testbench experiment {doc} {model} --duration-s 120",
         ),
     ),
     "diagnosis": Kind(

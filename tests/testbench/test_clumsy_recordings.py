@@ -77,3 +77,23 @@ def test_what_is_odd_but_possible_gets_a_model(channel, change):
     found = tb.fit(changed(channel, change))
     assert all(math.isfinite(error) for part in found.errors.values() for error in part.values())
     assert found.to_dict()
+
+
+OTHER = record(truth(), 90, seed=1)
+YEARS = replace(OTHER, time_s=1e7 * OTHER.time_s, source="of years")
+
+
+@pytest.mark.parametrize(
+    ("recordings", "held_out", "said"),
+    [
+        ([GOOD, YEARS], OTHER, "of years: .* are more than 5 million points; cut it"),
+        ([GOOD, OTHER], YEARS, "of years: .* are more than 5 million points; cut it"),
+        ([YEARS, GOOD], OTHER, "at the 2e-06 Hz of of years are fewer than the 170 points"),
+        ([YEARS], GOOD, "at the 2e-06 Hz of of years are fewer than the 170 points"),
+        ([GOOD, replace(GOOD, source="a copy")], OTHER, "a copy: holds the same samples as"),
+        ([GOOD, OTHER], GOOD, "holds the same samples as .*; of several recordings each is made after"),
+    ],
+)
+def test_what_cannot_be_one_history_is_refused_in_words(recordings, held_out, said):
+    with pytest.raises(UserError, match=said):
+        tb.diagnose(recordings, held_out, progress=False)

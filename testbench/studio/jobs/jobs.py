@@ -11,6 +11,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
+from gcode.support.errors import UserError
 from testbench.studio.jobs.job import Commands, Job, State
 from testbench.studio.jobs.outliving import Outliving
 from testbench.studio.jobs.pace import Paces
@@ -84,7 +85,7 @@ class JobBoard:
     async def _outlive(self, job: Job) -> None:
         try:
             job.about = self._outliving[job.key].start(job.title, job.argv)
-        except OSError as error:
+        except (OSError, UserError) as error:
             job.hear_error(f"error: {error}")
             _end(job, -1)
             return

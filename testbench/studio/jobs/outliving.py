@@ -21,6 +21,7 @@ from typing import Annotated
 
 from pydantic import Field
 
+from gcode.support.disk import DISK, open_growing
 from gcode.support.errors import UserError
 from gcode.support.files import make_folder, write_text
 from gcode.support.strict import read_json, read_text, validated
@@ -72,6 +73,8 @@ class Outliving:
         ------
         OSError
             If it cannot be started.
+        UserError
+            If something else is in the place of a file of its own.
         """
         make_folder(self.folder)
         for name in (SAID, ERRORS, CODE):
@@ -79,19 +82,22 @@ class Outliving:
         program, *arguments = argv
         command = [sys.executable, "-c", WRAPPED, program, str(self.folder / CODE), *arguments]
         environment = {**os.environ, "KNITBENCH_PROGRESS": "json", "PYTHONUNBUFFERED": "1"}
-        with (
-            (self.folder / ALIVE).open("w") as alive,
-            (self.folder / SAID).open("wb") as said,
-            (self.folder / ERRORS).open("wb") as errors,
-        ):
+        with contextlib.ExitStack() as until_started:
+
+            def kept(handle: int) -> int:
+                until_started.callback(os.close, handle)
+                return handle
+
+            alive = kept(open_growing(self.folder / ALIVE))
             fcntl.flock(alive, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            said, errors = (kept(DISK.create(self.folder / name)) for name in (SAID, ERRORS))
             process = subprocess.Popen(
                 command,
                 stdin=subprocess.DEVNULL,
                 stdout=said,
                 stderr=errors,
                 env=environment,
-                pass_fds=[alive.fileno()],  # the lock is the child's from here on
+                pass_fds=[alive],  # the lock is the child's from here on
                 start_new_session=True,
             )
             LEFT.append(process)
@@ -115,12 +121,15 @@ class Outliving:
         for process in LEFT:
             process.poll()  # leaves no zombie behind
         try:
-            with (self.folder / ALIVE).open("r+") as file:
-                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except FileNotFoundError:
-            return False
+            handle = os.open(self.folder / ALIVE, os.O_RDWR | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
+        except OSError:
+            return False  # none was started, or what is there is none of ours
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             return True
+        finally:
+            os.close(handle)
         return False
 
     def code(self) -> int | None:

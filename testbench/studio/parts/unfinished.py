@@ -10,6 +10,7 @@ from nicegui import ui
 
 from gcode.support.errors import UserError
 from testbench.recordings.manifest import IN_PROGRESS, read_manifest
+from testbench.rig.ports import remembered_port
 from testbench.studio.jobs.job import Job
 from testbench.studio.parts.widgets import attempt
 from testbench.studio.studio import KEY_RECORDING, KEY_RIG, Studio
@@ -89,6 +90,8 @@ def resume(
             f"{campaign.name} has grown in the last {GROWN_S:.0f} s: another program is recording into it"
         )
     port = port or _port_of(campaign)
+    if not port:
+        raise UserError(f"{campaign.name}: name the port to record from: a device such as /dev/ttyUSB0")
     if port == str(rig_port(studio)) and not rig_port(studio).exists():
         raise UserError(
             "the simulated rig that this was recorded from has ended, and its motion with it; "
@@ -105,9 +108,12 @@ def rig_port(studio: Studio) -> Path:
 
 
 def _port_of(campaign: Campaign) -> str:
-    """The port that it was recorded from."""
+    """The port that it was recorded from, if that is opened on the word of a manifest; others are to be typed."""
     found, _ = read_manifest(campaign.folder)
-    return str(found.recipe.get("port") or "")
+    try:
+        return remembered_port(str(found.recipe.get("port") or ""), campaign.folder)
+    except UserError:
+        return ""
 
 
 def _compensator_of(studio: Studio, campaign: Campaign) -> list[str]:

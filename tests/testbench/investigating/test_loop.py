@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -63,6 +64,20 @@ def test_it_ends_where_the_time_is_spent(tmp_path, monkeypatch):
     assert len(ended.runs) == 3
     assert ended.spent_s <= 360
     assert all(run.expected_nats is None for run in ended.runs)
+
+
+def test_where_one_model_alone_is_left_a_random_motion_goes_on(tmp_path, monkeypatch):
+    believing = believed(monkeypatch, 0.6, 0.99)
+
+    def of_one_model(*given):
+        belief = believing(*given)
+        return replace(belief, likely=belief.likely[:1])
+
+    monkeypatch.setattr(loop, "judged", of_one_model)
+    loop.begin(tmp_path / "i", asked(), "sample")
+    ended = loop.proceed(tmp_path / "i", SimulatedBench(hidden()), CATALOGUE)
+    assert ended.ended == loop.SURE
+    assert [run.expected_nats for run in ended.runs] == [None, None]
 
 
 def test_an_aged_specimen_remembers_and_a_fresh_one_does_not(tmp_path, monkeypatch, whole):

@@ -55,10 +55,39 @@ def test_sampling_that_slows_down_in_a_hold_is_no_gap(said):
 
 def test_a_held_out_recording_is_bounded_by_the_grid_of_the_calibration():
     fine = with_gap(0.0)
-    doubts.check_grid(with_gap(86_400), fine, 25.0)
+    doubts.check_grid([with_gap(86_400)], fine, 25.0, 170)
+    with pytest.raises(UserError, match="million points; cut it"):
+        doubts.check_grid([with_gap(1e7)], fine, 25.0, 170)
+    doubts.check_grid([with_gap(1e7)], with_gap(0.0, rate_hz=0.2), 25.0, 10)
+
+
+def test_what_follows_is_bounded_together_with_its_rests():
+    fine = with_gap(0.0)
+    doubts.check_grid([with_gap(86_400)] * 2, fine, 25.0, 170)
     with pytest.raises(UserError, match="million points"):
-        doubts.check_grid(with_gap(1e7), fine, 25.0)
-    doubts.check_grid(with_gap(1e7), with_gap(0.0, rate_hz=0.2), 25.0)
+        doubts.check_grid([with_gap(86_400)] * 3, fine, 25.0, 170)
+    with pytest.raises(UserError, match="million points"):
+        doubts.check_grid([with_gap(0.0)] * 3, fine, 25.0, 170, rest_s=86_400.0)
+
+
+def test_the_grid_is_as_fine_as_the_quicker_part_of_a_recording():
+    quick, slow = np.arange(1000) / 25, 40 + 1e4 * np.arange(1, 10)
+    first = Recording(np.r_[quick, slow], {"displacement_mm": np.zeros(1009)}, 25.0)
+    with pytest.raises(UserError, match="at the 25 Hz of"):
+        doubts.check_grid([with_gap(1e7)], first, 25.0, 1)
+
+
+def test_a_held_out_recording_needs_points_on_the_grid_of_the_calibration():
+    slow = Recording(np.arange(400) * 1e6, {"displacement_mm": np.zeros(400)}, 25.0, "ten years")
+    with pytest.raises(UserError, match=r"at the 1e-06 Hz of ten years are fewer than the 170 points"):
+        doubts.check_grid([with_gap(0.0)], slow, 25.0, 170)
+
+
+def test_what_is_held_out_of_itself_is_said(said):
+    doubts.say_if_same(with_gap(0.0), with_gap(1.0))
+    assert not said.records
+    doubts.say_if_same(with_gap(0.0), replace(with_gap(0.0), source="another name"))
+    assert "holds the same samples as what is fitted on" in said.text
 
 
 @pytest.mark.parametrize("turned", ["force_N", "displacement_mm"])

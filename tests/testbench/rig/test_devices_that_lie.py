@@ -100,6 +100,53 @@ def test_a_buffer_that_comes_twice_is_no_new_count():
     assert events(items) == ["start"]
 
 
+def lines_of_boot(intake: Intake, boot: int, count: int, start_s: float, start: int = 0, pace: float = 1.0) -> list:
+    """`count` samples of one boot, with a count and a clock that begin at `start`."""
+    items = []
+    for n in range(count):
+        one = sample(start + n, boot=boot, micros=(start + n) * STEP_US)
+        items += fed(intake, one, host_s=start_s + n * STEP_US / 1e6 / pace)
+    return items
+
+
+@pytest.mark.parametrize("boots", [(7, 7), (7, 8, 7), (7, 8, 7, 8)])
+@pytest.mark.parametrize("start", [0, 3000])
+def test_a_device_that_begins_anew_under_an_old_boot_number_is_not_rejected_for_ever(boots, start):
+    intake, items = Intake(), []
+    for number, boot in enumerate(boots):
+        items += lines_of_boot(intake, boot, 500, 13.0 * number, 0 if number else start)
+    refused = sum(intake.bad.values())
+    assert 0 < refused <= 1.2 * 1e6 / STEP_US * (len(boots) - 1)  # a second of each boot
+    assert len(rows(items)) == 500 * len(boots) - refused
+    assert events(items).count("reboot") == len(boots) - 1
+    assert intake.lost == 0
+    times = times_us(items)
+    assert all(later > earlier for earlier, later in pairwise(times))
+    assert times[-1] == pytest.approx((13.0 * (len(boots) - 1) + 499 * STEP_US / 1e6) * 1e6, abs=STEP_US)
+
+
+@pytest.mark.parametrize("pace", [1.3, 100.0])
+def test_a_long_buffer_that_comes_again_is_no_reboot(pace):
+    intake = Intake()
+    lines_of_boot(intake, 7, 500, 0.0)
+    lines_of_boot(intake, 8, 500, 13.0)
+    items = lines_of_boot(intake, 7, 500, 26.0, pace=pace)
+    items += lines_of_boot(intake, 8, 500, 40.0, pace=pace)
+    assert rows(items) == []
+    assert intake.bad == {"from before reboot": 500, "repeated": 500}
+
+
+def test_late_lines_between_good_ones_are_no_reboot():
+    intake = Intake()
+    lines_of_boot(intake, 7, 500, 0.0)
+    items = []
+    for n in range(500):
+        items += lines_of_boot(intake, 8, 1, 13.0 + n * STEP_US / 1e6, start=n)
+        items += lines_of_boot(intake, 7, 1, 13.0 + n * STEP_US / 1e6, start=n)
+    assert len(rows(items)) == 500
+    assert events(items) == ["reboot"]
+
+
 def test_a_number_that_jumps_by_billions_is_no_loss_of_billions():
     intake = Intake()
     line_of_time(intake, 30)

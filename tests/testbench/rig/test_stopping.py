@@ -9,8 +9,12 @@ import signal
 import subprocess
 import sys
 import termios
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+import pytest
+
+from testbench.rig.stopping import stop_signals
 from tests.testbench.rig.devices import MAIN, PATIENCE_S
 from tests.testbench.rig.rigs import program
 
@@ -33,12 +37,48 @@ def ended_as_told(child: subprocess.Popen, folder: Path) -> None:
     assert not (folder / "port").exists(), "the link stays behind"
 
 
-def test_without_a_terminal_a_kill_is_named_and_ends_the_rig(tmp_path):
-    with rig(tmp_path, stdin=subprocess.DEVNULL) as child:
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+def test_without_a_terminal_a_kill_is_named_and_ends_the_rig(tmp_path, number):
+    heeds = {"preexec_fn": lambda: signal.signal(signal.SIGHUP, signal.SIG_DFL)}
+    with rig(tmp_path, stdin=subprocess.DEVNULL, **heeds) as child:
         assert child.stderr
         assert f"; kill {child.pid} ends the rig" in child.stderr.readline()
-        os.kill(child.pid, signal.SIGTERM)
+        os.kill(child.pid, number)
         ended_as_told(child, tmp_path)
+
+
+@pytest.fixture
+def hang_up():
+    """Sets what a hang-up does for the time of a test."""
+    before = signal.getsignal(signal.SIGHUP)
+    yield lambda handler: signal.signal(signal.SIGHUP, handler)
+    signal.signal(signal.SIGHUP, before)
+
+
+def test_a_hang_up_ends_a_recording_well(hang_up):
+    hang_up(signal.SIG_DFL)
+    with stop_signals() as asked:
+        os.kill(os.getpid(), signal.SIGHUP)
+        assert asked()
+
+
+def test_a_hang_up_that_nohup_ignores_ends_nothing(hang_up):
+    hang_up(signal.SIG_IGN)
+    with stop_signals() as asked:
+        os.kill(os.getpid(), signal.SIGHUP)
+        assert not asked()
+        os.kill(os.getpid(), signal.SIGTERM)
+        assert asked()
+    assert signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
+
+
+def test_a_recording_may_run_in_another_thread():
+    def record() -> bool:
+        with stop_signals() as asked:
+            return asked()
+
+    with ThreadPoolExecutor(1) as other:
+        assert other.submit(record).result() is False
 
 
 def test_in_the_foreground_of_a_terminal_it_is_ctrl_c(tmp_path):

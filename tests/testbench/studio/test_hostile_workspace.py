@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 import re
 from pathlib import Path
@@ -10,12 +11,18 @@ import pytest
 
 from gcode.support.errors import UserError
 from testbench.campaigns.campaign import simulate_campaign
+from testbench.campaigns.record import Job as JobOfARecording
+from testbench.campaigns.record import begin
 from testbench.cli import main
+from testbench.rig.recorder import Limits
+from testbench.studio.jobs.job import Job
+from testbench.studio.models import diagnosis_path, keep_diagnosis, step_diagnosis
 from testbench.studio.pages.campaign_card import looked_at
-from testbench.studio.studio import Studio
+from testbench.studio.parts.unfinished import resume
+from testbench.studio.studio import KEY_RECORDING, Studio
 from testbench.studio.workspace import Workspace
 from tests.fuzz.targets import no_hang
-from tests.testbench.rig.rigs import plan, triangle
+from tests.testbench.rig.rigs import plan, program, triangle
 
 MANIFEST = "datapackage.json"
 BROKEN = {
@@ -139,10 +146,81 @@ def test_a_manifest_that_names_a_file_elsewhere_is_refused(hostile):
         workspace.recording("good")
 
 
-def test_results_stay_in_the_workspace(hostile):
-    outside = hostile.parent / "outside"
-    outside.mkdir()
-    (hostile / "results").symlink_to(outside)
+@pytest.fixture
+def outside(tmp_path) -> Path:
+    """A folder that is none of the workspace's, with a file that must stay."""
+    place = tmp_path / "outside"
+    place.mkdir()
+    (place / "mine").write_text("mine")
+    yield place
+    assert {path.name: path.read_text() for path in place.iterdir()} == {"mine": "mine"}
+
+
+@pytest.mark.parametrize("link", ["results", "results/running", "results/running/record"])
+def test_a_studio_whose_results_are_elsewhere_does_not_begin(hostile, outside, link):
+    (hostile / link).parent.mkdir(parents=True, exist_ok=True)
+    (hostile / link).symlink_to(outside)
     with pytest.raises(UserError, match=r"a link leads to .*outside.*remove the link"):
-        Workspace(hostile).results("good")
-    assert list(outside.iterdir()) == []
+        Studio(hostile)
+
+
+@pytest.mark.parametrize("link", ["results/good", "results/deleted"])
+def test_results_stay_in_the_workspace(hostile, outside, link):
+    studio = Studio(hostile)
+    (hostile / "results").mkdir(exist_ok=True)
+    (hostile / link).symlink_to(outside)
+    with pytest.raises(UserError, match=r"a link leads to .*outside.*remove the link"):
+        studio.workspace.results("good") if link.endswith("good") else studio.workspace.delete("good")
+
+
+def linked(place: Path, outside: Path) -> None:
+    place.parent.mkdir(parents=True, exist_ok=True)
+    place.symlink_to(outside / "mine")
+
+
+def test_what_was_run_is_not_written_through_a_link(hostile, outside):
+    studio = Studio(hostile)
+    linked(studio.commands_path("good"), outside)
+    with pytest.raises(UserError, match=r"commands.txt: is not a plain file, and nothing is written to it"):
+        studio._log(Job("diagnose:good", "a diagnosis", ("testbench", "diagnose", "good")))
+
+
+def test_a_model_is_not_kept_through_a_link(hostile, outside):
+    studio = Studio(hostile)
+    diagnosis_path(studio, "good").write_text("{}")
+    linked(step_diagnosis(studio, "good", 0), outside)
+    keep_diagnosis(studio, "good")
+    assert not step_diagnosis(studio, "good", 0).is_symlink()
+    assert step_diagnosis(studio, "good", 0).read_text() == "{}"
+
+
+@pytest.mark.asyncio
+@pytest.mark.parametrize("name", ["alive", "said.jsonl", "errors.txt", "code", "job.json"])
+async def test_a_job_that_may_outlive_the_studio_writes_through_no_link(hostile, outside, name):
+    linked(hostile / "results" / "running" / "record" / name, outside)
+    job = Studio(hostile).jobs.start(KEY_RECORDING, "Recording", ["testbench", "record", "-o", str(hostile / "new")])
+    await asyncio.wait_for(job.task, 60)
+    if name == "alive":
+        assert "alive: is not a plain file, and nothing is written to it" in job.errors[-1]
+    else:
+        assert "a new recording needs --port and --program" in job.errors[-1]
+
+
+def test_a_lock_that_is_none_is_no_living_job(hostile):
+    running = hostile / "results" / "running"
+    (running / "record" / "alive").mkdir(parents=True)
+    (running / "rig").mkdir()
+    os.mkfifo(running / "rig" / "alive")
+    with no_hang():
+        assert Studio(hostile).jobs.running() == []
+
+
+@pytest.mark.parametrize("port", ["/dev/watchdog", "socket://192.0.2.1:80", "spy:///dev/ttyUSB0?file=x"])
+def test_a_port_is_not_taken_from_a_stranger(tmp_path, port):
+    """What the page shows is what the recorder is given: on the word of a manifest only what that may name."""
+    (tmp_path / "workspace").mkdir()
+    job = JobOfARecording(port, 115200, program(tmp_path), 25.0, Limits())
+    begin(job, tmp_path / "workspace" / "left")
+    studio = Studio(tmp_path / "workspace")
+    with pytest.raises(UserError, match="left: name the port to record from"):
+        resume(studio, studio.workspace.campaign("left"), "", lambda url: None)

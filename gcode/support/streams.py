@@ -1,0 +1,52 @@
+"""Standard input, output and error as a command can rely on: there, taking any character, and never in the way."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sys
+from typing import Any, TextIO
+
+NAMES = ("stdin", "stdout", "stderr")
+
+
+def make_ready() -> None:
+    """Open what was closed, and show characters that the terminal's encoding has not as ``\\xb1``.
+
+    A stream that the caller closed (``2>&-``) leaves its number free: the next file opened gets it, and what a
+    library writes to standard error lands in a recording. Python has no object for such a stream, either.
+    """
+    for number, name in enumerate(NAMES):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDONLY if number == 0 else os.O_WRONLY)  # gets the lowest free number: this one
+        stream: TextIO | None = getattr(sys, name)
+        if stream is None:
+            setattr(sys, name, open(os.devnull, "r" if number == 0 else "w", encoding="utf-8"))  # noqa: SIM115
+        elif number and hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="backslashreplace")
+
+
+class Remarks:
+    """A stream for what is said beside the work (standard error): where nobody can take it, the work goes on.
+
+    The terminal may be gone, the reader of a pipe, or the room on a disk: a recording outlives each of them.
+    """
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+
+    def write(self, text: str) -> int:
+        """Write it, if it can be."""
+        with contextlib.suppress(OSError):
+            self._stream.write(text)
+        return len(text)
+
+    def flush(self) -> None:
+        """Pass it on, if it can be."""
+        with contextlib.suppress(OSError):
+            self._stream.flush()
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)

@@ -1,0 +1,51 @@
+"""Terminals without a character, streams that are closed, gone or full: an answer or its exit code, always."""
+
+from __future__ import annotations
+
+import io
+import os
+import subprocess
+import sys
+
+import pytest
+
+from testbench.cli import main
+from tests.testbench.rig.rigs import program
+
+CHECK = "import sys; from gcode.cli import main; sys.exit(main())"
+LIMITS = ["--v-max", "5", "--a-max", "200", "--x-min", "-1", "--x-max", "10"]
+
+
+@pytest.mark.parametrize(("encoding", "shown"), [("ascii", r"k\u03a9"), ("latin-1", r"k\u03a9"), ("utf-8", "kΩ")])
+def test_a_terminal_may_have_few_characters(monkeypatch, encoding, shown):
+    stream = io.TextIOWrapper(io.BytesIO(), encoding, write_through=True)
+    monkeypatch.setattr(sys, "stdout", stream)
+    with pytest.raises(SystemExit, match="0"):
+        main(["report", "--help"])
+    assert shown in stream.buffer.getvalue().decode(encoding)
+
+
+def checked(folder, name, **popen):
+    return subprocess.run([sys.executable, "-c", CHECK, "check", str(folder / name), *LIMITS], check=False, **popen)
+
+
+@pytest.mark.parametrize("closed", [0, 1, 2])
+@pytest.mark.parametrize(("name", "code"), [("two_triangles.tap", 0), ("nothing.tap", 2)])
+def test_a_closed_stream_changes_no_exit_code(tmp_path, closed, name, code):
+    program(tmp_path)
+    done = checked(tmp_path, name, capture_output=True, text=True, preexec_fn=lambda: os.close(closed))
+    assert done.returncode == code
+    assert "Traceback" not in done.stderr
+
+
+def test_an_error_that_nobody_takes_keeps_its_exit_code(tmp_path):
+    with open("/dev/full", "w") as full:
+        assert checked(tmp_path, "nothing.tap", stderr=full).returncode == 2
+
+
+def test_an_answer_that_nobody_takes_is_no_answer(tmp_path):
+    program(tmp_path)
+    with open("/dev/full", "w") as full:
+        done = checked(tmp_path, "two_triangles.tap", stdout=full, stderr=subprocess.PIPE, text=True)
+    assert done.returncode == 2
+    assert done.stderr == "gcode check: error: system: No space left on device\n"
