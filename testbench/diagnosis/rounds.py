@@ -284,6 +284,16 @@ def whole_of(rounds: Sequence[Round], put_in: Sequence[Entry]) -> Whole | None:
     return Whole(prior + steps[-1].log_z_alone(last), last.log_z, alike, steps[0].left(*put_in), first)
 
 
+def best_set(rounds: Sequence[Round], put_in: Sequence[Entry]) -> list[Entry]:
+    """What was put in, or the first candidate where that alone is as probable; empty if there is none."""
+    alone = rounds[0].candidate
+    if alone is None:
+        return []
+    whole, single = whole_of(rounds, put_in), whole_of(rounds[:1], [alone])
+    in_company = len(put_in) > 1 and whole and single and whole.log_posterior > single.log_posterior
+    return list(put_in) if in_company else [alone]
+
+
 def prior_of(mechanisms: Collection[str]) -> dict[str, float]:
     """Prior probabilities of nothing, of unknown and of each mechanism, all of which are alike; they sum to 1."""
     missing, unknown = 1 - constants.PRIOR_NOTHING, constants.PRIOR_UNKNOWN

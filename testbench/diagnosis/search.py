@@ -27,7 +27,7 @@ from testbench.diagnosis.likelihood import (
     telling,
 )
 from testbench.diagnosis.proposals import Proposal, Screen, laws_of
-from testbench.diagnosis.rounds import Entry, Round, explained
+from testbench.diagnosis.rounds import Entry, Round, best_set, explained
 from testbench.diagnosis.side_by_side import SideBySide
 from testbench.diagnosis.starts import best_start
 from testbench.fitting.baseline import (
@@ -140,7 +140,7 @@ class Search:
             stiff = [self.compare(without_shapes(bent[0].model))]
         while len(found) > 1 and found[0] is rounds[0].bend:
             del rounds[0], found[0]
-        return rounds, found if rounds[0].candidate else []
+        return rounds, best_set(rounds, found)
 
     def bases(self) -> tuple[list[Hypothesis], list[Hypothesis]]:
         """Bases whose laws bend, the best first; the best two whose laws do not, of these, all others and the first.

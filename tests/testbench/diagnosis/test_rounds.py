@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from testbench.diagnosis.likelihood import Likelihood
-from testbench.diagnosis.rounds import NOTHING, UNKNOWN, Entry, Round, whole_of
+from testbench.diagnosis.rounds import NOTHING, UNKNOWN, Entry, Round, best_set, whole_of
 from testbench.diagnosis.search import Search
 from testbench.knit.model import KnitModel
 
@@ -103,6 +103,16 @@ def test_what_adds_most_goes_in_where_nothing_explains_enough():
 def test_what_explains_enough_goes_in_though_another_adds_more():
     good, more = entry("stress_relaxation", 1.3, 100.0), entry("clamp_slip", 0.7 * BARE, 101.0)
     assert a_round(entry("", BARE, 50.0), more, good).goes_in is good
+
+
+def test_what_went_in_and_got_no_company_gives_way_to_the_candidate():
+    candidate, more = entry("stress_relaxation", 0.5 * BARE, 100.0), entry("clamp_slip", 0.7 * BARE, 103.0)
+    first = a_round(entry("", BARE, 50.0), more, candidate)
+    assert (first.candidate, first.goes_in) == (candidate, more)
+    assert best_set([first], [more]) == [candidate]
+    worse, better = entry("self_heating", 0.7 * BARE, 103.0), entry("self_heating", 1.25, 160.0)
+    assert best_set([first, a_round(more, worse)], [more, worse]) == [candidate]
+    assert best_set([first, a_round(more, better)], [more, better]) == [more, better]
 
 
 def test_in_company_the_first_is_as_likely_as_what_it_adds():

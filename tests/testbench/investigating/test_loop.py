@@ -73,7 +73,7 @@ def test_where_one_model_alone_is_left_a_random_motion_goes_on(tmp_path, monkeyp
         belief = believing(*given)
         return replace(belief, likely=belief.likely[:1])
 
-    monkeypatch.setattr(loop, "judged", of_one_model)
+    monkeypatch.setattr(loop, "belief_after", of_one_model)
     loop.begin(tmp_path / "i", asked(), "sample")
     ended = loop.proceed(tmp_path / "i", SimulatedBench(hidden()), CATALOGUE)
     assert ended.ended == loop.SURE
