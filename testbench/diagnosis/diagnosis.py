@@ -15,7 +15,7 @@ from testbench.diagnosis.discrepancy_map import Map
 from testbench.diagnosis.held_out import Interval, block_energies, gain_interval
 from testbench.diagnosis.hypothesis import Hypothesis
 from testbench.diagnosis.proposals import Proposal
-from testbench.diagnosis.rounds import NOTHING, UNKNOWN, Entry, Round, Verdict, whole_of
+from testbench.diagnosis.rounds import NOTHING, UNKNOWN, Entry, Round, Verdict, leading, prior_of, whole_of
 from testbench.diagnosis.search import Progress, Search, searched
 from testbench.fitting.baseline import SHAPES
 from testbench.fitting.fit import Fit
@@ -24,7 +24,7 @@ from testbench.fitting.measurement import Measurement, split
 from testbench.fitting.model_errors import noise_floors
 from testbench.fitting.model_file import ModelFile
 from testbench.knit.catalogue import Catalogue, load_catalogue
-from testbench.knit.effect import Effect
+from testbench.knit.effect import Effect, FloatArray
 from testbench.knit.model import KnitModel
 from testbench.recordings.recording import Recording
 
@@ -107,7 +107,7 @@ class Diagnosis:
     probabilities : mapping
         Of ``nothing``, ``unknown`` and every mechanism: what is missing most. They sum to 1.
     found : tuple of Found
-        The effects that were put in, in turn: the first tells most alone.
+        The effects that were put in, in turn, but the one that changes most first.
     ranking : tuple of Ranked
         Every mechanism, the most probable first.
     tied : tuple of str
@@ -268,16 +268,19 @@ def concluded(
         put_in = []
     whole = whole_of(rounds, put_in)
     left = whole.left if whole else 1.0
+    lead = leading(put_in, rounds[-1].likelihood)
+    most, beside = rounds[lead], whole_of(rounds[lead:], put_in[lead:])
     after = _ladder(search, bare, put_in, before, calibration, held)
     known = {*before.model, *(entry.name for entry in put_in)}
-    chances = first.doubted(whole)
+    weighed = dict.fromkeys(name for step in rounds[: lead + 1] for name in step.laws)
+    chances = most.doubted(beside, prior_of(weighed))
     explained = Map(put_in[-1].hypothesis if put_in else bare, rounds[-1].likelihood).gains
     return Diagnosis(
         verdict,
         chances,
-        tuple(_found(rounds[k:], put_in[k:]) for k in range(len(put_in))),
-        _ranking(first, chances, held),
-        _tied(first.probabilities(whole), verdict),
+        tuple(_found(rounds[k:], put_in[k:]) for k in sorted(range(len(put_in)), key=lambda k: k != lead)),
+        _ranking(rounds[: lead + 1], chances, held),
+        _tied(most.probabilities(beside), verdict),
         tuple(name for name in after.model if name not in known),
         tuple(e.name for n, e in after.model.effects.items() if n in before.model and e.name != before.model[n].name),
         tuple(sorted(((c, where, share) for (c, where), share in explained.items()), key=lambda one: -one[2])),
@@ -323,25 +326,33 @@ def _as_fit(h: Hypothesis) -> Fit:
     return Fit(model, parameters, vector, h.evidence.covariance[np.ix_(kept, kept)], dict(h.evidence.sigma), 0)
 
 
-def _ranking(first: Round, chances: Mapping[str, float], held: Measurement) -> tuple[Ranked, ...]:
-    """Every mechanism by its best law, the most probable first."""
-    every: list[Entry | Proposal] = [*first.entries, *first.proposals]
-    best = {own.mechanism: own for own in reversed(every)}
-    bare = block_energies(first.before.hypothesis.model, held)
+def _ranking(rounds: Sequence[Round], chances: Mapping[str, float], held: Measurement) -> tuple[Ranked, ...]:
+    """Every mechanism by its best law in the last of these rounds, the most probable first.
 
-    def ranked(own: Entry | Proposal) -> Ranked:
-        chance = chances[own.mechanism]
-        if isinstance(own, Proposal):
-            gain = 2 * max(own.gain, 0.0) / (first.likelihood.count * len(first.likelihood.floor))
-            left = float(np.exp(-0.5 * gain))
-            return Ranked(own.mechanism, own.law, chance, own.gain, gain, left, None, own.effect)
-        h, base = own.hypothesis, first.before.hypothesis
-        gain = float(np.mean([2 * np.log(base.evidence.sigma[c] / s) for c, s in h.evidence.sigma.items()]))
-        over = gain_interval(bare, block_energies(h.model, held))
-        nats, law = h.log_z - base.log_z, h.model[own.name]
-        return Ranked(own.mechanism, own.law, chance, nats, gain, first.left(own), over, law)
+    What was put in before is not weighed there, but where it was found.
+    """
+    found: dict[str, Ranked] = {}
+    for step in reversed(rounds):
+        bare = block_energies(step.before.hypothesis.model, held)
+        every: list[Entry | Proposal] = [*step.entries, *step.proposals]
+        for own in every:
+            if own.mechanism not in found:
+                found[own.mechanism] = _ranked(own, step, chances[own.mechanism], bare, held)
+    return tuple(sorted(found.values(), key=lambda one: (-one.probability, -one.log_evidence)))
 
-    return tuple(sorted(map(ranked, best.values()), key=lambda one: (-one.probability, -one.log_evidence)))
+
+def _ranked(
+    own: Entry | Proposal, step: Round, chance: float, bare: Mapping[str, FloatArray], held: Measurement
+) -> Ranked:
+    """One mechanism in one round; `bare` are the energies of the errors without it."""
+    if isinstance(own, Proposal):
+        gain = 2 * max(own.gain, 0.0) / (step.likelihood.count * len(step.likelihood.floor))
+        left = float(np.exp(-0.5 * gain))
+        return Ranked(own.mechanism, own.law, chance, own.gain, gain, left, None, own.effect)
+    h, base = own.hypothesis, step.before.hypothesis
+    gain = float(np.mean([2 * np.log(base.evidence.sigma[c] / s) for c, s in h.evidence.sigma.items()]))
+    over = gain_interval(bare, block_energies(h.model, held))
+    return Ranked(own.mechanism, own.law, chance, step.added(own), gain, step.left(own), over, h.model[own.name])
 
 
 def _tied(chances: Mapping[str, float], verdict: Verdict) -> tuple[str, ...]:

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.special import logsumexp
 
 from testbench.diagnosis import constants
-from testbench.diagnosis.hypothesis import Hypothesis
+from testbench.diagnosis.hypothesis import Hypothesis, own_part
 from testbench.diagnosis.likelihood import Likelihood
 from testbench.diagnosis.proposals import Proposal
 from testbench.knit.model import KnitModel
@@ -160,14 +160,22 @@ class Round:
         """Of one law of a mechanism, if it is one of the catalogue."""
         return self.log_prior(mechanism) - float(np.log(1 - self.prior[NOTHING] - self.prior[UNKNOWN]))
 
-    def doubted(self, whole: Whole | None = None) -> dict[str, float]:
+    def doubted(self, whole: Whole | None = None, prior: Mapping[str, float] | None = None) -> dict[str, float]:
         """The probabilities as they are told: no evidence is surer than the laws that it was found with.
 
         In some sensors all laws of the right mechanism are so far from its own that another does better, however long
         the recording; what was believed before is all that is left then.
+
+        Parameters
+        ----------
+        whole : Whole, optional
+            As in `probabilities`.
+        prior : mapping, optional
+            With mechanisms that this round does not weigh, for they are in the model already.
         """
         misled, chances = constants.MISLED, self.probabilities(whole)
-        return {name: (1 - misled) * chance + misled * self.prior[name] for name, chance in chances.items()}
+        prior = prior or self.prior
+        return {name: (1 - misled) * chances.get(name, 0.0) + misled * one for name, one in prior.items()}
 
     def log_prior(self, mechanism: str) -> float:
         """Of one law of a mechanism, less what laws summed owe to luck."""
@@ -282,6 +290,15 @@ def whole_of(rounds: Sequence[Round], put_in: Sequence[Entry]) -> Whole | None:
     alike = sum(step.log_prior_alike(e.mechanism) for step, e in zip(steps, put_in, strict=True))
     first = put_in[0].mechanism if len(put_in) > 1 else ""
     return Whole(prior + steps[-1].log_z_alone(last), last.log_z, alike, steps[0].left(*put_in), first)
+
+
+def leading(put_in: Sequence[Entry], likelihood: Likelihood) -> int:
+    """Which of what was put in changes most, all in one model: the first to be found need not be it."""
+    if len(put_in) < 2:
+        return 0
+    together, least = put_in[-1].hypothesis, likelihood.least_misfit
+    changes = [own_part(together, e.name, likelihood) for e in put_in]
+    return int(np.argmax([sum((own[c] / least[c]) ** 2 for c in own) for own in changes]))
 
 
 def best_set(rounds: Sequence[Round], put_in: Sequence[Entry]) -> list[Entry]:

@@ -8,8 +8,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from testbench.diagnosis import rounds as rounds_module
 from testbench.diagnosis.likelihood import Likelihood
-from testbench.diagnosis.rounds import NOTHING, UNKNOWN, Entry, Round, best_set, whole_of
+from testbench.diagnosis.rounds import NOTHING, UNKNOWN, Entry, Round, best_set, leading, whole_of
 from testbench.diagnosis.search import Search
 from testbench.knit.model import KnitModel
 
@@ -124,6 +125,29 @@ def test_in_company_the_first_is_as_likely_as_what_it_adds():
     together = rounds[0].probabilities(whole_of(rounds, [first, second]))
     assert alone["stress_relaxation"] < 0.1
     assert together["stress_relaxation"] > 0.9 > 1e3 * together["self_heating"]
+
+
+def test_what_changes_most_leads_whichever_was_found_first(monkeypatch):
+    first, second = entry("stress_relaxation", 0.7 * BARE, 70.0), entry("clamp_slip", 1.3, 160.0)
+    likelihood = a_round(first).likelihood
+    floors = {"stress_relaxation": (3.0, 2.0), "clamp_slip": (1.0, 6.0)}
+
+    def own_part(together, name, _likelihood):
+        assert together is second.hypothesis, "their parts are those of one model"
+        return {c: times * FLOOR[c] for c, times in zip(FLOOR, floors[name], strict=True)}
+
+    monkeypatch.setattr(rounds_module, "own_part", own_part)
+    assert leading([first, second], likelihood) == 1
+    assert leading([first], likelihood) == leading([], likelihood) == 0
+
+
+def test_what_a_round_does_not_weigh_is_told_as_it_was_believed_before():
+    found = a_round(entry("", BARE, 5.0), entry("stress_relaxation", 2.0, 10.0))
+    half = found.prior["clamp_slip"] / 2
+    prior = {**found.prior, "clamp_slip": half, "mullins_softening": half}
+    told = found.doubted(prior=prior)
+    assert told["mullins_softening"] == pytest.approx(0.2 * half)
+    assert set(told) == set(prior)
 
 
 def test_probabilities_and_what_is_told_of_them_sum_to_one():
