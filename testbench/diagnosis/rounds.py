@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Literal
@@ -119,8 +119,7 @@ class Round:
         where the base has bent to do the same.
         """
         left, before = (excess(e.hypothesis, self.likelihood) for e in (put_in[-1], self.before))
-        least = self.likelihood.least_misfit
-        changed = sum((e.own_part.get(c, 0.0) / least[c]) ** 2 for e in put_in for c in least)
+        changed = sum(squared(e.own_part, self.likelihood) for e in put_in)
         return float(np.sqrt(max(left - 1.0, 0.0) / max(before, changed, 1.0)))
 
     def is_enough(self, entry: Entry) -> bool:
@@ -194,18 +193,20 @@ class Round:
         return entry.log_z + self._complete(entry)
 
     def _log_posterior(self, mechanism: str) -> float:
-        """Log prior and evidence of a mechanism, its laws summed; to first order if none was refitted."""
-        own = [self.log_z_alone(e) for e in self.entries if e.mechanism == mechanism]
-        if not own:
-            gains = (p.gain for p in self.proposals if p.mechanism == mechanism)
-            own = [self.log_z_alone(self.before) + min(gain, 0.0) for gain in gains]
-        return self.log_prior(mechanism) + float(logsumexp(own))
+        """Log prior and evidence of a mechanism to be what is missing, and nothing else."""
+        return self._summed(mechanism, self.log_z_alone)
 
     def _log_in_part(self, mechanism: str) -> float:
-        """Log prior and evidence of a mechanism, its laws summed, whatever it leaves."""
-        own = [self.added(e) for e in self.entries if e.mechanism == mechanism]
-        own = own or [min(p.gain, 0.0) for p in self.proposals if p.mechanism == mechanism]
-        return self.log_prior(mechanism) + float(logsumexp([-np.inf, *own]))
+        """Log prior of a mechanism, and the evidence that it adds, whatever it leaves."""
+        return self._summed(mechanism, self.added)
+
+    def _summed(self, mechanism: str, evidence: Callable[[Entry], float]) -> float:
+        """Log prior and evidence of a mechanism, its laws summed; to first order if none was refitted."""
+        own = [evidence(e) for e in self.entries if e.mechanism == mechanism]
+        if not own:
+            gains = (p.gain for p in self.proposals if p.mechanism == mechanism)
+            own = [evidence(self.before) + min(gain, 0.0) for gain in gains]
+        return self.log_prior(mechanism) + float(logsumexp(own))
 
     @cached_property
     def goes_in(self) -> Entry | None:
@@ -296,9 +297,8 @@ def leading(put_in: Sequence[Entry], likelihood: Likelihood) -> int:
     """Which of what was put in changes most, all in one model: the first to be found need not be it."""
     if len(put_in) < 2:
         return 0
-    together, least = put_in[-1].hypothesis, likelihood.least_misfit
-    changes = [own_part(together, e.name, likelihood) for e in put_in]
-    return int(np.argmax([sum((own[c] / least[c]) ** 2 for c in own) for own in changes]))
+    together = put_in[-1].hypothesis
+    return int(np.argmax([squared(own_part(together, e.name, likelihood), likelihood) for e in put_in]))
 
 
 def best_set(rounds: Sequence[Round], put_in: Sequence[Entry]) -> list[Entry]:
@@ -322,6 +322,12 @@ def explained(without: Hypothesis, with_it: Hypothesis) -> dict[str, float]:
     """Standard deviation of what an effect explains, per channel."""
     before, after = without.evidence.sigma, with_it.evidence.sigma
     return {c: float(np.sqrt(max(before[c] ** 2 - after[c] ** 2, 0.0))) for c in before}
+
+
+def squared(own: Mapping[str, float], likelihood: Likelihood) -> float:
+    """What a law changes, squared, in units of the least that one leaves, summed over the channels."""
+    least = likelihood.least_misfit
+    return sum((size / least[c]) ** 2 for c, size in own.items())
 
 
 def excess(h: Hypothesis, likelihood: Likelihood) -> float:
