@@ -139,8 +139,9 @@ class Round:
         logs = {mechanism: self._log_posterior(mechanism) for mechanism in self.laws}
         if whole and whole.first:
             # In company none need explain all: in place of the first each is less probable by what it adds less.
-            company = whole.log_posterior - self._log_in_part(whole.first)
-            logs = {m: float(np.logaddexp(value, self._log_in_part(m) + company)) for m, value in logs.items()}
+            weighed = self._log_posterior if self.is_named() else self._log_in_part
+            company = whole.log_posterior - weighed(whole.first)
+            logs = {m: float(np.logaddexp(value, weighed(m) + company)) for m, value in logs.items()}
         logs[NOTHING] = np.log(self.prior[NOTHING]) + self.log_z_nothing
         logs[UNKNOWN] = np.log(self.prior[UNKNOWN]) + self._log_z_of_any(whole)
         total = logsumexp(list(logs.values()))

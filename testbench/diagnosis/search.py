@@ -157,8 +157,9 @@ class Search:
         may_act = laws_that_may_act(best.model, self.measurement, self.catalogue)
         tried += self.pool.map(self.compare, map(best.model.plus, may_act))
         stiff = sorted(tried, key=_evidence)[-constants.BASES :]
-        found = self.pool.map(lambda h: self.compare(self.bent(h.model)), stiff)
-        bent = sorted([*found, self.compare(self.flexible.model, self.flexible)], key=_evidence, reverse=True)
+        starts = [*((self.bent(h.model), None) for h in stiff), (self.flexible.model, self.flexible)]
+        bent = self.pool.map(lambda start: self.at_rest(self.compare(*start)), starts)
+        bent = sorted(bent, key=_evidence, reverse=True)
         # One that was stripped of its shapes has parameters that moved along with them: the last choice of its kind.
         others = _first_of_each((stiff[-1], first, self.compare(without_shapes(bent[0].model))), _laws)
         return bent, sorted(others, key=_evidence, reverse=True)[: constants.BASES]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from testbench.diagnosis.hypothesis import own_part
+from testbench.diagnosis.hypothesis import imitated, own_part
 from testbench.diagnosis.laplace import fitted
 from testbench.diagnosis.likelihood import likelihood_of, noise_of
 from testbench.fitting.measurement import prepare
@@ -35,3 +35,13 @@ def test_what_the_base_could_do_is_not():
     effect = CATALOGUE["drift_exponential"](amount=0.01, tau_s=100.0)
     changed = 0.01 * np.sqrt(np.var(np.exp(-np.linspace(0, 3, 300))))
     assert own(truth(), effect)["conductance"] < 0.5 * changed
+
+
+def test_shapes_follow_a_change_as_far_as_their_weights_are_believed():
+    """One wave, one weight: of a change of 3 the fit that believes in 1 / 10 takes n / (n + 100)."""
+    wave = np.sin(np.linspace(0, 20, 400))
+    square, none = float(wave @ wave), np.zeros((0, 400))
+    followed = imitated(3 * wave, none, wave[None], np.array([10.0]))
+    np.testing.assert_allclose(followed, 3 * wave * square / (square + 100), rtol=1e-9)
+    np.testing.assert_allclose(imitated(3 * wave, none, wave[None], np.array([1e6])), 0.0, atol=1e-6)
+    np.testing.assert_allclose(imitated(3 * wave, wave[None], wave[None], np.array([10.0])), 3 * wave, rtol=1e-9)

@@ -141,6 +141,15 @@ def test_what_changes_most_leads_whichever_was_found_first(monkeypatch):
     assert leading([first], likelihood) == leading([], likelihood) == 0
 
 
+def test_what_was_named_alone_gets_no_other_name_in_company():
+    """Another that adds more, but explains less, was weighed against it already."""
+    good, more = entry("stress_relaxation", 1.3, 100.0), entry("clamp_slip", 0.7 * BARE, 101.0)
+    second = entry("self_heating", 1.25, 140.0)
+    rounds = [a_round(entry("", BARE, 50.0), more, good), a_round(good, second)]
+    chances = rounds[0].probabilities(whole_of(rounds, [good, second]))
+    assert max(chances, key=lambda name: chances[name]) == "stress_relaxation"
+
+
 def test_what_a_round_does_not_weigh_is_told_as_it_was_believed_before():
     found = a_round(entry("", BARE, 5.0), entry("stress_relaxation", 2.0, 10.0))
     half = found.prior["clamp_slip"] / 2
