@@ -170,7 +170,7 @@ class Sink:
             part.sync()
 
     def close(self) -> bool:
-        """Write what is pending (as far as the disk takes it), sync and close; whether each file is whole and ours."""
+        """Write what is pending (as far as the disk takes it), sync, close; whether each file is whole and ours."""
         self.release_room()
         self._hurry.shutdown()
         ours = not self.disturbed  # a manifest must not seal what somebody else put there
