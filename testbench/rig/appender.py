@@ -33,12 +33,13 @@ class Appender:
         self.sync_failures = 0
         self._handle: int | None = None
         self._named = False
+        self._size = 0  # at least; another's bytes are found by whoever reads the file
 
     def open(self) -> int:
         """The open file, made if it is not there; its name is kept with the first sync."""
         if self._handle is None:
             self._handle = disk.open_growing(self.path)
-            self._named = False
+            self._named, self._size = False, os.fstat(self._handle).st_size
         return self._handle
 
     def write(self, text: str) -> bool:
@@ -80,7 +81,21 @@ class Appender:
 
     def take(self, data: bytes) -> int:
         """Give `data` to the operating system; how many bytes it took."""
-        return disk.DISK.write(self.open(), data)
+        taken = disk.DISK.write(self.open(), data)
+        self._size += taken
+        return taken
+
+    @property
+    def disturbed(self) -> bool:
+        """Whether another program has removed the file, put another one in its place, or cut it."""
+        if self._handle is None:
+            return False
+        mine = os.fstat(self._handle)
+        try:
+            named = self.path.lstat()
+        except OSError:
+            return True
+        return (named.st_dev, named.st_ino) != (mine.st_dev, mine.st_ino) or mine.st_size < self._size
 
     @property
     def empty(self) -> bool:
@@ -95,7 +110,8 @@ class Appender:
         try:
             size = os.fstat(self._handle).st_size
             tail = os.pread(self._handle, TAIL_BYTES, max(0, size - TAIL_BYTES))
-            disk.DISK.truncate(self._handle, size - (len(tail) - tail.rfind(b"\n") - 1))
+            self._size = size - (len(tail) - tail.rfind(b"\n") - 1)
+            disk.DISK.truncate(self._handle, self._size)
         except OSError as error:
             self.refusal = error
         return self.refusal is None

@@ -217,6 +217,8 @@ class Recorder:
 
     def _progress(self, host_s: float) -> None:
         self._reported_s = host_s
+        if disturbed := self.sink.disturbed:
+            self.status.message = self._said(disturbed)
         self._report(self._updated())
 
     def _updated(self) -> Status:
@@ -245,6 +247,9 @@ class Recorder:
         last = []
         if not self._settled():
             last = [self._gave_up()]
+        if disturbed := self.sink.disturbed:
+            status.message = self._said(disturbed)
+            status.state = status.state if status.state == "alarm" else "disk error"
         details: dict[str, object] = {"state": status.state}
         if status.message:
             details["message"] = status.message

@@ -147,6 +147,12 @@ class Sink:
         """How often the disk said that it could not keep what it had taken."""
         return sum(part.sync_failures for part in self._parts())
 
+    @property
+    def disturbed(self) -> str:
+        """What another program did to the files meanwhile, in words; empty if nothing."""
+        names = ", ".join(part.path.name for part in self._parts() if part.disturbed)
+        return names and f"{names}: removed, replaced or cut by another program, and what was in it is lost"
+
     def give_up(self) -> None:
         """Forget the rows and rejected lines that the disk does not take, so that the last events have room."""
         self._csv.drop()
@@ -164,11 +170,12 @@ class Sink:
             part.sync()
 
     def close(self) -> bool:
-        """Write what is pending (as far as the disk takes it), sync and close; whether every file is whole."""
+        """Write what is pending (as far as the disk takes it), sync, close; whether each file is whole and ours."""
         self.release_room()
         self._hurry.shutdown()
+        ours = not self.disturbed  # a manifest must not seal what somebody else put there
         whole = [part.close() for part in self._parts()]
-        return all(whole)
+        return all(whole) and ours
 
     def _hold_room(self, size: int) -> None:
         if not size:

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE
 from testbench.rig.anew import Anew
+from testbench.rig.voices import Voices
 from testbench.rig.wire import MICROS_WRAP, SEQUENCE_WRAP, BadLine, LineBuffer, Sample, decode, rescue
 
 GAP_US = 1_000_000  # a longer silence is a gap
@@ -19,6 +20,7 @@ HALF_WRAP_US = MICROS_WRAP // 2
 AHEAD_US, AHEAD_SHARE, AHEAD_RESUMED_US = 5_000_000, 0.1, 600_000_000
 RENUMBERED_LINES = 8  # so many old numbers in a row, and the device has begun to count anew
 MOST_LINES_PER_US = 1
+LATE = "out of order"
 
 
 class Row(NamedTuple):
@@ -39,7 +41,8 @@ class Event(NamedTuple):
     """Something that happened during a recording, kept in ``events.jsonl``.
 
     Kinds: ``start``, ``loss``, ``gap``, ``reboot``, ``clock jump``, ``renumbered``, ``disconnect``, ``resume``,
-    ``silent``, ``mostly rejected``, ``clock disagrees``, ``sync failed``, ``unwritten``, ``alarm``, ``end``.
+    ``two devices``, ``silent``, ``mostly rejected``, ``clock disagrees``, ``sync failed``, ``unwritten``, ``alarm``,
+    ``end``.
 
     A ``gap`` is a silence of more than 1 s, or of any length after a disconnect; a ``loss`` is a shorter one.
     """
@@ -96,6 +99,8 @@ class Intake:
         Rejected lines by reason.
     host_clock : bool
         Whether host times mean anything; not where a simulated rig delivers at once.
+    voices : Voices
+        Whether more than one device talks.
     """
 
     channels: tuple[str, ...] | None = None
@@ -104,6 +109,7 @@ class Intake:
     lost: int = 0
     bad: Counter[str] = field(default_factory=Counter)
     host_clock: bool = True
+    voices: Voices = field(default_factory=Voices)
     _sequence: int | None = None
     _missing: dict[int, None] = field(default_factory=dict)
     _old_boots: set[int] = field(default_factory=set)
@@ -158,10 +164,18 @@ class Intake:
             yield self._reject("no line end", debris)
         try:
             sample = decode(line)
-            yield from self._sample(sample, host_s)
         except BadLine as problem:
             # Opening a port lands in the middle of a line: expected, kept apart from real faults.
             yield self._reject("partial first line" if first else str(problem), line)
+            return
+        try:
+            yield from self._sample(sample, host_s)
+        except BadLine as problem:
+            yield self._reject(str(problem), line)
+            if str(problem) == LATE:
+                return  # awaited: it says nothing of who talks
+        if self.voices.hear(sample):
+            yield Event("two devices", self.time_us, {"boots": [f"{boot:08x}" for boot in self.voices.boots]})
 
     def _reject(self, reason: str, line: bytes) -> Bad:
         self.bad[reason] += 1
@@ -257,7 +271,7 @@ class Intake:
         if sequence in self._missing:
             del self._missing[sequence]
             self.lost -= 1
-            raise BadLine("out of order")
+            raise BadLine(LATE)
         before, length = self._run
         follows = elapsed_us is not None and sequence == (before + 1) % SEQUENCE_WRAP
         self._run = (sequence, length + 1 if follows else 0)

@@ -1,4 +1,4 @@
-"""What a person should be told while a recording runs: a silent port, lines all rejected, a clock that runs wrong.
+"""What a person should be told while a recording runs: silence, lines all rejected, two devices, a wrong clock.
 
 It looks at host times and at the intake's counts after each part of a link. It changes nothing that is recorded.
 """
@@ -75,7 +75,7 @@ class Watchdog:
         if self._silent:
             self.message = self._quiet_words(host_s)
         else:
-            self.message = self._rejected or self._clock or _bridged(intake)
+            self.message = _two_devices(intake) or self._rejected or self._clock or _bridged(intake)
         return found
 
     def away(self, host_s: float) -> None:
@@ -129,6 +129,12 @@ class Watchdog:
         self._clock = f"the device's clock ran {device_s:.1f} s while the host's ran {host_s:.1f} s"
         details: dict[str, object] = {"device_s": round(device_s, 3), "host_s": round(host_s, 3)}
         return [] if was else [Event("clock disagrees", intake.time_us, details)]
+
+
+def _two_devices(intake: Intake) -> str:
+    """What to say where two devices talk on one wire; said until the end, since what was recorded may be of both."""
+    boots = " and ".join(f"{boot:08x}" for boot in intake.voices.boots)
+    return boots and f"two devices seem to talk on this wire (boot {boots}): disconnect one and record anew"
 
 
 def _bridged(intake: Intake) -> str:

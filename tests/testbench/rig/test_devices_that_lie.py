@@ -8,13 +8,14 @@ from itertools import pairwise
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.random import default_rng
 
 from testbench.rig.parts import Chunk, End, Tick
 from testbench.rig.recorder import Recorder
 from testbench.rig.sink import Sink
 from testbench.rig.stream import Intake, Row
 from testbench.rig.watchdog import Watchdog
-from testbench.rig.wire import MICROS_WRAP, SEQUENCE_WRAP, encode
+from testbench.rig.wire import MICROS_WRAP, SEQUENCE_WRAP, Sample, encode
 from tests.testbench.rig import test_stream
 from tests.testbench.rig.test_stream import STEP_US, events, fed, reasons, rows
 
@@ -169,6 +170,89 @@ def test_whatever_a_device_says_time_runs_forward_and_no_faster_than_it_can(line
     assert all(later > earlier for earlier, later in pairwise(times))
     assert not times or times[-1] <= 1.1 * host_s * 1e6 + len(times) * 5_000_001 + MICROS_WRAP / 2
     assert intake.lost >= 0
+
+
+# Two devices on one wire.
+
+
+def taking_turns(first: dict, second: dict, count: int, burst: int = 1, seed: int = 1) -> list[tuple[float, Sample]]:
+    """Host times and lines of two devices, `burst` lines at a time, jittered; given are boot, number and clock."""
+    jitter_us = default_rng(seed).integers(0, 2000, (2, count))
+    lines = []
+    for device, about in enumerate((first, second)):
+        for n in range(count):
+            micros = about.get("clock_us", 0) + n * STEP_US + int(jitter_us[device, n])
+            one = sample(about.get("number", 0) + n, boot=about.get("boot", 7), micros=micros)
+            host_s = ((n // burst * burst + burst) * STEP_US + n + 2000 * device) / 1e6
+            lines.append((host_s, one._replace(resistance_mohm=1000 * (device + 1) + n)))
+    return sorted(lines)
+
+
+OTHERS = {
+    "another boot": {"boot": 8},
+    "another boot, much longer on": {"boot": 8, "number": 100_000, "clock_us": 40 * MINUTE_US},
+    "the same boot, switched on together": {},
+    "the same boot, a little ahead": {"number": 3, "clock_us": 3 * STEP_US},
+    "the same boot, ahead": {"number": 100, "clock_us": 100 * STEP_US},
+    "the same boot, behind": {"number": -100, "clock_us": -100 * STEP_US},
+    "the same boot, another clock": {"number": 40, "clock_us": 20 * MINUTE_US},
+    "the same boot, more lines in less time": {"number": 500, "clock_us": -MINUTE_US},
+}
+
+
+@pytest.mark.parametrize("burst", [1, 5])
+@pytest.mark.parametrize("other", OTHERS)
+@pytest.mark.parametrize("swapped", [False, True])
+def test_two_devices_on_one_wire_are_told_once_and_on_the_screen(other, burst, swapped):
+    about = [{"number": 1000, "clock_us": 1000 * STEP_US}]
+    about.append({name: about[0].get(name, 0) + OTHERS[other].get(name, 0) for name in ("number", "clock_us")})
+    about[1]["boot"] = OTHERS[other].get("boot", 7)
+    intake, watchdog, items = Intake(), Watchdog(), []
+    # Of the same boot number, the lines of one behind are as late ones until it has caught up.
+    for host_s, one in taking_turns(*(reversed(about) if swapped else about), count=600, burst=burst):
+        items += fed(intake, one, host_s=host_s)
+        watchdog.look(host_s, True, intake)
+    assert events(items).count("two devices") == 1
+    assert watchdog.message.startswith("two devices seem to talk on this wire (boot 0000000")
+    assert watchdog.message.endswith(": disconnect one and record anew")
+
+
+def test_two_devices_that_garble_each_other_are_told_by_what_arrives():
+    chance = default_rng(2)
+    intake, items = Intake(), []
+    for host_s, one in taking_turns({}, {"boot": 8}, count=600):
+        items += fed(intake, one, host_s=host_s) if chance.random() > 0.3 else []
+    assert events(items).count("two devices") == 1
+
+
+def test_another_device_that_measures_something_else_is_told_too():
+    intake, items = Intake(), []
+    for host_s, one in taking_turns({}, {"boot": 8}, count=100):
+        items += fed(intake, one if one.boot == 7 else one._replace(force_uN=None), host_s=host_s)
+    assert events(items) == ["start", "two devices"]
+    assert intake.bad == {"other channels": 100}
+
+
+@pytest.mark.parametrize("behind", [1, 3, 100])
+def test_an_echo_is_no_second_device(behind):
+    """Every line comes again, `behind` lines later."""
+    intake, items = Intake(), []
+    for n in range(500):
+        items += fed(intake, sample(n), host_s=n * STEP_US / 1e6)
+        items += fed(intake, sample(n - behind), host_s=n * STEP_US / 1e6) if n >= behind else []
+    assert events(items) == ["start"]
+    assert len(rows(items)) == 500
+
+
+@settings(max_examples=100)
+@given(st.lists(st.integers(0, 12), min_size=100, max_size=300), st.integers(1, 4))
+def test_lines_that_overtake_each_other_are_no_second_device(delays, boots):
+    """One device, restarted now and then, whose lines each come up to twelve lines late."""
+    lines = [sample(n, boot=n * boots // len(delays)) for n in range(len(delays))]
+    intake, items = Intake(), []
+    for n, one in sorted((n + delay, one) for n, (delay, one) in enumerate(zip(delays, lines, strict=True))):
+        items += fed(intake, one, host_s=n * STEP_US / 1e6)
+    assert "two devices" not in events(items)
 
 
 # What a person is told.

@@ -13,6 +13,7 @@ from gcode.support.errors import UserError
 from testbench.campaigns.record import Job, begin, job_of, record
 from testbench.knit.catalogue import baseline
 from testbench.recordings.files import read_recording
+from testbench.recordings.manifest import read_manifest
 from testbench.rig.appender import Appender
 from testbench.rig.ending import EndOfMotion
 from testbench.rig.parts import Chunk, End, Lost, Tick, in_memory
@@ -140,6 +141,27 @@ def test_a_second_recorder_on_the_same_files_is_refused(tmp_path):
         Sink(tmp_path)
     first.close()
     Sink(tmp_path).close()
+
+
+def put_another(path):
+    path.rename(path.with_name("old.csv"))
+    path.write_text("time_s,displacement_mm\n0,0\n1,1\n")
+
+
+MEDDLING = {"removed": os.unlink, "cut": lambda path: os.truncate(path, 100), "replaced": put_another}
+
+
+@pytest.mark.parametrize("name", ["recording.csv", "events.jsonl"])
+@pytest.mark.parametrize("meddled", MEDDLING)
+def test_a_file_that_another_program_took_away_is_said_and_not_sealed(job, tmp_path, meddled, name):
+    lines, messages = bench_lines(job), []
+    link = full_and_free_again(lines, lambda: MEDDLING[meddled](tmp_path / "c" / name))
+    status = recorded(job, tmp_path / "c", link, report=lambda status: messages.append(status.message))
+    said = f"{name}: removed, replaced or cut by another program, and what was in it is lost"
+    assert sum(said in message for message in messages) > 2  # at once, not only at the end
+    assert (status.state, said in status.message) == ("disk error", True)
+    assert "the campaign stays unfinished" in status.message
+    assert read_manifest(tmp_path / "c")[0].status == "recording"
 
 
 class Stingy(Appender):
