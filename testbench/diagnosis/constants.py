@@ -1,5 +1,9 @@
-"""The numbers of the diagnosis that nothing else determines, each with its reason."""
+"""The numbers of the diagnosis that nothing else determines, each with its reason.
 
+The first part is believed of sensors, the second is what a search may spend.
+"""
+
+# What is believed
 ALIKE_S = 1.6  # for so long what a model leaves repeats itself: samples closer than that share one piece of news
 INDEPENDENT = 120  # pieces of a recording whose errors of a law are independent, about two a stroke
 IN_LAST_FIT = 240  # pieces at most in the last fit of a model: parameters are known better than which model is right
@@ -13,6 +17,8 @@ PRIOR_NOTHING = 0.5  # before seeing data, that nothing is missing
 PRIOR_UNKNOWN = 0.25  # before seeing data, that what is missing, if anything is, is in no catalogue
 EVIDENCE_ERROR = 2.0  # nats, standard deviation: of an integral by its peak, and of where a fit ends
 MISLED = 0.2  # of sensors that nobody here simulated: evidence that seemed sure spoke for the wrong mechanism
+
+# What is spent
 GRID_HZ = 12.5  # grid of the comparison: quicker than the motion, slower than most samplings
 GRID_POINTS = 30_000  # at most on that grid: coarser for recordings of more than 40 min, whose turns it keeps
 FINER = 4  # times as many for the last fits of the models that were chosen
