@@ -15,7 +15,17 @@ from testbench.diagnosis.discrepancy_map import Map
 from testbench.diagnosis.held_out import Interval, block_energies, gain_interval
 from testbench.diagnosis.hypothesis import Hypothesis
 from testbench.diagnosis.proposals import Proposal
-from testbench.diagnosis.rounds import NOTHING, UNKNOWN, Entry, Round, Verdict, leading, prior_of, whole_of
+from testbench.diagnosis.rounds import (
+    NOTHING,
+    UNKNOWN,
+    Entry,
+    Round,
+    Verdict,
+    leading,
+    over_errors,
+    prior_of,
+    whole_of,
+)
 from testbench.diagnosis.search import Progress, Search, searched
 from testbench.fitting.baseline import SHAPES
 from testbench.fitting.fit import Fit
@@ -280,7 +290,7 @@ def concluded(
         chances,
         tuple(_found(rounds[k:], put_in[k:]) for k in sorted(range(len(put_in)), key=lambda k: k != lead)),
         _ranking(rounds[: lead + 1], chances, held),
-        _tied(most.probabilities(beside), verdict),
+        _tied(over_errors(most.probabilities(beside)), verdict),
         tuple(name for name in after.model if name not in known),
         tuple(e.name for n, e in after.model.effects.items() if n in before.model and e.name != before.model[n].name),
         tuple(sorted(((c, where, share) for (c, where), share in explained.items()), key=lambda one: -one[2])),

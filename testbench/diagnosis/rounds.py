@@ -6,6 +6,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Literal
+from zlib import crc32
 
 import numpy as np
 from scipy.special import logsumexp
@@ -17,6 +18,7 @@ from testbench.diagnosis.proposals import Proposal
 from testbench.knit.model import KnitModel
 
 NOTHING, UNKNOWN = "nothing", "unknown"
+DRAWS = 10_000  # of the errors of the evidences: a mean is then known within half a percent
 Verdict = Literal["missing", "nothing_missing", "unknown"]
 
 
@@ -173,7 +175,7 @@ class Round:
         prior : mapping, optional
             With mechanisms that this round does not weigh, for they are in the model already.
         """
-        misled, chances = constants.MISLED, self.probabilities(whole)
+        misled, chances = constants.MISLED, over_errors(self.probabilities(whole))
         prior = prior or self.prior
         return {name: (1 - misled) * chances.get(name, 0.0) + misled * one for name, one in prior.items()}
 
@@ -317,6 +319,17 @@ def prior_of(mechanisms: Collection[str]) -> dict[str, float]:
     missing, unknown = 1 - constants.PRIOR_NOTHING, constants.PRIOR_UNKNOWN
     shared = dict.fromkeys(mechanisms, missing * (1 - unknown) / max(len(mechanisms), 1))
     return {**shared, NOTHING: 1 - missing, UNKNOWN: missing * unknown}
+
+
+def over_errors(chances: Mapping[str, float]) -> dict[str, float]:
+    """Probabilities, in the mean over the errors of the evidences: what is a few nats apart is nearly a tie.
+
+    Each hypothesis draws errors of its own, the same in whatever order they come.
+    """
+    names, logs = list(chances), np.log(np.maximum(list(chances.values()), 1e-300))
+    errors = [np.random.default_rng(crc32(name.encode())).normal(size=DRAWS) for name in names]
+    each = logs[:, None] + constants.EVIDENCE_ERROR * np.array(errors)
+    return dict(zip(names, np.exp(each - logsumexp(each, axis=0)).mean(axis=1).tolist(), strict=True))
 
 
 def explained(without: Hypothesis, with_it: Hypothesis) -> dict[str, float]:

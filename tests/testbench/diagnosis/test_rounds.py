@@ -8,9 +8,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from testbench.diagnosis import constants
 from testbench.diagnosis import rounds as rounds_module
 from testbench.diagnosis.likelihood import Likelihood
-from testbench.diagnosis.rounds import NOTHING, UNKNOWN, Entry, Round, best_set, leading, whole_of
+from testbench.diagnosis.rounds import NOTHING, UNKNOWN, Entry, Round, best_set, leading, over_errors, whole_of
 from testbench.diagnosis.search import Search
 from testbench.knit.model import KnitModel
 
@@ -155,7 +156,7 @@ def test_what_a_round_does_not_weigh_is_told_as_it_was_believed_before():
     half = found.prior["clamp_slip"] / 2
     prior = {**found.prior, "clamp_slip": half, "mullins_softening": half}
     told = found.doubted(prior=prior)
-    assert told["mullins_softening"] == pytest.approx(0.2 * half)
+    assert told["mullins_softening"] == pytest.approx(constants.MISLED * half)
     assert set(told) == set(prior)
 
 
@@ -164,6 +165,21 @@ def test_probabilities_and_what_is_told_of_them_sum_to_one():
     for chances in (found.probabilities(), found.doubted()):
         assert sum(chances.values()) == pytest.approx(1.0)
         assert set(chances) == {*LAWS, NOTHING, UNKNOWN}
+
+
+def test_a_few_nats_are_nearly_a_tie_and_thirty_are_none():
+    """The difference of two evidences has an error of 2 sqrt(2) nats: the mean of a logistic normal is 0.81."""
+    near = over_errors({"a": 0.95, "b": 0.05})
+    assert near["a"] == pytest.approx(0.81, abs=0.02)
+    assert over_errors({"a": 1 - 1e-13, "b": 1e-13})["a"] == pytest.approx(1.0, abs=1e-6)
+    assert over_errors({"a": 0.5, "b": 0.5})["a"] == pytest.approx(0.5, abs=0.02)
+
+
+def test_the_errors_of_the_evidences_do_not_depend_on_the_order():
+    chances = {"a": 0.7, "b": 0.2, "c": 0.1}
+    turned = over_errors(dict(reversed(chances.items())))
+    assert over_errors(chances) == pytest.approx(turned)
+    assert sum(turned.values()) == pytest.approx(1.0)
 
 
 def test_the_best_of_many_laws_needs_a_few_nats_more_than_a_single_one():
