@@ -12,7 +12,7 @@ import numpy as np
 from scipy.special import logsumexp
 
 from testbench.diagnosis import constants
-from testbench.diagnosis.hypothesis import Hypothesis, own_part
+from testbench.diagnosis.hypothesis import Hypothesis, changed
 from testbench.diagnosis.likelihood import Likelihood
 from testbench.diagnosis.proposals import Proposal
 from testbench.knit.model import KnitModel
@@ -296,12 +296,15 @@ def whole_of(rounds: Sequence[Round], put_in: Sequence[Entry]) -> Whole | None:
     return Whole(prior + steps[-1].log_z_alone(last), last.log_z, alike, steps[0].left(*put_in), first)
 
 
-def leading(put_in: Sequence[Entry], likelihood: Likelihood) -> int:
-    """Which of what was put in changes most, all in one model: the first to be found need not be it."""
-    if len(put_in) < 2:
-        return 0
-    together = put_in[-1].hypothesis
-    return int(np.argmax([squared(own_part(together, e.name, likelihood), likelihood) for e in put_in]))
+def leading(together: Hypothesis, without: Sequence[Hypothesis], likelihood: Likelihood) -> int:
+    """Which of several effects changes most, all in one model: the first to be found need not be it.
+
+    Parameters
+    ----------
+    without : sequence of Hypothesis
+        The same model without each of them, at its best.
+    """
+    return int(np.argmax([squared(changed(one, together), likelihood) for one in without]))
 
 
 def best_set(rounds: Sequence[Round], put_in: Sequence[Entry]) -> list[Entry]:
@@ -338,10 +341,10 @@ def explained(without: Hypothesis, with_it: Hypothesis) -> dict[str, float]:
     return {c: float(np.sqrt(max(before[c] ** 2 - after[c] ** 2, 0.0))) for c in before}
 
 
-def squared(own: Mapping[str, float], likelihood: Likelihood) -> float:
+def squared(change: Mapping[str, float], likelihood: Likelihood) -> float:
     """What a law changes, squared, in units of the least that one leaves, summed over the channels."""
     least = likelihood.least_misfit
-    return sum((size / least[c]) ** 2 for c, size in own.items())
+    return sum((size / least[c]) ** 2 for c, size in change.items())
 
 
 def excess(h: Hypothesis, likelihood: Likelihood) -> float:

@@ -332,13 +332,14 @@ class Search:
         """
         best, *others = _first_of_each([e for e in entries if e.is_settled], lambda e: e.mechanism)
         others += [e for e in entries if e not in (best, *others) and _as_good(e, best)]
-        fits = [partial(self.without, best), *(partial(self.in_place_of, best, e) for e in others)]
+        without = partial(self.without, best.hypothesis, best.name)
+        fits = [without, *(partial(self.in_place_of, best, e) for e in others)]
         base, *found = self.pool.map(lambda fit: fit(), fits)
         return base, _first_of_each(_best_first([*entries, *found]), lambda e: e.law)
 
-    def without(self, best: Entry) -> Hypothesis:
-        """The model without the law, refitted."""
-        return self.at_rest(self.compare(best.base, best.hypothesis))
+    def without(self, h: Hypothesis, name: str) -> Hypothesis:
+        """A model without one of its effects, refitted."""
+        return self.at_rest(self.compare(h.model.without(name), h))
 
     def in_place_of(self, best: Entry, e: Entry) -> Entry:
         """A law on the base of another."""

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from testbench.diagnosis import constants
-from testbench.diagnosis import rounds as rounds_module
 from testbench.diagnosis.likelihood import Likelihood
 from testbench.diagnosis.rounds import NOTHING, UNKNOWN, Entry, Round, best_set, leading, over_errors, whole_of
 from testbench.diagnosis.search import Search
@@ -128,18 +127,13 @@ def test_in_company_the_first_is_as_likely_as_what_it_adds():
     assert together["stress_relaxation"] > 0.9 > 1e3 * together["self_heating"]
 
 
-def test_what_changes_most_leads_whichever_was_found_first(monkeypatch):
-    first, second = entry("stress_relaxation", 0.7 * BARE, 70.0), entry("clamp_slip", 1.3, 160.0)
-    likelihood = a_round(first).likelihood
-    floors = {"stress_relaxation": (3.0, 2.0), "clamp_slip": (1.0, 6.0)}
-
-    def own_part(together, name, _likelihood):
-        assert together is second.hypothesis, "their parts are those of one model"
-        return {c: times * FLOOR[c] for c, times in zip(FLOOR, floors[name], strict=True)}
-
-    monkeypatch.setattr(rounds_module, "own_part", own_part)
-    assert leading([first, second], likelihood) == 1
-    assert leading([first], likelihood) == leading([], likelihood) == 0
+def test_what_changes_most_leads_whichever_was_found_first():
+    """Without it the same model leaves most."""
+    left = [SimpleNamespace(columns={c: np.full((1, 50), n * FLOOR[c]) for c in FLOOR}) for n in (1, 3, 7)]
+    together, without = left[0], left[1:]
+    likelihood = a_round(entry("", BARE, 50.0)).likelihood
+    assert leading(together, without, likelihood) == 1  # type: ignore[arg-type]
+    assert leading(together, without[::-1], likelihood) == 0  # type: ignore[arg-type]
 
 
 def test_what_was_named_alone_gets_no_other_name_in_company():
