@@ -53,7 +53,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> None:
-    from testbench.api.hiding import hide
+    from testbench.api.files.hiding import hide
     from testbench.recordings.channels import FORCE, RESISTANCE
 
     case = hide(
