@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
@@ -90,13 +90,34 @@ def check_grid(
         )
 
 
-def same(one: Recording, other: Recording) -> bool:
-    """Whether two recordings hold the same samples, under whatever names."""
-    return (
-        one.channels.keys() == other.channels.keys()
-        and np.array_equal(one.time_s, other.time_s)
-        and all(np.array_equal(one[name], other[name]) for name in one.channels)
-    )
+def same(one: Recording, other: Recording, channels: Collection[str] = ()) -> bool:
+    """Whether two recordings hold the same samples, under whatever names: of `channels`, or of all that they have."""
+    if not channels and one.channels.keys() != other.channels.keys():
+        return False
+    pairs = [(one.time_s, other.time_s), *((one[name], other[name]) for name in channels or one.channels)]
+    return all(np.array_equal(mine, theirs, equal_nan=True) for mine, theirs in pairs)
+
+
+def check_distinct(recordings: Sequence[Recording], why: str, channels: Collection[str] = ()) -> None:
+    """Refuse a recording that is given twice.
+
+    Parameters
+    ----------
+    recordings : sequence of Recording
+    why : str
+        What would be wrong with it, and what to do: the end of the sentence.
+    channels : collection of str, optional
+        What two recordings must share, beside the times, to be one; all channels when not given.
+
+    Raises
+    ------
+    UserError
+        With the two sources that hold the same samples.
+    """
+    for count, one in enumerate(recordings):
+        for before in recordings[:count]:
+            if same(one, before, channels):
+                raise UserError(f"{one.source}: holds the same samples as {before.source}; {why}")
 
 
 def say_if_same(held_out: Recording, recording: Recording) -> None:

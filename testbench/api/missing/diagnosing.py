@@ -28,7 +28,7 @@ from testbench.diagnosis.words import diagnosis_table, first_line
 from testbench.fitting.measurement import MAX_GRID_HZ, MIN_PART
 from testbench.fitting.model_file import ModelFile
 from testbench.fitting.result_files import checked_diagnosis, read_diagnosis
-from testbench.recordings.doubts import check_grid, same
+from testbench.recordings.doubts import check_distinct, check_grid
 from testbench.recordings.recording import Recording
 from testbench.report import style
 
@@ -216,12 +216,10 @@ def check_one_history(recordings: Sequence[Recording], held: Recording | None, r
     if len(recordings) < 2:
         return
     every = [*recordings, *([] if held is None else [held])]
-    for later, one in enumerate(every):
-        if twice := next((other for other in every[:later] if same(one, other)), None):
-            raise UserError(
-                f"{one.source}: holds the same samples as {twice.source}; of several recordings each is made after "
-                "the ones before it: give each once, and another one as --held-out"
-            )
+    check_distinct(
+        every,
+        "of several recordings each is made after the ones before it: give each once, and another one as --held-out",
+    )
     check_grid(every[1:], recordings[0], MAX_GRID_HZ, MIN_PART, rest_s)
 
 

@@ -10,6 +10,7 @@ import pytest
 
 from gcode.support.errors import UserError
 from testbench.recordings import doubts
+from testbench.recordings.channels import DISPLACEMENT, TEMPERATURE
 from testbench.recordings.recording import Recording
 
 
@@ -102,3 +103,23 @@ def test_a_compression_in_which_both_are_negative_is_fine(said):
     doubts.say_sign(replace(good, channels={name: -values for name, values in good.channels.items()}))
     doubts.say_sign(good)
     assert not said.records
+
+
+def test_a_recording_given_twice_is_refused_though_a_reading_is_missing():
+    one = with_gap(0.0)
+    one = replace(one, channels={**one.channels, TEMPERATURE: np.where(one.time_s < 1, np.nan, 20.0)})
+    copy = replace(one, channels=dict(one.channels), source="a copy")
+    doubts.check_distinct([one, with_gap(1.0)], "give each once")
+    with pytest.raises(UserError, match=r"^a copy: holds the same samples as .*; give each once$"):
+        doubts.check_distinct([one, copy], "give each once")
+    with pytest.raises(UserError, match="holds the same samples"):
+        doubts.check_distinct([one, one], "give each once")
+
+
+def test_two_recordings_are_one_where_they_share_the_channels_that_matter():
+    one = with_gap(0.0)
+    other = replace(one, channels={name: values + (name == DISPLACEMENT) for name, values in one.channels.items()})
+    doubts.check_distinct([one, other], "give each once")
+    kept = [name for name in one.channels if name != DISPLACEMENT]
+    with pytest.raises(UserError, match="holds the same samples"):
+        doubts.check_distinct([one, other], "give each once", kept)
