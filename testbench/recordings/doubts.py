@@ -95,7 +95,7 @@ def same(one: Recording, other: Recording, channels: Collection[str] = ()) -> bo
     if not channels and one.channels.keys() != other.channels.keys():
         return False
     pairs = [(one.time_s, other.time_s), *((one[name], other[name]) for name in channels or one.channels)]
-    return all(np.array_equal(mine, theirs, equal_nan=True) for mine, theirs in pairs)
+    return all(np.array_equal(mine, theirs) for mine, theirs in pairs)
 
 
 def check_distinct(recordings: Sequence[Recording], why: str, channels: Collection[str] = ()) -> None:
