@@ -139,7 +139,11 @@ def save(path: str | Path, compensator: Compensator) -> None:
 
 
 def load(path: str | Path) -> Compensator:
-    """Read a compensator.
+    """Read a compensator that `save` or ``compensation train`` has written.
+
+    Parameters
+    ----------
+    path : path
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Reading what is learned from: resistance and one target are enough; lengths are asked for where they are needed."""
+"""Reading recordings to learn from: resistance and one target are enough; a gauge length is seldom needed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which column is what, in which unit: as a person said, else as the file says, else it is a trouble to be told."""
+"""Which column holds what, in which unit: as a person said, else as the file says; what neither says is asked."""
 
 from __future__ import annotations
 

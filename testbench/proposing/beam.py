@@ -1,4 +1,4 @@
-"""The search for a law: seeds are coordinates with a memory, and the best grow a bend, a factor or another memory."""
+"""The search for a law: from coordinates with a memory on, the best are given a bend, a factor or another memory."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Moments at which the misfit jumps: what sets a slipping clamp apart from a knit that grows longer."""
+"""Moments at which the misfit jumps: a slipping clamp shows itself by them, a permanent set has none."""
 
 from __future__ import annotations
 

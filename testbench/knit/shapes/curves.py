@@ -1,4 +1,4 @@
-"""A smooth curve of any form over a range, linear in its weights."""
+"""A smooth curve of any shape over a range, linear in its weights."""
 
 from __future__ import annotations
 

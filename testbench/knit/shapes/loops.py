@@ -1,4 +1,4 @@
-"""Operators with rate-independent memory of the strain: a dictionary wide enough for loops of any form."""
+"""Operators with rate-independent memory of the strain: a set of them that is rich enough for loops of any shape."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What was made of an array that stays the same as parameters change."""
+"""A cache for functions of an array that stays the same while a fit changes parameters."""
 
 from __future__ import annotations
 

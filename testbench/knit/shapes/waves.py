@@ -1,4 +1,4 @@
-"""Waves of any form as a Fourier series; the first harmonic is 1, the others are told by it."""
+"""Waves of any shape as a Fourier series; the first harmonic has weight 1, the others are relative to it."""
 
 from __future__ import annotations
 

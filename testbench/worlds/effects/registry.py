@@ -1,4 +1,4 @@
-"""Forms by effect: each file of forms registers its own."""
+"""The forms of each hidden effect; the files beside this one register theirs here."""
 
 from __future__ import annotations
 
