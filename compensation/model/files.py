@@ -84,7 +84,7 @@ class _Promise(BaseModel):
 
 
 class _Recipe(BaseModel):
-    """Of how it was trained, what `score` and `recalibrate` read; the rest is for people."""
+    """What `score` and `recalibrate` read of how a compensator was trained; the rest is for people."""
 
     model_config = ConfigDict(extra="allow", strict=True)
     trained_on: list[str] = []

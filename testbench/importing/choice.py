@@ -24,7 +24,7 @@ UNIT_FLAGS |= {"relative": "--relative-unit", "relative_change": "--relative-uni
 
 @dataclass(frozen=True)
 class Taken:
-    """A column that was taken for something.
+    """A column, and the quantity that it was taken for.
 
     Attributes
     ----------

@@ -121,7 +121,7 @@ def check_distinct(recordings: Sequence[Recording], why: str, channels: Collecti
 
 
 def say_if_same(held_out: Recording, recording: Recording) -> None:
-    """Say where what is held out is what is fitted on: an error of that is none of a prediction."""
+    """Warn where the held-out recording is the one that is fitted on: its error is not that of a prediction."""
     if same(held_out, recording):
         say_once(
             f"{held_out.source}: holds the same samples as what is fitted on, so its errors are not held out; give "
@@ -130,7 +130,7 @@ def say_if_same(held_out: Recording, recording: Recording) -> None:
 
 
 def say_sign(recording: Recording) -> None:
-    """Say where the force falls as the sensor is stretched: no law of a knit does that."""
+    """Warn where the force falls as the sensor is stretched: no law of a knit does that."""
     if not recording.has(FORCE) or np.ptp(recording[FORCE]) == 0 or np.ptp(recording.strain) == 0:
         return
     related = float(np.corrcoef(recording.strain, recording[FORCE])[0, 1])
@@ -142,7 +142,7 @@ def say_sign(recording: Recording) -> None:
 
 
 def say_once(text: str) -> None:
-    """Say it where warnings go (stderr, unless a program listens), once in the life of this process."""
+    """Log a warning (to stderr, unless a program listens), once in the life of this process."""
     if text not in _SAID:
         _SAID.add(text)
         logging.getLogger("knitbench").warning(text)

@@ -22,8 +22,8 @@ def slips(signals: Signals, residual: Signals) -> list[tuple[float, float]]:
 
     Straight lines are fitted to the misfit just before and just after each sample; where they do not meet, something
     jumped. A slip lowers force and conductance as releasing the knit by that much would: how well one length explains
-    the jumps of all channels tells it from a jump of the misfit. (On the way out or back, or in a hold: a grip may
-    give way a while after the load has come.)
+    the jumps of all channels tells it from a jump of the misfit. It may come on the way out, on the way back or in a
+    hold, since a grip may give way a while after the load has come.
 
     Parameters
     ----------
@@ -31,6 +31,11 @@ def slips(signals: Signals, residual: Signals) -> list[tuple[float, float]]:
         ``time_s``, ``strain``, and what the model makes of them: ``force_N``, ``conductance_S``.
     residual : mapping of str to ndarray, each shape (n,)
         Measured minus modelled: ``force`` in N, ``conductance`` in ln S.
+
+    Returns
+    -------
+    list of tuple of float
+        Time of the slip in s, and how much longer the knit became, as strain.
     """
     if not residual:
         return []
@@ -68,7 +73,7 @@ def steepness(strain: FloatArray, values: FloatArray, channel: str) -> FloatArra
 
 
 def jumps(x: FloatArray, dt_s: float) -> FloatArray:
-    """Line through what follows minus line through what came before, both at each sample, shape (n,)."""
+    """Jump at each sample, shape (n,): a straight line through what follows minus one through what came before."""
     count, skip = _lengths(dt_s)
     k = np.arange(count) + skip
     # weights of a straight line's value at k = 0 from its values at k
