@@ -20,9 +20,9 @@ from pathlib import Path
 
 from joblib import Parallel, delayed, parallel_config
 
-from testbench.campaigns.dataset import make, run, write_index
-from testbench.campaigns.dataset_spec import DatasetSpec, TrajectoryWish
-from testbench.campaigns.dataset_tasks import Task, tasks_of
+from testbench.campaigns.datasets.dataset import make, run, write_index
+from testbench.campaigns.datasets.spec import DatasetSpec, TrajectoryWish
+from testbench.campaigns.datasets.tasks import Task, tasks_of
 from testbench.rig.played import played
 from testbench.rig.simulated import Motion
 

@@ -17,7 +17,7 @@ from playwright.sync_api import Page, sync_playwright
 
 from datasets.demo import GAUGE_LENGTH_MM, HIDDEN, do
 from testbench.studio.proposed_law import FOLDER, JSON, MODEL
-from tests.testbench.studio.browsing import screen
+from tests.testbench.studio.browser.browsing import screen
 from tests.testbench.studio.served import CHROMIUM, served
 
 NAMES = ("calibration", "held_out")

@@ -18,13 +18,17 @@ MUCH = 0.05
 
 
 def add_recordings(parser: argparse.ArgumentParser) -> None:
-    """The positional recordings and their gauge length."""
+    """The positional recordings."""
     parser.add_argument("recordings", nargs="+", metavar="CAMPAIGN", help="campaign folder or recording CSV")
+
+
+def add_gauge_length(parser: argparse.ArgumentParser, where: str = "where it is known") -> None:
+    """The gauge length of recordings that do not say their own."""
     parser.add_argument(
         "--gauge-length-mm",
         type=float,
         metavar="MM",
-        help="of a bare CSV: unstretched length between the clamps (only --twin needs it)",
+        help=f"of a bare CSV: unstretched length between the clamps, {where}",
     )
 
 

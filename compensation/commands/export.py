@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-SUMMARY = "Export a compensator as a C header or an ONNX model."
+SUMMARY = "write a compensator as a C header for a chip, or as an ONNX model"
 EXAMPLE = "compensation export pes.compensator.json --format c -o pes.h --name pes"
 
 

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from compensation.model.compensator import Compensator
 
-SUMMARY = "Apply a compensator to a recording of resistance; no reference is needed."
+SUMMARY = "apply a compensator to a recording of resistance; no reference is needed"
 EXAMPLE = "compensation predict worn.csv --compensator pes.compensator.json -o compensated.csv"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("recording", metavar="RECORDING", help="campaign folder, or CSV with time_s,resistance_ohm")
-    parser.add_argument("--compensator", required=True, metavar="C", help="file written by `compensation train`")
+    parser.add_argument("--compensator", required=True, metavar="FILE", help="file written by `compensation train`")
     parser.add_argument(
         "-o", "--output", required=True, metavar="CSV", help="time_s, the target with its unit, low, high, status"
     )

@@ -5,24 +5,26 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
+from compensation.commands.common import add_gauge_length
+
 if TYPE_CHECKING:
     from compensation.model.compensator import Compensator
     from compensation.series.preprocessing import Series
 
-SUMMARY = "Correct a compensator for another day or specimen, from a minute of reference."
+SUMMARY = "correct a compensator for another day or specimen, from a minute of reference"
 EXAMPLE = "compensation recalibrate pes.compensator.json today.csv --seconds 60 -o today.compensator.json"
 IN_PLACE = {"output": "compensator"}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("compensator", metavar="COMPENSATOR", help="made by `compensation train`")
+    parser.add_argument("compensator", metavar="COMPENSATOR", help="file written by `compensation train`")
     parser.add_argument("recording", metavar="RECORDING", help="campaign folder or CSV with the reference")
     parser.add_argument("-o", "--output", required=True, metavar="FILE", help="compensator to write (JSON)")
     parser.add_argument("--seconds", type=float, default=60.0, help="how much of its beginning to use (default 60)")
     parser.add_argument(
         "--rest", action="store_true", help="the sensor rests without load: no reference is needed, it is zero"
     )
-    parser.add_argument("--gauge-length-mm", type=float, metavar="MM", help="of a bare CSV, where it is known")
+    add_gauge_length(parser)
 
 
 def run(args: argparse.Namespace) -> int:

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import argparse
 
-from compensation.commands.common import add_recordings
+from compensation.commands.common import add_gauge_length, add_recordings
 
-SUMMARY = "Score a compensator on recorded campaigns."
+SUMMARY = "say how well a compensator predicts recordings that it has not seen"
 EXAMPLE = "compensation score pes.compensator.json campaigns/pes-A campaigns/pes-B --plot pes.png"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("compensator", metavar="COMPENSATOR", help="file written by `compensation train`")
     add_recordings(parser)
+    add_gauge_length(parser)
     parser.add_argument("--json", action="store_true", help="print the whole score, traces included, as JSON")
     parser.add_argument("-o", "--output", metavar="FILE", help="write the score as JSON, for report and studio")
     parser.add_argument("--plot", metavar="PNG", help="write a picture: F, G and p over time, zooms, scatter")

@@ -5,16 +5,18 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
+from compensation.commands.common import add_gauge_length
+
 if TYPE_CHECKING:
     from compensation.search.search_space import Candidate
 
-SUMMARY = "Train and rank the 912 candidates (8 smoothing banks x 114 networks) over several seeds."
+SUMMARY = "train and rank the paper's 912 candidates (8 smoothing banks x 114 networks); run again to resume"
 EXAMPLE = "compensation search campaigns/pes-T campaigns/pes-A campaigns/pes-B --target force -o pes.search.jsonl"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("recordings", nargs="*", metavar="CAMPAIGN", help="training, test A and test B")
-    parser.add_argument("--gauge-length-mm", type=float, metavar="MM", help="for bare CSVs")
+    add_gauge_length(parser)
     parser.add_argument("--target", choices=("force", "displacement"), help="what to predict")
     parser.add_argument("-o", "--output", metavar="JSONL", help="results; an interrupted search resumes")
     parser.add_argument(

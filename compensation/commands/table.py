@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-SUMMARY = "Print the paper's result tables beside ours, on simulated PES and Lycra campaigns."
+SUMMARY = "print the paper's result tables beside ours, on simulated PES and Lycra campaigns"
 EXAMPLE = "compensation table -o table-campaigns --seeds 10 --specimens 10 --engine fast"
 
 

@@ -5,22 +5,24 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from compensation.commands.common import add_recordings
+from compensation.commands.common import add_gauge_length, add_recordings
 
 if TYPE_CHECKING:
     from compensation.model.compensator import Compensator
     from compensation.training.options import Options
     from testbench.recordings.recording import Recording
 
-SUMMARY = "Train a compensator on recorded campaigns."
+SUMMARY = "train a compensator on one or more recordings, with what cross-validation promises of it"
 EXAMPLE = "compensation train campaigns/pes-T --target force -o pes.compensator.json"
 
 # What --method paper is told, and the other methods choose themselves.
+GIVEN_TWICE = "give each recording once, or cross-validation would predict it from itself"
 OWN_CHOICES = ("hidden", "factors", "factor", "count", "l2", "restarts", "engine")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_recordings(parser)
+    add_gauge_length(parser, "which --twin needs")
     parser.add_argument("--target", choices=("force", "displacement"), required=True, help="what to predict")
     parser.add_argument("-o", "--output", required=True, metavar="FILE", help="compensator to write (JSON)")
     parser.add_argument(
@@ -67,12 +69,13 @@ def run(args: argparse.Namespace) -> int:
     from compensation.commands.common import check_places, cross_validation_table, finish, read_all
     from compensation.model.files import save
     from compensation.scoring.scorecard import score_recordings
-    from compensation.series.reading import check_distinct
+    from testbench.recordings.channels import RESISTANCE
+    from testbench.recordings.doubts import check_distinct
 
     options = _options(args)
     check_places(args.output, args.plot)
     recordings = read_all(args, "force" if args.twin else args.target)  # a twin is fitted on the force as well
-    check_distinct(recordings)
+    check_distinct(recordings, GIVEN_TWICE, channels=(RESISTANCE,))
     args.method = args.method or _implied(args)
     _check_long_enough(args, options, recordings)
     compensator = _from_twin(args, recordings, options) if args.twin else _from_data(args, recordings, options)

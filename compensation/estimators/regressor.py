@@ -73,7 +73,7 @@ class Compensator(RegressorMixin, BaseEstimator):
         self.seed = seed
 
     def fit(self, X: Any, y: Any, groups: Any = None) -> Compensator:
-        """Learn.
+        """Learn the target from the history of the conductance.
 
         Parameters
         ----------

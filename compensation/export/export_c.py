@@ -28,19 +28,26 @@ from gcode.support.errors import UserError
 
 
 def c_header(compensator: Compensator, name: str = "knitbench") -> str:
-    """The header's text.
+    """Write a compensator as one C99 header, to be fed sample by sample; it needs no library and no heap.
 
     Parameters
     ----------
     compensator : Compensator
-        The output's scaling is folded into the last layer, the mean over several networks too.
+        Its scaling of the output, and the mean over its networks, are folded into their last layers.
     name : str
         Prefix of every C name.
+
+    Returns
+    -------
+    str
+        The header's text. ``float NAME_update(NAME_state *s, float conductance_S, float dt_s)`` takes a conductance
+        in S and the seconds since the last good sample, and returns the force in N or the displacement in mm, in
+        single precision. ``s->status`` has the flags of `compensation.model.runtime.Status`; 0 is good.
 
     Raises
     ------
     UserError
-        If `name` is no C identifier, or the compensator needs a whole recording at once.
+        If `name` is no C identifier, or the compensator standardises each recording by itself, which needs all of it.
     """
     if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", name):
         raise UserError(f"--name must be a C identifier, got {name!r}")

@@ -28,18 +28,29 @@ OPSET = 17
 
 
 def write_onnx(compensator: Compensator, path: str | Path) -> None:
-    """Write the streaming step as ONNX (double precision).
+    """Write one step of a compensator as an ONNX model in double precision.
 
-    Inputs ``conductance_S`` (1,), ``steps`` (1,) = dt times the rate, and the state ``forced``, ``fading``, ``sums``,
-    ``seen`` (each (k,)), ``elapsed`` and ``last`` (each (1,)); with other memories also ``settled`` (1,), ``motion``
-    and ``play``. Start with zeros, but ``fading`` with ones. Outputs ``prediction`` (1,), ``status`` (1,), the flags
-    of `compensation.model.runtime.Status`, and the state again with ``next_`` before its names. A faulty sample gives
+    Inputs are ``conductance_S``, shape (1,), in S; ``steps``, shape (1,), the time since the last good sample in s,
+    times the compensator's rate in Hz; and the state: ``forced``, ``fading``, ``sums`` and ``seen``, each shape (k,)
+    for k smoothing filters, ``elapsed`` and ``last``, each shape (1,); where motion or play is remembered also
+    ``settled``, shape (1,), ``motion`` and ``play``, one value a memory. All of
+    it starts with zeros, but ``fading`` with ones.
+
+    Outputs are ``prediction``, shape (1,), in N or mm; ``status``, shape (1,), the flags of
+    `compensation.model.runtime.Status`; and the next state, with ``next_`` before each name. A faulty sample gives
     the state as it was and the last prediction. `compensation.export.onnx_stream.OnnxStream` keeps the state.
+
+    Parameters
+    ----------
+    compensator : Compensator
+    path : path
+        File to write; a file that is there is replaced.
 
     Raises
     ------
     UserError
-        If the `onnx` package is missing or the compensator needs a whole recording.
+        If the `onnx` package is missing, or the compensator standardises each recording by itself, which needs all
+        of it.
     """
     try:
         import onnx

@@ -84,7 +84,7 @@ class _Promise(BaseModel):
 
 
 class _Recipe(BaseModel):
-    """Of how it was trained, what `score` and `recalibrate` read; the rest is for people."""
+    """What `score` and `recalibrate` read of how a compensator was trained; the rest is for people."""
 
     model_config = ConfigDict(extra="allow", strict=True)
     trained_on: list[str] = []
@@ -139,7 +139,11 @@ def save(path: str | Path, compensator: Compensator) -> None:
 
 
 def load(path: str | Path) -> Compensator:
-    """Read a compensator.
+    """Read a compensator that `save` or ``compensation train`` has written.
+
+    Parameters
+    ----------
+    path : path
 
     Raises
     ------

@@ -50,7 +50,7 @@ class Prediction:
 
 
 def predicted(compensator: Compensator, time_s: FloatArray, resistance_ohm: FloatArray) -> Prediction:
-    """What `Compensator.stream` gives when it is fed these samples, all at once.
+    """Apply a compensator to a whole recording: what `CompensatorStream` gives when it is fed these samples.
 
     With one advantage: where two times contradict each other, the rest of the recording says which is wrong, so that
     a clock which jumps ahead for one sample does not make all the others look late.
@@ -59,8 +59,13 @@ def predicted(compensator: Compensator, time_s: FloatArray, resistance_ohm: Floa
     ----------
     compensator : Compensator
     time_s, resistance_ohm : ndarray, each shape (n,)
-        As sampled; a resistance or time that is no number, or a time out of order, marks a faulty sample. After a gap
-        of more than an hour it starts anew.
+        In s and ohm, as sampled; a resistance or time that is no number, or a time out of order, marks a faulty
+        sample. After a gap of more than an hour it starts anew.
+
+    Returns
+    -------
+    Prediction
+        Force (N) or displacement (mm) of each sample, with an interval and flags.
 
     Raises
     ------

@@ -1,9 +1,7 @@
-"""Reading what is learned from: resistance and one target are enough; lengths are asked for where they are needed."""
+"""Reading recordings to learn from: resistance and one target are enough; a gauge length is seldom needed."""
 
 from __future__ import annotations
 
-import hashlib
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -53,25 +51,6 @@ def read_signals(path: str | Path, gauge_length_mm: float | None = None) -> Reco
         return read_recording(path, length_mm)
     time_s = columns.pop(TIME)
     return Recording(time_s, {DISPLACEMENT: np.zeros(len(time_s)), **columns}, length_mm, str(path))
-
-
-def check_distinct(recordings: Sequence[Recording]) -> None:
-    """Refuse to learn from one recording several times: held out, it would be predicted from itself.
-
-    Raises
-    ------
-    UserError
-        With the two sources that hold the same samples.
-    """
-    known: dict[bytes, str] = {}
-    for recording in recordings:
-        samples = recording.time_s.tobytes() + recording[RESISTANCE].tobytes()
-        first = known.setdefault(hashlib.sha256(samples).digest(), recording.source)
-        if first is not recording.source:
-            raise UserError(
-                f"{recording.source} holds the same samples as {first}; give each recording once, or "
-                "cross-validation would predict it from itself"
-            )
 
 
 def check_tared(recording: Recording, target: str) -> None:

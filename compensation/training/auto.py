@@ -1,4 +1,4 @@
-"""The method made by the data: several methods, weighted by how well each predicts what it has not seen.
+"""The automatic method: several methods, weighted by how well each predicts what it has not seen.
 
 The parts, from the simplest on:
 

@@ -1,4 +1,4 @@
-"""The better compensator: more memory, stronger L2, several networks; every choice from the training recording alone.
+"""The tuned method: more memory, stronger L2, several networks; all chosen from the training recording alone.
 
 Four things make it better than the paper's network at the same input:
 

@@ -1,4 +1,4 @@
-"""From the twin: learn on campaigns simulated from the fitted knit model, and on the short measurement itself.
+"""The twin method: learn on campaigns simulated from the fitted knit model, and on the short measurement itself.
 
 Two minutes of measurement do not show the drift of twenty. A knit model fitted on those two minutes does, as far as
 it is right. The networks are of the tuned kind (`compensation.training.lessons`: memories of motion and play, strong

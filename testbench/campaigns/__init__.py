@@ -1,1 +1,1 @@
-"""Campaigns: plan them, play and record them, make them again, and gather them into data sets."""
+"""Campaigns: plan them, play and record them, make them again; many of them make a data set (`datasets`)."""

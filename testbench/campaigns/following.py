@@ -13,7 +13,7 @@ GROUP, NAME = "knitbench.live", "compensator"
 
 
 class Following(Protocol):
-    """What the recorder asks of it."""
+    """What a recorder needs of a compensator that follows its recording."""
 
     def follow(self, row: Row) -> tuple[float, str]:
         """The compensated value after this row, and its unit."""

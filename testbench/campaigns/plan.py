@@ -57,7 +57,7 @@ class Plan:
     effects: Path | None = None
 
     def recipe(self) -> dict[str, Any]:
-        """What the manifest keeps of it, from which the campaign can be made again."""
+        """What the manifest keeps of the plan, from which the campaign can be made again."""
         recipe = {
             "sensor": self.sensor,
             "model": self.model.to_dict(),

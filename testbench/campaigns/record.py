@@ -55,17 +55,17 @@ class Job:
 
     @cached_property
     def motion(self) -> Motion:
-        """What the controller makes of the program; takes a while when it is asked for first."""
+        """The motion that the controller makes of the program; computed when it is first asked for."""
         return played(self.program, self.gauge_length_mm)[0]
 
     def prepare(self) -> Job:
-        """Do what takes a while and needs no port: lines that come meanwhile would wait in memory."""
+        """Load what takes a while before the port is opened: lines that come meanwhile would wait in memory."""
         software_versions()
         _ = self.motion
         return self
 
     def recipe(self) -> dict[str, Any]:
-        """What the manifest keeps of it."""
+        """What the manifest keeps of the job."""
         limits = {name: value if value < float("inf") else None for name, value in asdict(self.limits).items()}
         recipe = {"sensor": self.sensor, "port": self.port, "baud": self.baud, **limits}
         return recipe | {"program": PROGRAM, "program_sha256": sha256_of(self.program)}

@@ -9,7 +9,7 @@ from testbench.commands._arguments import add_effects, add_held_out
 from testbench.commands._output import show_notes
 
 if TYPE_CHECKING:
-    from testbench.api.ladder import Ladder
+    from testbench.api.models.ladder import Ladder
 
 SUMMARY = "add an effect to a model, refit, and put the step on the ladder; --undo takes it back"
 EXAMPLE = "testbench add stress_relaxation --model model.json --fit campaign-1 --held-out campaign-2 -o model2.json"
@@ -29,7 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     from gcode.support.errors import UserError
     from gcode.support.files import check_place
-    from testbench.api.adding import undo
+    from testbench.api.models.adding import undo
 
     check_place(args.output)
     if not args.undo and not (args.effect and args.fit):
@@ -43,7 +43,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _added(args: argparse.Namespace) -> Ladder:
     """The ladder with the effect on it; notes and effects that no longer pay are told."""
-    from testbench.api.adding import add, no_longer_pays
+    from testbench.api.models.adding import add, no_longer_pays
 
     found = add(
         args.model,

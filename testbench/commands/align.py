@@ -24,7 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     import json
 
-    from testbench.api.aligning import align
+    from testbench.api.bench.aligning import align
 
     found = align(args.recording, args.program, gauge_length_mm=args.gauge_length_mm)
     if args.json:

@@ -21,7 +21,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    from testbench.api.comparing import compare
+    from testbench.api.models.comparing import compare
 
     found = compare(
         args.recording,

@@ -32,7 +32,7 @@ def run(args: argparse.Namespace) -> int:
     import time
 
     from gcode.support.errors import UserError
-    from testbench.api.datasets import dataset
+    from testbench.api.files.datasets import dataset
 
     if (args.backend == "dask") != bool(args.scheduler):
         raise UserError("--backend dask and --scheduler ADDRESS belong together")

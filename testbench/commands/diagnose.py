@@ -42,7 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     from gcode.support.files import check_place
-    from testbench.api.diagnosing import diagnose
+    from testbench.api.missing.diagnosing import diagnose
 
     check_place(args.json, "--json")
     check_place(args.output)

@@ -29,7 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     from gcode.support.errors import UserError
     from gcode.support.files import check_place
-    from testbench.api.designing import next_experiment
+    from testbench.api.experiments.designing import next_experiment
     from testbench.api.progress import Telling
     from testbench.design.protocols import MENU
 

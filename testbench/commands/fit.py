@@ -24,7 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     from gcode.support.files import check_place
-    from testbench.api.fitting import fit
+    from testbench.api.models.fitting import fit
 
     check_place(args.output)
     found = fit(

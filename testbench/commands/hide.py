@@ -11,6 +11,7 @@ WORLDS_HELP = (
     "matched, mismatched (all laws differ from the catalogue's), other_elasticity, bouc_wen, other_contact, "
     "other_drift or carbon_black"
 )
+MOTIONS_HELP = "perlin, holds, triangles, return_to_zero or mix"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -46,14 +47,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--protocol",
         default="perlin",
         metavar="KIND",
-        help="motion: perlin, holds, triangles, return_to_zero or mix (default %(default)s)",
+        help=f"motion: {MOTIONS_HELP} (default %(default)s)",
     )
     parser.add_argument("--force-only", action="store_true", help="record no resistance")
     parser.add_argument("-o", "--output", required=True, metavar="DIR", help="a new folder for the case")
 
 
 def run(args: argparse.Namespace) -> None:
-    from testbench.api.hiding import hide
+    from testbench.api.files.hiding import hide
     from testbench.recordings.channels import FORCE, RESISTANCE
 
     case = hide(

@@ -116,7 +116,7 @@ def _add_repairs(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     import json
 
-    from testbench.api.importing import import_file
+    from testbench.api.files.importing import import_file
 
     found = import_file(args.file, wish_of(args))
     found.write(args.out, args.overwrite)

@@ -61,7 +61,7 @@ def run(args: argparse.Namespace) -> int:
     import sys
 
     from gcode.support.files import check_place, write_json
-    from testbench.api.investigating import investigate
+    from testbench.api.experiments.investigating import investigate
     from testbench.api.progress import clear_line
     from testbench.investigating.words import ending_words
     from testbench.rig.status_words import terminal

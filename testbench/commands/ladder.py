@@ -18,7 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    from testbench.api.ladder import ladder
+    from testbench.api.models.ladder import ladder
 
     show(ladder(args.model, args.effects), "-" if args.json else None)
     return 0

@@ -36,8 +36,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     from gcode.support.files import check_place
     from testbench.api.arguments import catalogue_of
+    from testbench.api.missing.proposing import check_effect_file, propose
     from testbench.api.progress import Counting, clear_line
-    from testbench.api.proposing import check_effect_file, propose
 
     check_place(args.json, "--json")
     check_place(args.save_model, "--save-model")

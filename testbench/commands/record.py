@@ -48,7 +48,7 @@ def run(args: argparse.Namespace) -> int:
     import sys
 
     from gcode.support.errors import UserError
-    from testbench.api.capturing import record, resume_recording
+    from testbench.api.bench.capturing import record, resume_recording
     from testbench.rig.status_words import json_lines, terminal
 
     report = json_lines() if args.progress_json else terminal(f"record {Path(args.campaign).name}")

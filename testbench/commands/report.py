@@ -36,7 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     from gcode.support.files import check_place
-    from testbench.api.reporting import make_report
+    from testbench.api.files.reporting import make_report
 
     check_place(args.output)
     made = make_report(

@@ -22,7 +22,7 @@ def run(args: argparse.Namespace) -> int:
     import sys
 
     from gcode.support.files import existing_file
-    from testbench.api.serving import serve_rig
+    from testbench.api.bench.serving import serve_rig
     from testbench.rig.stopping import end_as_ctrl_c, what_ends_it
 
     def announce(port: str) -> None:

@@ -33,7 +33,7 @@ def run(args: argparse.Namespace) -> int:
     import sys
 
     from gcode.support.files import existing_file
-    from testbench.api.running import run as run_campaign
+    from testbench.api.bench.running import run as run_campaign
     from testbench.rig.status_words import json_lines, terminal
 
     program = existing_file(args.program, "program; make one with `gcode generate`")

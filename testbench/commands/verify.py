@@ -21,7 +21,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     import sys
 
-    from testbench.api.verifying import VerifiedCampaign, verify
+    from testbench.api.files.verifying import VerifiedCampaign, verify
 
     def tell(campaign: VerifiedCampaign) -> None:
         if campaign.intact:

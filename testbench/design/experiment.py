@@ -201,7 +201,7 @@ class _Stage:
         self._reached: dict[tuple[str, str], KnitModel] = {}
 
     def option(self, rivals: Sequence[Rival], iterations: int) -> Option:
-        """Every rival as the truth, every other as its imitator, from where it last came to; the hardest pair."""
+        """Let every rival imitate every other on one protocol; the pair that is hardest to tell apart."""
         found = [
             self._imitation(truth, imitator, iterations) for truth, imitator in itertools.permutations(rivals, 2)
         ]

@@ -84,7 +84,7 @@ class _Gaussian:
         return float(np.log(np.diag(self.root)).sum())
 
     def squares(self, readings: FloatArray) -> FloatArray:
-        """Mahalanobis squares of rows, shape (m,)."""
+        """Squared Mahalanobis distances of rows, shape (m,)."""
         return np.sum(solve_triangular(self.root, (readings - self.mean).T, lower=True) ** 2, axis=0)
 
 
@@ -109,7 +109,7 @@ def _bhattacharyya(one: _Gaussian, other: _Gaussian) -> float:
 
 
 def _divergence(one: _Gaussian, other: _Gaussian) -> float:
-    """Kullback-Leibler, of `one` from `other`."""
+    """Kullback-Leibler divergence of `one` from `other`, in nats."""
     trace = float(np.sum(solve_triangular(other.root, one.root, lower=True) ** 2))
     shift = float(other.squares(one.mean[None])[0])
     return 0.5 * (trace + shift - len(one.mean)) + other.half_log_det - one.half_log_det

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.ndimage import convolve1d
 
 from testbench.knit.effect import FloatArray
-from testbench.knit.jumps import MAD_TO_SD
+from testbench.knit.kinematics.jumps import MAD_TO_SD
 
 OUTLIER = 10.0
 RAIL = 1e-4  # of the range: so near to its end nothing of a reading is left but what a filter has not forgotten

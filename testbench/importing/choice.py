@@ -1,4 +1,4 @@
-"""Which column is what, in which unit: as a person said, else as the file says, else it is a trouble to be told."""
+"""Which column holds what, in which unit: as a person said, else as the file says; what neither says is asked."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ UNIT_FLAGS |= {"relative": "--relative-unit", "relative_change": "--relative-uni
 
 @dataclass(frozen=True)
 class Taken:
-    """A column that was taken for something.
+    """A column, and the quantity that it was taken for.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""A strain column beside the displacement knows the gauge length: what a person said must agree with it."""
+"""Displacement over a strain column is the gauge length; the length that a person said must agree with it."""
 
 from __future__ import annotations
 

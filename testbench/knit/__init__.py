@@ -1,1 +1,1 @@
-"""The physics of a knitted sensor: effects, and the chain of stages that simulates them; one room a stage."""
+"""The physics of a knitted sensor: effects, one room a stage, and the chain of stages that simulates them."""

@@ -1,4 +1,4 @@
-"""Laws that add to one signal what they make of others: as long as those stay, it need not be made again."""
+"""Laws that add to one signal what they compute from others; while those stay the same, it is not computed again."""
 
 from __future__ import annotations
 

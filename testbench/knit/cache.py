@@ -1,4 +1,4 @@
-"""What stays as parameters change: a run with one of them changed need not make all signals again."""
+"""A cache of simulated signals: when a parameter changes, only what depends on it is computed again."""
 
 from __future__ import annotations
 

@@ -145,12 +145,12 @@ BUILT_IN = {
     "periodic_interference_wave": "testbench.knit.readout.interference:PeriodicInterferenceWave",
     "periodic_interference_force": "testbench.knit.readout.interference:PeriodicInterferenceForce",
     # shape freedom of the base laws
-    "elasticity_shape": "testbench.knit.shape:ElasticityShape",
-    "hysteresis_shape": "testbench.knit.shape:HysteresisShape",
-    "contact_shape": "testbench.knit.shape:ContactShape",
-    "drift_shape": "testbench.knit.shape:DriftShape",
-    "contact_drift_shape": "testbench.knit.shape:ContactDriftShape",
-    "contact_loops_shape": "testbench.knit.shape:ContactLoopsShape",
+    "elasticity_shape": "testbench.knit.shapes.base_laws:ElasticityShape",
+    "hysteresis_shape": "testbench.knit.shapes.base_laws:HysteresisShape",
+    "contact_shape": "testbench.knit.shapes.base_laws:ContactShape",
+    "drift_shape": "testbench.knit.shapes.base_laws:DriftShape",
+    "contact_drift_shape": "testbench.knit.shapes.base_laws:ContactDriftShape",
+    "contact_loops_shape": "testbench.knit.shapes.base_laws:ContactLoopsShape",
 }
 BASELINE = ("elasticity", "hysteresis", "contact", "drift")
 ENTRY_POINT_GROUP = "knitbench.effects"

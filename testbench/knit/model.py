@@ -63,7 +63,19 @@ class KnitModel:
             raise UserError(f"the model has no effect {name}; it has {', '.join(self.effects)}") from None
 
     def plus(self, effect: Effect, name: str | None = None) -> KnitModel:
-        """A model with `effect` at the end of its stage; a law takes the place of another of the same mechanism."""
+        """A model with `effect` at the end of its stage; a law takes the place of another of the same mechanism.
+
+        Parameters
+        ----------
+        effect : Effect
+        name : str, optional
+            Its name in the model; default: the effect's own, with a number behind it where that is taken.
+
+        Raises
+        ------
+        UserError
+            If the model has an effect of this name already.
+        """
         place = "" if name else self.place_of(type(effect))
         if place:
             return self.replacing(place, effect)
@@ -95,17 +107,28 @@ class KnitModel:
         return name
 
     def without(self, name: str) -> KnitModel:
-        """A model without the effect called `name`."""
+        """A model without the effect called `name`; a `UserError` says which there are where it has none."""
         self[name]
         return KnitModel({key: value for key, value in self.effects.items() if key != name})
 
     def replacing(self, name: str, effect: Effect) -> KnitModel:
-        """A model in which the effect called `name` is exchanged for `effect`, in its place."""
+        """A model with `effect` in the place of the effect called `name`; a `UserError` says so where it has none."""
         self[name]
         return KnitModel({key: effect if key == name else value for key, value in self.effects.items()})
 
     def with_parameters(self, values: Mapping[str, Any]) -> KnitModel:
-        """A model with parameters changed: ``effect.parameter``, in a vector ``effect.parameter[2]``."""
+        """A model with parameters changed.
+
+        Parameters
+        ----------
+        values : mapping of str to number
+            By address: ``effect.parameter``, in a vector ``effect.parameter[2]``.
+
+        Raises
+        ------
+        UserError
+            If there is no such effect or parameter, or a value lies outside its bounds.
+        """
         changes: dict[str, dict[str, Any]] = {}
         for address, value in values.items():
             effect_name, key, index = parts_of(address)

@@ -1,4 +1,4 @@
-"""The search for a law: seeds are coordinates with a memory, and the best grow a bend, a factor or another memory."""
+"""The search for a law: from coordinates with a memory on, the best are given a bend, a factor or another memory."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ CLOUDS, IN_CLOUD, CLOSER = 6, 30, 0.5  # clouds of points around the best, how m
 
 @dataclass(frozen=True)
 class Found:
-    """A law at its best point, and its gain in ln Z to first order, its price taken off."""
+    """A law with its best parameters, and its gain in ln Z to first order, less the price of its pieces."""
 
     law: Law
     gain: float
 
 
 class Beam:
-    """One search beside one fitted model."""
+    """One beam search for a law beside one fitted model."""
 
     def __init__(self, projector: Projector, grid: Grid, tell: Callable[[str], None], pool: SideBySide) -> None:
         self.projector, self.grid, self.tell, self.pool = projector, grid, tell, pool
@@ -42,7 +42,7 @@ class Beam:
         self.signals = {p.name: self.chain.readable(p) for p in self.chain.places}
 
     def run(self) -> list[Found]:
-        """The best laws, the best first, of different structures."""
+        """Search; the best laws, the best first, no two of one structure."""
         self.tell("seeds: every coordinate with every memory")
         found = self.best_of_each(self.scored(self.seeds()))
         for level in range(LEVELS):
@@ -89,11 +89,11 @@ class Beam:
                     yield place, self.with_operator(plain, one, 0, x), values | more
 
     def changing(self, term: Term) -> Term:
-        """The same, growing with time: the base has curves and loops of any shape, so of those only that shows."""
+        """The term times the time: the base has curves and loops of any shape, so that only their growth shows."""
         return self.with_operator(term, OPERATORS["growing"], len(term.operators), None)
 
     def sized(self, place: Place, term: Term, values: Mapping[str, float]):
-        """The same without its sign, where it has one."""
+        """The term without its sign (its size, its square), where it has one."""
         if term.coordinate.signed and term.memory not in ("dead band",):
             yield place, self.with_operator(term, OPERATORS["size"], len(term.operators), None), values
             yield place, self.with_operator(term, OPERATORS["square"], len(term.operators), None), values
@@ -141,7 +141,7 @@ class Beam:
         return [self.at(place, term, values) for place, term, values in todo]
 
     def at(self, place: Place, term: Term, values: Mapping[str, float]) -> Found:
-        """One law at one point."""
+        """Score one law with these parameters."""
         z = term.evaluated(self.signals[place.name], values, self.grid.dt_s)
         score = self.projector.score(place, z)
         law = Law(place, term, values, score.strength)
@@ -162,7 +162,7 @@ class Beam:
 
     @staticmethod
     def diverse(found: Sequence[Found]) -> list[Found]:
-        """The best, few of one family, so that no family is alone in the beam."""
+        """The best laws, at most `PER_FAMILY` of one family, so that no family fills the beam."""
         kept: list[Found] = []
         count: dict[tuple[str, ...], int] = {}
         for one in found:
@@ -175,7 +175,7 @@ class Beam:
         return kept
 
     def polished(self, found: Sequence[Found]) -> list[Found]:
-        """The numbers of the best optimised."""
+        """The same laws, with the parameters of the first `POLISHED` optimised."""
         better = self.pool.map(self.polish, found[:POLISHED])
         return sorted([*better, *found[POLISHED:]], key=lambda one: -one.gain)
 
@@ -202,7 +202,7 @@ class Beam:
 
 
 def _condensed(cost: Callable[[FloatArray], float], start: FloatArray, spread: FloatArray) -> FloatArray:
-    """The best of clouds of points, each around the best so far and closer than the last."""
+    """Random search: the best of several clouds of points, each around the best so far and narrower than the last."""
     rng = np.random.default_rng(0)
     best, least = start, cost(start)
     for cloud in range(CLOUDS):

@@ -99,5 +99,5 @@ class Proposed:
 
 
 def numbered(name: str, index: int) -> str:
-    """The name of the first law, the second, ..."""
+    """Name of law number `index` from 0: the first has the plain name, the others a number behind it."""
     return name if index == 0 else f"{name}_{index + 1}"

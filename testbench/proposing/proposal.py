@@ -85,7 +85,7 @@ def _judged(
     calibration: Measurement,
     held: Measurement,
 ) -> Proposed:
-    """On the ladder, as far as each law holds on the held-out recording."""
+    """The laws put on the ladder one after the other, as far as each holds on the held-out recording."""
     given = any(name in SHAPES for name in (file.model if file else ()))
     before = file or on_the_ladder(_as_fit(hunt.search.baseline), None, "baseline", calibration, held)
     step_name = "refitted" if given else "+ shape freedom"
@@ -152,5 +152,5 @@ def _held(file: ModelFile) -> Mapping[str, float]:
 
 
 def _as_fit(h: Hypothesis) -> Fit:
-    """A hypothesis as a fit, for the ladder."""
+    """The fit of a hypothesis, as the ladder takes it."""
     return Fit(h.model, h.priors.parameters, h.vector, h.evidence.covariance, dict(h.evidence.sigma), 0)

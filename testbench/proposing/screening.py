@@ -1,4 +1,4 @@
-"""Evidence of a law to first order: what its trace explains of a residual that the bending base cannot."""
+"""Log evidence of a law to first order: what its trace explains of the residual that no change of the base can."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Score:
 
 @dataclass(frozen=True)
 class Part:
-    """What a law is weighed on: the channels that it reaches, in one row.
+    """What a law at one place is scored on: the samples of the channels that it reaches, one channel after the other.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class Part:
     least: FloatArray
 
     def gain(self, change: FloatArray, explained: float, count: float) -> float:
-        """Of a law that changes the residual so, the noise of each channel found anew.
+        """Gain in ln Z of a law that takes `change` off the residual, with the noise of each channel estimated anew.
 
         The noise of the channels together would hide a law of one of them behind the other, which is noise already.
         """
@@ -62,7 +62,7 @@ class Part:
 
 
 class Projector:
-    """Laws against one fitted model.
+    """Scores laws to first order beside one fitted model.
 
     A trace f that is added with an amount a to a model whose other coefficients are free again gains
     ``(f.r)^2 / 2 (f.f - f.J C J'.f + 1/s^2)`` less half the logarithm of what the data know of a; r is the residual,
@@ -72,7 +72,7 @@ class Projector:
     """
 
     def __init__(self, hypothesis: Hypothesis, likelihood: Likelihood, chain: OpenChain) -> None:
-        """Beside a fitted model, or beside its base alone.
+        """Linearise a fitted model, or its base alone.
 
         Parameters
         ----------
@@ -112,7 +112,7 @@ class Projector:
         self.parts = {place.name: self._part(self.slopes[place.name], least) for place in chain.places}
 
     def _part(self, slopes: Mapping[str, FloatArray], least: Mapping[str, float]) -> Part:
-        """A law is weighed on the samples of the channels that it reaches alone."""
+        """The residual and the directions of the base, on the channels that `slopes` reaches."""
         own = [c for c in self.channels if c in slopes]
         count = len(self.rows)
         at = [self.channels.index(c) for c in own]
@@ -123,17 +123,17 @@ class Projector:
         return Part(np.ascontiguousarray(self.base[:, picked]), residual, squares, floors)
 
     def trace(self, place: Place, z: FloatArray) -> FloatArray:
-        """What z changes at a place, over the noise, its channels in one row; z at the rows of the search."""
+        """What `z`, shape (rows,), changes at a place, over the noise: its channels one after the other."""
         slopes = self.slopes[place.name]
         return np.concatenate([z * slopes[c] * self.weight[c] for c in self.channels if c in slopes])
 
     def prior_sd(self, place: Place, z: FloatArray) -> float:
-        """Typical amount: what changes a channel by its typical correction, offsets not counted."""
+        """Typical strength: that which changes a channel by its typical correction, offsets not counted."""
         sizes = [_spread(z * slope) / self.typical[c] for c, slope in self.slopes[place.name].items()]
         return 1 / max(max(sizes), 1e-12)
 
     def score(self, place: Place, z: FloatArray) -> Score:
-        """One candidate, from z on the whole grid."""
+        """Score of a law with this `z`, shape (n,), at a place."""
         picked = z[self.rows]
         # What stands still is an offset, which every base has.
         picked = picked - picked.mean() if place.stage >= Stage.CONTACT else picked
@@ -154,11 +154,11 @@ class Projector:
         return Score(float(gain - 0.5 * np.log(left * sd**2)), amount)
 
     def of_law(self, law: Law) -> Score:
-        """A law with its parameters."""
+        """Score of a law with the parameters that it has."""
         return self.score(law.place, self.z(law))
 
     def z(self, law: Law) -> FloatArray:
-        """What a law depends on, on the whole grid."""
+        """z of a law on the whole grid, shape (n,)."""
         return law.term.evaluated(self.chain.readable(law.place), law.values, self.chain.measurement.dt_s)
 
     def law_prior_sd(self, law: Law) -> float:
@@ -172,7 +172,7 @@ def at_bounds(h: Hypothesis) -> np.ndarray:
 
 
 def _squares(row: FloatArray, channels: int) -> FloatArray:
-    """Of each channel of a row."""
+    """Sum of squares of each channel of a row that holds one channel after the other."""
     return np.sum(row.reshape(channels, -1) ** 2, axis=1)
 
 

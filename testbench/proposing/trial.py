@@ -1,4 +1,4 @@
-"""A law put into the model and refitted with all of the base: its evidence, and its numbers."""
+"""A law put into the model and refitted together with the base: its evidence, and its parameters."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ WIDTHS = {"time": 2.0, "size": 1.5, "path": 1.5, "number": 0.7, "frequency": 1.0
 
 @dataclass(frozen=True)
 class Trial:
-    """A law in the model.
+    """A law that was refitted in a model.
 
     Attributes
     ----------
@@ -75,27 +75,27 @@ class LawFitter:
         return best_start(current, Proposal(name, name, there, gain, found.coefficients[:-1]), self.likelihood)
 
     def settled(self, trial: Trial) -> Trial:
-        """The same carried to its end."""
+        """A trial whose refit is continued until it has converged."""
         h = fitted(trial.hypothesis.model, self.likelihood, self.reference, trial.hypothesis)
         return self.trial(trial.law, trial.name, h)
 
     def anew(self, trial: Trial, model: KnitModel) -> Trial:
-        """A law in another model; what was believed of its numbers stays."""
+        """The law of a trial refitted in another model, with the same priors of its parameters."""
         h = fitted(model, self.likelihood, self.reference, believed=trial.hypothesis.priors.believed)
         return self.trial(trial.law, trial.name, h)
 
     def bare(self, trial: Trial) -> Hypothesis:
-        """The base as it was refitted with a law, without it."""
+        """The base of a trial as it was refitted, without the law."""
         h = trial.hypothesis
         return fitted(h.model.without(trial.name), self.likelihood, self.reference, h, iterations=0)
 
     def trial(self, law: Law, name: str, h: Hypothesis) -> Trial:
-        """A law with the numbers that it has in a fitted model."""
+        """A trial from a fitted model that holds the law under `name`."""
         law = as_fitted(law, h.model[name])
         return Trial(law, name, h, h.log_z - PRICE_OF_PIECE * len(law.term.operators))
 
     def believed(self, law: Law, effect: Effect, name: str, prior_sd: float) -> Mapping[str, tuple[float, float]]:
-        """Priors of a law's parameters: wide, and not where its own search has ended but for a level's scale."""
+        """Priors of a law's parameters, mean and standard deviation: wide, since the search saw the data already."""
         found = {f"{name}.{strength_key(law)}": (0.0, prior_sd)}
         for slot in law.term.slots:
             value = law.values[slot.key]
@@ -113,6 +113,6 @@ class LawFitter:
 
 
 def as_fitted(law: Law, effect: Effect) -> Law:
-    """The law with the numbers of its effect in a fitted model."""
+    """The law with the parameters that its effect has in a fitted model."""
     values = {slot.key: float(getattr(effect, slot.key)) for slot in law.term.slots}
     return replace(law, values=values, strength=float(getattr(effect, strength_key(law))))

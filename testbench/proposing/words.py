@@ -23,7 +23,7 @@ SHOWN = 4
 
 
 def proposal_text(proposed: Proposed) -> str:
-    """All of it: the law, what else could be it, the ladder, and what could not be judged."""
+    """The whole proposal: the law, what else could be it, the ladder, and what could not be judged."""
     lines = [first_line(proposed), ""]
     for index, step in enumerate(proposed.steps):
         lines += [*_law(proposed, step, index), ""]

@@ -105,7 +105,7 @@ def file_text(laws: Sequence[tuple[Law, str]], grid: Grid, story: str, file: str
 
 
 def _imports(code: str) -> str:
-    """Only what the code uses."""
+    """The import lines of the names that the code uses."""
 
     def used(names: Sequence[str]) -> list[str]:
         return sorted(name for name in names if re.search(rf"(?<![.\w]){name}\(", code))
@@ -121,7 +121,7 @@ def _imports(code: str) -> str:
 
 
 def class_text(law: Law, name: str, grid: Grid) -> str:
-    """One class."""
+    """The text of the class of one law."""
     term, place = law.term, law.place
     reads = tuple(dict.fromkeys([*term.reads, place.writes]))
     definitions = "".join(f"    {plain(line)}\n" for line in term.definitions)
@@ -206,7 +206,7 @@ def _parameter(key: str, value: float, unit: str, low: float, high: float, log: 
 
 
 def escaped(text: str) -> str:
-    """For a docstring that is no raw string."""
+    """`text` with its backslashes doubled, for a docstring that is no raw string."""
     return text.replace("\\", "\\\\")
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
@@ -90,17 +90,38 @@ def check_grid(
         )
 
 
-def same(one: Recording, other: Recording) -> bool:
-    """Whether two recordings hold the same samples, under whatever names."""
-    return (
-        one.channels.keys() == other.channels.keys()
-        and np.array_equal(one.time_s, other.time_s)
-        and all(np.array_equal(one[name], other[name]) for name in one.channels)
-    )
+def same(one: Recording, other: Recording, channels: Collection[str] = ()) -> bool:
+    """Whether two recordings hold the same samples, under whatever names: of `channels`, or of all that they have."""
+    if not channels and one.channels.keys() != other.channels.keys():
+        return False
+    pairs = [(one.time_s, other.time_s), *((one[name], other[name]) for name in channels or one.channels)]
+    return all(np.array_equal(mine, theirs) for mine, theirs in pairs)
+
+
+def check_distinct(recordings: Sequence[Recording], why: str, channels: Collection[str] = ()) -> None:
+    """Refuse a recording that is given twice.
+
+    Parameters
+    ----------
+    recordings : sequence of Recording
+    why : str
+        What would be wrong with it, and what to do: the end of the sentence.
+    channels : collection of str, optional
+        What two recordings must share, beside the times, to be one; all channels when not given.
+
+    Raises
+    ------
+    UserError
+        With the two sources that hold the same samples.
+    """
+    for count, one in enumerate(recordings):
+        for before in recordings[:count]:
+            if same(one, before, channels):
+                raise UserError(f"{one.source}: holds the same samples as {before.source}; {why}")
 
 
 def say_if_same(held_out: Recording, recording: Recording) -> None:
-    """Say where what is held out is what is fitted on: an error of that is none of a prediction."""
+    """Warn where the held-out recording is the one that is fitted on: its error is not that of a prediction."""
     if same(held_out, recording):
         say_once(
             f"{held_out.source}: holds the same samples as what is fitted on, so its errors are not held out; give "
@@ -109,7 +130,7 @@ def say_if_same(held_out: Recording, recording: Recording) -> None:
 
 
 def say_sign(recording: Recording) -> None:
-    """Say where the force falls as the sensor is stretched: no law of a knit does that."""
+    """Warn where the force falls as the sensor is stretched: no law of a knit does that."""
     if not recording.has(FORCE) or np.ptp(recording[FORCE]) == 0 or np.ptp(recording.strain) == 0:
         return
     related = float(np.corrcoef(recording.strain, recording[FORCE])[0, 1])
@@ -121,7 +142,7 @@ def say_sign(recording: Recording) -> None:
 
 
 def say_once(text: str) -> None:
-    """Say it where warnings go (stderr, unless a program listens), once in the life of this process."""
+    """Log a warning (to stderr, unless a program listens), once in the life of this process."""
     if text not in _SAID:
         _SAID.add(text)
         logging.getLogger("knitbench").warning(text)

@@ -162,7 +162,13 @@ class Recording:
         return (len(self) - 1 - len(gaps_s)) / (self.duration_s - sum(gaps_s))
 
     def between(self, start_s: float, end_s: float) -> Recording:
-        """The samples with ``start_s <= time_s < end_s``; time is kept as it was."""
+        """The samples with ``start_s <= time_s < end_s``; time is kept as it was.
+
+        Raises
+        ------
+        UserError
+            If there are too few for a recording.
+        """
         return self._rows((self.time_s >= start_s) & (self.time_s < end_s))
 
     def thinned(self, every: int) -> Recording:
@@ -197,6 +203,10 @@ class Recording:
 
     def resampled(self, rate_hz: float) -> Recording:
         """Linear interpolation on a uniform grid at `rate_hz`, starting at the first sample.
+
+        Parameters
+        ----------
+        rate_hz : float
 
         Raises
         ------

@@ -117,7 +117,7 @@ class Recipe(StrictModel):
     aligned: Aligned | None = None
 
     def to_dict(self) -> dict[str, Any]:
-        """The entries that there are, as plain data."""
+        """The entries that the file has, as plain data."""
         return self.model_dump(mode="json", by_alias=True, exclude_unset=True)
 
 

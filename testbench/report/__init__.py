@@ -1,0 +1,1 @@
+"""Figures and pages: recordings, models and results as one report, each section made from plain results."""

@@ -1,4 +1,4 @@
-"""From recordings, model and results to a report: calls the rooms, and puts the sections in order."""
+"""From recordings, model and results to a report: makes each section, and puts them in order."""
 
 from __future__ import annotations
 

@@ -19,8 +19,8 @@ WARM = (
     "tsdownsample",
     "testbench.recordings.manifest",
     "testbench.knit.catalogue",
-    "testbench.api.comparing",
-    "testbench.api.investigating",
+    "testbench.api.models.comparing",
+    "testbench.api.experiments.investigating",
 )
 FAVICON = (
     f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 30 30" fill="none" stroke="{BLUE}" stroke-width="6" '

@@ -10,21 +10,23 @@ from nicegui import ui
 
 from gcode.support.colours import BLUE, VERMILION
 from testbench.studio.pages import (
-    align,
     campaigns,
-    compare,
-    compensate,
     effects,
-    experiment,
     importing,
     investigation,
+    plan,
+    record,
+    side,
+)
+from testbench.studio.pages.campaign import (
+    align,
+    compare,
+    compensate,
+    experiment,
     ladder,
     missing,
-    plan,
     propose,
-    record,
     recording,
-    side,
 )
 from testbench.studio.parts.picture import load_plotly
 from testbench.studio.parts.running_jobs import running_now

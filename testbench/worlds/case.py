@@ -17,7 +17,7 @@ from testbench.worlds import strength as strengths
 from testbench.worlds.base import WORLDS, BaseWorld, draw_world
 from testbench.worlds.chain import Form, Hidden, Scene, Usual, run
 from testbench.worlds.coloured_noise import KINDS, quantised, unit_noise
-from testbench.worlds.forms import FORMS, UNKNOWN
+from testbench.worlds.effects import FORMS, UNKNOWN
 from testbench.worlds.kernels import lowpass
 from testbench.worlds.motions import GAUGE_LENGTH_MM, PROTOCOLS, commanded_strain, sample_times
 

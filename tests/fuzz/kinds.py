@@ -14,7 +14,7 @@ import numpy as np
 from compensation.model.files import load as load_compensator
 from gcode.programs.stored_plan import read_plan
 from gcode.support.strict import load
-from testbench.campaigns.dataset_index import index_problems
+from testbench.campaigns.datasets.index import index_problems
 from testbench.fitting.model_file import load_model_file
 from testbench.fitting.result_files import read_diagnosis, read_experiment, read_score
 from testbench.knit.catalogue import load_catalogue

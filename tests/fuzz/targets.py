@@ -34,9 +34,9 @@ from gcode.trajectories.toml_spec import spec_to_toml
 from gcode.trajectories.trajectory import TrajectorySpec
 from gcode.trajectories.trajectory import read_csv as read_trajectory
 from testbench.campaigns.campaign import simulate_campaign
-from testbench.campaigns.dataset_index import index_problems
-from testbench.campaigns.dataset_spec import read_spec as read_dataset_spec
-from testbench.campaigns.dataset_tasks import tasks_of
+from testbench.campaigns.datasets.index import index_problems
+from testbench.campaigns.datasets.spec import read_spec as read_dataset_spec
+from testbench.campaigns.datasets.tasks import tasks_of
 from testbench.campaigns.record import Job, begin, job_of, record
 from testbench.comparing.tables import ladder_table
 from testbench.fitting.model_file import ModelFile, load_model_file

@@ -21,7 +21,7 @@ from gcode.mach4.reader import read_text
 from gcode.support.errors import UserError
 from gcode.trajectories.toml_spec import read_spec as read_trajectory_spec
 from gcode.trajectories.trajectory import read_csv as read_trajectory
-from testbench.campaigns.dataset_spec import read_spec as read_dataset_spec
+from testbench.campaigns.datasets.spec import read_spec as read_dataset_spec
 from testbench.fitting.model_file import load_model_file
 from testbench.fitting.result_files import read_diagnosis
 from testbench.importing.from_file import import_csv

@@ -1,4 +1,4 @@
-"""Names of a resistance that is told relative to the one at rest: R/R0, and its change (R - R0)/R0."""
+"""Names of a resistance that is given relative to the one at rest: R/R0, and its change (R - R0)/R0."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The words for time, displacement, force and resistance in exports: which role a column's name speaks of.
+"""The words that exports use for time, displacement, force and resistance, and which of these a column's name means.
 
 English, German and Chinese, and the testers' own words: Standardweg and Standardkraft (testXpert), Extension and Load
 (Bluehill), Crosshead (MTS), Digital Position (WaveMatrix).

@@ -293,7 +293,7 @@ class ThermalSofteningWander(Effect):
 
 def _wander(time_s: FloatArray, weights: tuple[float, ...], dt_s: float) -> FloatArray:
     """A smooth curve over the whole time, shape (n,); bumps closer than a room can change stay unused."""
-    from testbench.knit.splines import bspline
+    from testbench.knit.shapes.splines import bspline
 
     duration_s = max(time_s[-1], dt_s)
     used = int(np.clip(3 + duration_s / ROOM_S, 4, len(weights)))  # cubic: three more bumps than spans

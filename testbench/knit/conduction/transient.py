@@ -184,7 +184,7 @@ class ShoulderPeakAnywhere(ShoulderLaw):
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain covered by the bumps")
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        from testbench.knit.splines import bspline
+        from testbench.knit.shapes.splines import bspline
 
         e = signals["strain"]
         return on_the_way_back(e, self.travel * self.span, self.late) * bspline(e / self.span, np.array(self.weights))
@@ -217,7 +217,7 @@ class ShoulderPeakAfterTurn(ShoulderLaw):
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         from testbench.knit.kernels import turns
-        from testbench.knit.splines import bspline
+        from testbench.knit.shapes.splines import bspline
 
         e = signals["strain"]
         turned = e[turns(e, SMALLEST_TURN * self.span)[0].astype(int)]

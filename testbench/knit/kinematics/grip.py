@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, bounds_of, parameter
-from testbench.knit.jumps import SIGNAL, steepness
-from testbench.knit.waves import harmonics_parameter, wave_of
+from testbench.knit.kinematics.jumps import SIGNAL, steepness
+from testbench.knit.shapes.waves import harmonics_parameter, wave_of
 
 TURN_STRAIN = 2e-4  # that the motion comes back by for a turn to count
 MOST_TURNS, PITCHES = 40.0, 4  # turns of a screw within the motion; pitches to begin at

@@ -1,4 +1,4 @@
-"""What changes as a sensor is taken out and clamped anew between recordings: nuisances of each, no effects."""
+"""What changes when a sensor is clamped anew between recordings: each has zeros of its own, which are no findings."""
 
 from __future__ import annotations
 

@@ -107,7 +107,7 @@ class ClampSlipOnce(ClampSlipLaw):
 
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         """The largest slips that the misfit shows, or a few moments of the recording."""
-        from testbench.knit.jumps import slips
+        from testbench.knit.kinematics.jumps import slips
 
         end_s = float(signals["time_s"][-1])
         found = slips(signals, residual)[:2]
@@ -155,7 +155,7 @@ class ClampSlipEvents(ClampSlipLaw):
     e -= sum of amounts_j        over the slips j with time_j <= t
 
     The moments are looked for in the data: jumps of the misfit within a fraction of a second, while the knit is
-    being stretched (`testbench.knit.jumps`).
+    being stretched (`testbench.knit.kinematics.jumps`).
 
     Source: as `clamp_slip`.
     Valid: at most twelve slips that count.
@@ -180,7 +180,7 @@ class ClampSlipEvents(ClampSlipLaw):
         return slipped
 
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
-        from testbench.knit.jumps import slips
+        from testbench.knit.kinematics.jumps import slips
 
         found = slips(signals, residual)[:MOST_SLIPS]
         times_s, amounts = zip(*found, *[(NEVER_S, 0.0)] * (MOST_SLIPS - len(found)), strict=True)

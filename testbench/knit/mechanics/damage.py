@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from testbench.knit.curves import LAW_TERMS, curve
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 from testbench.knit.filters import DEAD_BAND_STRAIN, factor_of
+from testbench.knit.shapes.curves import LAW_TERMS, curve
 
 
 class MullinsLaw(Effect):

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from testbench.knit.curves import LAW_TERMS, curve
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 from testbench.knit.filters import rate
+from testbench.knit.shapes.curves import LAW_TERMS, curve
 
 REFERENCE_RATE_PER_S = 0.1
 PLATEAU = "rate below which the viscosity no longer grows"

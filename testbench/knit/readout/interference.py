@@ -8,7 +8,7 @@ import numpy as np
 
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter, step_s
 from testbench.knit.filters import shifted
-from testbench.knit.waves import harmonics_parameter, wave_of
+from testbench.knit.shapes.waves import harmonics_parameter, wave_of
 
 LINES, LINE_BINS = 3, 4  # lines of a spectrum that are tried, and how wide one is
 

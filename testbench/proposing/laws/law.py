@@ -56,17 +56,17 @@ class Term:
 
     @cached_property
     def slots(self) -> tuple[Slot, ...]:
-        """All parameters in turn."""
+        """Parameters of the coordinate, then of each operator."""
         return self.coordinate.slots + tuple(slot for one in self.operators for slot in one.slots)
 
     @property
     def name(self) -> str:
-        """What it is made of, in a line."""
+        """Names of the coordinate and of each operator, with commas between."""
         return ", ".join([self.coordinate.name, *(one.name for one in self.operators)])
 
     @property
     def memory(self) -> str:
-        """Its memory, or nothing."""
+        """Name of its operator with a memory; empty where it has none."""
         return next((one.name for one in self.operators if one.kind == "memory"), "")
 
     @property
@@ -81,12 +81,12 @@ class Term:
         return Term(self.coordinate, self.operators[:-1], self.span, self.sizes[:-1])
 
     def without(self, at: int) -> Term:
-        """The same with one operator less."""
+        """The term without its operator number `at`."""
         sizes = self.sizes[:at] + self.sizes[at + 1 :]
         return replace(self, operators=self.operators[:at] + self.operators[at + 1 :], sizes=sizes)
 
     def units(self) -> Iterator[tuple[Unit, Operator | None]]:
-        """The unit before each operator, and of the whole (with no operator)."""
+        """The unit of the input of each operator, and last, with None, the unit of z."""
         unit = self.coordinate.unit
         for one in self.operators:
             yield unit, one
@@ -96,11 +96,11 @@ class Term:
 
     @property
     def unit(self) -> Unit:
-        """Of z."""
+        """The unit of z."""
         return [unit for unit, _ in self.units()][-1]
 
     def unit_of(self, slot: Slot) -> Unit:
-        """Of one parameter."""
+        """The unit of a parameter."""
         if slot.kind in ("time", "delay"):
             return SECOND
         if slot.kind == "frequency":
@@ -111,7 +111,7 @@ class Term:
 
     @cached_property
     def lines(self) -> tuple[str, ...]:
-        """The code, one line a piece."""
+        """The Python code of z: one line for the coordinate, one for each operator."""
         pieces = [self.coordinate.code, *(one.code for one in self.operators)]
         sizes = (1.0, *self.sizes, *(1.0 for _ in pieces))
         return tuple(
@@ -156,7 +156,7 @@ class Term:
 
 
 def namespace(signals: Signals, dt_s: float) -> dict[str, Any]:
-    """What the code of a law finds by name."""
+    """The names that the code of a law may use: operators, and the signals of the chain under their short names."""
     space: dict[str, Any] = {**TOOLS, "dt_s": dt_s}
     for signal, (name, _) in NAMES.items():
         if signal in signals:
@@ -174,7 +174,7 @@ def compiled(line: str) -> CodeType:
 
 @dataclass(frozen=True)
 class Law:
-    """A term at a place, with its parameters.
+    """A law: a term, the place in the chain where it acts, and the values of its parameters.
 
     Attributes
     ----------
@@ -191,7 +191,7 @@ class Law:
 
     @property
     def key(self) -> str:
-        """Names its structure, whatever the numbers."""
+        """Its place and its pieces, without numbers: laws with the same key differ in their parameters alone."""
         return f"{self.place.name}: {self.term.name}"
 
     @property
@@ -201,16 +201,16 @@ class Law:
 
     @cached_property
     def unit(self) -> Unit:
-        """Of the strength."""
+        """The unit of the strength."""
         return self.place.unit / self.term.unit
 
     def without(self, at: int) -> Law:
-        """The same with one operator less; its strength is that of another unit."""
+        """The law without its operator number `at`; its strength keeps its value, though the unit may change."""
         term = self.term.without(at)
         values = {slot.key: self.values[slot.key] for slot in term.slots}
         return Law(self.place, term, values, self.strength)
 
     @property
     def count(self) -> int:
-        """Parameters, the strength among them."""
+        """Number of parameters, the strength among them."""
         return 1 + len(self.term.slots)

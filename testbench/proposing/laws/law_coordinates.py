@@ -1,4 +1,4 @@
-"""Where a law may depend on: what the knit does and has gone through, and states that form and go."""
+"""What a law may depend on: what the knit does and has gone through, and states that form and go."""
 
 from __future__ import annotations
 

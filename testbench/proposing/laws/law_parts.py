@@ -43,7 +43,7 @@ class Slot:
 
 @dataclass(frozen=True)
 class Coordinate:
-    """Where a law may depend on: one signal made of what is there.
+    """What a law may depend on: a signal computed from those in the chain.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ class Coordinate:
 
 @dataclass(frozen=True)
 class Operator:
-    """One step from `x` to the next `x`.
+    """One step of a term, from its input `x` to its output.
 
     `latex` and `words` hold ``{x}`` where the input stands; `unit` maps the input's unit to the output's.
     """

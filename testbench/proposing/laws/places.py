@@ -10,7 +10,7 @@ from testbench.proposing.laws.units import NEWTON, ONE, Unit
 
 @dataclass(frozen=True)
 class Place:
-    """One stage and signal.
+    """A place in the chain: a stage, and the signal that a law changes there.
 
     Attributes
     ----------

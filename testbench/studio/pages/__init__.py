@@ -1,1 +1,1 @@
-"""One file a page. A page is a function that builds itself from the studio and the address's query."""
+"""One file a page, a function that builds itself from studio and address; `campaign`: the pages of one campaign."""

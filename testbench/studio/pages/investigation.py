@@ -51,7 +51,7 @@ def investigations(root: Path) -> list[str]:
 async def _shown(root: Path, name: str, names: list[str]) -> None:
     if name not in names:
         raise UserError(f"no investigation {name!r} in {root}; there are {', '.join(names)}")
-    from testbench.api.investigation import motions_of
+    from testbench.api.experiments.investigation import motions_of
     from testbench.investigating.state import load_investigation, run_folder
     from testbench.investigating.words import ending_words
     from testbench.report.figures.investigation_figures import investigation as figure_of

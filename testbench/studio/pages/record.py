@@ -8,7 +8,7 @@ from pathlib import Path
 from nicegui import ui
 
 from gcode.support.errors import UserError
-from testbench.studio.pages.compensate import compensators
+from testbench.studio.pages.campaign.compensate import compensators
 from testbench.studio.pages.live import Live
 from testbench.studio.pages.plan import PROGRAMS, SENSORS
 from testbench.studio.parts.fields import check, number_field, typed

@@ -62,6 +62,7 @@ def test_networks_are_finite_and_monotonic(name, seed):
     steps = np.diff(whole)
     assert np.all(np.isfinite(whole))
     assert np.all(steps >= 0) or np.all(steps <= 0)
+    assert steps.any()
 
 
 def test_floats_carry_and_yarn_limits():
@@ -77,6 +78,7 @@ def test_drift_starts_at_nothing(name):
     creep = function(np.linspace(0, 2000, 50), **parameters)
     assert abs(creep[0]) < 0.01
     assert np.all(np.diff(creep) >= 0) or np.all(np.diff(creep) <= 0)
+    assert np.any(creep) == (name != "none")
 
 
 def test_play_of_a_triangle():

@@ -8,8 +8,8 @@ from typing import Any
 
 import testbench as tb
 from gcode.support.lazy import lazy_exports
-from testbench.api.diagnosing import DiagnosisResult
-from testbench.api.fitting import FitResult
+from testbench.api.missing.diagnosing import DiagnosisResult
+from testbench.api.models.fitting import FitResult
 from testbench.recordings.recording import Recording
 
 

@@ -29,6 +29,14 @@ def test_importing_a_package_imports_no_heavy_library(package):
     assert not modules_after(f"import {package}") & set(HEAVY)
 
 
+@pytest.mark.parametrize("package", ["testbench", "gcode", "compensation"])
+def test_a_package_runs_as_its_command_does(package):
+    words = [sys.executable, "-m", package, "no-such-command"]
+    done = subprocess.run(words, capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert done.stderr.startswith(f"{package}: error: ")
+
+
 def test_the_help_of_the_command_imports_no_heavy_library():
     code = "from testbench.cli import main\ntry:\n    main(['--help'])\nexcept SystemExit:\n    pass"
     assert not modules_after(code) & set(HEAVY)

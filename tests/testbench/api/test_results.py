@@ -11,7 +11,7 @@ import pytest
 
 import gcode
 import testbench as tb
-from testbench.api.adding import laws_with
+from testbench.api.models.adding import laws_with
 from testbench.fitting.contribution import contribution
 from testbench.fitting.measurement import split
 from testbench.knit.catalogue import load_catalogue, model_from_dict

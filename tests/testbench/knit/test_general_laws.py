@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from testbench.knit.catalogue import load_catalogue
-from testbench.knit.curves import LAW_TERMS
+from testbench.knit.shapes.curves import LAW_TERMS
 
 CATALOGUE = load_catalogue()
 DT_S = 0.05

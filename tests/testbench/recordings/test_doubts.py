@@ -10,6 +10,7 @@ import pytest
 
 from gcode.support.errors import UserError
 from testbench.recordings import doubts
+from testbench.recordings.channels import DISPLACEMENT
 from testbench.recordings.recording import Recording
 
 
@@ -102,3 +103,21 @@ def test_a_compression_in_which_both_are_negative_is_fine(said):
     doubts.say_sign(replace(good, channels={name: -values for name, values in good.channels.items()}))
     doubts.say_sign(good)
     assert not said.records
+
+
+def test_a_recording_given_twice_is_refused_by_its_samples_whatever_its_name():
+    one = with_gap(0.0)
+    doubts.check_distinct([one, with_gap(1.0)], "give each once")
+    with pytest.raises(UserError, match=r"^a copy: holds the same samples as gap 0; give each once$"):
+        doubts.check_distinct([one, replace(one, source="a copy")], "give each once")
+    with pytest.raises(UserError, match="holds the same samples"):
+        doubts.check_distinct([one, one], "give each once")
+
+
+def test_two_recordings_are_one_where_they_share_the_channels_that_matter():
+    one = with_gap(0.0)
+    other = replace(one, channels={name: values + (name == DISPLACEMENT) for name, values in one.channels.items()})
+    doubts.check_distinct([one, other], "give each once")
+    kept = [name for name in one.channels if name != DISPLACEMENT]
+    with pytest.raises(UserError, match="holds the same samples"):
+        doubts.check_distinct([one, other], "give each once", kept)

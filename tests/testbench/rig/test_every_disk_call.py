@@ -17,7 +17,7 @@ import pytest
 from gcode.support import disk
 from gcode.support.errors import UserError
 from testbench.campaigns.campaign import simulate_campaign
-from testbench.campaigns.dataset_index import index_problems, write_entries
+from testbench.campaigns.datasets.index import index_problems, write_entries
 from testbench.campaigns.record import Job, begin, job_of, record
 from testbench.fitting.model_file import ModelFile, load_model_file
 from testbench.knit.catalogue import baseline

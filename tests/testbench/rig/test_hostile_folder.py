@@ -10,7 +10,7 @@ import pytest
 
 from gcode.support.errors import UserError
 from testbench import cli
-from testbench.api.investigating import investigate
+from testbench.api.experiments.investigating import investigate
 from testbench.campaigns.campaign import simulate_campaign
 from testbench.campaigns.record import Job, begin, job_of
 from testbench.knit.catalogue import baseline

@@ -13,7 +13,7 @@ from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPE
 from testbench.worlds import CATALOGUE, OUTSIDE, make_case
 from testbench.worlds.base import WORLDS, draw_world
 from testbench.worlds.case import Bench, choose, rng_of
-from testbench.worlds.forms import FORMS
+from testbench.worlds.effects import FORMS
 
 SHORT = {"minutes": 4.0, "rate_hz": 20.0}
 ALL = [(effect, form) for effect, forms in FORMS.items() for form in forms]

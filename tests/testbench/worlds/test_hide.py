@@ -47,6 +47,6 @@ def test_a_bad_request_leaves_no_folder(tmp_path: Path, capsys):
     assert not (tmp_path / "case").exists()
 
 
-def test_help_names_every_world():
+def test_help_names_every_world_and_motion():
     assert all(world in hide.WORLDS_HELP for world in WORLDS)
-    assert set(PROTOCOLS) == {"perlin", "holds", "triangles", "return_to_zero", "mix"}
+    assert all(motion in hide.MOTIONS_HELP for motion in PROTOCOLS)

@@ -1,0 +1,1 @@
+"""The rig, real or simulated: what it plays and records, and when."""

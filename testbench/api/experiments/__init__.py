@@ -1,0 +1,1 @@
+"""The next experiment, and a row of them."""

@@ -1,0 +1,230 @@
+"""`diagnose`: which physical effect a model is missing."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from gcode.support.errors import UserError
+from gcode.support.figures import panels, picture
+from gcode.support.html import card, frame_table
+from testbench import diagnosis as core
+from testbench.api.arguments import (
+    AnyModel,
+    Effects,
+    Source,
+    catalogue_of,
+    model_file_of,
+    recording_of,
+    recordings_for,
+)
+from testbench.api.models.model_result import ModelResult
+from testbench.api.progress import Tell, telling
+from testbench.diagnosis.diagnosis import REST_S, Diagnosis
+from testbench.diagnosis.words import diagnosis_table, first_line
+from testbench.fitting.measurement import MAX_GRID_HZ, MIN_PART
+from testbench.fitting.model_file import ModelFile
+from testbench.fitting.result_files import checked_diagnosis, read_diagnosis
+from testbench.recordings.doubts import check_distinct, check_grid
+from testbench.recordings.recording import Recording
+from testbench.report import style
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+
+SHOWN = 8
+MOST = 4  # effects that are looked for, one after the other
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class DiagnosisResult(ModelResult):
+    """What a model is missing, how sure that is, and the model with it put in.
+
+    Attributes
+    ----------
+    diagnosis : Diagnosis
+        Everything that was found; see `testbench.diagnosis.Diagnosis`.
+    """
+
+    diagnosis: Diagnosis
+
+    @property
+    def verdict(self) -> str:
+        """``missing``, ``nothing_missing`` or ``unknown``."""
+        return self.diagnosis.verdict
+
+    @property
+    def effect(self) -> str | None:
+        """Name of the mechanism that is missing most; None where none is named."""
+        return self.diagnosis.found[0].effect if self.diagnosis.found else None
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """Names of all mechanisms that were put in, the most telling first."""
+        return tuple(one.effect for one in self.diagnosis.found)
+
+    @property
+    def probabilities(self) -> Mapping[str, float]:
+        """Of ``nothing``, ``unknown`` and every mechanism: what is missing most; the largest first. They sum to 1."""
+        return dict(sorted(self.diagnosis.probabilities.items(), key=lambda one: -one[1]))
+
+    @property
+    def words(self) -> str:
+        """What was found, how sure that is and what is left, in one line."""
+        return first_line(self.diagnosis)
+
+    @property
+    def file(self) -> ModelFile:
+        """The model with what was found put in and refitted, as ``model.json`` holds it."""
+        return self.diagnosis.after
+
+    def __repr__(self) -> str:
+        return f"<DiagnosisResult {self.words}>"
+
+    def __str__(self) -> str:
+        return diagnosis_table(self.diagnosis)
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready form, the same as ``testbench diagnose --json``; documented in docs/finding-effects.md."""
+        return self.diagnosis.to_dict()
+
+    def to_frame(self) -> pd.DataFrame:
+        """A row a mechanism, the most probable first: effect, law, probability, log_evidence in nats, tied."""
+        import pandas as pd
+
+        return pd.DataFrame(
+            {
+                "effect": one.effect,
+                "law": one.law,
+                "probability": one.probability,
+                "log_evidence": one.log_evidence,
+                "tied": one.effect in self.diagnosis.tied,
+            }
+            for one in self.diagnosis.ranking
+        )
+
+    def plot(self, axes: Axes | None = None) -> Axes:
+        """Draw the probabilities of what may be missing, the largest on top.
+
+        Parameters
+        ----------
+        axes : Axes, optional
+            Where to draw; default: a new figure.
+
+        Returns
+        -------
+        Axes
+        """
+        (axis,) = panels(axes, 1)
+        shown = list(self.probabilities.items())[:SHOWN]
+        found = self.effects
+        colours = [style.VERMILION if name in found else style.SKY for name, _ in shown]
+        axis.barh(range(len(shown)), [100 * chance for _, chance in shown], color=colours)
+        axis.set_yticks(range(len(shown)), [name.replace("_", " ") for name, _ in shown])
+        axis.invert_yaxis()
+        axis.set_xlim(0, 100)
+        axis.set_xlabel("probability that it is what is missing most / %")
+        return axis
+
+    def _repr_html_(self) -> str:
+        frame = frame_table(self.to_frame().head(SHOWN))
+        return card(self.words, [], picture(lambda axes: self.plot(axes), 1), frame)
+
+
+def diagnose(
+    recording: Source | list[Source] | tuple[Source, ...],
+    held_out: Source | None = None,
+    *,
+    model: AnyModel | None = None,
+    effects: Effects = None,
+    most: int = MOST,
+    gauge_length_mm: float | None = None,
+    clamp_play_mm: float = 0.0,
+    rest_s: float = REST_S,
+    progress: Tell | bool | None = None,
+) -> DiagnosisResult:
+    """Find out which physical effects a model is missing.
+
+    Parameters
+    ----------
+    recording : Recording or path, or a list of them
+        To calibrate on; everything is selected on it. Several are of one specimen, in the order in which they were
+        made: one history.
+    held_out : Recording or path, optional
+        For the final errors; default: the last third of `recording`. Several recordings need one, made after them.
+    model : KnitModel, result or path, optional
+        Diagnose this one instead of the baseline.
+    effects : path, Catalogue or effect classes, optional
+        The user's own effects, which take part in everything.
+    most : int
+        Effects to find at most, one after the other.
+    gauge_length_mm : float, optional
+        In mm, for paths of bare CSV files; default: the model's.
+    clamp_play_mm : float
+        The sensor was clamped anew for `held_out`, and for each of several recordings: the zero of its displacement
+        is free, within so many mm. Default: as the model was fitted.
+    rest_s : float
+        Rest between several recordings, in which the strain goes from where one ended to where the next begins.
+    progress : callable or bool, optional
+        See `testbench.api.progress.telling`.
+
+    Returns
+    -------
+    DiagnosisResult
+
+    Raises
+    ------
+    UserError
+        If the recordings are too short or still, have a constant channel, or do not fit together.
+
+    Examples
+    --------
+    >>> import testbench as tb
+    >>> recording = tb.example(tb.effects.StressRelaxation(fraction=0.3), duration_s=90)
+    >>> d = tb.diagnose(recording, most=1, progress=False)
+    >>> d.effect
+    'stress_relaxation'
+    >>> round(sum(d.probabilities.values()), 6)
+    1.0
+    """
+    if most < 1:
+        raise UserError(f"most: effects to find must be 1 or more, got {most}")
+    catalogue = catalogue_of(effects)
+    given = None if model is None else model_file_of(model, catalogue)
+    sources = list(recording) if isinstance(recording, list | tuple) else [recording]
+    if not sources:
+        raise UserError("recording: must be one or more, got none")
+    first, held, play_mm = recordings_for(model, given, sources[0], held_out, gauge_length_mm, clamp_play_mm)
+    more = [recording_of(one, first.gauge_length_mm) for one in sources[1:]]
+    check_one_history([first, *more], held, rest_s)
+    with telling(progress) as tell:
+        found = core.diagnose([first, *more], held, given, catalogue, tell, most, play_mm, rest_s)
+    return DiagnosisResult(found)
+
+
+def check_one_history(recordings: Sequence[Recording], held: Recording | None, rest_s: float) -> None:
+    """Refuse several recordings that cannot be one history: one that is given twice, or too much for one grid.
+
+    Raises
+    ------
+    UserError
+    """
+    if len(recordings) < 2:
+        return
+    every = [*recordings, *([] if held is None else [held])]
+    check_distinct(
+        every,
+        "of several recordings each is made after the ones before it: give each once, and another one as --held-out",
+    )
+    check_grid(every[1:], recordings[0], MAX_GRID_HZ, MIN_PART, rest_s)
+
+
+def diagnosis_data(diagnosis: DiagnosisResult | str | Path) -> Mapping[str, Any]:
+    """A diagnosis, or the file of one, as pages and designs read it."""
+    if isinstance(diagnosis, DiagnosisResult):
+        return checked_diagnosis(json.loads(json.dumps(diagnosis.to_dict())), "diagnosis")
+    return read_diagnosis(diagnosis)

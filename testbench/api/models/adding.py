@@ -1,0 +1,134 @@
+"""`add`: an effect put into a model, started where the data want it, everything refitted; `undo` takes it back."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, recordings_for
+from testbench.api.models.fitting import FitResult
+from testbench.api.models.ladder import Ladder
+from testbench.api.progress import Tell, telling
+from testbench.comparing.ladder import idle_effects
+from testbench.comparing.ladder import undo as taken_back
+from testbench.diagnosis.adding import add_effect
+from testbench.fitting.measurement import split
+from testbench.knit.catalogue import BASELINE
+
+
+def add(
+    model: AnyModel,
+    effect: str,
+    recording: Source,
+    held_out: Source | None = None,
+    *,
+    effects: Effects = None,
+    gauge_length_mm: float | None = None,
+    progress: Tell | bool | None = None,
+) -> FitResult:
+    """Put an effect of the catalogue into a model, refit, and put the step on the ladder.
+
+    The search starts at the strength and the times that the residual asks for; ``tb.fit(recording, model=fit.model +
+    effect)`` starts at the parameters of `effect` instead.
+
+    Parameters
+    ----------
+    model : KnitModel, result or path
+    effect : str
+        Its name in the catalogue (``testbench effects`` lists them).
+    recording, held_out : Recording or path
+        To refit on, and to judge on; default: the last third of `recording`.
+    effects : path, Catalogue or effect classes, optional
+        The user's own effects.
+    gauge_length_mm : float, optional
+        In mm, for paths of bare CSV files; default: the model's.
+    progress : callable or bool, optional
+        See `testbench.api.progress.telling`.
+
+    Returns
+    -------
+    FitResult
+
+    Raises
+    ------
+    UserError
+        If there is no such effect, or the recordings do not fit the model or each other.
+
+    Examples
+    --------
+    >>> import testbench as tb
+    >>> recording = tb.example(tb.effects.StressRelaxation(fraction=0.3))
+    >>> base = tb.fit(recording, progress=False)
+    >>> tb.add(base, "stress_relaxation", recording, progress=False).ladder
+    <Ladder baseline + stress_relaxation>
+    """
+    catalogue = catalogue_of(effects)
+    file = model_file_of(model, catalogue)
+    first, second, play_mm = recordings_for(model, file, recording, held_out, gauge_length_mm)
+    calibration, held = split(first, second, clamp_play_mm=play_mm)
+    with telling(progress) as tell:
+        return FitResult(add_effect(file, effect, calibration, held, catalogue, tell), calibration, held)
+
+
+def undo(model: AnyModel, *, effects: Effects = None) -> Ladder:
+    """Take the last step of a model's ladder back.
+
+    Parameters
+    ----------
+    model : result or path
+    effects : path, Catalogue or effect classes, optional
+        The user's own effects.
+
+    Returns
+    -------
+    Ladder
+        Of the model before that step.
+
+    Raises
+    ------
+    UserError
+        If there is no step to take back.
+
+    Examples
+    --------
+    >>> import testbench as tb
+    >>> recording = tb.example(tb.effects.StressRelaxation(fraction=0.3))
+    >>> base = tb.fit(recording, progress=False)
+    >>> tb.undo(tb.add(base, "stress_relaxation", recording, progress=False))
+    <Ladder baseline>
+    """
+    catalogue = catalogue_of(effects)
+    return Ladder(taken_back(model_file_of(model, catalogue), catalogue))
+
+
+def no_longer_pays(found: FitResult, added: str) -> list[str]:
+    """Effects of a model that hardly lower its held-out error, now that another one was added.
+
+    Parameters
+    ----------
+    found : FitResult
+        Of `add`.
+    added : str
+        The effect that came last; it is not asked about.
+    """
+    # A law without a strength (piezoresistance in place of contact) makes a signal that others need.
+    laws = {name for name in found.model if not found.model[name].strength}
+    optional = set(found.model) - set(BASELINE) - laws - {added}
+    return idle_effects(found.file, found.calibration, found.held_out, optional)
+
+
+def laws_with(diagnosis: Mapping[str, Any], law: str, model: AnyModel, effects: Effects = None) -> list[str]:
+    """The laws to `add` one after the other so that one of a diagnosis is in: what the base itself needs goes first.
+
+    Parameters
+    ----------
+    diagnosis : mapping
+        As ``testbench diagnose --json`` writes it.
+    law : str
+    model : KnitModel, result or path
+        What it has already is left out.
+    effects : path, Catalogue or effect classes, optional
+    """
+    has = {effect.name for effect in model_file_of(model, catalogue_of(effects)).model.effects.values()}
+    wanted = [*diagnosis.get("other_laws", ()), *diagnosis.get("base_misfits", ()), law]
+    return [name for name in wanted if name not in has]

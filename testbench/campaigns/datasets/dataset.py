@@ -1,0 +1,138 @@
+"""Thousands of campaigns from one file, fanned out over processes; then their list, and Parquet files of them.
+
+A campaign is one task. It is written whole or not at all and carries its own checksums, so a killed run is resumed
+by starting it again: what verifies is never redone.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import os
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from gcode.support import strict
+from gcode.support.errors import UserError
+from gcode.support.files import clear_drafts, sha256_of, write_text
+from testbench.campaigns.campaign import matches, simulate_campaign
+from testbench.campaigns.clearing import vacant
+from testbench.campaigns.datasets.index import write_entries
+from testbench.campaigns.datasets.splits import SPLITS, split_of
+from testbench.campaigns.datasets.tasks import Task, motion_of
+from testbench.campaigns.plan import Plan
+from testbench.recordings import manifest
+
+
+def make(task: Task) -> bool:
+    """Make one campaign; False if it was there and intact already."""
+    plan = task.plan()
+    if _there(task.folder, plan):
+        return False
+    vacant(task.folder, overwrite=True)
+    try:
+        simulate_campaign(plan, task.folder, motion_of(task.program, task.gauge_length_mm))
+    except OSError:
+        # A scheduler may give a task to two workers when it believes the first one dead.
+        if not _there(task.folder, plan):
+            raise
+    return True
+
+
+def run(
+    tasks: Sequence[Task], backend: str = "loky", workers: int = -1, step: Callable[[], None] = lambda: None
+) -> tuple[int, int]:
+    """Make all campaigns; return how many were made and how many were there already.
+
+    Parameters
+    ----------
+    tasks : sequence of Task
+    backend : {"loky", "dask"}
+        Processes of this machine, or the Dask client that is active.
+    workers : int
+        Processes; -1 is one for each core.
+    step : callable
+        Called after each campaign.
+    """
+    from joblib import Parallel, delayed, parallel_config
+
+    with parallel_config(
+        backend=backend, n_jobs=workers, **({"inner_max_num_threads": 1} if backend == "loky" else {})
+    ):
+        made = 0
+        for was_made in Parallel(return_as="generator_unordered")(delayed(make)(task) for task in tasks):
+            made += was_made
+            step()
+    return made, len(tasks) - made
+
+
+def write_index(out: Path, spec: Path, tasks: Sequence[Task]) -> None:
+    """Copy the spec and list the campaigns, with the checksum of each one's manifest."""
+    write_text(out / "dataset.toml", strict.read_text(spec, "spec", strict.MOST_TOML_BYTES))
+    entries = []
+    splits = split_of(task.specimen for task in tasks)
+    for task in tasks:
+        campaign, _ = manifest.read_manifest(task.folder)
+        entries.append(
+            {
+                "campaign": task.folder.name,
+                "sensor": task.sensor,
+                "program": task.program.name,
+                "seed": task.seed,
+                "specimen": task.specimen,
+                "split": splits[task.specimen],
+                "samples": campaign.counts["samples"],
+                "manifest_sha256": sha256_of(task.folder / manifest.NAME),
+            }
+        )
+    write_entries(out, entries)
+
+
+def write_parquet(out: Path, tasks: Sequence[Task], workers: int = -1) -> int:
+    """Write the campaigns as Parquet beside their folders, split by specimen, with Croissant metadata; how many."""
+    from testbench.campaigns.datasets.croissant import write_croissant
+    from testbench.campaigns.datasets.parquet import columns_of, parts_of, write_parts
+
+    parts = parts_of(out, [(task.folder, task.specimen) for task in tasks])
+    written = write_parts(parts, workers)
+    splits = [split for split in SPLITS if any(part.split == split for part in parts)]
+    write_croissant(out, out.absolute().name, splits, columns_of(parts[0]))
+    return written
+
+
+class OneAtATime:
+    """Holds a folder for one `dataset` command, and clears away the drafts of killed workers.
+
+    Raises
+    ------
+    UserError
+        If another one is at work there.
+    """
+
+    def __init__(self, out: Path) -> None:
+        self._out = out
+        try:
+            self._handle = os.open(out / ".lock", os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK, 0o644)
+        except OSError as error:
+            raise UserError(
+                f"{out / '.lock'}: cannot hold this folder: {error.strerror}; see what is there"
+            ) from None
+
+    def __enter__(self) -> OneAtATime:
+        try:
+            fcntl.flock(self._handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            os.close(self._handle)
+            raise UserError(f"{self._out}: another `testbench dataset` is at work in this folder") from None
+        clear_drafts(self._out)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        (self._out / ".lock").unlink(missing_ok=True)
+        os.close(self._handle)
+
+
+def _there(folder: Path, plan: Plan) -> bool:
+    try:
+        return matches(folder, plan)
+    except UserError:
+        return False

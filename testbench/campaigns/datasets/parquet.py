@@ -1,0 +1,116 @@
+"""A data set as Parquet files, one a campaign, in a folder a split: what tools that never heard of us can load."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence, Set
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from gcode.support.errors import UserError
+from gcode.support.files import atomic_path, make_folder, refuse_links, sha256_of
+from testbench.campaigns.datasets.splits import SPLITS, split_of
+from testbench.recordings import manifest
+from testbench.recordings.channels import TIME
+from testbench.recordings.files import read_recording
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+PARQUET = "parquet"
+FINGERPRINT = b"knitbench_manifest_sha256"
+
+
+@dataclass(frozen=True)
+class Part:
+    """One campaign of a data set on its way to Parquet."""
+
+    campaign: Path
+    specimen: str
+    split: str
+    file: Path
+
+
+def parts_of(out: Path, campaigns: Sequence[tuple[Path, str]]) -> list[Part]:
+    """Where each campaign goes: ``parquet/SPLIT/CAMPAIGN.parquet``, split by specimen.
+
+    Parameters
+    ----------
+    out : Path
+        Folder of the data set.
+    campaigns : sequence of (Path, str)
+        Folder and specimen of each.
+    """
+    splits = split_of(specimen for _, specimen in campaigns)
+    root = out / PARQUET
+    return [
+        Part(folder, specimen, splits[specimen], root / splits[specimen] / f"{folder.name}.parquet")
+        for folder, specimen in campaigns
+    ]
+
+
+def write_parts(parts: Sequence[Part], workers: int = -1) -> int:
+    """Write all parts anew, each whole or not at all; how many: what lies there carries no checksum to trust it by.
+
+    Raises
+    ------
+    UserError
+        If pyarrow is not installed, or a folder is a link.
+    """
+    from joblib import Parallel, delayed
+
+    _pyarrow()
+    for folder in {part.file.parent for part in parts}:
+        refuse_links((folder.parent, folder), "choose another place with -o")
+        make_folder(folder)
+    for root in {part.file.parent.parent for part in parts}:
+        _clear_stale(root, {part.file for part in parts})
+    with_one_thread = {"inner_max_num_threads": 1}
+    Parallel(n_jobs=workers, backend="loky", **with_one_thread)(delayed(write_part)(one) for one in parts)
+    return len(parts)
+
+
+def _clear_stale(root: Path, wanted: Set[Path]) -> None:
+    """Remove the files of campaigns that are no longer of this data set, or now of another split."""
+    for split in SPLITS:
+        for path in (root / split).glob("*.parquet"):
+            if path not in wanted:
+                path.unlink()
+
+
+def columns_of(part: Part) -> list[str]:
+    """Names of the columns of an existing Parquet file."""
+    from pyarrow import parquet
+
+    return parquet.read_schema(part.file).names
+
+
+def write_part(part: Part) -> None:
+    """Write one campaign."""
+    from pyarrow import parquet
+
+    table = table_of(part, sha256_of(part.campaign / manifest.NAME))
+    with atomic_path(part.file) as temporary:
+        parquet.write_table(table, temporary, compression="zstd")
+
+
+def table_of(part: Part, digest: str) -> pa.Table:
+    """``campaign``, ``specimen``, then the columns of the recording as float64; a row a sample."""
+    pa = _pyarrow()
+    recording = read_recording(part.campaign)
+    count = len(recording)
+    said = {
+        name: pa.DictionaryArray.from_arrays(pa.array([0] * count, pa.int32()), pa.array([value]))
+        for name, value in (("campaign", part.campaign.name), ("specimen", part.specimen))
+    }
+    table = pa.table({**said, TIME: recording.time_s, **recording.channels})
+    told = {FINGERPRINT: digest.encode(), b"gauge_length_mm": f"{recording.gauge_length_mm:g}".encode()}
+    return table.replace_schema_metadata(told)
+
+
+def _pyarrow():
+    try:
+        import pyarrow
+    except ImportError:
+        raise UserError("Parquet needs pyarrow; install it with: pip install 'knitbench[parquet]'") from None
+    return pyarrow

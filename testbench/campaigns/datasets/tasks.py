@@ -1,0 +1,158 @@
+"""The campaigns of a data set, one task each: sensors x programs x seeds."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cache, lru_cache
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gcode.support import strict
+from gcode.support.errors import UserError
+from gcode.support.files import make_folder, refuse_links, write_text
+from testbench.campaigns.datasets.spec import MOST_CAMPAIGNS, DatasetSpec, TrajectoryWish
+from testbench.campaigns.plan import Plan
+from testbench.knit.catalogue import Catalogue, load_catalogue, model_from_dict
+from testbench.knit.model import KnitModel
+from testbench.knit.presets import preset
+from testbench.recordings.instruments import Instruments
+from testbench.recordings.stored import read_model
+from testbench.rig.past import DEFAULT_REST_S
+from testbench.rig.played import played
+from testbench.rig.simulated import Motion
+from testbench.trust import named_effects
+
+PROGRAMS = "programs"
+
+
+@dataclass(frozen=True)
+class Task:
+    """One campaign to be made: small, so that it travels to any worker."""
+
+    folder: Path
+    program: Path
+    sensor: str
+    model: dict[str, Any]
+    gauge_length_mm: float
+    seed: int
+    instruments: Instruments
+    past: tuple[Path, ...] = ()
+    rest_s: float = DEFAULT_REST_S
+    effects: Path | None = None
+    specimen: str = ""
+
+    def plan(self) -> Plan:
+        """The plan of the campaign, from which its manifest is written."""
+        model = model_from_dict(self.model, _catalogue(self.effects), self.sensor)
+        gauge, tools = self.gauge_length_mm, self.instruments
+        return Plan(self.program, model, gauge, self.seed, self.sensor, tools, self.past, self.rest_s, self.effects)
+
+
+def tasks_of(spec: DatasetSpec, base: Path, out: Path, effects: Path | None = None) -> list[Task]:
+    """All campaigns of a data set; programs that have to be planned are written to ``out/programs`` first.
+
+    Parameters
+    ----------
+    spec : DatasetSpec
+    base, out : Path
+        Folders of the spec and of the data set.
+    effects : Path, optional
+        The file with effects of somebody's own, if the spec wants one: named by a person, since it is a program.
+
+    Raises
+    ------
+    UserError
+        If a sensor, a program or a varied parameter is not there: before anything runs, not after an hour.
+    """
+    own = named_effects(out, base / spec.effects, effects).absolute() if spec.effects else None
+    models = {sensor: _model(sensor, base, own) for sensor in spec.sensors}
+    programs = _planned(spec, base, out) if spec.trajectory else _found(spec.programs, base)
+    for program in programs:
+        motion_of(program, spec.gauge_length_mm)
+    count = len(models) * len(programs) * len(spec.seeds)
+    if count > MOST_CAMPAIGNS:
+        raise UserError(f"a data set has at most {MOST_CAMPAIGNS} campaigns, this one would have {count}; split it")
+    made = []
+    for (sensor, model), (order, program), seed in product(models.items(), enumerate(programs), spec.seeds):
+        past = tuple(programs[:order]) if spec.same_sensor else ()
+        name = f"{Path(sensor).stem}-{program.stem}-{seed:05d}"
+        drawn = varied(model, spec.vary, seed).to_dict()
+        folder = out.absolute() / name
+        gauge = spec.gauge_length_mm
+        # Where parameters are drawn by the seed, each seed is a specimen of its own.
+        specimen = f"{Path(sensor).stem}#{seed}" if spec.vary else Path(sensor).stem
+        tools = spec.instruments
+        made.append(Task(folder, program, sensor, drawn, gauge, seed, tools, past, spec.rest_s, own, specimen))
+    if len({task.folder for task in made}) < len(made):
+        raise UserError("two campaigns would have the same folder; give sensors and programs different file names")
+    return made
+
+
+def varied(model: KnitModel, ranges: dict[str, tuple[float, float]], seed: int) -> KnitModel:
+    """The model with the parameters in `ranges` drawn uniformly, by `seed`; each by its own stream."""
+    drawn = {}
+    for address, (low, high) in ranges.items():
+        stream = np.random.default_rng([seed, *address.encode()])
+        drawn[address] = float(stream.uniform(low, high))
+    try:
+        return model.with_parameters(drawn) if drawn else model
+    except ValueError as error:
+        raise UserError(f"vary, seed {seed}: {error}") from None
+
+
+@cache
+def _catalogue(effects: Path | None) -> Catalogue:
+    return load_catalogue(effects)
+
+
+@lru_cache(maxsize=4)
+def motion_of(program: Path, gauge_length_mm: float) -> Motion:
+    """What the machine makes of a program; the last few are remembered."""
+    return played(program, gauge_length_mm)[0]
+
+
+def _model(sensor: str, base: Path, effects: Path | None) -> KnitModel:
+    if not sensor.endswith(".json"):
+        return preset(sensor)
+    return model_from_dict(read_model(base / sensor), _catalogue(effects), sensor)
+
+
+def _found(patterns: Sequence[str], base: Path) -> list[Path]:
+    found: list[Path] = []
+    for pattern in patterns:
+        place, wild = base / pattern, set("*?[")
+        if wild & set(str(Path(pattern).parent)) or "**" in pattern:
+            # ../../**/*.tap would look through the whole machine, on the word of a file.
+            raise UserError(f"{place}: a * may stand in the name of a program, not in its folder's")
+        paths = sorted(place.parent.glob(place.name)) if wild & set(place.name) else [place]
+        if not paths or not all(path.is_file() for path in paths):
+            raise UserError(f"{place}: no such program; make one with `gcode generate`")
+        found += (path.absolute() for path in paths)
+    return found
+
+
+def _planned(spec: DatasetSpec, base: Path, out: Path) -> list[Path]:
+    refuse_links([out / PROGRAMS], "choose another place with -o")
+    folder = make_folder(out / PROGRAMS).absolute()
+    assert spec.trajectory is not None
+    return list(_programs(spec.trajectory, spec.gauge_length_mm, base, folder))
+
+
+def _programs(wish: TrajectoryWish, gauge_length_mm: float, base: Path, folder: Path) -> Iterator[Path]:
+    from gcode.programs.make import make as make_program
+    from gcode.programs.request import changed
+    from gcode.trajectories.presets import preset as motion_preset
+    from gcode.trajectories.toml_spec import read_spec
+
+    given = motion_preset(wish.preset) if wish.preset else read_spec(base / str(wish.spec))
+    source = changed(given, {}, wish.duration_s)
+    for seed in wish.seeds:
+        path = folder / f"{source.name}-{seed:05d}.tap"
+        text = make_program(source, seed, gauge_length_mm).program
+        if not path.is_file() or strict.read_bytes(path, "program") != text.encode():
+            write_text(path, text)
+        yield path

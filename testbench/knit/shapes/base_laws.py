@@ -1,0 +1,202 @@
+"""Shape freedom of the base laws: what an elastic, hysteretic, contact or drift law cannot bend to by itself.
+
+A stiff base law makes every candidate effect imitate its own misfit. These additions are linear in their weights,
+smooth, and zero by default, so that a fit can charge a physical effect only for what no reasonable shape of the base
+law explains. When one of them alone removes the misfit, the finding is "the base law itself misfits".
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from testbench.knit.additive import ConductanceLaw, ForceLaw
+from testbench.knit.effect import FloatArray, Signals, Stage, parameter
+from testbench.knit.shapes.curves import CURVE_TERMS, LAW_TERMS, curve, kept_curve
+from testbench.knit.shapes.loops import LOOPS, WAYS, loops, two_ways
+
+DRIFT_TAUS_S = (3.0, 30.0, 300.0)
+DRIFT_BUMPS = 6
+
+
+@lru_cache(maxsize=8)
+def _settled(start_s: float, end_s: float, count: int) -> FloatArray:
+    """What has settled with each of `DRIFT_TAUS_S` on a uniform grid, shape (3, count): the same in every run."""
+    return -np.expm1(-np.linspace(start_s, end_s, count) / np.array(DRIFT_TAUS_S)[:, None])
+
+
+class ElasticityShape(ForceLaw):
+    """Any smooth correction to the elastic law over strain, knees included.
+
+    F += w_1 x + w_2 x^2 + sum_k w_k cos(k pi x) / k^2,   x = e / span
+
+    Source: smoothing splines as a cosine series, Wahba, Spline Models for Observational Data (1990), ch. 2: weights
+    of one size make a curve whose slope wanders. Valid: inside the strain seen in the fit.
+    """
+
+    name = "elasticity_shape"
+    strength = "weights_N"
+    look = "the misfit of force depends on strain alone"
+
+    weights_N: tuple[float, ...] = parameter(
+        (0.0,) * CURVE_TERMS, unit="N", low=-1e3, high=1e3, doc="weight of each term over strain"
+    )
+    span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain covered by the curve")
+
+    def change(self, signals: Signals, dt_s: float) -> FloatArray:
+        return curve(signals["strain"], 0.0, self.span, self.weights_N)
+
+
+class HysteresisShape(ForceLaw):
+    """Rate-independent loops of the force of any width, sharp or smooth, that may widen or narrow with strain.
+
+    F += sum_k (w_k + v_k e / span) z_k(e)
+
+    z_k: stops (Prandtl-Ishlinskii), Bouc-Wen variables, and followers that close their gap over one length of travel
+    upwards and over another downwards (`testbench.knit.shapes.loops`).
+
+    Source: Kuhnen, Eur. J. Control 9 (2003) 407 (free Prandtl-Ishlinskii weights); Wen, J. Eng. Mech. Div. ASCE 102
+    (1976) 249; Valanis, Arch. Mech. 23 (1971) 517 (memory over travel). Valid: rate-independent loops.
+    """
+
+    name = "hysteresis_shape"
+    strength = "weights_N"
+    look = "the misfit of force depends on the direction of motion and on the last reversals, at any speed"
+
+    weights_N: tuple[float, ...] = parameter(
+        (0.0,) * LOOPS, unit="N", low=-1e3, high=1e3, doc="friction of each operator"
+    )
+    growth_N: tuple[float, ...] = parameter(
+        (0.0,) * (2 * LOOPS), unit="N", low=-1e3, high=1e3, doc="its growth over the strain span and its square"
+    )
+    span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain over which growth is counted")
+
+    def change(self, signals: Signals, dt_s: float) -> FloatArray:
+        return loops(signals["strain"], self.span, self.weights_N, self.growth_N)
+
+
+class ContactShape(ConductanceLaw):
+    """Any smooth correction to the law of conductance over contact force and strain.
+
+    ln G += curve(sqrt(P / span_N)) + curve(e / span),   the curves as in `elasticity_shape`
+
+    Contacts conduct with about the root of what presses them (Holm): there a smooth curve sees light loads, too.
+
+    Source: Wahba, Spline Models for Observational Data (1990), ch. 2. Valid: inside the force and strain seen in the
+    fit.
+    """
+
+    name = "contact_shape"
+    stage = Stage.CONTACT
+    optional_reads = ("contact_force_N",)
+    strength = "strain_weights"
+    look = "the misfit of ln G depends on force and strain, at any speed and time"
+
+    force_weights: tuple[float, ...] = parameter(
+        (0.0,) * CURVE_TERMS, unit="1", low=-3, high=3, doc="weight of each term over contact force"
+    )
+    strain_weights: tuple[float, ...] = parameter(
+        (0.0,) * CURVE_TERMS, unit="1", low=-3, high=3, doc="weight of each term over strain"
+    )
+    low_N: float = parameter(0.0, unit="N", low=-1e3, high=1e3, doc="contact force where the curve begins")
+    span_N: float = parameter(3.0, unit="N", low=1e-3, high=1e4, doc="contact force covered by the curve")
+    span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain covered by the curve")
+
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
+        log_change = kept_curve(signals["strain"], 0.0, self.span, self.strain_weights)
+        if "contact_force_N" in signals:
+            load = np.sqrt(np.maximum((signals["contact_force_N"] - self.low_N) / self.span_N, 0.0))
+            log_change = log_change + curve(load, 0.0, 1.0, self.force_weights)
+        return log_change
+
+
+class DriftShape(ConductanceLaw):
+    """Drift of the conductance on several time scales at once.
+
+    ln G += sum_k w_k (1 - exp(-t / tau_k)) + slope * t / 1000 s,   tau = 3, 30, 300 s
+
+    Source: Prony series of a monotonic relaxation, Tschoegl (1989), ch. 3. Valid: one recording from its start.
+    """
+
+    name = "drift_shape"
+    reads = ("time_s", "conductance_S")
+    strength = "weights"
+    look = "the misfit of ln G depends on elapsed time alone"
+
+    weights: tuple[float, ...] = parameter(
+        (0.0,) * len(DRIFT_TAUS_S), unit="1", low=-5, high=5, doc="drift that ends within each time scale"
+    )
+    slope_per_ks: float = parameter(0.0, unit="1/ks", low=-5, high=5, doc="drift that does not end")
+
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
+        t = signals["time_s"]
+        settled = _settled(float(t[0]), float(t[-1]), len(t))
+        return np.asarray(self.weights) @ settled + self.slope_per_ks * t / 1000
+
+
+class ContactDriftShape(ConductanceLaw):
+    """Drift of the contacts alone: how much it changes ln G depends on how hard they are pressed.
+
+    ln G += sum_j B_j(P / span_N) * (sum_k w_jk (1 - exp(-t / tau_k)) + w_j3 t / 1000 s),   tau = 3, 30, 300 s
+
+    Paths beside the contacts (floats) and in series (yarn) hide part of what the contacts do, each at its own load.
+
+    Source: Prony series as in `drift_shape`; penalised splines, Eilers & Marx, Statist. Sci. 11 (1996) 89.
+    Valid: one recording from its start; inside the contact force seen in the fit.
+    """
+
+    name = "contact_drift_shape"
+    stage = Stage.CONTACT
+    reads = ("time_s", "strain", "conductance_S")
+    optional_reads = ("contact_force_N",)
+    strength = "weights"
+    look = "the conductance creeps, and how much depends on the load"
+
+    weights: tuple[float, ...] = parameter(
+        (0.0,) * (DRIFT_BUMPS * (len(DRIFT_TAUS_S) + 1)), unit="1", low=-5, high=5, doc="drift at each bump and time"
+    )
+    low_N: float = parameter(0.0, unit="N", low=-1e3, high=1e3, doc="contact force where the bumps begin")
+    span_N: float = parameter(3.0, unit="N", low=1e-3, high=1e4, doc="contact force covered by the bumps")
+    span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain covered by the bumps, without a force")
+
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
+        from testbench.knit.shapes.splines import bspline
+
+        t = signals["time_s"]
+        times = [*_settled(float(t[0]), float(t[-1]), len(t)), t / 1000]
+        load = signals["strain"] / self.span
+        if "contact_force_N" in signals:
+            load = (signals["contact_force_N"] - self.low_N) / self.span_N
+        weights = np.reshape(self.weights, (DRIFT_BUMPS, -1))
+        drifts = (bspline(load, weights[:, k].copy()) * one for k, one in enumerate(times) if weights[:, k].any())
+        return sum(drifts, np.zeros_like(t))
+
+
+class ContactLoopsShape(ConductanceLaw):
+    """Rate-independent loops of ln G over strain: of any width, sharp or smooth, or with two curves for the two ways.
+
+    ln G += sum_k (w_k + v_k e / span) z_k(e) + sum_j z_j(e) curve_j(e / span),   z_k as in `hysteresis_shape`
+
+    z_j are Bouc-Wen variables, -1 on the way back and 1 on the way out; the curves are those of `elasticity_shape`.
+
+    Source: as `hysteresis_shape`. Valid: rate-independent loops.
+    """
+
+    name = "contact_loops_shape"
+    stage = Stage.CONTACT
+    strength = "weights"
+    look = "conductance over strain is a loop, at any speed"
+
+    weights: tuple[float, ...] = parameter((0.0,) * LOOPS, unit="1", low=-3, high=3, doc="width of each loop in ln G")
+    growth: tuple[float, ...] = parameter(
+        (0.0,) * (2 * LOOPS), unit="1", low=-3, high=3, doc="its growth over the strain span and its square"
+    )
+    ways: tuple[float, ...] = parameter(
+        (0.0,) * (len(WAYS) * LAW_TERMS), unit="1", low=-3, high=3, doc="curve by which the two ways differ"
+    )
+    span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain over which growth is counted")
+
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
+        e = signals["strain"]
+        return loops(e, self.span, self.weights, self.growth) + two_ways(e, self.span, self.ways)

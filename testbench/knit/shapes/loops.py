@@ -1,0 +1,73 @@
+"""Operators with rate-independent memory of the strain: a set of them that is rich enough for loops of any shape."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from testbench.knit.effect import FloatArray
+from testbench.knit.shapes.curves import kept_curve
+from testbench.knit.shapes.recent import Recent
+
+# All in parts of the span of the strain.
+STOPS = tuple(np.geomspace(0.006, 1.0, 16))  # break-away
+SMOOTH = tuple(np.geomspace(0.01, 0.4, 4))  # travel over which a Bouc-Wen variable turns
+SKEWS = (0.0, 0.5)
+WAYS = (1, 2)  # which of the smooth ones tell the way out from the way back, where the two are curves of their own
+ONE_SIDED = ((0.05, 0.1), (0.1, 0.3), (0.1, 0.05), (0.3, 0.1))  # travel upwards, downwards
+LOOPS = len(STOPS) + len(SMOOTH) * len(SKEWS) + len(ONE_SIDED)
+
+
+def loops(e: FloatArray, span: float, weights: tuple[float, ...], growth: tuple[float, ...]) -> FloatArray:
+    """Sum of the operators, each weighted by w_k + v_k u + v'_k u^2 with u = e / span.
+
+    Parameters
+    ----------
+    e : ndarray, shape (n,)
+        Strain.
+    weights : tuple of float, length `LOOPS`
+    growth : tuple of float, length 2 `LOOPS`
+        v, then v'.
+    """
+    if not any(weights) and not any(growth):
+        return np.zeros_like(e)
+    if not any(growth):
+        return np.asarray(weights) @ _operators(e, span)
+    fixed, linear, square = np.reshape((*weights, *growth), (3, LOOPS)) @ _operators(e, span)
+    u = e / span
+    return fixed + (linear + square * u) * u
+
+
+def two_ways(e: FloatArray, span: float, weights: tuple[float, ...]) -> FloatArray:
+    """One smooth curve over strain on the way out, another on the way back: half their difference, times the way.
+
+    Parameters
+    ----------
+    e : ndarray, shape (n,)
+        Strain.
+    weights : tuple of float, length ``len(WAYS) * LAW_TERMS``
+        Of `curve`, for each length of travel in which the knit goes over from one to the other.
+    """
+    total = np.zeros_like(e)
+    for way, own in zip(WAYS, np.reshape(weights, (len(WAYS), -1)), strict=True):
+        if own.any():
+            total += _operators(e, span)[len(STOPS) + way] * kept_curve(e, 0.0, span, tuple(own))
+    return total
+
+
+@Recent
+def _operators(e: FloatArray, span: float) -> FloatArray:
+    """Every operator, in [-1, 1] or nearly, shape (LOOPS, n); they do not depend on any weight."""
+    from testbench.knit.kernels import bouc_wen, follower, play
+
+    sharp = np.array(STOPS) * span
+    found = np.empty((LOOPS, len(e)))  # filled in place: joined from parts, an hour's table is copied once more
+    stops, others = found[: len(STOPS)], iter(found[len(STOPS) :])
+    np.subtract(e, play(e, sharp), out=stops)
+    stops /= sharp[:, None]
+    for skew in SKEWS:
+        for travel, row in zip(SMOOTH, others, strict=False):
+            row[:] = bouc_wen(e, travel * span, skew, 1.0)
+    for (up, down), row in zip(ONE_SIDED, others, strict=True):
+        np.subtract(e, follower(e, up * span, down * span), out=row)
+        row /= max(up, down) * span
+    return found

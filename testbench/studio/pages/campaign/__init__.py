@@ -1,0 +1,1 @@
+"""The pages of one campaign: its tabs, and where they lead to."""

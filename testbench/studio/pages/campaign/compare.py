@@ -1,0 +1,224 @@
+"""Compare: fit the baseline, lay the model over the measurement, a second one beside it, say where it fails."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from nicegui import ui
+
+from testbench.comparing.numbers import plain
+from testbench.recordings.manifest import CSV
+from testbench.report.document import Table
+from testbench.report.figures import comparison_figures as figures
+from testbench.report.figures import residual_figures
+from testbench.report.figures.comparison_figures import Overlay
+from testbench.report.words import PANEL_UNITS, spoken
+from testbench.report.worst_places import Spot, noise_reached
+from testbench.studio.beside import Beside, beside_choices, beside_of, side_by_side
+from testbench.studio.memory import stamp
+from testbench.studio.models import LAST_THIRD, PLAY, add_fit_form, held_out_of, model_path
+from testbench.studio.parts.address import Address, address, span_of
+from testbench.studio.parts.picture import Span, ZoomingPlot, plot, zooming_plot
+from testbench.studio.parts.widgets import (
+    RESISTANCE,
+    aside,
+    campaign_head,
+    facts,
+    guarded,
+    later,
+    quantity_toggle,
+    subheading,
+    table,
+    trouble,
+)
+from testbench.studio.studio import Studio
+
+if TYPE_CHECKING:
+    from testbench.api.models.comparing import ComparisonResult
+    from testbench.fitting.model_file import ModelFile
+
+
+@dataclass(frozen=True)
+class View:
+    """What the page shows."""
+
+    both: Overlay
+    comparison: Mapping[str, Any]
+    spots: list[Spot]
+    maps: Mapping[str, Any]
+    rms: Mapping[str, Mapping[str, float]]  # by model as drawn, then by channel
+    parameters: Table | None
+    notes: list[str]  # what a reader should know of the held-out recording
+
+
+@guarded
+async def page(
+    studio: Studio, c: str = "", on: str = "", show: str = "", start: str = "", end: str = "", beside: str = ""
+) -> None:
+    """Model of campaign `c` over the recording that it is judged on, or over that of campaign `on`.
+
+    `beside` is a second model: a step of its own ladder by number, or the name of another campaign.
+    """
+    campaign_head(c, "/compare", show)
+    if not model_path(studio, c).is_file():
+        add_fit_form(studio, c)
+        return
+    asked, held = span_of(start, end), held_out_of(studio, c)
+    on = on or (c if held == LAST_THIRD else held)
+    where = Address("/compare", c=c, on=on, show=show, start=start, end=end, beside=beside)
+    _choose(studio, c, on, where, held)
+    view = await aside(view_of, studio, c, on, beside)
+    shown = view.both.in_resistance() if show == RESISTANCE else view.both
+    facts(_errors(view, shown))
+    for note in view.notes:
+        trouble(note)
+    holder = ui.column().classes("w-full")
+    caption = (
+        "Measured and modelled; under each the residual, measured minus modelled; grey: twice the noise floor. "
+        "Drag to zoom all rows."
+    )
+    opened: Span = asked if asked[0] is not None or not view.spots else view.spots[0].span_s
+    seen = zooming_plot(partial(figures.overlay, shown), caption, shown.time_s, opened, where.note_span)
+    with holder:
+        _worst(view, seen)
+    later(partial(_below, view, shown))
+    later(partial(_anew, studio, c))
+
+
+def _below(view: View, shown: Overlay) -> None:
+    plot(figures.modelled_loops(shown), "The same as hysteresis loops, three half minutes.")
+    if view.parameters:
+        subheading("The model's parameters", "As fitted; what speaks against a value stands beside it.")
+        table(view.parameters.head, view.parameters.rows, view.parameters.caption)
+    plot(residual_figures.heat_maps(shown), "Orange where the model is too low, blue where it is too high.")
+    for channel in shown.measured:
+        caption = f"Mean residual of the {channel} over each coordinate, with two standard errors."
+        plot(residual_figures.profiles(view.maps[channel], channel), caption)
+
+
+def _anew(studio: Studio, c: str) -> None:
+    with ui.expansion("Fit the baseline anew", icon="tune").classes("w-full"):
+        add_fit_form(studio, c, again=True)
+
+
+def _choose(studio: Studio, c: str, on: str, where: Address, held: str) -> None:
+    own = studio.workspace.campaign(c)
+    others = [other.name for other in studio.workspace.campaigns() if other.gauge_length_mm == own.gauge_length_mm]
+    names = {name: f"{name} ({_role(name, c, held)})" if _role(name, c, held) else name for name in others}
+    models = {"": "(none)", **beside_choices(studio, c)}
+    beside = where.query["beside"] if where.query["beside"] in models else ""
+    with ui.row().classes("items-center justify-between w-full"):
+        with ui.row().classes("items-center gap-2"):
+            choice = ui.select(names, value=on, label="Compared with the recording of").props("outlined dense")
+            choice.style("width:min(320px, 84vw)")
+            choice.on_value_change(lambda event: where.go(on=event.value, start="", end=""))
+            second = ui.select(models, value=beside, label="A second model beside it").props("outlined dense")
+            second.style("width:min(240px, 84vw)").on_value_change(lambda event: where.go(beside=event.value))
+        with ui.row().classes("items-center gap-2"):
+            quantity_toggle(where)
+            ask = ui.button("What is missing?", icon="search").props("unelevated")
+            ask.on_click(lambda: ui.navigate.to(address("/missing", c=c, show=where.query["show"])))
+
+
+def _role(name: str, c: str, held: str) -> str:
+    if name == c:
+        return "fitted on its first two thirds" if held == LAST_THIRD else "fitted on this"
+    return "held out" if name == held else ""
+
+
+def view_of(studio: Studio, c: str, on: str, beside: str = "") -> View:
+    """The comparison, worked out anew when a model or the recording has changed.
+
+    Raises
+    ------
+    UserError
+        If there is no such second model.
+    """
+    recording = studio.workspace.campaign(on).folder / CSV
+    second = beside_of(studio, c, beside) if beside else None
+    files = stamp(model_path(studio, c), recording, studio.effects_file, second.path if second else None)
+    return studio.memory.recall(("compare", c, on, beside, files), lambda: _compare(studio, c, on, second))
+
+
+def _compare(studio: Studio, c: str, on: str, second: Beside | None) -> View:
+    """As `testbench compare` does it, with pictures."""
+    from testbench.api.models.comparing import compare
+    from testbench.fitting.model_errors import rms_errors
+    from testbench.fitting.model_file import load_model_file
+    from testbench.report.overlays import failings_of, overlay_of
+
+    catalogue, path = studio.catalogue(), model_path(studio, c)
+    file = load_model_file(path, catalogue)
+    found = compare(studio.workspace.recording(on), path, effects=catalogue)
+    judged, measurement = found.judged, found.measurement
+    label = spoken(str(file.history[-1]["step"])) if file.history else "model"
+    drawn = ({second.label: second.model} if second else {}) | {label: file.model}
+    both = overlay_of(measurement, drawn, judged.elsewhere, judged.from_s)
+    failing = failings_of(found.comparison, measurement, both, judged.elsewhere)
+    rms = {
+        one: rms_errors(judged.mounted(model), measurement, judged.elsewhere)
+        | _kohm_error(both, one, measurement.counts, judged.elsewhere)
+        for one, model in drawn.items()
+    }
+    notes = _notes(studio, c, found) if judged.elsewhere and judged.from_s is None else []
+    return View(both, failing.comparison, failing.spots, failing.maps, rms, _parameters(file, label, second), notes)
+
+
+def _notes(studio: Studio, c: str, found: ComparisonResult) -> list[str]:
+    """What `testbench fit` and `compare` say of another recording, in the page's words."""
+    from testbench.api.models.fitting import beyond_calibration
+    from testbench.fitting.measurement import prepare
+
+    beyond = beyond_calibration(prepare(studio.workspace.recording(c)), found.measurement)
+    source = f"{found.measurement.recording.source}: "
+    told = [note.removeprefix(source) for note in (beyond, *found.notes) if note]
+    told = [note.replace("say --clamp-play-mm", f"fit the baseline anew with “{PLAY}”") for note in told]
+    return [note[0].upper() + note[1:] + "." for note in told]
+
+
+def _kohm_error(both: Overlay, label: str, counts: np.ndarray, free_offset: bool) -> dict[str, float]:
+    """RMS error of one model's resistance in kΩ; empty where none was measured."""
+    view = both.in_resistance()
+    if RESISTANCE not in view.measured:
+        return {}
+    residual = view.residual(RESISTANCE, label)[counts]
+    return {RESISTANCE: float(np.std(residual) if free_offset else np.sqrt(np.mean(residual**2)))}
+
+
+def _parameters(file: ModelFile, label: str, second: Beside | None) -> Table | None:
+    if second is not None:
+        return side_by_side(second, label, file.model, file.fit)
+    from testbench.report.parameter_table import parameter_table
+
+    return parameter_table(file.fit, file.model)
+
+
+def _errors(view: View, shown: Overlay) -> list[tuple[str, str]]:
+    channels = view.comparison["channels"]
+    pairs = []
+    for channel in shown.measured:
+        source = channels["conductance" if channel == RESISTANCE else channel]
+        for label, rms in reversed(list(view.rms.items())):
+            whose = f" ({label})" if len(view.rms) > 1 else ""
+            pairs.append((f"RMS error of the {channel}{whose}", f"{plain(rms[channel])} {PANEL_UNITS[channel]}"))
+        pairs.append((f"times the noise floor of the {channel}", f"{source['over_noise']:.1f} x"))
+    return pairs
+
+
+def _worst(view: View, seen: ZoomingPlot) -> None:
+    with ui.column().classes("card gap-0"):
+        subheading("Where it fails, the worst first")
+        for number, spot in enumerate(view.spots, 1):
+            with ui.element("button").classes("finding").on("click", partial(seen.look, *spot.span_s)):
+                ui.label(str(number)).classes("rank")
+                ui.label(spot.words).classes("grow words")
+                ui.label(f"{100 * spot.share_of_error:.0f} % of the squared error").classes("tag")
+        quiet = noise_reached(view.comparison["channels"])
+        if quiet:
+            ui.label(f"Nothing but noise is left in the {' and the '.join(quiet)}.").classes("quiet")
+        elif not view.spots:
+            ui.label("No place stands out from the noise.").classes("quiet")

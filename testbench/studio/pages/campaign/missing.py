@@ -1,0 +1,263 @@
+"""Missing effect: ask, see the candidates with their evidence, look at one's prediction, add it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from nicegui import ui
+
+from testbench.fitting.result_files import read_diagnosis
+from testbench.report.figures import diagnosis_figures as figures
+from testbench.report.figures.kohm import contribution_kohm
+from testbench.report.words import (
+    base_in_words,
+    error_left,
+    probability_of,
+    spoken,
+    verdict_in_words,
+    with_probability,
+)
+from testbench.studio import models
+from testbench.studio.memory import stamp
+from testbench.studio.pages.campaign.effect_told import effect_told
+from testbench.studio.parts.address import Address, address, span_of
+from testbench.studio.parts.picture import Span, plot, zooming_plot
+from testbench.studio.parts.widgets import (
+    RESISTANCE,
+    aside,
+    attempt,
+    campaign_head,
+    guarded,
+    later,
+    quantity_toggle,
+    subheading,
+    trouble,
+    working,
+)
+from testbench.studio.studio import Studio
+
+if TYPE_CHECKING:
+    from testbench.api.missing.contributing import ContributionResult
+
+SHOWN = 8
+
+
+@guarded
+async def page(studio: Studio, c: str = "", pick: str = "", show: str = "", start: str = "", end: str = "") -> None:
+    """The diagnosis of campaign `c`; `pick` is the candidate that is looked at, from `start` to `end` in seconds."""
+    campaign_head(c, "/missing", show)
+    if not models.model_path(studio, c).is_file():
+        models.add_fit_form(studio, c)
+        return
+    path = models.diagnosis_path(studio, c)
+    _ask(studio, c, known=path.is_file())
+    if path.is_file():
+        diagnosis = read_diagnosis(str(path))
+        if path.stat().st_mtime < models.model_path(studio, c).stat().st_mtime:
+            trouble("The model has changed since this diagnosis.", "Ask again to see what is missing now.")
+        await _answer(studio, diagnosis, Address("/missing", c=c, pick=pick, show=show, start=start, end=end))
+
+
+def _ask(studio: Studio, c: str, known: bool) -> None:
+    key = f"diagnose:{c}"
+
+    def start() -> None:
+        argv = ["testbench", "diagnose", str(studio.workspace.campaign(c).folder)]
+        argv += ["--model", str(models.model_path(studio, c)), *studio.effects_arguments()]
+        argv += models.held_out_arguments(studio, models.held_out_of(studio, c))
+        argv += ["--json", str(models.diagnosis_path(studio, c)), "-o", str(models.diagnosed_path(studio, c))]
+        command = (f"Looking for what is missing in {c}", argv)
+        models.run_in_turn(studio, key, [command], holder, ui.navigate.reload)
+
+    button = ui.button("Ask again" if known else "Find what is missing", icon="search")
+    button.on_click(lambda: attempt(start)).props("outline" if known else "unelevated")
+    holder = ui.column().classes("w-full")
+    models.join_running(studio, key, holder, ui.navigate.reload)
+
+
+async def _answer(studio: Studio, diagnosis: Mapping[str, Any], where: Address) -> None:
+    c, pick = where.query["c"], where.query["pick"]
+    nothing = diagnosis["verdict"] == "nothing_missing"
+    with ui.column().classes("card gap-2"):
+        ui.label(verdict_in_words(diagnosis)).classes("verdict")
+        base = base_in_words(diagnosis)
+        if base:
+            ui.label(base).classes("quiet")
+        if nothing and diagnosis.get("other_laws"):
+            _better_law(studio, c, list(diagnosis["other_laws"]))
+    ranking = diagnosis["ranking"][:SHOWN]
+    if not nothing:
+        with ui.row():
+            if len(ranking) > 1:
+                _experiment(c, diagnosis)
+            _propose(c, unknown=diagnosis["verdict"] == "unknown")
+    if not ranking:
+        return
+    plot(
+        figures.candidates(diagnosis),
+        "What a refit with each effect takes off the error on samples that no fit has seen, with the 95 % interval "
+        "over blocks of 60 s. In brackets: how probable it is that this effect is what is missing most.",
+    )
+    chosen = next((entry for entry in ranking if entry["law"] == pick), ranking[0])
+    candidates = _Candidates(studio, diagnosis, where)
+    candidates.adopting()
+    candidates.build(ranking, chosen)
+
+
+def _better_law(studio: Studio, c: str, laws: list[str]) -> None:
+    """Nothing is missing, but another law suits the sensor better than the one of the base."""
+    holder = ui.column().classes("w-full")
+    done = partial(ui.navigate.to, address("/ladder", c=c))
+
+    def start() -> None:
+        models.keep_diagnosis(studio, c)
+        commands = [models.add_command(studio, c, law) for law in laws]
+        models.run_in_turn(studio, f"model:{c}", commands, holder, done)
+
+    names = " and ".join(spoken(law) for law in laws)
+    ui.button(f"Use {names}", icon="swap_horiz", on_click=lambda: attempt(start)).props("unelevated")
+
+
+def _experiment(c: str, diagnosis: Mapping[str, Any]) -> None:
+    """The way out of a tie: an experiment that separates the rivals."""
+    tied = len(diagnosis.get("tied") or []) > 1
+    words = "Design the experiment that tells them apart" if tied else "Design an experiment on the first two"
+    button = ui.button(words, icon="science")
+    button.on_click(lambda: ui.navigate.to(address("/experiment", c=c))).props("unelevated" if tied else "flat")
+
+
+def _propose(c: str, unknown: bool) -> None:
+    """The way out where no effect fits: a law of its own."""
+    button = ui.button("Propose a law", icon="auto_awesome")
+    button.on_click(lambda: ui.navigate.to(address("/propose", c=c))).props("unelevated" if unknown else "flat")
+
+
+class _Candidates:
+    """The list at the left, the one that is looked at on the right."""
+
+    def __init__(self, studio: Studio, diagnosis: Mapping[str, Any], where: Address) -> None:
+        self.studio, self.c, self.diagnosis, self.where = studio, where.query["c"], diagnosis, where
+        self.span = span_of(where.query["start"], where.query["end"])
+        self.cards: dict[str, ui.element] = {}
+
+    def adopting(self) -> None:
+        """Where several effects were found: all of them at once, refitted together as the diagnosis has them."""
+        found = [spoken(one["law"]) for one in self.diagnosis["found"]]
+        if len(found) > 1 and self._is_fresh():
+            button = ui.button(f"Add all that was found: {', '.join(found)}", icon="playlist_add")
+            button.on_click(lambda: attempt(self._adopt)).props("unelevated color=accent")
+
+    def _adopt(self) -> None:
+        models.keep_diagnosis(self.studio, self.c)
+        models.adopt_diagnosed(self.studio, self.c)
+        ui.navigate.to(address("/ladder", c=self.c))
+
+    def build(self, ranking: list[Mapping[str, Any]], chosen: Mapping[str, Any]) -> None:
+        """Lay out the list and the detail."""
+        with ui.element("div").classes("split"):
+            with ui.column().classes("gap-2"):
+                subheading("Candidates", "Choose one to see what it would add.")
+                for number, entry in enumerate(ranking, 1):
+                    self._card(number, entry)
+            self.detail = ui.column().classes("gap-3 w-full")
+        later(partial(self._look, chosen))
+
+    def _card(self, number: int, entry: Mapping[str, Any]) -> None:
+        left, probability = error_left(entry), probability_of(self.diagnosis, entry["effect"])
+        card = ui.element("button").classes("candidate").on("click", lambda: self._look(entry))
+        self.cards[entry["law"]] = card
+        with card:
+            with ui.row().classes("items-center justify-between w-full no-wrap"):
+                ui.label(f"{number}. {with_probability(self.diagnosis, entry['effect'])}").style("font-weight:600")
+                if entry["tied_for_first"]:
+                    ui.label("tied").classes("tag bad")
+            ui.label(f"leaves {left} of the held-out error" if left else "not worth a refit").classes("quiet text-sm")
+            if probability is not None:
+                with ui.element("div").classes("meter"):
+                    ui.element("div").style(f"width:{100 * probability:.1f}%")
+
+    async def _look(self, entry: Mapping[str, Any]) -> None:
+        for law, card in self.cards.items():
+            card.classes(add="chosen" if law == entry["law"] else "", remove="" if law == entry["law"] else "chosen")
+        self.where.note(pick=entry["law"])
+        await attempt(lambda: self._show(entry))
+
+    async def _show(self, entry: Mapping[str, Any]) -> None:
+        self.detail.clear()
+        with self.detail, working("Working out what it would add"):
+            shown = await aside(self._predicted, entry)
+        found = shown.contribution
+        if self.where.query["show"] == RESISTANCE and shown.ln_S is not None:
+            found = contribution_kohm(found, shown.ln_S)
+        self.detail.clear()
+        with self.detail:
+            with ui.row().classes("items-center justify-between w-full"):
+                subheading(spoken(entry["law"]), shown.effect.look)
+                if self.diagnosis["verdict"] != "nothing_missing":
+                    add = ui.button(f"Add {spoken(entry['law'])}", icon="add").props("unelevated color=accent")
+                    add.on_click(lambda: attempt(lambda: self._add(entry)))
+            self.holder = ui.column().classes("w-full")
+            if shown.ln_S is not None:
+                quantity_toggle(self.where)
+            caption = (
+                "Held-out samples, without what the base laws could take up: what the model leaves, and what "
+                "this effect would add."
+            )
+            drawn = partial(figures.prediction, found.time_s, found.residual, found.added)
+            zooming_plot(drawn, caption, found.time_s, self.span, self._zoomed)
+            caption = "An effect that is really there predicts its own size: its points lie on the dashed line."
+            plot(figures.slope(found.residual, found.added), caption)
+            effect_told(self.diagnosis, entry, self.studio.catalogue())
+
+    def _zoomed(self, span: Span) -> None:
+        self.span = span  # another candidate is looked at over the same stretch
+        self.where.note_span(span)
+
+    def _predicted(self, entry: Mapping[str, Any]) -> ContributionResult:
+        studio, c = self.studio, self.c
+        files = stamp(models.diagnosis_path(studio, c), models.model_path(studio, c), studio.effects_file)
+        make = partial(predicted, studio, c, self.diagnosis, entry)
+        return studio.memory.recall(("predicted", c, entry["law"], files), make)
+
+    def _add(self, entry: Mapping[str, Any]) -> None:
+        from testbench.api.models.adding import laws_with
+
+        models.keep_diagnosis(self.studio, self.c)
+        done = partial(ui.navigate.to, address("/ladder", c=self.c))
+        found = [one["law"] for one in self.diagnosis["found"]]
+        # What the diagnosis has refitted already need not be fitted again: all that it found, or the shapes alone.
+        if self._is_fresh() and (found == [entry["law"]] or (not found and self._base_misfits())):
+            models.adopt_diagnosed(self.studio, self.c)
+            if found:
+                done()
+                return
+        path = models.model_path(self.studio, self.c)
+        laws = laws_with(self.diagnosis, entry["law"], path, self.studio.catalogue())
+        commands = [models.add_command(self.studio, self.c, law) for law in laws]
+        models.run_in_turn(self.studio, f"model:{self.c}", commands, self.holder, done)
+
+    def _base_misfits(self) -> bool:
+        """Whether the base needs other laws or shapes, whatever else is missing."""
+        return bool(self.diagnosis.get("other_laws") or self.diagnosis.get("base_misfits"))
+
+    def _is_fresh(self) -> bool:
+        """Whether the diagnosis was made of the model as it is now, and its own model is there."""
+        return models.diagnosed_path(self.studio, self.c).is_file() and models.is_fresh(self.studio, self.c)
+
+
+def predicted(studio: Studio, c: str, diagnosis: Mapping[str, Any], entry: Mapping[str, Any]) -> ContributionResult:
+    """What a candidate looks like in data, and what it would add on the held-out samples.
+
+    Raises
+    ------
+    UserError
+        If the diagnosis names an effect that is not in the catalogue any more.
+    """
+    from testbench.api.missing.contributing import contribution
+
+    held = models.held_out_of(studio, c)
+    other = None if held == models.LAST_THIRD else studio.workspace.recording(held)
+    recording = studio.workspace.recording(c)
+    return contribution(diagnosis, entry["law"], recording, other, effects=studio.catalogue())

@@ -1,0 +1,214 @@
+"""Propose a law: what no effect of the catalogue explains is written as an effect of its own, and put to use."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from html import escape
+
+from nicegui import ui
+
+from testbench.comparing.numbers import in_words, plain, with_error
+from testbench.comparing.words import percent
+from testbench.fitting.model_file import about_model
+from testbench.report.formula import formula_svg, lines_of
+from testbench.report.words import PANEL_UNITS, spoken
+from testbench.studio import models, proposed_law
+from testbench.studio.pages.campaign.ladder import report_url
+from testbench.studio.parts.address import address
+from testbench.studio.parts.fields import check, number_field
+from testbench.studio.parts.widgets import (
+    aside,
+    attempt,
+    campaign_head,
+    facts,
+    guarded,
+    subheading,
+    table,
+    trouble,
+    working,
+)
+from testbench.studio.studio import Studio
+
+MOST_ASKED = 4
+SHOWN = 4
+VERDICTS = {
+    "nothing_left": "Nothing is left above the noise, so no law is proposed.",
+    "no_law": "No law is proposed: none of the library explains what is left.",
+    "does_not_hold": "No law is proposed: what was found does not hold on the held-out samples.",
+}
+
+
+@guarded
+async def page(studio: Studio, c: str = "") -> None:
+    """The law that campaign `c` lacks."""
+    campaign_head(c, "/missing")
+    if not models.has_model(studio, c):
+        models.add_fit_form(studio, c)
+        return
+    _ask(studio, c)
+    kept = await aside(proposed_law.kept_proposal, studio, c)
+    if kept is not None:
+        await _answer(studio, c, kept)
+
+
+def _ask(studio: Studio, c: str) -> None:
+    key = f"propose:{c}"
+    with ui.column().classes("card gap-3"):
+        subheading(
+            "Propose a law",
+            "Looks at what the model leaves, and writes the law that explains it: a formula of at most four numbers, "
+            "checked on the held-out samples. It takes about a minute.",
+        )
+        with ui.row().classes("items-start"):
+            name = ui.input("Name of the law", value=proposed_law.free_law_name(studio, c))
+            name.props("outlined dense bottom-slots").style("min-width:220px")
+            most = number_field("Laws at most", 1, whole=True)
+            most.props(f"min=1 max={MOST_ASKED}")
+        button = ui.button("Look for a law", icon="auto_awesome").props("unelevated")
+        holder = ui.column().classes("w-full")
+
+    async def start() -> None:
+        running = studio.jobs.find(key)
+        if running is not None and running.running:
+            return
+        check(most)
+        wanted = min(max(int(most.value), 1), MOST_ASKED)
+        with holder, working("Reading the library of laws"):
+            command = await aside(proposed_law.propose_command, studio, c, (name.value or "").strip(), wanted)
+        models.run_in_turn(studio, key, [command], holder, ui.navigate.reload)
+
+    button.on_click(lambda: attempt(start))
+    models.join_running(studio, key, holder, ui.navigate.reload)
+
+
+async def _answer(studio: Studio, c: str, kept: proposed_law.Kept) -> None:
+    found = kept.found
+    with ui.column().classes("card gap-2"):
+        ui.label(_verdict(found)).classes("verdict")
+        if found.rejected:
+            ui.label(f"Found, but not held: {found.rejected.words}.").classes("quiet")
+        for note in found.not_judged:
+            ui.label(f"Not judged: {note}.").classes("quiet text-sm")
+    facts(_errors(found))
+    if not found.laws:
+        return
+    _adding(studio, c, kept)
+    errors = _standard_errors(kept)
+    for law in found.laws:
+        await _law(law, errors)
+    if kept.picture:
+        _picture(studio, kept)
+    with ui.expansion("The effect file", icon="code").classes("card").style("padding:0"):
+        ui.label(kept.code).classes("formula")
+
+
+def _verdict(found: proposed_law.Proposal) -> str:
+    if found.verdict != "proposed":
+        return VERDICTS[found.verdict]
+    return f"Proposed: {'; then '.join(law.words for law in found.laws)}."
+
+
+def _errors(found: proposed_law.Proposal) -> list[tuple[str, str]]:
+    pairs = []
+    for channel, before in found.error_before.items():
+        after, floor, unit = found.error_after[channel], found.noise_floor[channel], PANEL_UNITS[channel]
+        fall = f"{plain(before)} → {plain(after)} {unit}" if found.laws else f"{plain(before)} {unit}"
+        pairs.append((f"held-out {channel}{', without and with it' if found.laws else ''}", fall))
+        pairs.append((f"noise floor of the {channel}", f"{plain(floor)} {unit}"))
+    return pairs
+
+
+def _adding(studio: Studio, c: str, kept: proposed_law.Kept) -> None:
+    """The button that puts it to use, or why it cannot be."""
+    if not kept.fresh:
+        trouble("The model has changed since this was proposed.", "Look again to see what is missing now.")
+        return
+    names = " and ".join(spoken(law.effect) for law in kept.found.laws)
+
+    def add() -> None:
+        proposed_law.take(studio, c, kept)
+        ui.navigate.to(address("/ladder", c=c))
+
+    with ui.row().classes("items-center"):
+        button = ui.button(f"Add {names}", icon="add", on_click=lambda: attempt(add))
+        button.props("unelevated color=accent")
+        words = (
+            f"Writes the class below into {studio.effects_path.name}, so that every fit and diagnosis knows it. "
+            "The model has been refitted with it already."
+        )
+        ui.label(words).classes("quiet text-sm")
+
+
+def _standard_errors(kept: proposed_law.Kept) -> Mapping[str, float]:
+    """By address, from the model that was saved with the proposal."""
+    path = kept.folder / proposed_law.MODEL
+    fit = about_model(path).get("fit", {}) if path.is_file() else {}
+    return {key: one["standard_error"] for key, one in fit.get("parameters", {}).items()}
+
+
+async def _law(law: proposed_law.FoundLaw, errors: Mapping[str, float]) -> None:
+    subheading(spoken(law.effect), f"{law.words}.")
+    lines = lines_of(law.latex)
+    drawn = [await aside(formula_svg, line) for line in lines]
+    with ui.column().classes("card gap-2"):
+        for line, svg in zip(lines, drawn, strict=True):
+            _formula(line, svg)
+        with ui.expansion("LaTeX").props("dense").classes("w-full"):
+            ui.label(law.latex).classes("formula")
+    rows = [(*_named(law, key), _value(law, key, errors)) for key in law.parameters]
+    table(("Symbol", "What it is", "Value"), rows, _evidence(law))
+    if law.alternatives:
+        others = [(other.words, _against(other, law)) for other in law.alternatives[:SHOWN]]
+        table(("Instead of it", "Evidence"), others)
+
+
+def _formula(line: str, svg: str) -> None:
+    from testbench.proposing.laws.formulas import plain as read_aloud
+
+    words = read_aloud(line)
+    if svg:
+        hidden = svg.replace("<svg", '<svg aria-hidden="true"', 1)  # its parts say nothing; the words say it all
+        ui.html(hidden, sanitize=False).classes("typeset").props(f'role=img aria-label="{escape(words)}"')
+    else:
+        ui.label(words).classes("formula")
+
+
+def _named(law: proposed_law.FoundLaw, key: str) -> tuple[str, str]:
+    """Symbol and meaning of a parameter."""
+    symbol, _, meaning = law.meanings.get(key, "").partition(": ")
+    return symbol or spoken(key), meaning
+
+
+def _value(law: proposed_law.FoundLaw, key: str, errors: Mapping[str, float]) -> str:
+    value, unit = law.parameters[key], law.units.get(key, "")
+    stored = "gain_N" if key == "gain" and unit == "N" else key
+    error = errors.get(f"{law.effect}.{stored}")
+    if error:
+        return with_error(value, error, unit)
+    return in_words(value, unit)
+
+
+def _evidence(law: proposed_law.FoundLaw) -> str:
+    return (
+        f"± is one standard error. Log evidence {law.log_evidence:+.1f} nats over the model without it; it gains in "
+        f"{percent(law.gains_in)} of the resampled recordings and is the best in {percent(law.best_in)}."
+    )
+
+
+def _against(other: proposed_law.Option, law: proposed_law.FoundLaw) -> str:
+    from testbench.proposing.hunt import TIED_NATS
+
+    tied = abs(other.log_evidence - law.log_evidence) < TIED_NATS
+    return f"{other.log_evidence:+.1f} nats, {'cannot be told from it' if tied else 'less likely'}"
+
+
+def _picture(studio: Studio, kept: proposed_law.Kept) -> None:
+    """What the channel lacks over the law's own coordinate, and the residual before and after."""
+    assert kept.picture is not None
+    url = report_url(studio, kept.picture)
+    name = "Left over by the model, over the law's own coordinate, and the held-out residual without and with it"
+    with ui.element("figure").classes("card").style("margin:0"):
+        with ui.link(target=url, new_tab=True).props(f'aria-label="{name}: the picture alone"'):
+            ui.image(url).classes("w-full").props(f'alt="{name}" no-transition no-spinner fit=contain')
+        with ui.element("figcaption").classes("quiet text-sm"):
+            ui.label(f"{name}. A click opens it alone.")

@@ -1,0 +1,85 @@
+"""One recording: facts, every channel over time, loops, distributions."""
+
+from __future__ import annotations
+
+import contextlib
+from functools import partial
+from pathlib import Path
+
+from nicegui import ui
+
+from gcode.support.errors import UserError
+from testbench.recordings.channels import DISPLACEMENT
+from testbench.recordings.channels import RESISTANCE as RESISTANCE_CHANNEL
+from testbench.recordings.manifest import IN_PROGRESS
+from testbench.recordings.recording import Recording
+from testbench.report.figures import recording_figures as figures
+from testbench.studio.models import LAST_THIRD, held_out_of, model_path
+from testbench.studio.pages.campaign.compare import view_of
+from testbench.studio.parts.address import Address, address, span_of
+from testbench.studio.parts.origin import provenance
+from testbench.studio.parts.picture import plot, zooming_plot
+from testbench.studio.parts.unfinished import is_under_way, is_unfinished, under_way_card, unfinished_card
+from testbench.studio.parts.widgets import (
+    RESISTANCE,
+    aside,
+    campaign_head,
+    facts,
+    guarded,
+    later,
+    quantity_toggle,
+    trouble,
+)
+from testbench.studio.studio import Studio
+
+
+@guarded
+async def page(studio: Studio, c: str = "", show: str = "", start: str = "", end: str = "") -> None:
+    """The recording of campaign `c`."""
+    campaign_head(c, "/recording", show)
+    where = Address("/recording", c=c, show=show, start=start, end=end)
+    campaign = studio.workspace.campaign(c)
+    if is_under_way(studio, campaign):
+        under_way_card()
+    elif is_unfinished(campaign):
+        unfinished_card(studio, campaign)
+    problems = [] if campaign.status == IN_PROGRESS else await aside(studio.workspace.problems, c)
+    if problems:
+        remedy = "Restore the file from a copy, or import it as a foreign CSV if you changed it on purpose."
+        trouble("This campaign does not agree with its manifest: " + "; ".join(problems), remedy)
+        return
+    recording = await aside(studio.workspace.recording, c)
+    kohm = show == RESISTANCE
+    facts(figures.summary(recording, kohm))
+    if recording.has(RESISTANCE_CHANNEL):
+        quantity_toggle(where)
+    caption = "Drag to zoom; double-click to see all again. A zoom draws every sample of its stretch."
+    drawn = partial(figures.time_series, recording, resistance=kohm)
+    zooming_plot(drawn, caption, recording.time_s, span_of(start, end), where.note_span)
+    path = studio.workspace.campaign(c).folder / "recording.csv"
+    later(partial(_below, c, recording, path, kohm))
+    later(partial(provenance, studio, c))
+    later(partial(_prepare, studio, c))
+
+
+def _below(c: str, recording: Recording, path: Path, kohm: bool) -> None:
+    loops = figures.hysteresis_loops(recording, kohm)
+    if loops:
+        plot(loops, "Six half minutes, the first dark, the last light: a shift along the colours is drift.")
+    rate = f"; the speed is taken at {figures.speed_rate_hz(recording):.3g} Hz" if recording.has(DISPLACEMENT) else ""
+    plot(figures.distributions(recording, kohm), f"How often each value occurred{rate}.")
+    with ui.row():
+        ui.button(
+            "Download CSV", icon="download", on_click=lambda: ui.download(path, f"{path.parent.name}.csv")
+        ).props("outline")
+        if path.with_name("program.tap").is_file():
+            align = ui.button("Compare with the plan", icon="compare_arrows").props("outline")
+            align.on_click(lambda: ui.navigate.to(address("/align", c=c)))
+
+
+async def _prepare(studio: Studio, c: str) -> None:
+    """Work the comparison out while the recording is looked at: it is what comes next."""
+    if model_path(studio, c).is_file():
+        with contextlib.suppress(UserError):  # the page of the comparison will say it
+            held = held_out_of(studio, c)
+            await aside(view_of, studio, c, c if held == LAST_THIRD else held)

@@ -1,0 +1,118 @@
+"""A data set as Parquet and Croissant: what tools that never heard of us load is what was recorded."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from gcode.support.errors import UserError
+from testbench.api.files.verifying import verify
+from testbench.campaigns.datasets.dataset import make, write_parquet
+from testbench.campaigns.datasets.index import write_entries
+from testbench.campaigns.datasets.splits import SPLITS, split_of
+from testbench.campaigns.datasets.tasks import Task
+from testbench.knit.catalogue import baseline
+from testbench.recordings.files import read_recording
+from testbench.recordings.instruments import Instruments
+from tests.testbench.rig.rigs import program
+
+pytest.importorskip("pyarrow", reason="Parquet needs pyarrow")
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """Three specimens with two campaigns each, as Parquet."""
+    out = tmp_path_factory.mktemp("knits")
+    path, model, tools = program(out), baseline().to_dict(), Instruments()
+    tasks = [
+        Task(out / f"s{specimen}-{seed}", path, f"s{specimen}", model, 25.0, seed, tools, specimen=f"s{specimen}")
+        for specimen in range(3)
+        for seed in range(2)
+    ]
+    for task in tasks:
+        make(task)
+    assert write_parquet(out, tasks, workers=1) == 6
+    return out, tasks
+
+
+def test_a_specimen_is_in_one_split_only_and_each_split_has_one():
+    names = [f"pes@{number}" for number in range(40)]
+    splits = split_of(names * 3)
+    counts = {split: list(splits.values()).count(split) for split in SPLITS}
+    assert counts == {"train": 32, "validation": 4, "test": 4}
+    assert split_of(reversed(names)) == splits
+    assert set(split_of(["a", "b", "c"]).values()) == set(SPLITS)
+    assert split_of(["a", "b"]) == {"a": "train", "b": "train"}
+
+
+def test_pandas_reads_back_every_sample(made):
+    import pandas as pd
+
+    out, tasks = made
+    frame = pd.read_parquet(out / "parquet")
+    assert frame.campaign.nunique() == len(tasks)
+    for task in tasks:
+        recording, mine = read_recording(task.folder), frame[frame.campaign == task.folder.name]
+        assert np.array_equal(mine.time_s, recording.time_s)
+        assert np.array_equal(mine.resistance_ohm, recording["resistance_ohm"])
+        assert set(mine.specimen) == {task.specimen}
+
+
+def test_what_was_changed_or_broken_is_written_anew_and_what_is_stale_goes(made):
+    out, tasks = made
+    files = sorted((out / "parquet").rglob("*.parquet"))
+    before = [file.read_bytes() for file in files]
+    stale = out / "parquet" / "train" / "old.parquet"
+    stale.write_bytes(b"")
+    files[0].write_bytes(b"no Parquet")
+    middle = len(before[1]) // 2
+    files[1].write_bytes(before[1][:middle] + bytes([before[1][middle] ^ 1]) + before[1][middle + 1 :])
+    write_parquet(out, tasks, workers=1)
+    assert not stale.exists()
+    assert [file.read_bytes() for file in files] == before
+
+
+def test_nothing_is_written_or_removed_through_a_link(made, tmp_path):
+    out, tasks = made
+    (tmp_path / "train").mkdir()
+    (tmp_path / "train" / "theirs.parquet").write_bytes(b"theirs")
+    place = out / "parquet"
+    place.rename(out / "kept")
+    try:
+        place.symlink_to(tmp_path)
+        with pytest.raises(UserError, match="is a link"):
+            write_parquet(out, tasks, workers=1)
+    finally:
+        place.unlink()
+        (out / "kept").rename(place)
+    assert [path.read_bytes() for path in (tmp_path / "train").iterdir()] == [b"theirs"]
+
+
+def test_verify_says_that_parquet_files_are_not_verified(made, caplog):
+    write_entries(made[0], [])
+    assert verify(made[0]).intact
+    assert "parquet: not verified, these files carry no checksum" in caplog.text
+
+
+@pytest.mark.filterwarnings("ignore")  # of the libraries that mlcroissant uses
+def test_croissant_is_valid_and_loads_the_samples_of_a_split(made):
+    mlcroissant = pytest.importorskip("mlcroissant", reason="Croissant is validated by mlcroissant")
+    out, tasks = made
+    data = mlcroissant.Dataset(jsonld=str(out / "croissant.json"))
+    assert not data.metadata.ctx.issues.errors
+    records = list(data.records(record_set="test"))
+    split = split_of(task.specimen for task in tasks)
+    folders = sorted(task.folder for task in tasks if split[task.specimen] == "test")
+    forces = np.concatenate([read_recording(folder)["force_N"] for folder in folders])
+    assert sorted(record["test/force_N"] for record in records) == pytest.approx(sorted(forces))
+    assert {record["test/campaign"].decode() for record in records} == {folder.name for folder in folders}
+
+
+def test_croissant_says_the_units(made):
+    out, _ = made
+    fields = json.loads((out / "croissant.json").read_text())["recordSet"][0]["field"]
+    told = {field["name"]: field["description"] for field in fields}
+    assert told["displacement_mm"] == "displacement_mm, in mm"
+    assert told["resistance_ohm"] == "resistance_ohm, in ohm"

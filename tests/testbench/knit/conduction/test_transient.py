@@ -1,0 +1,70 @@
+"""Transients after a ramp and after a turn, against closed-form answers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from testbench.knit.conduction.transient import (
+    ElectricalOvershoot,
+    ElectricalOvershootMagnitude,
+    RateResistance,
+    ShoulderPeak,
+    on_the_way_back,
+)
+from testbench.knit.conduction.turning import ElectricalOvershootAnew, ElectricalOvershootReversal
+from tests.testbench.knit.samples import T, log_change
+
+
+@pytest.mark.parametrize(("tau_s", "rise_s"), [(4.0, 0.5), (0.5, 4.0), (2.0, 2.0), (2.0, 2.0 + 1e-9)])
+def test_a_transient_starts_anew_at_each_turn(tau_s: float, rise_s: float) -> None:
+    triangle = 0.2 * np.interp(T, [0, 10, 20, 30, 100], [0, 1, 0, 1, 2])
+    change = log_change(ElectricalOvershootAnew(gain=0.1, tau_s=tau_s, rise_s=rise_s, back=0.01), triangle)
+    for turned_s, at_s, heading in ((10.0, 13.0, -1), (20.0, 26.0, 1)):
+        since_s = at_s - turned_s
+        if abs(tau_s - rise_s) > 1e-6:
+            spike = tau_s / (tau_s - rise_s) * (np.exp(-since_s / tau_s) - np.exp(-since_s / rise_s))
+        else:
+            spike = since_s / tau_s * np.exp(-since_s / tau_s)
+        assert change[np.searchsorted(T, at_s)] == pytest.approx(0.1 * heading * spike, rel=1e-6)
+
+
+def test_overshoot_after_a_ramp_decays_with_its_time_constant() -> None:
+    change = log_change(ElectricalOvershoot(gain=2.0, tau_s=4.0))
+    peak = 2.0 * 0.02 * 4.0 * -np.expm1(-10 / 4.0)  # gain * rate * tau * (1 - e^-T/tau)
+    at = np.searchsorted(T, [10.0, 14.0])
+    np.testing.assert_allclose(change[at], [peak, peak / np.e], rtol=1e-6)
+
+
+def test_overshoot_of_the_magnitude_has_the_same_sign_both_ways() -> None:
+    change = log_change(ElectricalOvershootMagnitude(gain=1.0, tau_s=2.0))
+    up, down = change[np.searchsorted(T, [10.0, 50.0])]
+    assert up == pytest.approx(down, rel=1e-3)
+    assert up == pytest.approx(0.02 * 2.0, rel=0.02)
+
+
+def test_reversal_transient_does_not_know_the_speed() -> None:
+    fast = log_change(ElectricalOvershootReversal(gain=0.1), 0.05 * np.abs((T + 10) % 20 - 10))
+    slow = log_change(ElectricalOvershootReversal(gain=0.1), 0.01 * np.abs((T + 10) % 20 - 10))
+    np.testing.assert_allclose(np.ptp(fast), np.ptp(slow), rtol=0.1)
+
+
+def test_shoulder_is_on_the_way_back_only() -> None:
+    change = log_change(ShoulderPeak(gain=-1.0, tau_s=5.0))
+    assert np.all(np.abs(change[T < 40]) < 1e-12)
+    assert change[np.searchsorted(T, 50.0)] == pytest.approx(-0.02 * 5.0 * -np.expm1(-10 / 5.0), rel=1e-3)
+
+
+def test_a_late_way_back_begins_after_its_share_of_the_turn() -> None:
+    back = np.linspace(1.0, 0.0, 2001)
+    strain = np.concatenate([np.linspace(0.0, 1.0, 2001), back])
+    at_once, late = (on_the_way_back(strain, 0.1, share) for share in (0.0, 0.5))
+    turned = 1 - 2 * np.exp((back - 1) / 0.1)  # z of Dahl's law, from -1 (out) to 1 (back)
+    np.testing.assert_allclose(at_once[2001:], 0.5 * (1 + turned), atol=1e-3)
+    np.testing.assert_allclose(late[2001:], np.maximum(turned, 0.0), atol=1e-3)
+
+
+def test_rate_shift_is_gone_when_the_motion_stops() -> None:
+    change = log_change(RateResistance(gain=0.5))
+    assert change[np.searchsorted(T, 9.0)] == pytest.approx(0.5 * 0.02 / 0.1, rel=1e-4)
+    assert abs(change[np.searchsorted(T, 12.0)]) < 1e-6

@@ -1,0 +1,61 @@
+"""Softening and jamming against closed-form answers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from testbench.knit.kernels import travelled
+from testbench.knit.mechanics.damage import (
+    CyclicFatigue,
+    MullinsSoftening,
+    MullinsSofteningDamage,
+    MullinsSofteningPower,
+)
+from testbench.knit.mechanics.jamming import JammingStiffening
+from tests.testbench.knit.samples import UP, UP_DOWN_UP
+
+
+def factor(effect: MullinsSoftening | MullinsSofteningDamage | CyclicFatigue, strain: np.ndarray) -> np.ndarray:
+    return effect.apply({"strain": strain, "force_N": np.ones_like(strain)}, 0.05)["force_N"]
+
+
+def test_virgin_curve_is_not_softened_and_the_second_stretch_is() -> None:
+    soft = factor(MullinsSoftening(softening=0.3), UP_DOWN_UP)
+    np.testing.assert_array_equal(soft[:301], 1.0)
+    assert np.all(soft[301:900] < 1.0)
+    assert soft[-1] == pytest.approx(1.0)
+
+
+def test_powers_soften_below_the_largest_stretch_only() -> None:
+    soft = factor(MullinsSofteningPower(softening=0.4, growth=1, power=2, span=0.3), UP_DOWN_UP)
+    np.testing.assert_allclose(soft[:301], 1.0, atol=1e-5)
+    np.testing.assert_allclose(soft[300:601], 1 - 0.4 * (1 - (UP[::-1] / 0.3) ** 2))
+    assert soft[-1] == pytest.approx(1.0)
+
+
+def test_damage_is_that_of_the_largest_stretch() -> None:
+    damaged = factor(MullinsSofteningDamage(softening=0.5, scale=0.3), UP_DOWN_UP)
+    np.testing.assert_allclose(damaged[300:], 1 - 0.5 * (1 - np.exp(-1)))
+
+
+def test_fatigue_counts_the_path_and_not_the_noise() -> None:
+    path = travelled(UP_DOWN_UP, 0.002)
+    assert path[-1] == pytest.approx(0.9, abs=0.01)
+    noise = np.random.default_rng(0).uniform(-0.0015, 0.0015, 10_000)
+    assert travelled(0.1 + noise, 0.002)[-1] < 0.002
+    tired = factor(CyclicFatigue(loss=0.4, scale=0.45), UP_DOWN_UP)
+    assert tired[-1] == pytest.approx(1 - 0.4 * (1 - np.exp(-2)), rel=0.01)
+
+
+def test_jamming_adds_its_stiffness_beyond_the_onset() -> None:
+    force = JammingStiffening(stiffness_N=50, onset=0.1, width=0.02).apply({"strain": UP, "force_N": 0 * UP}, 0.05)
+    force_N = force["force_N"]
+    assert force_N[99] == 0.0
+    assert (force_N[250] - force_N[200]) / 0.05 == pytest.approx(50.0)
+
+
+def test_onsets_start_a_fit_inside_the_strain_that_was_reached() -> None:
+    onsets = [point["onset"] for point in JammingStiffening().starts({"strain": UP_DOWN_UP}, {})]
+    assert min(onsets) == pytest.approx(0.105)
+    assert max(onsets) < np.max(UP_DOWN_UP)

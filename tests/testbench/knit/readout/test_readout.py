@@ -1,0 +1,78 @@
+"""What instruments add to a reading, against closed-form answers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from testbench.knit.readout.adc_saturation import AdcSaturation, AdcSaturationForce, AdcSaturationHigh
+from testbench.knit.readout.channel_lag import ChannelLag, ChannelLagDelay
+from testbench.knit.readout.interference import PeriodicInterference, PeriodicInterferenceWave
+from testbench.knit.readout.load_cell import LoadCellCreep, LoadCellCreepTwoTimes, LoadCellZeroDrift
+from tests.testbench.knit.samples import DT_S, T
+
+
+def test_lag_and_delay_shift_a_ramp_by_their_times() -> None:
+    for effect in (ChannelLag(tau_s=1.5), ChannelLagDelay(delay_s=1.5)):
+        read = effect.apply({"conductance_S": T}, DT_S)["conductance_S"]
+        np.testing.assert_allclose(read[400:], T[400:] - 1.5, atol=1e-5)
+
+
+def test_converters_clip_at_their_ends() -> None:
+    values = np.array([1.0, 2.0, 3.0])
+    top = AdcSaturation(floor_ohm=0.5).apply({"conductance_S": values}, 1.0)["conductance_S"]
+    bottom = AdcSaturationHigh(floor_S=2.5).apply({"conductance_S": values}, 1.0)["conductance_S"]
+    force = AdcSaturationForce(inverse_range_per_N=0.5).apply({"force_N": values}, 1.0)["force_N"]
+    np.testing.assert_allclose([top, bottom, force], [[1, 2, 2], [2.5, 2.5, 3], [1, 2, 2]])
+
+
+def test_clipping_starts_a_fit_near_the_ends_of_the_data() -> None:
+    measured = {"conductance_S": np.linspace(1, 2, 101), "force_N": np.linspace(0, 4, 101)}
+    tops_S = [1 / point["floor_ohm"] for point in AdcSaturation().starts(measured, {})]
+    bottoms_S = [point["floor_S"] for point in AdcSaturationHigh().starts(measured, {})]
+    tops_N = [1 / point["inverse_range_per_N"] for point in AdcSaturationForce().starts(measured, {})]
+    assert tops_S[1:] == pytest.approx([1.97, 1.99], rel=1e-3)
+    assert bottoms_S[1:] == pytest.approx([1.03, 1.01], rel=1e-3)
+    assert tops_N[1:] == pytest.approx([3.88, 3.96], rel=1e-3)
+
+
+def test_clipping_starts_a_fit_where_the_readings_pile_up() -> None:
+    measured = {"force_N": np.minimum(np.linspace(0, 4, 101), 3.3)}
+    assert 1 / AdcSaturationForce().starts(measured, {})[0]["inverse_range_per_N"] == pytest.approx(3.3)
+
+
+def test_creeping_reading_ends_at_its_fraction_and_zero_drift_at_its_shift() -> None:
+    t = np.arange(0, 1000, 0.5)
+    crept = LoadCellCreep(fraction=0.05, tau_s=20).apply({"force_N": np.minimum(t, 2.0)}, 0.5)["force_N"]
+    assert crept[-1] == pytest.approx(2.1)
+    drifted = LoadCellZeroDrift(drift_N=0.3, tau_s=20).apply({"force_N": np.zeros_like(t), "time_s": t}, 0.5)
+    assert drifted["force_N"][-1] == pytest.approx(0.3)
+
+
+def test_a_reading_that_creeps_twice_is_the_sum_of_its_steps() -> None:
+    force_N = np.minimum(np.arange(0, 1000, 0.5), 2.0)
+    both = LoadCellCreepTwoTimes(fraction=0.1, fast_s=10, slow_s=200, share=0.3).apply({"force_N": force_N}, 0.5)
+    steps = [LoadCellCreep(fraction=0.03, tau_s=10), LoadCellCreep(fraction=0.07, tau_s=200)]
+    added = [step.apply({"force_N": force_N}, 0.5)["force_N"] - force_N for step in steps]
+    np.testing.assert_allclose(both["force_N"] - force_N, sum(added), atol=1e-12)
+
+
+def test_a_wave_of_any_form_holds_a_rectangle() -> None:
+    """Its Fourier series: sin(pi k duty) cos(k a) over k, symmetric about the middle of the pulse."""
+    duty, k = 0.3, np.arange(1, 7)
+    series = 0.2 / k * np.sin(np.pi * k * duty)
+    # a' = a + pi/2: cos(k a) = cos(k a' - k pi/2) = cos(k pi/2) cos(k a') + sin(k pi/2) sin(k a')
+    pairs = np.column_stack([np.sin(k * np.pi / 2), np.cos(k * np.pi / 2)]) * series[:, None] / series[0]
+    effect = PeriodicInterferenceWave(
+        amplitude=float(series[0]), frequency_Hz=0.5, phase_rad=np.pi / 2, harmonics=tuple(pairs[1:].ravel())
+    )
+    written = effect.apply({"time_s": T, "conductance_S": np.ones_like(T)}, T[1])["conductance_S"]
+    expected = sum(one * np.cos(n * np.pi * T) for n, one in zip(k, series, strict=True))
+    np.testing.assert_allclose(np.log(written), expected, atol=1e-12)
+
+
+def test_the_line_in_the_spectrum_is_found() -> None:
+    rng = np.random.default_rng(0)
+    signal = np.cumsum(rng.normal(0, 0.02, len(T))) + 0.1 * np.sin(2 * np.pi * 3.3 * T)
+    started = PeriodicInterference().started({"time_s": T}, {"conductance": signal})
+    assert started.model_dump()["frequency_Hz"] == pytest.approx(3.3, abs=0.02)
