@@ -32,6 +32,13 @@ class VerifiedCampaign:
         Whether it was also made again, to compare every byte.
     other_software : tuple of str
         Versions that differ from those it was made with, where it was made again.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from testbench import VerifiedCampaign
+    >>> print(VerifiedCampaign(Path("campaigns/one"), remade=True))
+    campaigns/one: intact, made again byte for byte
     """
 
     folder: Path
