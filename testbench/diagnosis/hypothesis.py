@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -15,6 +16,8 @@ from testbench.fitting.baseline import SHAPES, without_shapes
 from testbench.fitting.downhill import huber
 from testbench.fitting.noise_level import trimmed_rms
 from testbench.fitting.parameters import HELD, values_of
+from testbench.fitting.sensitivity import sensitivities
+from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
 
@@ -116,6 +119,47 @@ def under(h: Hypothesis, likelihood: Likelihood) -> Hypothesis:
     evidence = maximised(known, scale=h.evidence.scale, iterations=15)
     tails = sum(tail(rows[0] / evidence.sigma[c], h.robust[c], likelihood.share) for c, rows in h.columns.items())
     return replace(h, normal=normal, evidence=evidence, tails=tails)
+
+
+def own_part(h: Hypothesis, name: str, likelihood: Likelihood) -> dict[str, float]:
+    """Standard deviation of what an effect of a model changes, as far as the rest of the model could not do it.
+
+    The parameters of the base laws are asked for all that they can, the shapes for what is believed of them here:
+    those that are switched off do nothing. Over the relative noise of the samples that count, per channel, in N and
+    ln S.
+    """
+    measurement, bare = likelihood.measurement, h.model.without(name)
+    held = itertools.compress(h.priors.parameters, h.held)
+    base = [p for p in held if p.address.partition(".")[0] in bare]
+    without, columns = sensitivities(bare, base, measurement, SimulationCache())
+    weights = np.flatnonzero([p.address.partition(".")[0] in SHAPES for p in h.priors.parameters])
+    believed = np.sqrt(h.priors.scaled(h.evidence.scale)[weights])
+    found = {}
+    for channel, here in measurement.modelled(h.model).items():
+        change = likelihood.picked(here - without[channel], channel)
+        laws = likelihood.picked(columns[channel], channel)
+        shapes = h.columns[channel][weights + 1]
+        noise = h.evidence.sigma[channel] / np.sqrt(likelihood.share)
+        found[channel] = trimmed_rms(change - imitated(change, laws, shapes, noise * believed))
+    return found
+
+
+def imitated(change: FloatArray, laws: FloatArray, shapes: FloatArray, believed: FloatArray) -> FloatArray:
+    """A change as far as it can be followed, shape (k,): by any step of `laws`, by likely weights of `shapes`.
+
+    Parameters
+    ----------
+    laws, shapes : ndarray, shape (p, k) and (q, k)
+        Sensitivities.
+    believed : ndarray, shape (q,)
+        Noise of a sample over the standard deviation that is believed of a weight.
+    """
+    rows = np.vstack((laws, shapes))
+    ridge = np.vstack((np.zeros((len(laws), len(shapes))), np.diag(believed)))
+    size = np.maximum(np.sqrt(np.mean(rows**2, axis=1)), 1e-300)[:, None]
+    design = np.hstack((rows, ridge)) / size
+    target = np.concatenate((change, np.zeros(len(shapes))))
+    return design[:, : len(change)].T @ np.linalg.lstsq(design.T, target, rcond=1e-6)[0]
 
 
 def changed(without: Hypothesis, with_it: Hypothesis) -> dict[str, float]:

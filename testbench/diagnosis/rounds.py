@@ -33,7 +33,7 @@ class Entry:
     log_z : float
         Log evidence as models are compared: of the model as it is, or beside a free-form map of what it leaves.
     own_part : mapping of channel to float
-        What the law changes that the base's laws could not; see `own_part.py`.
+        What the law changes that the base's laws could not; see `hypothesis.own_part`.
     log_prior_bend : float
         Log probability that a law of the base is unlike the sensor's in just this way, so that nothing is missing.
     """

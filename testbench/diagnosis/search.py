@@ -15,7 +15,7 @@ from threadpoolctl import threadpool_limits
 from testbench.comparing.ladder import drawn_to_data
 from testbench.diagnosis import constants
 from testbench.diagnosis.discrepancy_map import log_z_with_map
-from testbench.diagnosis.hypothesis import Hypothesis, under
+from testbench.diagnosis.hypothesis import Hypothesis, own_part, under
 from testbench.diagnosis.laplace import fitted
 from testbench.diagnosis.likelihood import (
     Likelihood,
@@ -26,7 +26,6 @@ from testbench.diagnosis.likelihood import (
     on_the_grid,
     telling,
 )
-from testbench.diagnosis.own_part import own_part
 from testbench.diagnosis.proposals import Proposal, Screen, laws_of
 from testbench.diagnosis.rounds import Entry, Round, best_set, explained
 from testbench.diagnosis.side_by_side import SideBySide
@@ -233,23 +232,23 @@ class Search:
             before.append(base)
             likelihood = replace(likelihood, explained=explained(current, entries[0].hypothesis))
         bare = max((self.judged(Entry("", "", "", h, h.log_z), likelihood) for h in before), key=lambda e: e.log_z)
-        entries = self.all_judged(entries, bare.hypothesis, likelihood)
+        entries = self.all_judged(entries, likelihood)
         return Round(bare, tuple(entries), tuple(proposals), counted, likelihood)
 
-    def all_judged(self, entries: Sequence[Entry], bare: Hypothesis, likelihood: Likelihood) -> list[Entry]:
+    def all_judged(self, entries: Sequence[Entry], likelihood: Likelihood) -> list[Entry]:
         """The best first, which is carried to its end: a map may stand in for what a fit has not reached yet."""
-        found = _best_first(self.judged(e, likelihood, bare) for e in entries)
+        found = _best_first(self.judged(e, likelihood) for e in entries)
         while found and not found[0].is_settled:
-            found = _best_first([self.judged(self.settled(found[0]), likelihood, bare), *found[1:]])
+            found = _best_first([self.judged(self.settled(found[0]), likelihood), *found[1:]])
         return found
 
-    def judged(self, e: Entry, likelihood: Likelihood, bare: Hypothesis | None = None) -> Entry:
+    def judged(self, e: Entry, likelihood: Likelihood) -> Entry:
         """An entry as the hypotheses of a round are weighed: beside a map of what it leaves, or without."""
         h = under(e.hypothesis, likelihood)
         judged = replace(e, hypothesis=h, log_z=log_z_with_map(h, likelihood))
-        if bare is None:
+        if not e.name:
             return judged
-        own = own_part(h, e.name, likelihood, bare)
+        own = own_part(h, e.name, likelihood)
         return replace(judged, own_part=own, log_prior_bend=self.log_prior_bend(h.model[e.name], own))
 
     def log_prior_bend(self, effect: Effect, own: Mapping[str, float]) -> float:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from testbench.diagnosis.hypothesis import imitated, own_part
 from testbench.diagnosis.laplace import fitted
 from testbench.diagnosis.likelihood import likelihood_of, noise_of
-from testbench.diagnosis.own_part import own_part
 from testbench.fitting.measurement import prepare
 from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
@@ -37,13 +37,11 @@ def test_what_the_base_could_do_is_not():
     assert own(truth(), effect)["conductance"] < 0.5 * changed
 
 
-def test_what_another_law_of_the_base_could_do_is_not():
-    """The same drift as an effect, and as a law of a base that has one."""
-    drift = CATALOGUE["drift_exponential"](amount=0.2, tau_s=100.0)
-    bare = KnitModel({k: e for k, e in truth().effects.items() if k != "drift"})
-    model = bare.plus(drift)
-    measurement = prepare(record(model, 300, 12.5, seed=1))
-    likelihood = likelihood_of(bare, measurement, noise_of(measurement))
-    as_effect, as_base = (fitted(model, likelihood, reference, iterations=2) for reference in (bare, model))
-    alone = own_part(as_effect, drift.name, likelihood)["conductance"]
-    assert own_part(as_effect, drift.name, likelihood, as_base)["conductance"] < 0.1 * alone
+def test_shapes_follow_a_change_as_far_as_their_weights_are_believed():
+    """One wave, one weight: of a change of 3 the fit that believes in 1 / 10 takes n / (n + 100)."""
+    wave = np.sin(np.linspace(0, 20, 400))
+    square, none = float(wave @ wave), np.zeros((0, 400))
+    followed = imitated(3 * wave, none, wave[None], np.array([10.0]))
+    np.testing.assert_allclose(followed, 3 * wave * square / (square + 100), rtol=1e-9)
+    np.testing.assert_allclose(imitated(3 * wave, none, wave[None], np.array([1e6])), 0.0, atol=1e-6)
+    np.testing.assert_allclose(imitated(3 * wave, wave[None], wave[None], np.array([10.0])), 3 * wave, rtol=1e-9)
