@@ -339,7 +339,7 @@ def _ladder(
 
 def _as_fit(h: Hypothesis) -> Fit:
     model = h.model_in_use
-    kept = [i for i, p in enumerate(h.priors.parameters) if p.address.partition(".")[0] in model]
+    kept = [i for i, p in enumerate(h.priors.parameters) if p.place[0] in model]
     parameters = tuple(h.priors.parameters[i] for i in kept)
     vector = h.vector[kept]
     return Fit(model, parameters, vector, h.evidence.covariance[np.ix_(kept, kept)], dict(h.evidence.sigma), 0)

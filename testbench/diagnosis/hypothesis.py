@@ -129,10 +129,9 @@ def own_part(h: Hypothesis, name: str, likelihood: Likelihood) -> dict[str, floa
     ln S.
     """
     measurement, bare = likelihood.measurement, h.model.without(name)
-    held = itertools.compress(h.priors.parameters, h.held)
-    base = [p for p in held if p.address.partition(".")[0] in bare]
+    base = [p for p in itertools.compress(h.priors.parameters, h.held) if p.place[0] in bare]
     without, columns = sensitivities(bare, base, measurement, SimulationCache())
-    weights = np.flatnonzero([p.address.partition(".")[0] in SHAPES for p in h.priors.parameters])
+    weights = np.flatnonzero([p.place[0] in SHAPES for p in h.priors.parameters])
     believed = np.sqrt(h.priors.scaled(h.evidence.scale)[weights])
     found = {}
     for channel, here in measurement.modelled(h.model).items():

@@ -122,9 +122,7 @@ class _PosteriorFit:
         if not fresh:
             self.linearise(self.all)
         at_bound, own = self.held, self.priors.group < 0
-        self.held = at_bound | (
-            own & np.array([p.address.partition(".")[0] in self.base for p in self.priors.parameters])
-        )
+        self.held = at_bound | (own & np.array([p.place[0] in self.base for p in self.priors.parameters]))
         for last in range(FINAL_WEIGHTS):  # until the weights of outliers and the noise agree
             normal, robust = self.normal()
             starts = (self.scale,) if last else (self.scale, opened(self.scale))

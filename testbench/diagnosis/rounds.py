@@ -107,8 +107,8 @@ class Round:
         fall, sigma = explained(self.before.hypothesis, entry.hypothesis), entry.hypothesis.evidence.sigma
         by_law = {c: max(some, entry.own_part.get(c, 0.0)) for c, some in fall.items()}
         least = self.likelihood.least_misfit
-        changed = [c for c, some in by_law.items() if some > least[c] or everywhere] or list(sigma)
-        return self.likelihood.noise_log_prior({c: sigma[c] for c in changed}, by_law)
+        asked = [c for c, some in by_law.items() if some > least[c] or everywhere] or list(sigma)
+        return self.likelihood.noise_log_prior({c: sigma[c] for c in asked}, by_law)
 
     def added(self, entry: Entry) -> float:
         """Log evidence that an entry adds to the model so far, whatever it leaves."""
@@ -121,8 +121,8 @@ class Round:
         where the base has bent to do the same.
         """
         left, before = (excess(e.hypothesis, self.likelihood) for e in (put_in[-1], self.before))
-        changed = sum(squared(e.own_part, self.likelihood) for e in put_in)
-        return float(np.sqrt(max(left - 1.0, 0.0) / max(before, changed, 1.0)))
+        by_laws = sum(squared(e.own_part, self.likelihood) for e in put_in)
+        return float(np.sqrt(max(left - 1.0, 0.0) / max(before, by_laws, 1.0)))
 
     def is_enough(self, entry: Entry) -> bool:
         """Whether an entry leaves no more than a law is expected to leave."""

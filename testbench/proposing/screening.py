@@ -82,7 +82,7 @@ class Projector:
         """
         self.chain, measurement = chain, likelihood.measurement
         self.channels = list(hypothesis.columns)
-        present = np.array([p.address.partition(".")[0] in chain.model for p in hypothesis.priors.parameters])
+        present = np.array([p.place[0] in chain.model for p in hypothesis.priors.parameters])
         left = measurement.residual(chain.model)
         every = max(1, len(likelihood.rows) // MOST_ROWS)
         self.rows = likelihood.rows[::every]
