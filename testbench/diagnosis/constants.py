@@ -20,7 +20,7 @@ MISLED = 0.1  # of sensors that nobody here simulated: evidence that seemed sure
 
 # What is spent
 GRID_HZ = 12.5  # grid of the comparison: quicker than the motion, slower than most samplings
-GRID_POINTS = 30_000  # at most on that grid: coarser for recordings of more than 40 min, whose turns it keeps
+GRID_POINTS = 15_000  # at most on that grid: coarser for recordings of more than 20 min, whose turns it keeps
 FINER = 4  # times as many for the last fits of the models that were chosen
 SAMPLES = 2_400  # samples of one channel that enter the normal equations; longer recordings are thinned
 BASES = 2  # sets of base laws whose shapes are fitted

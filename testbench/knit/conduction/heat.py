@@ -10,6 +10,10 @@ from testbench.knit.additive import ConductanceLaw
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 from testbench.knit.filters import lowpass
 
+WANDER_STEPS = 21
+ROOM_S = 60.0  # in which the air of a room, and a yarn in it, can follow a door or a heater
+HEATING_S = (3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
+
 
 def _coefficient(power: str) -> float:
     return parameter(
@@ -17,9 +21,17 @@ def _coefficient(power: str) -> float:
     )
 
 
-WANDER_BUMPS = 22
-ROOM_S = 60.0  # in which the air of a room, and a yarn in it, can follow a door or a heater
-HEATING_S = (3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
+def _lag() -> float:
+    return parameter(1.0, unit="s", low=0.1, high=3000, scale="log", doc="lag behind the thermometer")
+
+
+def _period() -> float:
+    doc = "period of the swing where nothing was measured"
+    return parameter(1500.0, unit="s", low=300, high=2e5, scale="log", doc=doc)
+
+
+def _phase() -> float:
+    return parameter(0.0, unit="rad", low=-6.3, high=6.3, doc="phase of the swing at the start")
 
 
 class SelfHeatingLaw(ConductanceLaw):
@@ -179,20 +191,12 @@ class TemperatureDrift(RoomLaw):
     look = "conductance wanders slowly, with the room and not with the motion"
 
     coefficient_per_K: float = parameter(0.01, unit="1/K", low=-0.3, high=0.3, doc="change of ln G per kelvin")
-    lag_s: float = parameter(1.0, unit="s", low=0.1, high=3000, scale="log", doc="lag behind the thermometer")
-    period_s: float = parameter(
-        1500.0, unit="s", low=300, high=2e5, scale="log", doc="period of the swing where nothing was measured"
-    )
-    phase_rad: float = parameter(0.0, unit="rad", low=-6.3, high=6.3, doc="phase of the swing at the start")
+    lag_s: float = _lag()
+    period_s: float = _period()
+    phase_rad: float = _phase()
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        measured = signals.get("temperature_C")
-        if measured is not None:
-            kelvin = lowpass(measured, self.lag_s, dt_s) - measured[0]
-        else:
-            angle = 2 * np.pi * signals["time_s"] / self.period_s + self.phase_rad
-            kelvin = np.sin(angle) - np.sin(self.phase_rad)
-        return self.coefficient_per_K * kelvin
+        return self.coefficient_per_K * _room_K(signals, self.lag_s, self.period_s, self.phase_rad, dt_s)
 
 
 class TemperatureDriftTrend(RoomLaw):
@@ -218,9 +222,10 @@ class TemperatureDriftTrend(RoomLaw):
 class TemperatureDriftWander(RoomLaw):
     """An unmeasured room whose temperature wanders slowly, in its own way in each recording.
 
-    ln G += sum_j w_j B_j(t / duration)
+    ln G += sum_j (w_1 + ... + w_j) B_j(t / duration)
 
-    The bumps are as far apart as the recording allows, but never closer than a minute: air and yarn warm no faster.
+    A random walk: the room goes on from where it is, by steps of one size. They are as far apart as the recording
+    allows, but never closer than a minute: air and yarn warm no faster.
 
     Source: as `temperature_drift`; penalised splines, Eilers & Marx, Statist. Sci. 11 (1996) 89.
     Valid: wandering over minutes. It can imitate any slow drift: measure the temperature.
@@ -232,7 +237,7 @@ class TemperatureDriftWander(RoomLaw):
     look = "conductance wanders slowly, differently in every recording, whatever the motion"
 
     weights: tuple[float, ...] = parameter(
-        (0.0,) * WANDER_BUMPS, unit="1", low=-5, high=5, typical=0.02, doc="height of each bump over time"
+        (0.0,) * WANDER_STEPS, unit="1", low=-5, high=5, typical=0.01, doc="change of ln G in each step of time"
     )
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
@@ -240,36 +245,38 @@ class TemperatureDriftWander(RoomLaw):
 
 
 class ThermalSoftening(Effect):
-    """Warm yarn is softer: the force follows the measured temperature.
+    """Warm yarn is softer: the force follows the temperature of the room.
 
-    F *= max(1 - softening * (T - T(0)), 0)
+    F *= max(1 - softening * (T - T(0)), 0)        T: measured `temperature_C`, followed with the lag `lag_s`
+    F *= max(1 - softening * swing(t), 0)          without: swing = 1 K * sin(2 pi t / period + phase)
 
-    Source: Ferry, Viscoelastic Properties of Polymers (1980), ch. 11; linearised.
-    Valid: a few kelvin, with a measured temperature (without one this effect does nothing).
+    Source: Ferry, Viscoelastic Properties of Polymers (1980), ch. 11; linearised. The sine as in `temperature_drift`.
+    Valid: a few kelvin. Without a channel it can imitate any slow change of stiffness: measure the temperature.
     """
 
     name = "thermal_softening"
     mechanism = "temperature_drift"
     stage = Stage.MECHANICS
-    reads, writes = ("force_N",), ("force_N",)
+    reads, writes = ("time_s", "force_N"), ("force_N",)
     optional_reads = ("temperature_C",)
     strength = "softening_per_K"
+    per_recording = ("phase_rad",)
     look = "force sinks when the room warms"
 
-    softening_per_K: float = parameter(0.005, unit="1/K", low=-0.1, high=0.1, doc="relative loss of force per kelvin")
+    softening_per_K: float = parameter(0.005, unit="1/K", low=-0.3, high=0.3, doc="relative loss of force per kelvin")
+    lag_s: float = _lag()
+    period_s: float = _period()
+    phase_rad: float = _phase()
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        measured = signals.get("temperature_C")
-        if measured is None:
-            return {"force_N": signals["force_N"].copy()}
-        factor = np.maximum(1 - self.softening_per_K * (measured - measured[0]), 0.0)
-        return {"force_N": signals["force_N"] * factor}
+        warmer_K = _room_K(signals, self.lag_s, self.period_s, self.phase_rad, dt_s)
+        return {"force_N": signals["force_N"] * np.maximum(1 - self.softening_per_K * warmer_K, 0.0)}
 
 
 class ThermalSofteningWander(Effect):
     """Warm yarn is softer, and the room's temperature wanders unmeasured, in its own way in each recording.
 
-    F *= exp( sum_j w_j B_j(t / duration) )
+    F *= exp( sum_j (w_1 + ... + w_j) B_j(t / duration) )
 
     Source: as `thermal_softening`; splines as in `temperature_drift_wander`.
     Valid: as `temperature_drift_wander`. It can imitate any slow change of stiffness: measure the temperature.
@@ -284,17 +291,27 @@ class ThermalSofteningWander(Effect):
     look = "the knit is now softer, now stiffer, differently in every recording, whatever the motion"
 
     weights: tuple[float, ...] = parameter(
-        (0.0,) * WANDER_BUMPS, unit="1", low=-2, high=2, typical=0.005, doc="height of each bump of ln F over time"
+        (0.0,) * WANDER_STEPS, unit="1", low=-2, high=2, typical=0.0025, doc="change of ln F in each step of time"
     )
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         return {"force_N": signals["force_N"] * np.exp(_wander(signals["time_s"], self.weights, dt_s))}
 
 
-def _wander(time_s: FloatArray, weights: tuple[float, ...], dt_s: float) -> FloatArray:
-    """A smooth curve over the whole time, shape (n,); bumps closer than a room can change stay unused."""
+def _room_K(signals: Signals, lag_s: float, period_s: float, phase_rad: float, dt_s: float) -> FloatArray:
+    """How much warmer than at the start, shape (n,): as measured and followed with a lag, or a swing of 1 K."""
+    measured = signals.get("temperature_C")
+    if measured is not None:
+        return lowpass(measured, lag_s, dt_s) - measured[0]
+    angle = 2 * np.pi * signals["time_s"] / period_s + phase_rad
+    return np.sin(angle) - np.sin(phase_rad)
+
+
+def _wander(time_s: FloatArray, steps: tuple[float, ...], dt_s: float) -> FloatArray:
+    """A smooth curve from zero on, shape (n,); steps closer than a room can change stay unused."""
     from testbench.knit.shapes.splines import bspline
 
     duration_s = max(time_s[-1], dt_s)
-    used = int(np.clip(3 + duration_s / ROOM_S, 4, len(weights)))  # cubic: three more bumps than spans
-    return bspline(time_s / duration_s, np.asarray(weights[:used]))
+    used = int(np.clip(2 + duration_s / ROOM_S, 3, len(steps)))  # cubic: three more bumps than spans
+    heights = np.cumsum([0.0, *steps[:used]])
+    return bspline(time_s / duration_s, heights)
