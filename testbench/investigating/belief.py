@@ -11,7 +11,7 @@ from scipy.special import logsumexp
 from testbench.design.forecast import Likely, Reading
 from testbench.diagnosis import constants
 from testbench.diagnosis.hypothesis import Hypothesis
-from testbench.diagnosis.rounds import NOTHING, UNKNOWN, Round, Verdict, prior_of, whole_of
+from testbench.diagnosis.rounds import NOTHING, UNKNOWN, Round, Verdict, over_errors, prior_of, whole_of
 from testbench.diagnosis.search import searched
 from testbench.fitting.measurement import Measurement
 from testbench.knit.catalogue import Catalogue
@@ -27,7 +27,7 @@ class Belief:
     Attributes
     ----------
     probabilities : mapping
-        Of ``nothing``, ``unknown`` and every mechanism; they sum to 1.
+        Of ``nothing``, ``unknown`` and every mechanism, in the mean over the errors of the evidences; they sum to 1.
     verdict : {"missing", "nothing_missing", "unknown"}
     likely : tuple of Likely
         The models of what is still likely, the most probable first; two at least where two were fitted.
@@ -72,7 +72,7 @@ def belief_after(
     first = rounds[0]
     whole = whole_of(rounds, put_in)
     verdict = first.verdict(whole)
-    probabilities = first.probabilities(whole) if verdict == "missing" else first.probabilities()
+    probabilities = over_errors(first.probabilities(whole if verdict == "missing" else None))
     return Belief(
         probabilities, verdict, _likely(first, probabilities), Reading(_noise(first), constants.INDEPENDENT)
     )
