@@ -11,11 +11,11 @@ from testbench.diagnosis.laplace import fitted
 from testbench.diagnosis.likelihood import likelihood_of, noise_of, on_the_grid
 from testbench.diagnosis.proposals import Screen, laws_of
 from testbench.fitting.baseline import framed
-from testbench.fitting.measurement import Measurement
 from testbench.fitting.model_file import ModelFile
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
+from testbench.measurements.measurement import Measurement
 
 
 def add_effect(

@@ -10,6 +10,7 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from testbench.comparing.ladder import as_a_step, on_the_ladder
+from testbench.comparing.model_errors import noise_floors
 from testbench.diagnosis import constants
 from testbench.diagnosis.discrepancy_map import Map
 from testbench.diagnosis.held_out import Interval, block_energies, gain_interval
@@ -29,13 +30,12 @@ from testbench.diagnosis.rounds import (
 from testbench.diagnosis.search import Progress, Search, searched
 from testbench.fitting.baseline import SHAPES
 from testbench.fitting.fit import Fit
-from testbench.fitting.joining import joined, last_of
-from testbench.fitting.measurement import Measurement, split
-from testbench.fitting.model_errors import noise_floors
 from testbench.fitting.model_file import ModelFile
 from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.knit.effect import Effect, FloatArray
 from testbench.knit.model import KnitModel
+from testbench.measurements.joining import joined, last_of
+from testbench.measurements.measurement import Measurement, split
 from testbench.recordings.recording import Recording
 
 REST_S, MOST_REST_S = 60.0, 86_400.0  # between several recordings of one specimen: usual, and at most

@@ -15,8 +15,8 @@ from testbench.diagnosis.evidence import maximised, opened
 from testbench.diagnosis.hypothesis import Hypothesis, tail
 from testbench.diagnosis.likelihood import Likelihood
 from testbench.diagnosis.proposals import extended
-from testbench.fitting.measurement import Measurement
 from testbench.knit.effect import FloatArray
+from testbench.measurements.measurement import Measurement
 
 
 class Map:

@@ -15,12 +15,12 @@ from testbench.diagnosis.hypothesis import Hypothesis, pinned, rms, tail
 from testbench.diagnosis.likelihood import Likelihood
 from testbench.diagnosis.priors import priors_of
 from testbench.fitting.downhill import downhill, huber, huber_weight, within
-from testbench.fitting.noise_level import trimmed_rms
 from testbench.fitting.parameters import HELD, values_of, with_values
 from testbench.fitting.sensitivity import derivatives
 from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
+from testbench.measurements.noise_level import trimmed_rms
 
 FINAL_WEIGHTS = 3
 AGREED = 0.02  # relative change of the noise from one to the next

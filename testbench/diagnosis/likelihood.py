@@ -13,13 +13,13 @@ from itertools import pairwise
 
 import numpy as np
 
+from testbench.comparing.model_errors import sampled
 from testbench.diagnosis import constants
-from testbench.fitting.measurement import Measurement, channel_of, coarser
-from testbench.fitting.model_errors import sampled
-from testbench.fitting.motion import reading_noise
-from testbench.fitting.noise_level import FEWEST, noise_floor, robust_sd, rounding, trimmed_rms, within_range
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
+from testbench.measurements.measurement import Measurement, channel_of, coarser
+from testbench.measurements.motion import reading_noise
+from testbench.measurements.noise_level import FEWEST, noise_floor, robust_sd, rounding, trimmed_rms, within_range
 
 LEVELS, MOST_NOISE = 10, 30.0  # levels whose noise is told apart; largest over typical noise
 JERK_S = 0.3  # a machine's jerks are quicker, strokes are slower

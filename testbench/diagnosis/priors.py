@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from testbench.fitting.fit import shape_scales
-from testbench.fitting.measurement import Measurement
 from testbench.fitting.parameters import FreeParameter, free_parameters, value_of
 from testbench.knit.effect import Effect, FloatArray, bounds_of
 from testbench.knit.model import KnitModel
+from testbench.measurements.measurement import Measurement
 
 SHARE_OF_RANGE = 0.1  # of the range of a sensor's force: the scale of its forces, if nothing else was declared
 

@@ -39,11 +39,11 @@ from testbench.fitting.baseline import (
     with_zeros,
     without_shapes,
 )
-from testbench.fitting.measurement import Measurement
-from testbench.fitting.noise_level import trimmed_rms
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
+from testbench.measurements.measurement import Measurement
+from testbench.measurements.noise_level import trimmed_rms
 
 Progress = Callable[[str], None]
 One = TypeVar("One", Proposal, Entry, Hypothesis, "tuple[NullModel, Proposal]")

@@ -7,12 +7,12 @@ from collections.abc import Iterable
 import numpy as np
 
 from testbench.fitting.contact_start import contact_start, driven_contact
-from testbench.fitting.measurement import Measurement
 from testbench.fitting.parameters import FRAME_PARAMETERS
-from testbench.fitting.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL
 from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.knit.effect import Effect, FloatArray
 from testbench.knit.model import KnitModel
+from testbench.measurements.measurement import Measurement
+from testbench.measurements.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL
 
 FORCE_SHAPES = ("elasticity_shape", "hysteresis_shape")
 CONDUCTANCE_SHAPES = ("contact_shape", "contact_loops_shape", "contact_drift_shape", "drift_shape")

@@ -7,8 +7,8 @@ import pytest
 from scipy import stats
 
 from testbench.diagnosis.priors import declared, priors_of, tail_evidence, typical, with_tails
-from testbench.fitting.measurement import prepare
 from testbench.knit.effect import bounds_of
+from testbench.measurements.measurement import prepare
 from tests.testbench.builders import CATALOGUE, record, truth
 
 SCALARS = [  # of a vector of weights the evidence finds the scale

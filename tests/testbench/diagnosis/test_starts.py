@@ -9,8 +9,8 @@ from testbench.diagnosis.likelihood import likelihood_of, noise_of
 from testbench.diagnosis.proposals import Proposal
 from testbench.diagnosis.starts import best_start
 from testbench.fitting.baseline import with_shapes
-from testbench.fitting.measurement import prepare
 from testbench.knit.readout.interference import PeriodicInterferenceForce
+from testbench.measurements.measurement import prepare
 from tests.testbench.builders import record, truth
 
 
