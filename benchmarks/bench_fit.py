@@ -21,8 +21,8 @@ from scipy.optimize import least_squares
 from testbench.comparing.compare import compare
 from testbench.comparing.residual_coordinates import coordinates
 from testbench.diagnosis import diagnose
-from testbench.diagnosis.evidence import maximised
-from testbench.diagnosis.laplace import _PosteriorFit
+from testbench.diagnosis.evidence.evidence import maximised
+from testbench.diagnosis.evidence.laplace import _PosteriorFit
 from testbench.diagnosis.proposals import laws_of
 from testbench.fitting.baseline import starting_baseline
 from testbench.fitting.fit import fit, shape_scales

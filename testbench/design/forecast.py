@@ -14,7 +14,7 @@ import numpy as np
 from gcode.support.errors import UserError
 from testbench.design.information import Prediction
 from testbench.diagnosis.constants import ALIKE_S
-from testbench.diagnosis.priors import priors_of
+from testbench.diagnosis.evidence.priors import priors_of
 from testbench.fitting.sensitivity import sensitivities
 from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import FloatArray

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from threadpoolctl import threadpool_limits
 
 from testbench.comparing.ladder import drawn_to_data, fitted_file
-from testbench.diagnosis.laplace import fitted
-from testbench.diagnosis.likelihood import likelihood_of, noise_of, on_the_grid
+from testbench.diagnosis.evidence.laplace import fitted
+from testbench.diagnosis.evidence.likelihood import likelihood_of, noise_of, on_the_grid
 from testbench.diagnosis.proposals import Screen, laws_of
 from testbench.fitting.baseline import framed
 from testbench.fitting.model_file import ModelFile

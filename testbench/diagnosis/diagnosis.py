@@ -13,8 +13,8 @@ from testbench.comparing.ladder import as_a_step, on_the_ladder
 from testbench.comparing.model_errors import noise_floors
 from testbench.diagnosis import constants
 from testbench.diagnosis.discrepancy_map import Map
+from testbench.diagnosis.evidence.hypothesis import Hypothesis
 from testbench.diagnosis.held_out import Interval, block_energies, gain_interval
-from testbench.diagnosis.hypothesis import Hypothesis
 from testbench.diagnosis.proposals import Proposal
 from testbench.diagnosis.rounds import (
     NOTHING,

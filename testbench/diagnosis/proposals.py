@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from testbench.diagnosis.candidates import Candidate, candidate_mechanisms, expand, is_vector, two_signed
-from testbench.diagnosis.evidence import LogEvidence, NormalEquations, maximised, opened
-from testbench.diagnosis.hypothesis import Hypothesis
-from testbench.diagnosis.likelihood import Likelihood
-from testbench.diagnosis.priors import declared_size, tail_evidence, typical, with_tails
+from testbench.diagnosis.evidence.evidence import LogEvidence, NormalEquations, maximised, opened
+from testbench.diagnosis.evidence.hypothesis import Hypothesis
+from testbench.diagnosis.evidence.likelihood import Likelihood
+from testbench.diagnosis.evidence.priors import declared_size, tail_evidence, typical, with_tails
 from testbench.fitting.fit import shape_scales
 from testbench.knit.cache import SimulationCache
 from testbench.knit.catalogue import Catalogue

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from testbench.diagnosis.hypothesis import Hypothesis
-from testbench.diagnosis.laplace import PARTS
-from testbench.diagnosis.likelihood import Likelihood
+from testbench.diagnosis.evidence.hypothesis import Hypothesis
+from testbench.diagnosis.evidence.laplace import PARTS
+from testbench.diagnosis.evidence.likelihood import Likelihood
 from testbench.diagnosis.proposals import Proposal
 from testbench.fitting.downhill import huber
 from testbench.fitting.parameters import with_values

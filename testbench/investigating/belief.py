@@ -10,7 +10,7 @@ from scipy.special import logsumexp
 
 from testbench.design.forecast import Likely, Reading
 from testbench.diagnosis import constants
-from testbench.diagnosis.hypothesis import Hypothesis
+from testbench.diagnosis.evidence.hypothesis import Hypothesis
 from testbench.diagnosis.rounds import NOTHING, UNKNOWN, Round, Verdict, prior_of, whole_of
 from testbench.diagnosis.search import searched
 from testbench.knit.catalogue import Catalogue

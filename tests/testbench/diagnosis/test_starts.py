@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from testbench.diagnosis.laplace import fitted
-from testbench.diagnosis.likelihood import likelihood_of, noise_of
+from testbench.diagnosis.evidence.laplace import fitted
+from testbench.diagnosis.evidence.likelihood import likelihood_of, noise_of
 from testbench.diagnosis.proposals import Proposal
 from testbench.diagnosis.starts import best_start
 from testbench.fitting.baseline import with_shapes

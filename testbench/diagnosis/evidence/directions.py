@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from testbench.diagnosis.priors import Priors
+from testbench.diagnosis.evidence.priors import Priors
 from testbench.knit.effect import FloatArray
 
 UNSEEN = 0.1  # information over that of the prior; so much of ln Z is lost with each direction left out

@@ -9,11 +9,11 @@ from functools import partial
 import numpy as np
 
 from testbench.diagnosis import constants
-from testbench.diagnosis.directions import Directions
-from testbench.diagnosis.evidence import LogEvidence, NormalEquations, maximised, opened
-from testbench.diagnosis.hypothesis import Hypothesis, pinned, rms, tail
-from testbench.diagnosis.likelihood import Likelihood
-from testbench.diagnosis.priors import priors_of
+from testbench.diagnosis.evidence.directions import Directions
+from testbench.diagnosis.evidence.evidence import LogEvidence, NormalEquations, maximised, opened
+from testbench.diagnosis.evidence.hypothesis import Hypothesis, pinned, rms, tail
+from testbench.diagnosis.evidence.likelihood import Likelihood
+from testbench.diagnosis.evidence.priors import priors_of
 from testbench.fitting.downhill import downhill, huber, huber_weight, within
 from testbench.fitting.parameters import HELD, values_of, with_values
 from testbench.fitting.sensitivity import derivatives

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from testbench.diagnosis.hypothesis import imitated, own_part
-from testbench.diagnosis.laplace import fitted
-from testbench.diagnosis.likelihood import likelihood_of, noise_of
+from testbench.diagnosis.evidence.hypothesis import imitated, own_part
+from testbench.diagnosis.evidence.laplace import fitted
+from testbench.diagnosis.evidence.likelihood import likelihood_of, noise_of
 from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import prepare

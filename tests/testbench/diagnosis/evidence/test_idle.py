@@ -6,9 +6,9 @@ import pytest
 
 from testbench.comparing.model_errors import rms_errors
 from testbench.diagnosis import constants
-from testbench.diagnosis.hypothesis import Hypothesis
-from testbench.diagnosis.laplace import fitted
-from testbench.diagnosis.likelihood import likelihood_of, noise_of
+from testbench.diagnosis.evidence.hypothesis import Hypothesis
+from testbench.diagnosis.evidence.laplace import fitted
+from testbench.diagnosis.evidence.likelihood import likelihood_of, noise_of
 from testbench.fitting.baseline import SHAPES, with_shapes
 from testbench.measurements.measurement import Measurement, coarser, prepare
 from tests.testbench.builders import CATALOGUE, record, truth
