@@ -28,7 +28,7 @@ def add_effect(
 ) -> ModelFile:
     """Add the catalogue's effect `name`, refit everything, and put it on the ladder.
 
-    A law (without a strength) takes the place of the law that it is another form of.
+    A law without a strength takes the place of the model's own law of that mechanism.
     """
     effect = framed(catalogue[name](), file.model, calibration)
     start = best_start(file.model, effect, calibration) if effect.strength else drawn_to_data(effect, calibration)

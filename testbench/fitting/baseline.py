@@ -97,7 +97,7 @@ def _force_laws(effects: dict[str, type[Effect]], strain: FloatArray, force: Flo
 
 
 def _pressing(laws: list[Effect], measurement: Measurement) -> FloatArray:
-    """Force that presses the contacts where it was not measured: of the laws as they start."""
+    """Force that presses the contacts, where it was not measured: simulated by the laws as they start."""
     return KnitModel.of(*laws).simulate(measurement.signals, measurement.dt_s)["force_N"]
 
 

@@ -82,7 +82,7 @@ def independent_share(measurement: Measurement) -> float:
 
 
 def prior_ridge(parameters: Sequence[FreeParameter], measurement: Measurement) -> FloatArray:
-    """Precision of the priors beside a sum over all samples, shape (p,): higher where neighbours are much alike."""
+    """Precision of the priors, shape (p,), beside sums in which neighbours count as if they were independent."""
     return np.array([p.width for p in parameters]) ** -2.0 / independent_share(measurement)
 
 
