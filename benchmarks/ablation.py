@@ -26,7 +26,7 @@ from testbench.diagnosis import constants
 from testbench.diagnosis.diagnosis import concluded
 from testbench.diagnosis.rounds import NOTHING, UNKNOWN, Entry, Round, whole_of
 from testbench.diagnosis.search import Search, searched
-from testbench.fitting.measurement import split
+from testbench.measurements.measurement import split
 
 PROBABILITIES = ("PRIOR_NOTHING", "PRIOR_UNKNOWN", "MISLED")
 JUDGING = (

@@ -21,16 +21,16 @@ from scipy.optimize import least_squares
 from testbench.comparing.compare import compare
 from testbench.comparing.residual_coordinates import coordinates
 from testbench.diagnosis import diagnose
-from testbench.diagnosis.evidence import maximised
-from testbench.diagnosis.laplace import _PosteriorFit
+from testbench.diagnosis.evidence.evidence import maximised
+from testbench.diagnosis.evidence.laplace import _PosteriorFit
 from testbench.diagnosis.proposals import laws_of
 from testbench.fitting.baseline import starting_baseline
 from testbench.fitting.fit import fit, shape_scales
-from testbench.fitting.measurement import Measurement, split
-from testbench.fitting.noise_level import noise_floor
 from testbench.fitting.parameters import free_parameters, values_of, with_values
 from testbench.fitting.sensitivity import sensitivities
 from testbench.knit.model import KnitModel
+from testbench.measurements.measurement import Measurement, split
+from testbench.measurements.noise_level import noise_floor
 from testbench.worlds import make_case
 
 STAGES: dict[str, Callable[..., Any]] = {

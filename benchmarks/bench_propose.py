@@ -24,7 +24,7 @@ import worlds_second
 from joblib import Parallel, delayed
 
 from testbench import worlds
-from testbench.fitting.model_errors import over_the_floors
+from testbench.comparing.model_errors import over_the_floors
 from testbench.proposing import Proposed, propose_law
 
 Row = dict[str, Any]

@@ -31,8 +31,8 @@ from compensation.training.training import train_on_series
 from compensation.training.twin_models import plausible
 from testbench.fitting.baseline import starting_baseline
 from testbench.fitting.fit import fit
-from testbench.fitting.measurement import coarser, prepare
 from testbench.knit.model import KnitModel
+from testbench.measurements.measurement import coarser, prepare
 from testbench.recordings.files import read_recording
 from testbench.recordings.recording import Recording
 

@@ -29,11 +29,11 @@ from validation_words import page
 
 from gcode.support.files import make_folder, write_json, write_text
 from gcode.support.strict import read_json
+from testbench.comparing.remounting import brought_together
 from testbench.diagnosis import Diagnosis, diagnose
 from testbench.diagnosis.diagnosis import measurements
 from testbench.diagnosis.rounds import NOTHING, UNKNOWN
-from testbench.fitting.measurement import Measurement
-from testbench.fitting.remounting import brought_together
+from testbench.measurements.measurement import Measurement
 from testbench.recordings.versions import software_versions
 
 Row = dict[str, Any]

@@ -54,9 +54,12 @@ class Compensator(RegressorMixin, BaseEstimator):
 
     Examples
     --------
-    >>> model = Compensator(method="paper").fit(conductance_S[:, None], force_N)       # doctest: +SKIP
-    >>> model.predict(later_S[:, None])                                                # doctest: +SKIP
-    >>> running = model.stream(); running.update(1.6e-6, dt_s=0.05), running.status    # doctest: +SKIP
+    >>> import testbench as tb
+    >>> from compensation import Compensator
+    >>> recording, other = (tb.example(seed=seed, duration_s=60).resampled(20.0) for seed in (1, 2))
+    >>> model = Compensator(method="paper").fit(recording.conductance_S[:, None], recording["force_N"])
+    >>> model.score(other.conductance_S[:, None], other["force_N"]) > 0.9
+    True
 
     Notes
     -----

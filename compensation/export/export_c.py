@@ -48,6 +48,16 @@ def c_header(compensator: Compensator, name: str = "knitbench") -> str:
     ------
     UserError
         If `name` is no C identifier, or the compensator standardises each recording by itself, which needs all of it.
+
+    Examples
+    --------
+    >>> import testbench as tb
+    >>> from compensation import Compensator, c_header
+    >>> recording = tb.example(duration_s=60).resampled(20.0)
+    >>> model = Compensator(method="paper").fit(recording.conductance_S[:, None], recording["force_N"])
+    >>> header = c_header(model.compensator_, "knit")
+    >>> "float knit_update(knit_state *s, float conductance_S, float dt_s)" in header
+    True
     """
     if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", name):
         raise UserError(f"--name must be a C identifier, got {name!r}")

@@ -51,6 +51,20 @@ def write_onnx(compensator: Compensator, path: str | Path) -> None:
     UserError
         If the `onnx` package is missing, or the compensator standardises each recording by itself, which needs all
         of it.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import testbench as tb
+    >>> from compensation import Compensator, write_onnx
+    >>> from compensation.export.onnx_stream import OnnxStream
+    >>> recording = tb.example(duration_s=60).resampled(20.0)
+    >>> model = Compensator(method="paper").fit(recording.conductance_S[:, None], recording["force_N"])
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_onnx(model.compensator_, f"{folder}/knit.onnx")
+    ...     exported = OnnxStream(f"{folder}/knit.onnx")
+    >>> round(exported.update(1.6e-6) - model.stream().update(1.6e-6), 9)
+    0.0
     """
     try:
         import onnx

@@ -149,6 +149,19 @@ def load(path: str | Path) -> Compensator:
     ------
     UserError
         If the file is missing, foreign, of another version, malformed, or changed since it was saved.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import testbench as tb
+    >>> from compensation import Compensator, load
+    >>> recording = tb.example(duration_s=60).resampled(20.0)
+    >>> model = Compensator(method="paper").fit(recording.conductance_S[:, None], recording["force_N"])
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     model.save(f"{folder}/knit.json")
+    ...     compensator = load(f"{folder}/knit.json")
+    >>> compensator.target, compensator.unit, compensator.rate_hz
+    ('force', 'N', 20.0)
     """
     data = read_json(path, "compensator")
     if not isinstance(data, dict) or data.get("format") != FORMAT:

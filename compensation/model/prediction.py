@@ -71,6 +71,18 @@ def predicted(compensator: Compensator, time_s: FloatArray, resistance_ohm: Floa
     ------
     UserError
         If the compensator standardises each recording by itself: its target's mean and spread are not known here.
+
+    Examples
+    --------
+    >>> import testbench as tb
+    >>> from compensation import Compensator, predicted
+    >>> recording = tb.example(duration_s=60).resampled(20.0)
+    >>> model = Compensator(method="paper").fit(recording.conductance_S[:, None], recording["force_N"])
+    >>> resistance_ohm = recording["resistance_ohm"].copy()
+    >>> resistance_ohm[700] = -1.0
+    >>> told = predicted(model.compensator_, recording.time_s, resistance_ohm)
+    >>> (told.value[700] == told.value[699]).item(), told.status[[699, 700, 701]].tolist()
+    (True, [0, 1, 0])
     """
     if compensator.per_recording:
         raise UserError(

@@ -30,6 +30,17 @@ class CompensatorStream:
     ------
     UserError
         If recordings are standardised by themselves: a stream does not know its own mean in advance.
+
+    Examples
+    --------
+    >>> import testbench as tb
+    >>> from compensation import Compensator, CompensatorStream
+    >>> recording = tb.example(duration_s=60).resampled(20.0)
+    >>> model = Compensator(method="paper").fit(recording.conductance_S[:, None], recording["force_N"])
+    >>> running = CompensatorStream(model.compensator_)
+    >>> force_N = [running.update(conductance) for conductance in recording.conductance_S]
+    >>> running.update(float("nan")) == force_N[-1], running.status.name
+    (True, 'BAD_READING')
     """
 
     def __init__(self, compensator: Compensator) -> None:

@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 
 from testbench.fitting.fit import Fit, fit
-from testbench.fitting.measurement import Measurement, coarser, prepare
 from testbench.fitting.parameters import with_values
 from testbench.knit.catalogue import load_catalogue
 from testbench.knit.model import KnitModel
+from testbench.measurements.measurement import Measurement, coarser, prepare
 from testbench.recordings.recording import Recording
 
 # Effects that remember, weak at first: a fit makes of them what the measurement asks for. In the order of the chain.

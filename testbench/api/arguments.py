@@ -12,13 +12,13 @@ import numpy as np
 
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
-from testbench.fitting.measurement import MAX_GRID_HZ, MIN_PART
 from testbench.fitting.model_file import ModelFile, check_same_set_up, load_model_file
 from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
 from testbench.knit.presets import names as preset_names
 from testbench.knit.presets import preset
+from testbench.measurements.measurement import MAX_GRID_HZ, MIN_PART
 from testbench.recordings.channels import TIME
 from testbench.recordings.doubts import check_gap, check_grid, say_if_same, say_sign
 from testbench.recordings.files import read_recording

@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 
 from testbench.comparing.cell import Cell
+from testbench.comparing.model_errors import channel_name, noise_floors, rms_errors
 from testbench.comparing.residual_coordinates import LABELS, coordinates
 from testbench.comparing.words import place_in_words
-from testbench.fitting.measurement import Measurement
-from testbench.fitting.model_errors import channel_name, noise_floors, rms_errors
-from testbench.fitting.responses import CONDUCTANCE_CHANNEL, UNIT_OF
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
+from testbench.measurements.measurement import Measurement
+from testbench.measurements.responses import CONDUCTANCE_CHANNEL, UNIT_OF
 
 BINS = 10
 CELL_BLOCK_S = 20.0  # samples closer than this are not taken as independent
@@ -88,7 +88,7 @@ def compare(model: KnitModel, measurement: Measurement, free_offset: bool = Fals
     model : KnitModel
     measurement : Measurement
     free_offset : bool
-        As in `testbench.fitting.model_errors.rms_errors`.
+        As in `testbench.comparing.model_errors.rms_errors`.
     """
     residual = measurement.residual(model)
     where = {name: values[measurement.counts] for name, values in coordinates(measurement).items()}

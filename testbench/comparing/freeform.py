@@ -10,8 +10,8 @@ import numpy as np
 from scipy.signal import lfilter
 
 from testbench.comparing.residual_coordinates import coordinates
-from testbench.fitting.measurement import Measurement
 from testbench.knit.effect import FloatArray
+from testbench.measurements.measurement import Measurement
 
 MEMORIES_S = (0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0)
 BUMPS = 6

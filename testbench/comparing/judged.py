@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 
 from gcode.support.errors import UserError
-from testbench.fitting.clamping import Zero, may_be_clamped_anew, moved, zero_of
-from testbench.fitting.measurement import Measurement, check_play, prepare, split
+from testbench.comparing.clamping import Zero, may_be_clamped_anew, moved, zero_of
+from testbench.comparing.remounting import remounted
 from testbench.fitting.model_file import ModelFile, same_source
-from testbench.fitting.remounting import remounted
 from testbench.knit.model import KnitModel
+from testbench.measurements.measurement import Measurement, check_play, prepare, split
 from testbench.recordings.recording import Recording
 
 

@@ -9,17 +9,17 @@ from typing import Any
 import numpy as np
 
 from gcode.support.errors import UserError
+from testbench.comparing.clamping import moved, zero_of
+from testbench.comparing.model_errors import noise_floors, over_the_floors, rms_errors
+from testbench.comparing.remounting import held_errors
 from testbench.fitting.baseline import without_zeros
-from testbench.fitting.clamping import moved, zero_of
 from testbench.fitting.fit import Fit, fit
-from testbench.fitting.measurement import Measurement
-from testbench.fitting.model_errors import noise_floors, over_the_floors, rms_errors
 from testbench.fitting.model_file import ModelFile, fit_summary
-from testbench.fitting.remounting import held_errors
-from testbench.fitting.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL
 from testbench.knit.catalogue import Catalogue, model_from_dict
 from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
+from testbench.measurements.measurement import Measurement
+from testbench.measurements.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL
 
 NO_LONGER_PAYS = 0.005  # leaving an effect out costs less than this share of the held-out error
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from testbench.fitting.measurement import Measurement
 from testbench.knit.effect import FloatArray
 from testbench.knit.kernels import running_max, turns
+from testbench.measurements.measurement import Measurement
 
 RATE_SMOOTHING_S = 0.15
 HOLD_RATE = 2e-4  # 1/s; slower than this is a hold

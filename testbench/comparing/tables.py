@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from testbench.comparing.clamping import Zero
 from testbench.comparing.compare import Comparison
-from testbench.fitting.clamping import Zero
-from testbench.fitting.model_errors import channel_name
+from testbench.comparing.model_errors import channel_name
 from testbench.fitting.model_file import ModelFile
-from testbench.fitting.responses import UNIT_OF
+from testbench.measurements.responses import UNIT_OF
 
 STEP_WIDTH = 34  # of the ladder's first column, if no step needs more
 

@@ -20,9 +20,9 @@ from testbench.design.compositions import ROOM, Motion, drawn, in_words, motion_
 from testbench.design.forecast import Forecaster, Likely, Reading
 from testbench.design.information import Information, information
 from testbench.design.protocols import NOISE, SHORTEST_EXPERIMENT_S, Bounds, menu
-from testbench.fitting.measurement import BURN_IN_S, Measurement, coarser
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import inputs
+from testbench.measurements.measurement import BURN_IN_S, Measurement, coarser
 
 DESIGN_HZ = 5.0  # grid of the predictions
 BEST = 3  # motions whose neighbours are tried

@@ -22,9 +22,9 @@ from gcode.trajectories.trajectory import Trajectory
 from testbench.design.imitation import imitate
 from testbench.design.protocols import NOISE, Bounds, menu
 from testbench.fitting.fit import independent_share
-from testbench.fitting.measurement import BURN_IN_S, Measurement
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel, inputs
+from testbench.measurements.measurement import BURN_IN_S, Measurement
 from testbench.recordings.channels import DISPLACEMENT
 from testbench.recordings.recording import Recording
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from testbench.comparing.model_errors import channel_name
 from testbench.comparing.words import MANY
 from testbench.design.experiment import Option, Rival
 from testbench.design.protocols import NOISE
-from testbench.fitting.model_errors import channel_name
 
 
 def odds(log_odds: float) -> str:

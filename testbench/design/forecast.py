@@ -14,13 +14,13 @@ import numpy as np
 from gcode.support.errors import UserError
 from testbench.design.information import Prediction
 from testbench.diagnosis.constants import ALIKE_S
-from testbench.diagnosis.priors import priors_of
-from testbench.fitting.measurement import Measurement
-from testbench.fitting.responses import FORCE_CHANNEL
+from testbench.diagnosis.evidence.priors import priors_of
 from testbench.fitting.sensitivity import sensitivities
 from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
+from testbench.measurements.measurement import Measurement
+from testbench.measurements.responses import FORCE_CHANNEL
 
 NEGLIGIBLE = 1e-3  # directions in which a prediction varies by less than this share of the noise are left out
 SWITCHED_OFF = 1e3  # factor on the precision of a group of weights from which it changes nothing

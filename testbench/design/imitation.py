@@ -8,13 +8,13 @@ import numpy as np
 
 from testbench.fitting.downhill import Linearised, minimised
 from testbench.fitting.fit import independent_share
-from testbench.fitting.measurement import Measurement
 from testbench.fitting.parameters import FreeParameter, free_parameters, values_of, with_values
-from testbench.fitting.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL
 from testbench.fitting.sensitivity import sensitivities
 from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
+from testbench.measurements.measurement import Measurement
+from testbench.measurements.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL
 
 SMALL_IMITATION_GAIN = 1e-3
 STRIDE = 2  # of the samples for the normal equations; neighbours say nearly the same

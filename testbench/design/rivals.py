@@ -9,9 +9,9 @@ from typing import Any
 from gcode.support.errors import UserError
 from testbench.design.experiment import Rival
 from testbench.diagnosis.adding import add_effect
-from testbench.fitting.measurement import Measurement
 from testbench.fitting.model_file import ModelFile
 from testbench.knit.catalogue import Catalogue, model_from_dict
+from testbench.measurements.measurement import Measurement
 
 MOST = 3  # tied effects that are weighed against each other
 

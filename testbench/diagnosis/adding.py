@@ -7,15 +7,15 @@ from collections.abc import Callable
 from threadpoolctl import threadpool_limits
 
 from testbench.comparing.ladder import drawn_to_data, fitted_file
-from testbench.diagnosis.laplace import fitted
-from testbench.diagnosis.likelihood import likelihood_of, noise_of, on_the_grid
+from testbench.diagnosis.evidence.laplace import fitted
+from testbench.diagnosis.evidence.likelihood import likelihood_of, noise_of, on_the_grid
 from testbench.diagnosis.proposals import Screen, laws_of
 from testbench.fitting.baseline import framed
-from testbench.fitting.measurement import Measurement
 from testbench.fitting.model_file import ModelFile
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
+from testbench.measurements.measurement import Measurement
 
 
 def add_effect(
@@ -28,7 +28,7 @@ def add_effect(
 ) -> ModelFile:
     """Add the catalogue's effect `name`, refit everything, and put it on the ladder.
 
-    A law (without a strength) takes the place of the law that it is another form of.
+    A law without a strength takes the place of the model's own law of that mechanism.
     """
     effect = framed(catalogue[name](), file.model, calibration)
     start = best_start(file.model, effect, calibration) if effect.strength else drawn_to_data(effect, calibration)

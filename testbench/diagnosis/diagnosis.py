@@ -10,10 +10,11 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from testbench.comparing.ladder import as_a_step, on_the_ladder
+from testbench.comparing.model_errors import noise_floors
 from testbench.diagnosis import constants
 from testbench.diagnosis.discrepancy_map import Map
+from testbench.diagnosis.evidence.hypothesis import Hypothesis
 from testbench.diagnosis.held_out import Interval, block_energies, gain_interval
-from testbench.diagnosis.hypothesis import Hypothesis
 from testbench.diagnosis.proposals import Proposal
 from testbench.diagnosis.rounds import (
     NOTHING,
@@ -29,13 +30,12 @@ from testbench.diagnosis.rounds import (
 from testbench.diagnosis.search import Progress, Search, searched
 from testbench.fitting.baseline import SHAPES
 from testbench.fitting.fit import Fit
-from testbench.fitting.joining import joined, last_of
-from testbench.fitting.measurement import Measurement, split
-from testbench.fitting.model_errors import noise_floors
 from testbench.fitting.model_file import ModelFile
 from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.knit.effect import Effect, FloatArray
 from testbench.knit.model import KnitModel
+from testbench.measurements.joining import joined, last_of
+from testbench.measurements.measurement import Measurement, split
 from testbench.recordings.recording import Recording
 
 REST_S, MOST_REST_S = 60.0, 86_400.0  # between several recordings of one specimen: usual, and at most
@@ -127,8 +127,8 @@ class Diagnosis:
     depends_on : tuple of (channel, coordinate, share)
         What the final model's residual depends on, and the share of it that a free-form map explains.
     left : float
-        Share of the calibration error above the noise that the final model leaves, of what the base leaves when its
-        laws may bend; 1 where nothing was put in.
+        What the final model leaves of the calibration error above the noise, over what the bent base leaves; 1 where
+        nothing was put in.
     before, after : ModelFile
         The user's model as it is, or the baseline; and with what was found put in and refitted.
     error_before, error_after, noise_floor : mapping of channel to float
@@ -228,7 +228,7 @@ def diagnose(
 def measurements(
     recordings: Sequence[Recording], held_out: Recording | None, clamp_play_mm: float = 0.0, rest_s: float = REST_S
 ) -> tuple[Measurement, Measurement]:
-    """What is calibrated on, one history of all recordings, and what is held out: it comes after them."""
+    """What is calibrated on, one history of all recordings, and what is held out, which comes after them."""
     calibration, held = split(recordings[0], held_out, clamp_play_mm=clamp_play_mm)
     if len(recordings) > 1:
         if held_out is None:
@@ -313,7 +313,7 @@ def _leading(search: Search, rounds: Sequence[Round], put_in: Sequence[Entry]) -
 
 
 def _found(rounds: Sequence[Round], put_in: Sequence[Entry]) -> Found:
-    """The first of what was put in, one in each of the rounds."""
+    """The first of the effects that were put in, of which each of the rounds has one."""
     step, entry = rounds[0], put_in[0]
     chance = step.doubted(whole_of(rounds, put_in))[entry.mechanism]
     return Found(entry.mechanism, entry.law, chance, step.added(entry))
@@ -348,7 +348,7 @@ def _as_fit(h: Hypothesis) -> Fit:
 def _ranking(rounds: Sequence[Round], chances: Mapping[str, float], held: Measurement) -> tuple[Ranked, ...]:
     """Every mechanism by its best law in the last of these rounds, the most probable first.
 
-    What was put in before is not weighed there, but where it was found.
+    An effect that was put in before stands as it did in the round that found it.
     """
     found: dict[str, Ranked] = {}
     for step in reversed(rounds):
@@ -363,7 +363,7 @@ def _ranking(rounds: Sequence[Round], chances: Mapping[str, float], held: Measur
 def _ranked(
     own: Entry | Proposal, step: Round, chance: float, bare: Mapping[str, FloatArray], held: Measurement
 ) -> Ranked:
-    """One mechanism in one round; `bare` are the energies of the errors without it."""
+    """One mechanism in one round; `bare` has the squared errors without it, block by block."""
     if isinstance(own, Proposal):
         gain = 2 * max(own.gain, 0.0) / (step.likelihood.count * len(step.likelihood.floor))
         left = float(np.exp(-0.5 * gain))

@@ -1,4 +1,4 @@
-"""What no law of a model says: a free-form map of what it leaves, over what the knit did and went through.
+"""What no law of a model explains: a free-form map of its residual, over what the knit did and went through.
 
 Source: Kennedy & O'Hagan, J. R. Statist. Soc. B 63 (2001) 425 (a model beside its discrepancy).
 """
@@ -11,12 +11,12 @@ from functools import lru_cache
 import numpy as np
 
 from testbench.comparing.freeform import features
-from testbench.diagnosis.evidence import maximised, opened
-from testbench.diagnosis.hypothesis import Hypothesis, tail
-from testbench.diagnosis.likelihood import Likelihood
+from testbench.diagnosis.evidence.evidence import maximised, opened
+from testbench.diagnosis.evidence.hypothesis import Hypothesis, tail
+from testbench.diagnosis.evidence.likelihood import Likelihood
 from testbench.diagnosis.proposals import extended
-from testbench.fitting.measurement import Measurement
 from testbench.knit.effect import FloatArray
+from testbench.measurements.measurement import Measurement
 
 
 class Map:
@@ -29,7 +29,7 @@ class Map:
     gains : dict of (channel, coordinate) to float
         Share of the residual's squares that the map explains by each group of coordinates.
     left : dict of channel to ndarray, shape (k,)
-        What both leave, over its relative noise.
+        What model and map leave together, over its relative noise.
     """
 
     def __init__(self, hypothesis: Hypothesis, likelihood: Likelihood) -> None:
@@ -48,7 +48,7 @@ class Map:
             precision += [hypothesis.evidence.sigma[c] ** -2.0] * count
             group += [first + place * len(names) + g for g in groups]
         normal = extended(hypothesis.pinned, base, rows, [0.0] * len(precision), precision, group)
-        normal = replace(normal, least=likelihood.misfit)  # what is nearer is no merit of a map, either
+        normal = replace(normal, least=likelihood.misfit)  # a closer fit earns a map nothing, either
         scale = np.r_[opened(hypothesis.evidence.scale), np.full(len(names) * len(channels), 10.0)]
         found = maximised(normal, scale=scale, iterations=12, start=hypothesis.evidence)
         self.left, self.gains, tails = {}, {}, 0.0
@@ -65,7 +65,7 @@ class Map:
 
 
 def log_z_with_map(hypothesis: Hypothesis, likelihood: Likelihood) -> float:
-    """Log evidence of a model as it is, or beside a map of what it leaves, each as likely: no law is exact."""
+    """Log evidence of a model with its map or without, which are as likely as each other: no law is exact."""
     return float(np.logaddexp(Map(hypothesis, likelihood).log_z, hypothesis.log_z) - np.log(2))
 
 

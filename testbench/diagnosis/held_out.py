@@ -6,10 +6,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from testbench.fitting.measurement import Measurement
-from testbench.fitting.remounting import brought_together
+from testbench.comparing.remounting import brought_together
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
+from testbench.measurements.measurement import Measurement
 
 BLOCK_S = 60.0
 FEWEST_BLOCKS = 8

@@ -1,4 +1,4 @@
-"""Many ways to propose: what each law of the catalogue would change, and its evidence to first order."""
+"""Proposals: what each law of the catalogue would change in a model, and its evidence to first order."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from testbench.diagnosis.evidence import LogEvidence, NormalEquations, maximised, opened
-from testbench.diagnosis.hypothesis import Hypothesis
-from testbench.diagnosis.likelihood import Likelihood
-from testbench.diagnosis.priors import declared_size, tail_evidence, typical, with_tails
-from testbench.fitting.candidates import Candidate, candidate_mechanisms, expand, is_vector, two_signed
+from testbench.diagnosis.candidates import Candidate, candidate_mechanisms, expand, is_vector, two_signed
+from testbench.diagnosis.evidence.evidence import LogEvidence, NormalEquations, maximised, opened
+from testbench.diagnosis.evidence.hypothesis import Hypothesis
+from testbench.diagnosis.evidence.likelihood import Likelihood
+from testbench.diagnosis.evidence.priors import declared_size, tail_evidence, typical, with_tails
 from testbench.fitting.fit import shape_scales
 from testbench.knit.cache import SimulationCache
 from testbench.knit.catalogue import Catalogue
@@ -31,7 +31,7 @@ class Law:
     ----------
     candidates : tuple of Candidate
     traces : mapping of channel to ndarray, shape (m, k)
-        What each changes at the samples that count, over their relative noise.
+        What each candidate changes at the samples that count, over their relative noise.
     """
 
     mechanism: str
@@ -50,11 +50,11 @@ class Proposal:
     gain : float
         In ln Z, to first order.
     step : ndarray, shape (p,)
-        By which the parameters of the model give way to it, to first order, in the fit's coordinates.
+        By which the model's own parameters move to make room for it, to first order, in the fit's coordinates.
     believed : (mean, standard deviation), optional
-        Of a strength that only the data have a scale for: a threshold, a level.
+        Of a strength whose scale only the data tell: a threshold, a level.
     model : KnitModel, optional
-        With the law in it, where it was refitted beside a base that does not bend; `gain` is that of the refit then.
+        With the law in it, where it was refitted beside a stiff base; `gain` is then that of the refit.
     """
 
     mechanism: str
@@ -67,7 +67,7 @@ class Proposal:
 
     @property
     def first(self) -> Effect:
-        """The law where a fit may start beside a model that makes no room for it yet: weak."""
+        """The law, weak: a start for a fit of a model that has made no room for it yet."""
         strength = getattr(self.effect, self.effect.strength)
         if self.believed is not None or isinstance(strength, tuple):
             return self.effect
@@ -98,7 +98,7 @@ def laws_of(hypothesis: Hypothesis, likelihood: Likelihood, catalogue: Catalogue
 
 
 class Screen:
-    """First-order evidence beside a fitted model, all of whose parameters may give way."""
+    """First-order evidence of laws beside a fitted model, all of whose parameters may move to make room."""
 
     def __init__(self, hypothesis: Hypothesis, likelihood: Likelihood) -> None:
         self.hypothesis, self.likelihood = hypothesis, likelihood
@@ -140,7 +140,7 @@ class Screen:
         return np.where(one_way & (coefficient <= 0), np.minimum(gain, 0.0) - 1.0, gain), coefficient
 
     def _beside(self, law: Law, rows: Rows, index: int, gain: float, amount: float) -> Proposal:
-        """One point of a law, all scales found anew."""
+        """One point of a law, with the scales of all groups found anew."""
         candidate, step = law.candidates[index], np.zeros(len(self.hypothesis.normal.mean))
         if gain > 0.5:
             mean, declared = amplitude_prior(candidate, self.scales)
@@ -154,7 +154,7 @@ class Screen:
                 gain = -1.0
         else:
             amount = 1.0
-        # The best of so many points is no better than one for having been chosen.
+        # The best of many points looks good by chance alone.
         gain = float(gain) - np.log(len(law.candidates))
         effect = candidate.at(amount)
         size = abs(getattr(effect, effect.strength))
@@ -176,10 +176,14 @@ class Screen:
     def evidence(
         self, rows: Rows, mean: float, precision: float, group: int, iterations: int = 6, typical: bool = False
     ) -> LogEvidence:
-        """The model beside more columns of one prior; `group` 0: their scale is found by evidence.
+        """Evidence of the model with more columns, all with one prior.
 
+        Parameters
+        ----------
+        group : int
+            0: the scale of the new columns is found by evidence; -1: it is as declared.
         typical : bool
-            That scale has a prior: `precision` is of their typical size.
+            `precision` is that of their typical size, and the scale has Cauchy's prior around it.
         """
         count = len(next(iter(rows.values())))
         start = self.plain

@@ -12,8 +12,8 @@ import numpy as np
 from scipy.special import logsumexp
 
 from testbench.diagnosis import constants
-from testbench.diagnosis.hypothesis import Hypothesis, changed
-from testbench.diagnosis.likelihood import Likelihood
+from testbench.diagnosis.evidence.hypothesis import Hypothesis, changed
+from testbench.diagnosis.evidence.likelihood import Likelihood
 from testbench.diagnosis.proposals import Proposal
 from testbench.knit.model import KnitModel
 

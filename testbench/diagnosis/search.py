@@ -15,9 +15,9 @@ from threadpoolctl import threadpool_limits
 from testbench.comparing.ladder import drawn_to_data
 from testbench.diagnosis import constants
 from testbench.diagnosis.discrepancy_map import log_z_with_map
-from testbench.diagnosis.hypothesis import Hypothesis, own_part, under
-from testbench.diagnosis.laplace import fitted
-from testbench.diagnosis.likelihood import (
+from testbench.diagnosis.evidence.hypothesis import Hypothesis, own_part, under
+from testbench.diagnosis.evidence.laplace import fitted
+from testbench.diagnosis.evidence.likelihood import (
     Likelihood,
     jitter_of,
     law_error_of,
@@ -39,11 +39,11 @@ from testbench.fitting.baseline import (
     with_zeros,
     without_shapes,
 )
-from testbench.fitting.measurement import Measurement
-from testbench.fitting.noise_level import trimmed_rms
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
+from testbench.measurements.measurement import Measurement
+from testbench.measurements.noise_level import trimmed_rms
 
 Progress = Callable[[str], None]
 One = TypeVar("One", Proposal, Entry, Hypothesis, "tuple[NullModel, Proposal]")

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from testbench.diagnosis.hypothesis import Hypothesis
-from testbench.diagnosis.laplace import PARTS
-from testbench.diagnosis.likelihood import Likelihood
+from testbench.diagnosis.evidence.hypothesis import Hypothesis
+from testbench.diagnosis.evidence.laplace import PARTS
+from testbench.diagnosis.evidence.likelihood import Likelihood
 from testbench.diagnosis.proposals import Proposal
 from testbench.fitting.downhill import huber
 from testbench.fitting.parameters import with_values
@@ -14,16 +14,16 @@ from testbench.knit.model import KnitModel
 
 
 def best_start(h: Hypothesis, p: Proposal, likelihood: Likelihood) -> KnitModel:
-    """The law beside a model, where the linear model promises the maximum, as far as that holds.
+    """The model with the law in it, at whichever of a few points fits best.
 
-    The shapes are linear in their weights, so their part of the step holds, but where it makes up for a step of the
-    other parameters. Of those as much is taken as fits best, or nothing of the whole step. Where the law does not
-    hold either, it starts weak.
+    The linear model promises the maximum a step away. The shapes are linear in their weights, so their part of that
+    step is taken whole; of the part of the other parameters a share. Two points have no step: the law as it was
+    proposed, and weak.
 
     Parameters
     ----------
     h : Hypothesis
-        Beside which the law was proposed.
+        The model beside which the law was proposed.
     """
     low, high = h.priors.low, h.priors.high
     tried = [h.model.plus(p.first), h.model.plus(p.effect)]

@@ -7,12 +7,12 @@ from collections.abc import Iterable
 import numpy as np
 
 from testbench.fitting.contact_start import contact_start, driven_contact
-from testbench.fitting.measurement import Measurement
 from testbench.fitting.parameters import FRAME_PARAMETERS
-from testbench.fitting.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL
 from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.knit.effect import Effect, FloatArray
 from testbench.knit.model import KnitModel
+from testbench.measurements.measurement import Measurement
+from testbench.measurements.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL
 
 FORCE_SHAPES = ("elasticity_shape", "hysteresis_shape")
 CONDUCTANCE_SHAPES = ("contact_shape", "contact_loops_shape", "contact_drift_shape", "drift_shape")
@@ -97,7 +97,7 @@ def _force_laws(effects: dict[str, type[Effect]], strain: FloatArray, force: Flo
 
 
 def _pressing(laws: list[Effect], measurement: Measurement) -> FloatArray:
-    """Force that presses the contacts where it was not measured: of the laws as they start."""
+    """Force that presses the contacts, where it was not measured: simulated by the laws as they start."""
     return KnitModel.of(*laws).simulate(measurement.signals, measurement.dt_s)["force_N"]
 
 

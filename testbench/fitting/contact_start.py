@@ -16,13 +16,13 @@ from testbench.knit.effect import Effect, FloatArray, bounds_of
 SAMPLES = 300
 EXPONENTS = (0.5, 1.0)
 SHARES = (0.0, 1.0, 0.5)  # of the strain in what the contacts feel
-CLEARLY_LESS = 0.8  # of the misfit: then the less usual start is taken
+CLEARLY_LESS = 0.8  # of the misfit of the usual start: where a less usual one has less, it is taken
 
 
 def driven_contact(
     drive: Effect, contact: Effect, strain: FloatArray, force: FloatArray, log_g: FloatArray
 ) -> list[Effect]:
-    """What the contacts feel and how they answer to it, whichever share of strain says most about ln G.
+    """`drive` and `contact`, started: with the share of strain in what the contacts feel that explains ln G best.
 
     Parameters
     ----------

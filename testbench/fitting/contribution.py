@@ -9,13 +9,13 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from testbench.fitting.fit import prior_ridge, shape_scales
-from testbench.fitting.measurement import Measurement
-from testbench.fitting.noise_level import robust_sd
 from testbench.fitting.parameters import free_parameters
 from testbench.fitting.sensitivity import sensitivities
 from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import Effect, FloatArray
 from testbench.knit.model import KnitModel
+from testbench.measurements.measurement import Measurement
+from testbench.measurements.noise_level import robust_sd
 
 
 @dataclass(frozen=True)

@@ -158,12 +158,12 @@ def _projected(problem: LeastSquares, here: Linearised, x: FloatArray, damping: 
 def within(matrix: FloatArray, gradient: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:
     """The step d of least d' matrix d / 2 - gradient' d with low <= d <= high, shape (p,).
 
-    A step that is cut off at a bound afterwards would leave alone what made up for the part cut off.
+    A step must not be cut off at a bound afterwards: other parameters would still make up for the part cut off.
     Source: Stark & Parker, Comput. Stat. 10 (1995) 129 (bounded-variable least squares).
     """
     tied = np.flatnonzero(np.isfinite(low) | np.isfinite(high))
     free = np.setdiff1d(np.arange(len(gradient)), tied)
-    # The free ones follow: they are eliminated first.
+    # What has no bounds is eliminated first: its step follows from that of the others.
     inner = cho_factor(matrix[np.ix_(free, free)]) if len(free) else None
     cross = matrix[np.ix_(free, tied)]
     bare, follow = (cho_solve(inner, part) if inner else part for part in (gradient[free], cross))
@@ -192,5 +192,5 @@ def huber(z: FloatArray) -> FloatArray:
 
 
 def huber_weight(z: FloatArray) -> FloatArray:
-    """Weight of a squared residual that does as `huber` does, shape of `z`, which is >= 0."""
+    """Weight with which a squared residual has the slope of `huber`, shape of `z`, which is >= 0."""
     return np.minimum(1.0, HUBER / np.maximum(z, 1e-12))

@@ -9,14 +9,14 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from testbench.fitting.downhill import Linearised, huber, huber_weight, minimised
-from testbench.fitting.measurement import Measurement
-from testbench.fitting.noise_level import noise_floor, spread
 from testbench.fitting.parameters import FreeParameter, free_parameters, values_of, with_values
-from testbench.fitting.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL
 from testbench.fitting.sensitivity import sensitivities
 from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
+from testbench.measurements.measurement import Measurement
+from testbench.measurements.noise_level import noise_floor, spread
+from testbench.measurements.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL
 
 MAX_ITERATIONS = 25
 # Residuals are autocorrelated: what this time spans is worth one independent sample. Weakens the data against the
@@ -82,7 +82,7 @@ def independent_share(measurement: Measurement) -> float:
 
 
 def prior_ridge(parameters: Sequence[FreeParameter], measurement: Measurement) -> FloatArray:
-    """Precision of the priors beside a sum over all samples, shape (p,): higher where neighbours are much alike."""
+    """Precision of the priors, shape (p,), beside sums in which neighbours count as if they were independent."""
     return np.array([p.width for p in parameters]) ** -2.0 / independent_share(measurement)
 
 

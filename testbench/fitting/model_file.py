@@ -14,9 +14,9 @@ from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError
 from gcode.support.files import write_json
 from gcode.support.strict import StrictModel, read_json, validated
-from testbench.fitting.responses import UNIT_OF
 from testbench.knit.catalogue import Catalogue, load_catalogue, model_from_dict
 from testbench.knit.model import KnitModel
+from testbench.measurements.responses import UNIT_OF
 from testbench.recordings.recording import Recording
 from testbench.recordings.stored import Label, StoredModel, checked_model
 
@@ -52,7 +52,7 @@ class Errors(OpenModel):
 
 
 class _Zero(OpenModel):
-    """A `testbench.fitting.clamping.Zero`."""
+    """A `testbench.comparing.clamping.Zero`."""
 
     shift_mm: float
     standard_error_mm: Annotated[float, Field(ge=0)]

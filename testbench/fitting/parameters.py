@@ -15,8 +15,8 @@ from testbench.knit.model import KnitModel, parts_of
 
 # Parameters that describe the data (their range, moments of events), not the sensor: set from them, never fitted.
 FRAME_PARAMETERS = frozenset({"span", "span_N", "low_N", "tension_N", "slip_times_s", "reach_per_s", "begins_s"})
-HELD = 1e12  # prior precision, in the fit's coordinate, of what stays where it is
-LARGEST_LOG = 700.0  # the largest number that has an exponential
+HELD = 1e12  # prior precision, in the fit's coordinate, of a parameter that stays where it is
+LARGEST_LOG = 700.0  # the exponential of a larger number is no float any more
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class FreeParameter:
 
     @cached_property
     def place(self) -> tuple[str, str, int]:
-        """Effect, parameter, and index in its vector; -1: it is none."""
+        """Effect, parameter, and index in its vector; -1 where it is no vector."""
         return parts_of(self.address)
 
     def to_fit(self, value: float) -> float:

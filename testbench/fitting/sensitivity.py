@@ -6,11 +6,11 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from testbench.fitting.measurement import Measurement
 from testbench.fitting.parameters import FreeParameter, values_of, with_values
 from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
+from testbench.measurements.measurement import Measurement
 
 RELATIVE_STEP = 1e-4
 

@@ -10,12 +10,12 @@ from scipy.special import logsumexp
 
 from testbench.design.forecast import Likely, Reading
 from testbench.diagnosis import constants
-from testbench.diagnosis.hypothesis import Hypothesis
+from testbench.diagnosis.evidence.hypothesis import Hypothesis
 from testbench.diagnosis.rounds import NOTHING, UNKNOWN, Round, Verdict, over_errors, prior_of, whole_of
 from testbench.diagnosis.search import searched
-from testbench.fitting.measurement import Measurement
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.model import KnitModel
+from testbench.measurements.measurement import Measurement
 
 RIVALS, LEAST = 4, 1e-3  # hypotheses that a motion is designed to separate; least probability of one
 

@@ -11,8 +11,6 @@ from gcode.support.errors import UserError
 from gcode.support.files import make_folder
 from testbench.design.best_motion import best_motion
 from testbench.design.protocols import NOISE, menu
-from testbench.fitting.joining import joined
-from testbench.fitting.measurement import Measurement
 from testbench.investigating.belief import Belief, belief_after, doubted, over_specimens
 from testbench.investigating.benches import Bench, Order, now_s
 from testbench.investigating.state import (
@@ -31,6 +29,8 @@ from testbench.investigating.state import (
 )
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.model import KnitModel
+from testbench.measurements.joining import joined
+from testbench.measurements.measurement import Measurement
 from testbench.recordings.files import read_recording
 from testbench.rig.recorder import Status
 

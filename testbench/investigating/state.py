@@ -12,8 +12,8 @@ from gcode.support.files import write_json
 from gcode.support.strict import StrictModel, load
 from testbench.design.forecast import Likely, Reading
 from testbench.design.protocols import Bounds, menu
-from testbench.fitting.responses import UNIT_OF
 from testbench.knit.catalogue import Catalogue, model_from_dict
+from testbench.measurements.responses import UNIT_OF
 from testbench.recordings.stored import GaugeLength, Label, Remark, checked_model
 
 NAME = "investigation.json"

@@ -7,9 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from testbench.comparing.residual_coordinates import coordinates
-from testbench.fitting.measurement import Measurement
-from testbench.fitting.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL
 from testbench.knit.kernels import turns
+from testbench.measurements.measurement import Measurement
+from testbench.measurements.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL
 
 FEW_TURNS, LONG_HOLD_S = 6, 10.0
 TWOFOLD = 2.0

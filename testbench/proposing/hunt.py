@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from testbench.diagnosis.hypothesis import Hypothesis
-from testbench.diagnosis.laplace import fitted
+from testbench.diagnosis.evidence.hypothesis import Hypothesis
+from testbench.diagnosis.evidence.laplace import fitted
 from testbench.diagnosis.rounds import excess
 from testbench.diagnosis.search import Search
 from testbench.fitting.baseline import without_shapes

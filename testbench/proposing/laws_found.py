@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from testbench.fitting.measurement import Measurement
 from testbench.fitting.model_file import ModelFile
 from testbench.knit.effect import FloatArray
+from testbench.measurements.measurement import Measurement
 from testbench.proposing.grids import Grid
 from testbench.proposing.laws.law import Law
 

@@ -6,10 +6,10 @@ from functools import cached_property
 
 import numpy as np
 
-from testbench.fitting.measurement import Measurement, channel_of
-from testbench.fitting.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL, SIGNAL_OF
 from testbench.knit.effect import FloatArray, Signals, Stage
 from testbench.knit.model import KnitModel
+from testbench.measurements.measurement import Measurement, channel_of
+from testbench.measurements.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL, SIGNAL_OF
 from testbench.proposing.laws.places import PLACES, READABLE, Place
 
 STEP = 1e-3  # of the range of a signal, to find how the channels follow it

@@ -9,15 +9,15 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from testbench.comparing.ladder import on_the_ladder
-from testbench.diagnosis.hypothesis import Hypothesis
+from testbench.comparing.model_errors import noise_floors, over_the_floors
+from testbench.diagnosis.evidence.hypothesis import Hypothesis
 from testbench.diagnosis.search import Progress, Search
 from testbench.fitting.baseline import SHAPES
 from testbench.fitting.fit import Fit
-from testbench.fitting.measurement import Measurement, split
-from testbench.fitting.model_errors import noise_floors, over_the_floors
 from testbench.fitting.model_file import ModelFile
 from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.knit.model import KnitModel
+from testbench.measurements.measurement import Measurement, split
 from testbench.proposing.blindness import not_judged
 from testbench.proposing.grids import Grid
 from testbench.proposing.hunt import Hunt

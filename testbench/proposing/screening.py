@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import cho_solve, cholesky, solve_triangular
 
-from testbench.diagnosis.hypothesis import Hypothesis
-from testbench.diagnosis.likelihood import Likelihood
+from testbench.diagnosis.evidence.hypothesis import Hypothesis
+from testbench.diagnosis.evidence.likelihood import Likelihood
 from testbench.fitting.fit import shape_scales
-from testbench.fitting.responses import FORCE_CHANNEL
 from testbench.knit.effect import FloatArray, Stage
+from testbench.measurements.responses import FORCE_CHANNEL
 from testbench.proposing.laws.law import Law
 from testbench.proposing.laws.places import Place
 from testbench.proposing.open_chain import OpenChain

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from testbench.diagnosis.hypothesis import Hypothesis
-from testbench.diagnosis.laplace import fitted
-from testbench.diagnosis.likelihood import Likelihood
+from testbench.diagnosis.evidence.hypothesis import Hypothesis
+from testbench.diagnosis.evidence.laplace import fitted
+from testbench.diagnosis.evidence.likelihood import Likelihood
 from testbench.diagnosis.proposals import Proposal, Screen
 from testbench.diagnosis.starts import best_start
 from testbench.knit.effect import Effect, bounds_of

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
+from testbench.comparing.model_errors import channel_name
 from testbench.comparing.tables import ladder_table
 from testbench.comparing.words import percent
-from testbench.fitting.model_errors import channel_name
-from testbench.fitting.responses import UNIT_OF
 from testbench.knit.effect import bounds_of
+from testbench.measurements.responses import UNIT_OF
 from testbench.proposing.laws.formulas import in_words, latex_of, plain
 from testbench.proposing.laws.law import Law
 from testbench.proposing.laws_found import Option, Proposed, Step, numbered

@@ -10,13 +10,13 @@ import numpy as np
 
 from testbench.comparing.compare import Comparison, residual_maps
 from testbench.comparing.judged import kept_zero
+from testbench.comparing.model_errors import noise_floors
+from testbench.comparing.remounting import remounted
 from testbench.comparing.residual_coordinates import coordinates
-from testbench.fitting.measurement import Measurement
-from testbench.fitting.model_errors import noise_floors
 from testbench.fitting.model_file import ModelFile
-from testbench.fitting.remounting import remounted
 from testbench.knit.catalogue import Catalogue, model_from_dict
 from testbench.knit.model import KnitModel
+from testbench.measurements.measurement import Measurement
 from testbench.report.figures.comparison_figures import Overlay
 from testbench.report.figures.ladder_figures import Step
 from testbench.report.words import spoken

@@ -9,10 +9,10 @@ from typing import Any
 from testbench.comparing.compare import compare
 from testbench.comparing.judged import held_samples
 from testbench.comparing.numbers import plain
-from testbench.fitting.measurement import Measurement
+from testbench.comparing.remounting import remounted
 from testbench.fitting.model_file import ModelFile, check_same_set_up
-from testbench.fitting.remounting import remounted
 from testbench.knit.catalogue import Catalogue, model_from_dict
+from testbench.measurements.measurement import Measurement
 from testbench.recordings.recording import Recording
 from testbench.report import sections, words
 from testbench.report.document import Facts, Item, Picture, Section

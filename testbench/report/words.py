@@ -8,7 +8,7 @@ from typing import Any
 
 from testbench.comparing.numbers import plain
 from testbench.comparing.words import MANY, percent
-from testbench.fitting.responses import UNIT_OF
+from testbench.measurements.responses import UNIT_OF
 
 PANEL_UNITS = {**UNIT_OF, "resistance": "kΩ"}  # of an axis or a table, by what it shows
 

@@ -19,7 +19,7 @@ from testbench.recordings.stored import StoredEvent
 from testbench.rig.ending import EndOfMotion
 from testbench.rig.file_lines import bad_line
 from testbench.rig.sink import BAD, EVENTS
-from testbench.rig.stream import Anchor, Bad, Intake
+from testbench.rig.stream import Anchor, Bad, Intake, LateLine
 from testbench.rig.wire import MICROS_WRAP, SEQUENCE_WRAP
 
 MOST_LINE = 8192
@@ -100,7 +100,7 @@ def mend(folder: Path, wall_s: float) -> Left:
 def continued(left: Left, now_s: float) -> Intake:
     """An intake that goes on where the files end."""
     intake = Intake(channels=left.channels, accepted=left.rows, bad=left.bad)
-    late = left.bad["out of order"]
+    late = left.bad[LateLine.reason]
     intake.lost = max(0, sum(event.lost or 0 for event in left.events) - late)
     stamps = [event for event in left.events if event.micros is not None]
     if left.last_time_us is not None and stamps:

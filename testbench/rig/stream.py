@@ -20,7 +20,15 @@ HALF_WRAP_US = MICROS_WRAP // 2
 AHEAD_US, AHEAD_SHARE, AHEAD_RESUMED_US = 5_000_000, 0.1, 600_000_000
 RENUMBERED_LINES = 8  # so many old numbers in a row, and the device has begun to count anew
 MOST_LINES_PER_US = 1
-LATE = "out of order"
+
+
+class LateLine(BadLine):
+    """A line that was counted as lost and came after all, behind later ones."""
+
+    reason = "out of order"
+
+    def __init__(self) -> None:
+        super().__init__(self.reason)
 
 
 class Row(NamedTuple):
@@ -172,7 +180,7 @@ class Intake:
             yield from self._sample(sample, host_s)
         except BadLine as problem:
             yield self._reject(str(problem), line)
-            if str(problem) == LATE:
+            if isinstance(problem, LateLine):
                 return  # awaited: it says nothing of who talks
         if self.voices.hear(sample):
             yield Event("two devices", self.time_us, {"boots": [f"{boot:08x}" for boot in self.voices.boots]})
@@ -271,7 +279,7 @@ class Intake:
         if sequence in self._missing:
             del self._missing[sequence]
             self.lost -= 1
-            raise BadLine(LATE)
+            raise LateLine
         before, length = self._run
         follows = elapsed_us is not None and sequence == (before + 1) % SEQUENCE_WRAP
         self._run = (sequence, length + 1 if follows else 0)

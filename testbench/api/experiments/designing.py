@@ -19,9 +19,9 @@ from testbench.design.experiment import Option, Rival
 from testbench.design.experiment_words import experiment_table, verdict
 from testbench.design.protocols import Bounds, menu
 from testbench.design.rivals import rivals_from_diagnosis, rivals_of
-from testbench.fitting.measurement import split
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import FloatArray
+from testbench.measurements.measurement import split
 from testbench.recordings.channels import TEMPERATURE
 from testbench.report import style
 from testbench.report.downsample import rows_to_draw

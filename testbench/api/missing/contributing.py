@@ -16,13 +16,13 @@ from gcode.support.html import card
 from testbench.api.arguments import Effects, Source, catalogue_of, recordings_for
 from testbench.api.missing.diagnosing import DiagnosisResult, diagnosis_data
 from testbench.comparing.judged import held_samples
+from testbench.comparing.model_errors import channel_name
 from testbench.fitting import contribution as core
 from testbench.fitting.contribution import Contribution
-from testbench.fitting.model_errors import channel_name
 from testbench.fitting.model_file import ModelFile
-from testbench.fitting.responses import CONDUCTANCE_CHANNEL, UNIT_OF
 from testbench.knit.catalogue import Catalogue, model_from_dict
 from testbench.knit.effect import Effect
+from testbench.measurements.responses import CONDUCTANCE_CHANNEL, UNIT_OF
 from testbench.report import style
 
 if TYPE_CHECKING:

@@ -12,8 +12,8 @@ from testbench.api.progress import Tell, telling
 from testbench.comparing.ladder import idle_effects
 from testbench.comparing.ladder import undo as taken_back
 from testbench.diagnosis.adding import add_effect
-from testbench.fitting.measurement import split
 from testbench.knit.catalogue import BASELINE
+from testbench.measurements.measurement import split
 
 
 def add(

@@ -16,12 +16,12 @@ from testbench.comparing import compare as comparing
 from testbench.comparing.cell import Cell
 from testbench.comparing.compare import Comparison
 from testbench.comparing.judged import Judged, judged
+from testbench.comparing.model_errors import channel_name
 from testbench.comparing.residual_coordinates import LABELS
 from testbench.comparing.tables import comparison_table
-from testbench.fitting.measurement import Measurement, prepare
-from testbench.fitting.model_errors import channel_name
-from testbench.fitting.responses import UNIT_OF
 from testbench.knit.model import KnitModel
+from testbench.measurements.measurement import Measurement, prepare
+from testbench.measurements.responses import UNIT_OF
 from testbench.report import style
 
 if TYPE_CHECKING:

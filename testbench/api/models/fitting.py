@@ -12,12 +12,12 @@ from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, mod
 from testbench.api.models.model_result import ModelResult
 from testbench.api.models.overlay import plot_overlay
 from testbench.api.progress import Tell, telling
+from testbench.comparing.clamping import may_be_clamped_anew
 from testbench.comparing.ladder import fitted_file
 from testbench.comparing.tables import errors_line, fit_table
 from testbench.fitting.baseline import starting_baseline
-from testbench.fitting.clamping import may_be_clamped_anew
-from testbench.fitting.measurement import Measurement, split
 from testbench.fitting.model_file import ModelFile
+from testbench.measurements.measurement import Measurement, split
 
 if TYPE_CHECKING:
     import pandas as pd

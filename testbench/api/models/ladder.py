@@ -12,10 +12,10 @@ from gcode.support.errors import UserError
 from gcode.support.figures import panels, picture
 from gcode.support.html import card, frame_table
 from testbench.api.arguments import AnyModel, Effects, catalogue_of, model_file_of
+from testbench.comparing.model_errors import channel_name
 from testbench.comparing.tables import ladder_table
-from testbench.fitting.model_errors import channel_name
 from testbench.fitting.model_file import ModelFile
-from testbench.fitting.responses import UNIT_OF
+from testbench.measurements.responses import UNIT_OF
 from testbench.report import style
 
 if TYPE_CHECKING:

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gcode.support.figures import outline, panels
-from testbench.fitting.measurement import Measurement
 from testbench.knit.model import KnitModel
+from testbench.measurements.measurement import Measurement
 from testbench.report import style
 from testbench.report.figures.comparison_figures import CHANNEL_TITLES, model_colour
 

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 
 from gcode.support.arrays import FloatArray
-from testbench.fitting.measurement import Measurement
-from testbench.fitting.model_errors import channel_name
-from testbench.fitting.remounting import brought_together
-from testbench.fitting.responses import UNIT_OF
+from testbench.comparing.model_errors import channel_name
+from testbench.comparing.remounting import brought_together
 from testbench.knit.model import KnitModel
+from testbench.measurements.measurement import Measurement
+from testbench.measurements.responses import UNIT_OF
 from testbench.proposing.laws.formulas import in_words, plain
 from testbench.proposing.laws_found import Proposed, Step, numbered
 from testbench.report import style

@@ -15,9 +15,9 @@ from compensation.training.options import Options
 from compensation.training.training import train_on_series
 from gcode.support.errors import UserError
 from testbench.fitting.fit import fit
-from testbench.fitting.measurement import coarser, prepare
 from testbench.knit.catalogue import baseline, load_catalogue
 from testbench.knit.model import KnitModel
+from testbench.measurements.measurement import coarser, prepare
 from testbench.recordings.files import write_recording_csv
 
 

@@ -9,9 +9,7 @@ import pytest
 
 from tests.testbench.api.samples import after_examples
 
-PACKAGES = ("testbench", "gcode")
-
-
+PACKAGES = ("testbench", "gcode", "compensation")
 GIVEN = ("Result", "Case", "Experiment", "Ladder", "Made", "Program", "Trajectory", "UserError")  # nobody makes these
 ELSEWHERE = {"testbench.Effect", "testbench.Stage", "gcode.Noise"}  # in the examples of `parameter` and of `Limits`
 

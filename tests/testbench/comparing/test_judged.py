@@ -11,13 +11,13 @@ import pytest
 import testbench as tb
 from gcode.support.errors import UserError
 from testbench.cli import main
+from testbench.comparing.clamping import moved
 from testbench.comparing.judged import judged
 from testbench.comparing.ladder import on_the_ladder
-from testbench.fitting.clamping import moved
+from testbench.comparing.remounting import held_errors
 from testbench.fitting.fit import fit
-from testbench.fitting.measurement import prepare, split
 from testbench.fitting.model_file import ModelFile, same_source
-from testbench.fitting.remounting import held_errors
+from testbench.measurements.measurement import prepare, split
 from testbench.recordings.recording import Recording
 from tests.testbench.builders import CATALOGUE, NOISE_LN, record, truth, write_csv
 

@@ -16,9 +16,9 @@ from testbench.diagnosis import constants, diagnose
 from testbench.diagnosis.diagnosis import Diagnosis
 from testbench.diagnosis.words import first_line
 from testbench.fitting.baseline import starting_baseline
-from testbench.fitting.measurement import split
 from testbench.fitting.result_files import checked_diagnosis
 from testbench.knit.catalogue import load_catalogue, model_from_dict
+from testbench.measurements.measurement import split
 from testbench.recordings.files import read_recording
 from testbench.recordings.recording import Recording
 from testbench.worlds import make_case

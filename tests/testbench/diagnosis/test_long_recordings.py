@@ -11,8 +11,8 @@ import pytest
 
 import testbench as tb
 from testbench.diagnosis import constants
-from testbench.diagnosis.likelihood import on_the_grid, telling
-from testbench.fitting.measurement import prepare
+from testbench.diagnosis.evidence.likelihood import on_the_grid, telling
+from testbench.measurements.measurement import prepare
 from tests.testbench.builders import record, truth, write_csv
 
 HOURS = 6

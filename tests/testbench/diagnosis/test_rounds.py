@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from testbench.diagnosis import constants
-from testbench.diagnosis.likelihood import Likelihood
+from testbench.diagnosis.evidence.likelihood import Likelihood
 from testbench.diagnosis.rounds import NOTHING, UNKNOWN, Entry, Round, best_set, leading, over_errors, whole_of
 from testbench.diagnosis.search import Search
 from testbench.knit.model import KnitModel

@@ -11,9 +11,9 @@ import testbench as tb
 from gcode.support.errors import UserError
 from testbench.cli import main
 from testbench.diagnosis import diagnose
-from testbench.fitting.joining import joined, last_of
 from testbench.knit.kinematics.mounting import DisplacementZeros, ForceZeros
 from testbench.knit.mechanics.damage import MullinsSoftening
+from testbench.measurements.joining import joined, last_of
 from testbench.recordings.recording import Recording
 from tests.testbench.builders import CATALOGUE, GAUGE_LENGTH_MM, record, truth, write_csv
 

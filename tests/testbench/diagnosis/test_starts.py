@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from testbench.diagnosis.laplace import fitted
-from testbench.diagnosis.likelihood import likelihood_of, noise_of
+from testbench.diagnosis.evidence.laplace import fitted
+from testbench.diagnosis.evidence.likelihood import likelihood_of, noise_of
 from testbench.diagnosis.proposals import Proposal
 from testbench.diagnosis.starts import best_start
 from testbench.fitting.baseline import with_shapes
-from testbench.fitting.measurement import prepare
 from testbench.knit.readout.interference import PeriodicInterferenceForce
+from testbench.measurements.measurement import prepare
 from tests.testbench.builders import record, truth
 
 

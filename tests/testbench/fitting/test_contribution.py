@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from testbench.fitting.contribution import contribution
-from testbench.fitting.measurement import Measurement, prepare
 from testbench.knit.catalogue import baseline, load_catalogue
 from testbench.knit.model import KnitModel, inputs
+from testbench.measurements.measurement import Measurement, prepare
 from testbench.recordings.recording import Recording
 
 

@@ -7,11 +7,11 @@ import pytest
 
 from testbench.fitting.baseline import starting_baseline, with_shapes
 from testbench.fitting.fit import fit, independent_share, shape_scales
-from testbench.fitting.measurement import prepare
-from testbench.fitting.noise_level import noise_floor, robust_sd
 from testbench.fitting.parameters import free_parameters, values_of, with_values
 from testbench.fitting.sensitivity import sensitivities
 from testbench.knit.cache import SimulationCache
+from testbench.measurements.measurement import prepare
+from testbench.measurements.noise_level import noise_floor, robust_sd
 from tests.testbench.builders import NOISE_LN, NOISE_N, record, truth
 
 KNOWN = ("elasticity.stiffness_N", "elasticity.curvature", "hysteresis.friction_N", "hysteresis.threshold")

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from testbench.cli import main
-from testbench.fitting.measurement import split
 from testbench.knit.catalogue import load_catalogue
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 from testbench.knit.rules import check
+from testbench.measurements.measurement import split
 from testbench.proposing import Proposed, propose_law
 from testbench.proposing.blindness import not_judged
 from testbench.proposing.words import _safe, first_line, proposal_text, story

@@ -40,11 +40,13 @@ def words(tmp_path):
 
 @pytest.mark.parametrize("speed", [1.0, 20.0])
 def test_lines_come_when_their_device_time_has_come(speed):
-    clock, lines = Clock(), list(rig(duration_s=5.0).lines())
+    clock, lines, came = Clock(), list(rig(duration_s=5.0).lines()), []
     first = decode(lines[0].rstrip()).micros
     for line in paced(lines, speed, clock, clock.sleep):
+        came.append(line)
         due_s = (decode(line.rstrip()).micros - first) % 2**32 / 1e6 / speed
         assert clock.now_s - 100.0 == pytest.approx(due_s, abs=1e-9)
+    assert came == lines
 
 
 def test_a_run_in_its_place_gives_the_same_bytes_and_can_be_read_meanwhile(tmp_path):

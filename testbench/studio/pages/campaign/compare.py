@@ -147,7 +147,7 @@ def view_of(studio: Studio, c: str, on: str, beside: str = "") -> View:
 def _compare(studio: Studio, c: str, on: str, second: Beside | None) -> View:
     """As `testbench compare` does it, with pictures."""
     from testbench.api.models.comparing import compare
-    from testbench.fitting.model_errors import rms_errors
+    from testbench.comparing.model_errors import rms_errors
     from testbench.fitting.model_file import load_model_file
     from testbench.report.overlays import failings_of, overlay_of
 
@@ -171,7 +171,7 @@ def _compare(studio: Studio, c: str, on: str, second: Beside | None) -> View:
 def _notes(studio: Studio, c: str, found: ComparisonResult) -> list[str]:
     """What `testbench fit` and `compare` say of another recording, in the page's words."""
     from testbench.api.models.fitting import beyond_calibration
-    from testbench.fitting.measurement import prepare
+    from testbench.measurements.measurement import prepare
 
     beyond = beyond_calibration(prepare(studio.workspace.recording(c)), found.measurement)
     source = f"{found.measurement.recording.source}: "

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import testbench as tb
-from testbench.diagnosis.likelihood import jitter_of, likelihood_of, noise_of
+from testbench.diagnosis.evidence.likelihood import jitter_of, likelihood_of, noise_of
 from testbench.fitting.baseline import starting_baseline
 from testbench.fitting.fit import fit
-from testbench.fitting.measurement import prepare
 from testbench.knit.readout.reading_age import ConductanceAge, ForceAge
+from testbench.measurements.measurement import prepare
 from tests.testbench.builders import record, truth
 
 TIME_S = np.arange(0, 60, 0.02)

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from testbench.fitting.baseline import SHAPES, framed
-from testbench.fitting.measurement import Measurement
 from testbench.knit.catalogue import BASELINE, Catalogue
 from testbench.knit.effect import Effect, Signals, bounds_of
 from testbench.knit.model import KnitModel
+from testbench.measurements.measurement import Measurement
 
 # Slip of the contacts is in the base already: contact_shape has slip elements of its own.
 BASE_MECHANISMS = frozenset({*BASELINE, *SHAPES, "contact_hysteresis"})

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from testbench.fitting.fit import shape_scales
-from testbench.fitting.measurement import Measurement
 from testbench.fitting.parameters import FreeParameter, free_parameters, value_of
 from testbench.knit.effect import Effect, FloatArray, bounds_of
 from testbench.knit.model import KnitModel
+from testbench.measurements.measurement import Measurement
 
 SHARE_OF_RANGE = 0.1  # of the range of a sensor's force: the scale of its forces, if nothing else was declared
 
@@ -20,14 +20,14 @@ SHARE_OF_RANGE = 0.1  # of the range of a sensor's force: the scale of its force
 class Priors:
     """Gaussian priors in the fit's coordinates; that of an effect's strength is Cauchy's.
 
-    An effect that is asked about may be many times its typical size: ten times costs 5 nats then, not fifty.
+    With Cauchy's tails an effect may be many times its typical size: ten times costs 5 nats, not fifty.
 
     Attributes
     ----------
     parameters : tuple of FreeParameter
     mean, precision, low, high : ndarray, shape (p,)
     tails : ndarray of bool, shape (p,)
-        Strengths of effects.
+        Which of them are strengths of effects.
     group : ndarray of int, shape (p,)
         Weights of one vector share a scale that the evidence finds; -1: as declared.
     groups : tuple of str
@@ -60,12 +60,12 @@ class Priors:
         return self.precision * np.where(self.group >= 0, factor[self.group], 1.0) if len(factor) else self.precision
 
     def cost(self, x: FloatArray, factor: FloatArray) -> FloatArray:
-        """Minus the log density over that at the mean, in nats, shape (p,)."""
+        """How much less likely each parameter is than its mean, in nats, shape (p,)."""
         off = self.scaled(factor) * (x - self.mean) ** 2
         return np.where(self.tails, np.log1p(off), 0.5 * off)
 
     def of_tails(self, x: FloatArray) -> FloatArray:
-        """What the evidence with the priors is above that with the Gaussians of `precision_at`, shape (p,)."""
+        """By how much the log evidence is above that with the Gaussians of `precision_at`, shape (p,)."""
         return np.where(self.tails, tail_evidence(self.precision, x - self.mean), 0.0)
 
 
@@ -77,7 +77,7 @@ def priors_of(
     Parameters
     ----------
     reference : KnitModel
-        Base laws are believed near its own, within wide limits.
+        The parameters of the base laws are believed near its own, within wide limits.
     known : mapping of address to (mean, standard deviation)
         What is believed of some parameters already, in the fit's coordinates.
     """

@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from testbench.fitting.measurement import MAX_GRID_HZ, Measurement, check_gauge_length, prepare
-from testbench.fitting.motion import reading_noise
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import inputs
+from testbench.measurements.measurement import MAX_GRID_HZ, Measurement, check_gauge_length, prepare
+from testbench.measurements.motion import reading_noise
 from testbench.recordings.recording import Recording
 
 

@@ -6,11 +6,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from testbench.fitting.measurement import Measurement
-from testbench.fitting.noise_level import noise_floor
-from testbench.fitting.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
+from testbench.measurements.measurement import Measurement
+from testbench.measurements.noise_level import noise_floor
+from testbench.measurements.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL
 from testbench.recordings.channels import FORCE, RESISTANCE
 
 

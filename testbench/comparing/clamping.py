@@ -2,7 +2,7 @@
 
 A sensor that is taken out and put back is gripped a little higher or lower, so its displacement counts from another
 point. No effect should be blamed for that, nor be found in it. The zero of the force and the gain of the conductance,
-which change as well, are taken out by `testbench.fitting.model_errors.rms_errors`.
+which change as well, are taken out by `testbench.comparing.model_errors.rms_errors`.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import minimize_scalar
 
+from testbench.comparing.model_errors import channel_name, rms_errors
 from testbench.fitting.fit import independent_share
-from testbench.fitting.measurement import Measurement
-from testbench.fitting.model_errors import channel_name, rms_errors
-from testbench.fitting.responses import FORCE_CHANNEL, UNIT_OF
 from testbench.knit.model import KnitModel
+from testbench.measurements.measurement import Measurement
+from testbench.measurements.responses import FORCE_CHANNEL, UNIT_OF
 
 REACH = 4.0  # how far the search goes on either side, in plays
 COARSE = 17  # points at which the search begins: half a play apart

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from testbench.comparing.remounting import held_errors, remounted
 from testbench.fitting.fit import fit
-from testbench.fitting.measurement import prepare
-from testbench.fitting.remounting import held_errors, remounted
 from testbench.knit.readout.interference import PeriodicInterference
+from testbench.measurements.measurement import prepare
 from tests.testbench.builders import NOISE_LN, record, truth
 
 

@@ -9,24 +9,24 @@ from functools import partial
 import numpy as np
 
 from testbench.diagnosis import constants
-from testbench.diagnosis.directions import Directions
-from testbench.diagnosis.evidence import LogEvidence, NormalEquations, maximised, opened
-from testbench.diagnosis.hypothesis import Hypothesis, pinned, rms, tail
-from testbench.diagnosis.likelihood import Likelihood
-from testbench.diagnosis.priors import priors_of
+from testbench.diagnosis.evidence.directions import Directions
+from testbench.diagnosis.evidence.evidence import LogEvidence, NormalEquations, maximised, opened
+from testbench.diagnosis.evidence.hypothesis import Hypothesis, pinned, rms, tail
+from testbench.diagnosis.evidence.likelihood import Likelihood
+from testbench.diagnosis.evidence.priors import priors_of
 from testbench.fitting.downhill import downhill, huber, huber_weight, within
-from testbench.fitting.noise_level import trimmed_rms
 from testbench.fitting.parameters import HELD, values_of, with_values
 from testbench.fitting.sensitivity import derivatives
 from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
+from testbench.measurements.noise_level import trimmed_rms
 
 FINAL_WEIGHTS = 3
-AGREED = 0.02  # relative change of the noise from one to the next
-PARTS = (1.0, 0.3, 0.0)  # of the last step, where the whole does not hold
-NARROWEST = 1e3  # factor on a group's precision: directions that a wider prior would show are kept
-AT_REST = 0.05  # nats gained in a step: along a valley the steps are short
+AGREED = 0.02  # relative change of the noise from one of these to the next, below which they agree
+PARTS = (1.0, 0.3, 0.0)  # shares of a promised step, tried in turn
+NARROWEST = 1e3  # largest factor on a group's precision when directions are chosen: a wider prior may show them
+AT_REST = 0.05  # nats: a search whose step gains less is at rest; along a valley steps gain little
 
 
 def fitted(
@@ -45,9 +45,9 @@ def fitted(
     model : KnitModel
         Where the search starts.
     reference : KnitModel
-        Around which its base laws are believed.
+        Base laws are believed to have parameters near those here.
     like : Hypothesis, optional
-        A neighbour: scales, and sensitivities of what both have, are taken from it at first.
+        A fitted neighbour, from which scales, and sensitivities of what both have, are taken at first.
     believed : mapping of address to (mean, standard deviation), optional
         Priors of some parameters, other than those declared.
     quick : bool
@@ -145,9 +145,9 @@ class _PosteriorFit:
         return Hypothesis(self.model, self.priors, normal, held, evidence, tails, self.columns, robust, weight)
 
     def settle(self, evidence: LogEvidence) -> None:
-        """Take the step that the evidence promises: of the weights the whole, of the rest as much of it as holds.
+        """Take the step that the evidence counts on: of the weights the whole, of the rest what lowers the cost.
 
-        What is held stays.
+        Parameters that are held stay.
         """
         step = np.where(self.held, 0.0, self.directions.full(evidence.coefficients))
         now = self.cost_here()
@@ -237,12 +237,12 @@ class _PosteriorFit:
         return {c: np.sqrt(huber_weight(one)) for c, one in z.items()}
 
     def believed(self) -> tuple[FloatArray, FloatArray]:
-        """Prior of the step from here; what is held makes none."""
+        """Mean and precision of the prior of the step from here; parameters that are held make none."""
         mean = np.where(self.held, 0.0, self.priors.mean - self.x)
         return mean, np.where(self.held, HELD, self.priors.precision_at(self.x))
 
     def all_normal(self, robust: Mapping[str, FloatArray]) -> NormalEquations:
-        """For every parameter."""
+        """The normal equations of all parameters, whatever directions the data see."""
         return self.equations(self.columns, robust, *self.believed(), self.priors.group)
 
     def equations(self, rows: Mapping[str, FloatArray], robust, mean, precision, group) -> NormalEquations:
@@ -260,15 +260,15 @@ class _PosteriorFit:
         matrix, gradient = total[1:, 1:] + np.diag(precision), total[1:, 0] + precision * normal.mean
         push = self.directions.full(gradient)
         self.held = ((self.x <= self.priors.low) & (push < 0)) | ((self.x >= self.priors.high) & (push > 0))
-        # Steps are short against what is believed, not against what the data know: laws that resemble each other
-        # may trade much. Weights are linear.
+        # Damping is by the priors, not by the data, so that laws which resemble each other may trade much in a step.
+        # The model is linear in its weights, which need none.
         own = normal.group < 0
         matrix += np.diag(np.where(own, damping * (precision + 1e-5 * np.diag(matrix)), 0.0))
         step = self.directions.full(within(matrix, gradient, *self.room()))
         return np.clip(self.x + step, self.priors.low, self.priors.high) - self.x
 
     def room(self) -> tuple[FloatArray, FloatArray]:
-        """How far each direction may go: that of a parameter up to its bounds."""
+        """How far a step may go along each direction: for a parameter to its bounds, for weights anywhere."""
         own = self.directions.group < 0
         which = np.argmax(self.directions.basis != 0, axis=0)
         low = np.where(own, (self.priors.low - self.x)[which], -np.inf)

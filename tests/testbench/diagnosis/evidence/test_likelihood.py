@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from testbench.diagnosis import constants
-from testbench.diagnosis.likelihood import Likelihood, jitter_of, law_error_of, likelihood_of, noise_of
-from testbench.fitting.measurement import Measurement, prepare
+from testbench.diagnosis.evidence.likelihood import Likelihood, jitter_of, law_error_of, likelihood_of, noise_of
 from testbench.knit.model import KnitModel
+from testbench.measurements.measurement import Measurement, prepare
 from testbench.recordings.recording import Recording
 from tests.testbench.builders import CATALOGUE, record, truth
 

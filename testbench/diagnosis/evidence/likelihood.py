@@ -1,8 +1,8 @@
 """How samples count: the noise at each of them, and how many of them are independent.
 
-e_i = sigma_c s_i z_i. s_i follows the noise of the reading over its level, the noise of the displacement through the
-slope of the model (effective variance, Orear, Am. J. Phys. 50 (1982) 912), and the jitter of the age of the reading
-through its speed.
+The error of sample i in channel c is e_i = sigma_c s_i z_i, where z_i has unit size. s_i follows the noise of the
+reading at its level, the noise of the displacement times the slope of the model (effective variance, Orear, Am. J.
+Phys. 50 (1982) 912), and the jitter of the reading's age times its speed.
 """
 
 from __future__ import annotations
@@ -13,13 +13,13 @@ from itertools import pairwise
 
 import numpy as np
 
+from testbench.comparing.model_errors import sampled
 from testbench.diagnosis import constants
-from testbench.fitting.measurement import Measurement, channel_of, coarser
-from testbench.fitting.model_errors import sampled
-from testbench.fitting.motion import reading_noise
-from testbench.fitting.noise_level import FEWEST, noise_floor, robust_sd, rounding, trimmed_rms, within_range
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
+from testbench.measurements.measurement import Measurement, channel_of, coarser
+from testbench.measurements.motion import reading_noise
+from testbench.measurements.noise_level import FEWEST, noise_floor, robust_sd, rounding, trimmed_rms, within_range
 
 LEVELS, MOST_NOISE = 10, 30.0  # levels whose noise is told apart; largest over typical noise
 JERK_S = 0.3  # a machine's jerks are quicker, strokes are slower
@@ -62,17 +62,17 @@ class Likelihood:
 
     @property
     def least(self) -> dict[str, float]:
-        """What no model can be expected to leave less than: half of the white noise, for that is estimated."""
+        """The least that a model can leave: half of the white noise, since that is an estimate."""
         return {channel: 0.5 * floor for channel, floor in self.floor.items()}
 
     @property
     def least_misfit(self) -> dict[str, float]:
-        """What no law is expected to leave less than, standard deviation."""
+        """The least that a law is expected to leave, standard deviation."""
         return {channel: constants.LEAST_MISFIT * floor for channel, floor in self.floor.items()}
 
     @property
     def misfit(self) -> dict[str, float]:
-        """What a law is expected to leave, standard deviation: it is not the sensor's own, and instruments wander."""
+        """What a law is expected to leave, standard deviation: no law is the sensor's own, and instruments drift."""
         inexact = {channel: constants.INEXACT * self.explained.get(channel, 0.0) for channel in self.floor}
         return {c: float(np.hypot(least, inexact[c])) for c, least in self.least_misfit.items()}
 
@@ -106,15 +106,15 @@ class Likelihood:
 
     @property
     def in_pieces(self) -> Likelihood:
-        """As models are compared, none of which is quite true.
+        """The likelihood by which models are compared, none of which is quite true.
 
-        The errors of a law go on for longer than those of a sample: a recording has `INDEPENDENT` pieces (a power
-        posterior; Grunwald & van Ommen, Bayesian Anal. 12 (2017) 1069).
+        A law errs for longer than a sample does, so a recording counts as `INDEPENDENT` pieces (a power posterior;
+        Grunwald & van Ommen, Bayesian Anal. 12 (2017) 1069).
         """
         return replace(self, share=min(self.pieces / len(self.rows), self.share))
 
     def with_law_error(self, error: Mapping[str, float]) -> Likelihood:
-        """The same where laws err, too: at all samples alike, however quiet they are.
+        """The same with the error of a law added to the noise: equally at all samples, however quiet they are.
 
         Parameters
         ----------
@@ -196,7 +196,7 @@ def jitter_of(models: Sequence[KnitModel], measurement: Measurement) -> dict[str
 
 
 def _without_ripple(left: FloatArray, measurement: Measurement) -> FloatArray:
-    """The same less its mean at each strain, out and back, shape (n,)."""
+    """What a model leaves, less its mean at each strain on the way out and on the way back, shape (n,)."""
     strain, rest = measurement.signals["strain"], left.copy()
     out = np.gradient(strain) >= 0
     for way in (np.flatnonzero(out), np.flatnonzero(~out)):
@@ -209,7 +209,7 @@ def _without_ripple(left: FloatArray, measurement: Measurement) -> FloatArray:
 
 
 def _jitter(left: FloatArray, channel: str, measurement: Measurement, lag: int) -> float:
-    """The same from sixth differences of what a model leaves, over samples that are `lag` apart.
+    """Jitter of one channel in s, from sixth differences of what a model leaves, over samples that are `lag` apart.
 
     They show no motion, however wrong the model; what its laws may err by is taken off. Their variance grows with the
     square of the speed.
@@ -226,7 +226,7 @@ def _jitter(left: FloatArray, channel: str, measurement: Measurement, lag: int) 
     square = np.array([np.median(speed[part] ** 2) for part in parts])
     if len(parts) < 2 or np.ptp(square) == 0 or np.ptp(variance) == 0:
         return 0.0
-    # between readings that are further apart than the grid there is no noise, but then no certainty either
+    # Readings rarer than the grid were interpolated: they show no noise, which must not make them certain.
     sure = np.sqrt([len(part) for part in parts]) / np.maximum(variance, 1e-6 * np.max(variance))
     return max(float(np.polyfit(square, variance, 1, w=sure)[0]), 0.0) ** 0.5
 

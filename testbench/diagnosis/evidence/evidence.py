@@ -16,9 +16,9 @@ from scipy.linalg import lapack
 from testbench.knit.effect import FloatArray
 
 SMALLEST, LARGEST = 1e-2, 1e8  # of a group's precision, in that of its declared prior
-ANY_SIZE = float(np.log(LARGEST / SMALLEST))  # width of the prior of ln(precision), where any size is alike
-TYPICAL_SIZE = 2 * np.pi  # the same of Cauchy's prior on a standard deviation, at its centre
-OPEN = 1e2  # from here MacKay's updates find the way to either side; from `LARGEST` there is none back
+ANY_SIZE = float(np.log(LARGEST / SMALLEST))  # width of the prior of ln(precision) where any size is as likely
+TYPICAL_SIZE = 2 * np.pi  # the same width for Cauchy's prior on a standard deviation, at its centre
+OPEN = 1e2  # a start from which MacKay's updates reach either limit; from `LARGEST` they do not come back
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class NormalEquations:
     share : float
         Independent samples that each sample in the products stands for.
     least : mapping of channel to float
-        Standard deviation that no residual may fall below: what is nearer is no merit.
+        Standard deviation that a residual counts as having at least: a closer fit earns nothing.
     mean, precision : ndarray, shape (q - 1,)
         Prior of the coefficients.
     group : ndarray of int, shape (q - 1,)

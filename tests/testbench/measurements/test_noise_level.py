@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from testbench.fitting.noise_level import noise_floor, rounding, within_range
+from testbench.measurements.noise_level import noise_floor, rounding, within_range
 
 TIME_S = np.arange(4000) / 40
 MOTION = 1 + np.sin(2 * np.pi * TIME_S / 7)

@@ -15,9 +15,9 @@ from scipy.optimize import isotonic_regression
 from scipy.signal import savgol_coeffs
 from scipy.special import softmax
 
-from testbench.fitting.noise_level import robust_sd
 from testbench.knit.effect import FloatArray
 from testbench.knit.kernels import play
+from testbench.measurements.noise_level import robust_sd
 
 NEIGHBOURS = (-3, -2, -1, 1, 2, 3)
 WINDOWS = {0: (1, 2, 4, 8, 16, 32), 2: (2, 4, 8, 16, 32), 4: (4, 8, 16, 32, 64)}  # order: samples on either side

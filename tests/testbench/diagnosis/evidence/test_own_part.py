@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from testbench.diagnosis.hypothesis import imitated, own_part
-from testbench.diagnosis.laplace import fitted
-from testbench.diagnosis.likelihood import likelihood_of, noise_of
-from testbench.fitting.measurement import prepare
+from testbench.diagnosis.evidence.hypothesis import imitated, own_part
+from testbench.diagnosis.evidence.laplace import fitted
+from testbench.diagnosis.evidence.likelihood import likelihood_of, noise_of
 from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
+from testbench.measurements.measurement import prepare
 from tests.testbench.builders import CATALOGUE, record, truth
 
 

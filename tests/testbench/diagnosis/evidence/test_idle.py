@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import pytest
 
+from testbench.comparing.model_errors import rms_errors
 from testbench.diagnosis import constants
-from testbench.diagnosis.hypothesis import Hypothesis
-from testbench.diagnosis.laplace import fitted
-from testbench.diagnosis.likelihood import likelihood_of, noise_of
+from testbench.diagnosis.evidence.hypothesis import Hypothesis
+from testbench.diagnosis.evidence.laplace import fitted
+from testbench.diagnosis.evidence.likelihood import likelihood_of, noise_of
 from testbench.fitting.baseline import SHAPES, with_shapes
-from testbench.fitting.measurement import Measurement, coarser, prepare
-from testbench.fitting.model_errors import rms_errors
+from testbench.measurements.measurement import Measurement, coarser, prepare
 from tests.testbench.builders import CATALOGUE, record, truth
 
 SLOPE_PER_KS = 0.3  # of the drift: 0.09 in ln G over five minutes, thirty times the noise

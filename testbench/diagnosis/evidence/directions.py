@@ -11,10 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from testbench.diagnosis.priors import Priors
+from testbench.diagnosis.evidence.priors import Priors
 from testbench.knit.effect import FloatArray
 
-UNSEEN = 0.1  # information over that of the prior; so much of ln Z is lost with each direction left out
+UNSEEN = 0.1  # of the prior's information: a direction with less is left out, at a loss of about as much of ln Z
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,8 +24,9 @@ class Directions:
     Attributes
     ----------
     basis : ndarray, shape (p, q)
-        Columns are directions; parameters without a group keep their own.
+        Columns are directions; a parameter without a group is one by itself.
     group : ndarray of int, shape (q,)
+        Group of each direction.
     member : ndarray of int, shape (p,)
         Group of each parameter.
     """
@@ -38,7 +39,7 @@ class Directions:
     def seen(
         cls, columns: Mapping[str, FloatArray], information: Mapping[str, float], priors: Priors, scale: FloatArray
     ) -> Directions:
-        """Find them.
+        """The directions in which the data say more than the prior.
 
         Parameters
         ----------

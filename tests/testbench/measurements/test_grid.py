@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from testbench.fitting import measurement as measurements
-from testbench.fitting.measurement import coarser, prepare
-from testbench.fitting.model_errors import noise_floors
+from testbench.comparing.model_errors import noise_floors
+from testbench.measurements import measurement as measurements
+from testbench.measurements.measurement import coarser, prepare
 from testbench.recordings.channels import DISPLACEMENT, FORCE
 from testbench.recordings.recording import Recording
 

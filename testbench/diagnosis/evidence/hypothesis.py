@@ -9,17 +9,17 @@ from functools import cached_property
 
 import numpy as np
 
-from testbench.diagnosis.evidence import LogEvidence, NormalEquations, maximised
-from testbench.diagnosis.likelihood import Likelihood
-from testbench.diagnosis.priors import Priors
+from testbench.diagnosis.evidence.evidence import LogEvidence, NormalEquations, maximised
+from testbench.diagnosis.evidence.likelihood import Likelihood
+from testbench.diagnosis.evidence.priors import Priors
 from testbench.fitting.baseline import SHAPES, without_shapes
 from testbench.fitting.downhill import huber
-from testbench.fitting.noise_level import trimmed_rms
 from testbench.fitting.parameters import HELD, values_of
 from testbench.fitting.sensitivity import sensitivities
 from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
+from testbench.measurements.noise_level import trimmed_rms
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,13 +8,13 @@ import pytest
 
 from gcode.support.errors import UserError
 from testbench.cli import main
+from testbench.comparing.clamping import TRIED_MM, may_be_clamped_anew, zero_of
 from testbench.comparing.ladder import on_the_ladder
+from testbench.comparing.remounting import held_errors
 from testbench.comparing.tables import errors_line
-from testbench.fitting.clamping import TRIED_MM, may_be_clamped_anew, zero_of
 from testbench.fitting.fit import Fit, fit
-from testbench.fitting.measurement import Measurement, split
 from testbench.fitting.model_file import load_model_file
-from testbench.fitting.remounting import held_errors
+from testbench.measurements.measurement import Measurement, split
 from testbench.recordings.recording import Recording
 from tests.testbench.builders import NOISE_LN, NOISE_N, record, truth, write_csv
 

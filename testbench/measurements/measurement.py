@@ -8,13 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gcode.support.errors import UserError
-from testbench.fitting.motion import TURN, reading_noise, without_reading_noise, without_small_turns
-from testbench.fitting.noise_level import even_step, noise_floor
-from testbench.fitting.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL, SIGNAL_OF
 from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import FloatArray
 from testbench.knit.filters import log_conductance
 from testbench.knit.model import KnitModel, inputs
+from testbench.measurements.motion import TURN, reading_noise, without_reading_noise, without_small_turns
+from testbench.measurements.noise_level import even_step, noise_floor
+from testbench.measurements.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL, SIGNAL_OF
 from testbench.recordings.channels import FORCE, RESISTANCE, TEMPERATURE
 from testbench.recordings.recording import Recording
 

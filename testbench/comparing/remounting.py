@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from testbench.comparing.clamping import moved, zero_of
+from testbench.comparing.model_errors import rms_errors
 from testbench.fitting.baseline import without_zeros
-from testbench.fitting.clamping import moved, zero_of
 from testbench.fitting.fit import fit
-from testbench.fitting.measurement import Measurement
-from testbench.fitting.model_errors import rms_errors
 from testbench.knit.effect import bounds_of
 from testbench.knit.model import KnitModel
+from testbench.measurements.measurement import Measurement
 
 
 def held_errors(model: KnitModel, held: Measurement) -> dict[str, float]:

@@ -1,0 +1,1 @@
+"""One model judged: fitted under its priors, and the log evidence for it."""
