@@ -31,7 +31,7 @@ from gcode.support.files import make_folder, write_json, write_text
 from gcode.support.strict import read_json
 from testbench.comparing.remounting import brought_together
 from testbench.diagnosis import Diagnosis, diagnose
-from testbench.diagnosis.diagnosis import measurements
+from testbench.diagnosis.diagnosis import calibration_and_held_out
 from testbench.diagnosis.rounds import NOTHING, UNKNOWN
 from testbench.measurements.measurement import Measurement
 from testbench.recordings.versions import software_versions
@@ -46,7 +46,7 @@ def diagnosed(material: Material, pair: Pair, data: Path, picture: Path) -> Row:
     start = time.perf_counter()
     every, held_out = pair.read(data / material.folder)
     found = diagnose(every, held_out, clamp_play_mm=pair.clamp_play_mm)
-    _, held = measurements(every, held_out, pair.clamp_play_mm)
+    _, held = calibration_and_held_out(every, held_out, pair.clamp_play_mm)
     draw(found, held, picture)
     told = found.to_dict()
     return {

@@ -31,11 +31,13 @@ def add_effect(
     A law without a strength takes the place of the model's own law of that mechanism.
     """
     effect = framed(catalogue[name](), file.model, calibration)
-    start = best_start(file.model, effect, calibration) if effect.strength else drawn_to_data(effect, calibration)
+    start = (
+        most_likely_start(file.model, effect, calibration) if effect.strength else drawn_to_data(effect, calibration)
+    )
     return fitted_file(file.model.plus(start), calibration, held, f"+ {name}", file, progress)
 
 
-def best_start(model: KnitModel, effect: Effect, calibration: Measurement) -> Effect:
+def most_likely_start(model: KnitModel, effect: Effect, calibration: Measurement) -> Effect:
     """`effect` at the point of its grid, and with the strength, whose first-order evidence beside `model` is largest.
 
     A fit that adds an effect starts here: from the wrong time constant it would not find the right one. What is no

@@ -217,7 +217,7 @@ def diagnose(
     """
     catalogue = catalogue or load_catalogue()
     every = [recording] if isinstance(recording, Recording) else list(recording)
-    calibration, held = measurements(every, held_out, clamp_play_mm, rest_s)
+    calibration, held = calibration_and_held_out(every, held_out, clamp_play_mm, rest_s)
     given = model if isinstance(model, ModelFile) and model.fit else None
     start = model.model if isinstance(model, ModelFile) else model
     pieces = constants.INDEPENDENT * len(every)
@@ -225,7 +225,7 @@ def diagnose(
     return concluded(search, rounds, put_in, calibration, held, given)
 
 
-def measurements(
+def calibration_and_held_out(
     recordings: Sequence[Recording], held_out: Recording | None, clamp_play_mm: float = 0.0, rest_s: float = REST_S
 ) -> tuple[Measurement, Measurement]:
     """What is calibrated on, one history of all recordings, and what is held out, which comes after them."""
