@@ -23,6 +23,7 @@ from testbench.diagnosis.rounds import (
     Round,
     Verdict,
     leading,
+    mixed_with_prior,
     over_errors,
     prior_of,
     whole_of,
@@ -283,14 +284,15 @@ def concluded(
     after = _ladder(search, bare, put_in, before, calibration, held)
     known = {*before.model, *(entry.name for entry in put_in)}
     weighed = dict.fromkeys(name for step in rounds[: lead + 1] for name in step.laws)
-    chances = most.doubted(beside, prior_of(weighed))
+    meant = over_errors(most.probabilities(beside))
+    chances = mixed_with_prior(meant, prior_of(weighed), constants.MISLED)
     explained = Map(put_in[-1].hypothesis if put_in else bare, rounds[-1].likelihood).gains
     return Diagnosis(
         verdict,
         chances,
         tuple(_found(rounds[k:], put_in[k:]) for k in sorted(range(len(put_in)), key=lambda k: k != lead)),
         _ranking(rounds[: lead + 1], chances, held),
-        _tied(over_errors(most.probabilities(beside)), verdict),
+        _tied(meant, verdict),
         tuple(name for name in after.model if name not in known),
         tuple(e.name for n, e in after.model.effects.items() if n in before.model and e.name != before.model[n].name),
         tuple(sorted(((c, where, share) for (c, where), share in explained.items()), key=lambda one: -one[2])),

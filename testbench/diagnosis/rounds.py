@@ -162,22 +162,9 @@ class Round:
         """Of one law of a mechanism, if it is one of the catalogue."""
         return self.log_prior(mechanism) - float(np.log(1 - self.prior[NOTHING] - self.prior[UNKNOWN]))
 
-    def doubted(self, whole: Whole | None = None, prior: Mapping[str, float] | None = None) -> dict[str, float]:
-        """The probabilities as they are told: no evidence is surer than the laws that it was found with.
-
-        In some sensors all laws of the right mechanism are so far from its own that another does better, however long
-        the recording; what was believed before is all that is left then.
-
-        Parameters
-        ----------
-        whole : Whole, optional
-            As in `probabilities`.
-        prior : mapping, optional
-            With mechanisms that this round does not weigh, for they are in the model already.
-        """
-        misled, chances = constants.MISLED, over_errors(self.probabilities(whole))
-        prior = prior or self.prior
-        return {name: (1 - misled) * chances.get(name, 0.0) + misled * one for name, one in prior.items()}
+    def doubted(self, whole: Whole | None = None) -> dict[str, float]:
+        """The probabilities as they are told; `whole` as in `probabilities`."""
+        return mixed_with_prior(over_errors(self.probabilities(whole)), self.prior, constants.MISLED)
 
     def log_prior(self, mechanism: str) -> float:
         """Of one law of a mechanism, less what laws summed owe to luck."""
@@ -333,6 +320,22 @@ def over_errors(chances: Mapping[str, float]) -> dict[str, float]:
     errors = [np.random.default_rng(crc32(name.encode())).normal(size=DRAWS) for name in names]
     each = logs[:, None] + constants.EVIDENCE_ERROR * np.array(errors)
     return dict(zip(names, np.exp(each - logsumexp(each, axis=0)).mean(axis=1).tolist(), strict=True))
+
+
+def mixed_with_prior(chances: Mapping[str, float], prior: Mapping[str, float], misled: float) -> dict[str, float]:
+    """Probabilities as they are told: no evidence is surer than the laws that it was found with.
+
+    In some sensors all laws of the right mechanism are so far from its own that another does better, however long
+    the recording; what was believed before is all that is left then.
+
+    Parameters
+    ----------
+    prior : mapping
+        May have mechanisms that were not weighed, for they are in the model already.
+    misled : float
+        Probability that this is such a sensor.
+    """
+    return {name: (1 - misled) * chances.get(name, 0.0) + misled * one for name, one in prior.items()}
 
 
 def explained(without: Hypothesis, with_it: Hypothesis) -> dict[str, float]:

@@ -11,7 +11,16 @@ from scipy.special import logsumexp
 from testbench.design.forecast import Likely, Reading
 from testbench.diagnosis import constants
 from testbench.diagnosis.evidence.hypothesis import Hypothesis
-from testbench.diagnosis.rounds import NOTHING, UNKNOWN, Round, Verdict, over_errors, prior_of, whole_of
+from testbench.diagnosis.rounds import (
+    NOTHING,
+    UNKNOWN,
+    Round,
+    Verdict,
+    mixed_with_prior,
+    over_errors,
+    prior_of,
+    whole_of,
+)
 from testbench.diagnosis.search import searched
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.model import KnitModel
@@ -115,9 +124,7 @@ def doubted(beliefs: Sequence[Mapping[str, float]]) -> dict[str, float]:
     last = beliefs[-1]
     answers = [max(one, key=one.__getitem__) for one in beliefs]
     agreeing = next((k for k, answer in enumerate(reversed(answers)) if answer != answers[-1]), len(answers))
-    misled = constants.MISLED**agreeing
-    prior = before_any(last)
-    return {name: (1 - misled) * probability + misled * prior[name] for name, probability in last.items()}
+    return mixed_with_prior(last, before_any(last), constants.MISLED**agreeing)
 
 
 def _noise(first: Round) -> dict[str, float]:

@@ -93,7 +93,7 @@ class Hypothesis:
 
     def idle(self, name: str) -> bool:
         """Whether the evidence has switched a shape off: no weight of it is determined, none changes anything."""
-        mine = [i for i, p in enumerate(self.priors.parameters) if p.address.startswith(name + ".")]
+        mine = [i for i, p in enumerate(self.priors.parameters) if p.place[0] == name]
         weights = [i for i in mine if self.priors.group[i] >= 0]
         if not weights:
             return False

@@ -10,7 +10,17 @@ import pytest
 
 from testbench.diagnosis import constants
 from testbench.diagnosis.evidence.likelihood import Likelihood
-from testbench.diagnosis.rounds import NOTHING, UNKNOWN, Entry, Round, best_set, leading, over_errors, whole_of
+from testbench.diagnosis.rounds import (
+    NOTHING,
+    UNKNOWN,
+    Entry,
+    Round,
+    best_set,
+    leading,
+    mixed_with_prior,
+    over_errors,
+    whole_of,
+)
 from testbench.diagnosis.search import Search
 from testbench.knit.model import KnitModel
 
@@ -149,7 +159,7 @@ def test_what_a_round_does_not_weigh_is_told_as_it_was_believed_before():
     found = a_round(entry("", BARE, 5.0), entry("stress_relaxation", 2.0, 10.0))
     half = found.prior["clamp_slip"] / 2
     prior = {**found.prior, "clamp_slip": half, "mullins_softening": half}
-    told = found.doubted(prior=prior)
+    told = mixed_with_prior(over_errors(found.probabilities()), prior, constants.MISLED)
     assert told["mullins_softening"] == pytest.approx(constants.MISLED * half)
     assert set(told) == set(prior)
 
