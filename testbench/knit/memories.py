@@ -47,6 +47,23 @@ def kinetics(gain_per_s: FloatArray, loss_per_s: FloatArray, dt_s: float) -> Flo
     return out
 
 
+@njit("float64[:](float64[:], float64[:], float64)", cache=True, nogil=True)
+def gathered(gain: FloatArray, loss_per_s: FloatArray, dt_s: float) -> FloatArray:
+    """What gathers and goes, ``dn/dt = gain - loss n``, without a limit; nothing at the start.
+
+    Exact for rates that stand still at their mean over each step.
+    """
+    out = np.empty_like(gain)
+    n = 0.0
+    out[0] = n
+    for i in range(1, len(out)):
+        loss = 0.5 * (loss_per_s[i - 1] + loss_per_s[i]) * dt_s
+        stays = -math.expm1(-loss) / loss if loss > 1e-9 else 1.0
+        n = n * math.exp(-loss) + 0.5 * (gain[i - 1] + gain[i]) * dt_s * stays
+        out[i] = n
+    return out
+
+
 @njit("float64[:](float64[:], float64, float64, float64)", cache=True, nogil=True)
 def oscillator(x: FloatArray, frequency_hz: float, damping: float, dt_s: float) -> FloatArray:
     """Damped oscillator of unit gain at rest, driven by `x`: exact for `x` held at its mean over each step."""
@@ -113,13 +130,18 @@ def stuck(x: FloatArray, grip: float) -> FloatArray:
 
 @njit("float64[:](float64[:], float64, float64)", cache=True, nogil=True)
 def seconds_near(x: FloatArray, width: float, dt_s: float) -> FloatArray:
-    """For how many seconds `x` has stayed within `width` of where it settled."""
+    """For how many seconds `x` has stayed within `width` of where it settled.
+
+    It settles anew in steps of `width`, at the moment between the samples when it gets there: what has just moved on
+    stands in the middle of its window, not at its edge.
+    """
     out = np.empty_like(x)
-    anchor, since = x[0], 0
+    anchor, since = x[0], 0.0
     for i in range(len(x)):
-        if abs(x[i] - anchor) > width * (1.0 + 1e-9):
-            anchor = x[i] - width if x[i] > anchor else x[i] + width
-            since = i
+        off = x[i] - anchor
+        if abs(off) > width > 0.0:
+            anchor += width * (math.floor(off / width) if off > 0.0 else math.ceil(off / width))
+            since = i - (x[i] - anchor) / (x[i] - x[i - 1])
         out[i] = (i - since) * dt_s
     return out
 
@@ -166,8 +188,8 @@ def turns_so_far(x: FloatArray, span: float) -> FloatArray:
 
 
 def last_top(x: FloatArray, span: float) -> FloatArray:
-    """Where `x` last turned downwards."""
-    return upper_turn(np.ascontiguousarray(x), BACK * span)
+    """Where `x` last turned downwards, or where it is once it has passed that: beyond, the old top is forgotten."""
+    return np.maximum(upper_turn(np.ascontiguousarray(x), BACK * span), x)
 
 
 def largest(x: FloatArray) -> FloatArray:
@@ -190,6 +212,12 @@ def delayed(x: FloatArray, delay_s: float, dt_s: float) -> FloatArray:
     """`x` as it was `delay_s` ago; its first value before that."""
     at = np.arange(len(x)) - delay_s / dt_s
     return np.interp(at, np.arange(len(x)), x)
+
+
+def ever_later(x: FloatArray, skew: float) -> FloatArray:
+    """`x` as an instrument shows it whose clock is slow by a share `skew`: the later, the longer it has run."""
+    at = np.arange(len(x), dtype=np.float64)
+    return np.interp(at * (1.0 - skew), at, x)
 
 
 def broad_memory(x: FloatArray, tau_s: float, decades: float, dt_s: float) -> FloatArray:

@@ -10,9 +10,9 @@ from scipy.optimize import minimize
 
 from testbench.diagnosis.side_by_side import SideBySide
 from testbench.knit.effect import FloatArray
-from testbench.proposing.grids import Grid, rounded, usual_size
+from testbench.proposing.grids import LATE_S, Grid, rounded, usual_size
 from testbench.proposing.laws.grammar import NO_MEMORY, SIGNAL_ONLY, coordinates_at, fits, price_of
-from testbench.proposing.laws.law import Law, Term
+from testbench.proposing.laws.law import Law, Term, namespace
 from testbench.proposing.laws.law_coordinates import KINETICS
 from testbench.proposing.laws.law_parts import Operator, Slot
 from testbench.proposing.laws.operators import OPERATORS
@@ -23,6 +23,8 @@ WIDTH, PER_FAMILY = 14, 2  # laws that grow on; of them, with the same place, co
 LEVELS, POLISHED = 2, 10  # times that they grow; how many have their numbers optimised each time
 EVALUATIONS = 60
 CLOUDS, IN_CLOUD, CLOSER = 6, 30, 0.5  # clouds of points around the best, how many in each, and each over the last
+TOGETHER = 64  # laws that are weighed at once
+STEPS = {"period": 0.02, "share": 0.05}  # e-folds; of all others that have a logarithmic scale, more
 
 
 @dataclass(frozen=True)
@@ -39,7 +41,10 @@ class Beam:
     def __init__(self, projector: Projector, grid: Grid, tell: Callable[[str], None], pool: SideBySide) -> None:
         self.projector, self.grid, self.tell, self.pool = projector, grid, tell, pool
         self.chain = projector.chain
-        self.signals = {p.name: self.chain.readable(p) for p in self.chain.places}
+        signals = {p.name: self.chain.readable(p) for p in self.chain.places}
+        self.readable = {name: set(own) for name, own in signals.items()}
+        self.names = {name: namespace(own, grid.dt_s) for name, own in signals.items()}
+        self.done: set[tuple[object, ...]] = set()  # laws whose numbers are at their best
 
     def run(self) -> list[Found]:
         """Search; the best laws, the best first, no two of one structure."""
@@ -58,13 +63,14 @@ class Beam:
         for place in self.chain.places:
             if place.name == "conductance reading":
                 continue  # the same trace as the conductance's; which it is, is decided in the end
-            for coordinate in coordinates_at(place, self.signals[place.name]):
+            for coordinate in coordinates_at(place, self.readable[place.name]):
                 plain = Term(coordinate, (), self.grid.span)
                 for values in self.grid.points(coordinate.slots, None):
                     yield place, plain, values
+                    x = plain.within(self.names[place.name], values)
                     if coordinate.name in KINETICS:
+                        yield from self.multiplied(place, plain, values, x)
                         continue
-                    x = plain.evaluated(self.signals[place.name], values, self.grid.dt_s)
                     yield place, self.changing(plain), values
                     yield from self.bent(place, plain, values, x)
                     for term, more in self.remembering(plain, x):
@@ -88,6 +94,13 @@ class Beam:
                 for more in self.grid.points(one.slots, x, one.name):
                     yield place, self.with_operator(plain, one, 0, x), values | more
 
+    def multiplied(self, place: Place, plain: Term, values: dict[str, float], x: FloatArray):
+        """A coordinate times what it may act on: a state often changes a force by a share, not by an amount."""
+        factors = [one for one in OPERATORS.values() if one.kind == "factor" and not one.slots]
+        for one in factors:
+            if set(one.reads) <= self.readable[place.name] and fits(plain, one, 0, x):
+                yield place, self.with_operator(plain, one, 0, x), values
+
     def changing(self, term: Term) -> Term:
         """The term times the time: the base has curves and loops of any shape, so that only their growth shows."""
         return self.with_operator(term, OPERATORS["growing"], len(term.operators), None)
@@ -109,12 +122,13 @@ class Beam:
 
     def widened(self, law: Law, term: Term, only: int | None, not_this: str = ""):
         """The term with one operator put in, at one place of its chain or at any."""
-        readable = set(self.signals[law.place.name])
-        has = {one.name for one in term.operators} | {not_this}
+        readable = self.readable[law.place.name]
+        # A factor may come twice: as its square.
+        has = {one.name for one in term.operators if one.kind != "factor"} | {not_this}
         values = {slot.key: law.values[slot.key] for slot in term.slots}
         for at in range(len(term.operators) + 1) if only is None else (only,):
             inner = Term(term.coordinate, term.operators[:at], term.span, term.sizes[:at])
-            x = inner.evaluated(self.signals[law.place.name], values, self.grid.dt_s)
+            x = inner.within(self.names[law.place.name], values)
             for one in OPERATORS.values():
                 if one.name in has or not set(one.reads) <= readable or not fits(term, one, at, x):
                     continue
@@ -133,19 +147,27 @@ class Beam:
 
     def scored(self, points: Iterable[tuple[Place, Term, dict[str, float]]]) -> list[Found]:
         """First-order evidence of every point."""
-        todo = list(points)
-        parts = [todo[k::4] for k in range(4)]
-        return [one for part in self.pool.map(self._scored, parts) for one in part]
+        by_place: dict[str, list[tuple[Place, Term, dict[str, float]]]] = {}
+        for point in points:
+            by_place.setdefault(point[0].name, []).append(point)
+        parts = [own[k : k + TOGETHER] for own in by_place.values() for k in range(0, len(own), TOGETHER)]
+        shares = [parts[k :: self.pool.count] for k in range(self.pool.count)]
+        found = self.pool.map(lambda share: [one for part in share for one in self.of_one_place(part)], shares)
+        return [one for share in found for one in share]
 
-    def _scored(self, todo: Sequence[tuple[Place, Term, dict[str, float]]]) -> list[Found]:
-        return [self.at(place, term, values) for place, term, values in todo]
+    def of_one_place(self, points: Sequence[tuple[Place, Term, dict[str, float]]]) -> list[Found]:
+        """Score laws of one place with their parameters, all at once."""
+        place = points[0][0]
+        z = np.array([term.within(self.names[place.name], values) for _, term, values in points])
+        gains, strengths = self.projector.scores(place, z)
+        return [
+            Found(Law(place, term, values, float(strength)), float(gain) - price_of(term))
+            for (_, term, values), gain, strength in zip(points, gains, strengths, strict=True)
+        ]
 
     def at(self, place: Place, term: Term, values: Mapping[str, float]) -> Found:
         """Score one law with these parameters."""
-        z = term.evaluated(self.signals[place.name], values, self.grid.dt_s)
-        score = self.projector.score(place, z)
-        law = Law(place, term, values, score.strength)
-        return Found(law, score.gain - price_of(term))
+        return self.of_one_place([(place, term, dict(values))])[0]
 
     @staticmethod
     def best_of_each(found: Sequence[Found]) -> list[Found]:
@@ -177,39 +199,42 @@ class Beam:
     def polished(self, found: Sequence[Found]) -> list[Found]:
         """The same laws, with the parameters of the first `POLISHED` optimised."""
         better = self.pool.map(self.polish, found[:POLISHED])
+        self.done |= {_numbers(one.law) for one in better}
         return sorted([*better, *found[POLISHED:]], key=lambda one: -one.gain)
 
     def polish(self, found: Found) -> Found:
         law = found.law
         slots = law.term.slots
-        if not slots:
+        if not slots or _numbers(law) in self.done:
             return found
         start = np.array([_inward(slot, law.values[slot.key], self.grid) for slot in slots])
 
-        def cost(point: FloatArray) -> float:
-            try:
-                return -self.at(law.place, law.term, _outward(slots, point, law.values, self.grid)).gain
-            except (ValueError, OverflowError, ZeroDivisionError):
-                return np.inf
+        def costs(points: FloatArray) -> FloatArray:
+            values = [_outward(slots, point, law.values, self.grid) for point in points]
+            return np.array([-one.gain for one in self.of_one_place([(law.place, law.term, v) for v in values])])
 
         steps = np.array([_step(slot, law.values[slot.key], self.grid) for slot in slots])
-        start = _condensed(cost, start, steps)  # the gain of what jumps is a needle: a simplex does not feel it
+        start = _condensed(costs, start, steps)  # the gain of what jumps is a needle: a simplex does not feel it
         simplex = np.vstack([start, start + np.diag(steps)])
         options = {"initial_simplex": simplex, "maxfev": EVALUATIONS * len(slots), "xatol": 1e-3, "fatol": 0.1}
-        best = minimize(cost, start, method="Nelder-Mead", options=options)
+        best = minimize(lambda point: costs(point[None])[0], start, method="Nelder-Mead", options=options)
         then = self.at(law.place, law.term, _outward(slots, best.x, law.values, self.grid))
         return max(found, then, key=lambda one: one.gain)
 
 
-def _condensed(cost: Callable[[FloatArray], float], start: FloatArray, spread: FloatArray) -> FloatArray:
+def _numbers(law: Law) -> tuple[object, ...]:
+    return law.key, *sorted(law.values.items())
+
+
+def _condensed(costs: Callable[[FloatArray], FloatArray], start: FloatArray, spread: FloatArray) -> FloatArray:
     """Random search: the best of several clouds of points, each around the best so far and narrower than the last."""
     rng = np.random.default_rng(0)
-    best, least = start, cost(start)
+    best, least = start, costs(start[None])[0]
     for cloud in range(CLOUDS):
-        for point in best + CLOSER**cloud * spread * rng.standard_normal((IN_CLOUD, len(start))):
-            there = cost(point)
-            if there < least:
-                best, least = point, there
+        points = best + CLOSER**cloud * spread * rng.standard_normal((IN_CLOUD, len(start)))
+        there = costs(points)
+        if np.min(there) < least:
+            best, least = points[np.argmin(there)], np.min(there)
     return best
 
 
@@ -220,11 +245,13 @@ def _inward(slot: Slot, value: float, grid: Grid) -> float:
 
 def _step(slot: Slot, value: float, grid: Grid) -> float:
     if grid.bounds(slot, value)[2]:
-        return 0.02 if slot.key == "period" else 0.35
+        return STEPS.get(slot.key, 0.35)
     if slot.kind == "angle":
         return 0.5
     if slot.kind == "delay":
         return 0.1
+    if slot.kind == "skew":
+        return LATE_S / grid.duration_s
     return 0.15 * abs(value) + 0.01 * grid.span
 
 

@@ -25,6 +25,8 @@ DAMPINGS = (0.03, 0.15, 0.5)
 NUMBERS = (0.5, 1.5, 2.0, 3.0)
 DECADES = (1.5, 3.0)
 DELAYS_S = (0.1, 0.3, 1.0)
+LATE_S, MOST_SKEW = 0.3, 0.05  # a clock is tried in steps of so much at the end of the recording, up to this share
+SHARES = (0.85, 0.95)  # of a last top
 TEETH = ("stick", "dead band")  # that come again with each length of travel
 LINES = 4  # strongest frequencies of a residual that are tried
 LEAST_LEVEL = 1e-3  # a threshold near zero may still be moved
@@ -74,12 +76,15 @@ class Grid:
             return self.times_s(FEWER_TIMES if few else TIMES)
         if slot.kind == "delay":
             return DELAYS_S
+        if slot.kind == "skew":
+            steps = np.arange(1, int(MOST_SKEW * self.duration_s / LATE_S) + 1)
+            return list(LATE_S / self.duration_s * steps)
         if slot.kind == "strain":
             return [share * self.span for share in (STRAINS[1::2] if few else STRAINS)]
         if slot.kind == "path":
             return [share * self.span for share in PATHS]
         if slot.kind == "number":
-            return {"damping": DAMPINGS, "decades": DECADES}.get(slot.key, NUMBERS)
+            return {"damping": DAMPINGS, "decades": DECADES, "share": SHARES}.get(slot.key, NUMBERS)
         if x is None:  # a size of a strain
             return [share * self.span for share in WIDTHS]
         if slot.kind == "level":
@@ -113,6 +118,8 @@ class Grid:
             return min(0.05, value), max(1e5, value), True
         if slot.kind == "delay":
             return 0.0, 10.0, False
+        if slot.kind == "skew":
+            return 0.0, 2 * MOST_SKEW, False
         if slot.kind == "frequency":
             return 0.01, 50.0, True
         if slot.kind == "number":

@@ -141,7 +141,7 @@ def holds(before: Mapping[str, float], after: Mapping[str, float], floors: Mappi
 def at_its_instrument(law: Law) -> Law:
     """A law of the conductance that depends on readings alone, at once or by a dead band, is one of the meter."""
     readings = {"conductance", "force", "force rate"}
-    at_once = law.term.memory in ("", "late", "dead band")
+    at_once = law.term.memory in ("", "late", "echo", "clock", "dead band")
     if law.place.name == "conductance" and law.term.coordinate.name in readings and at_once:
         return replace(law, place=PLACES["conductance reading"])
     return law

@@ -51,14 +51,14 @@ class Part:
     squares: FloatArray
     least: FloatArray
 
-    def gain(self, change: FloatArray, explained: float, count: float) -> float:
-        """Gain in ln Z of a law that takes `change` off the residual, with the noise of each channel estimated anew.
+    def gains(self, changes: FloatArray, explained: FloatArray, count: float) -> FloatArray:
+        """Gain in ln Z of laws that take `changes`, shape (m, k), off the residual; the noise of each channel anew.
 
         The noise of the channels together would hide a law of one of them behind the other, which is noise already.
         """
-        left = _squares(self.residual - change, len(self.squares))
-        believed = explained - float(self.squares.sum() - left.sum())  # what the base pays for where it goes
-        return 0.5 * (count * float(np.sum(np.log(self.squares / np.maximum(left, self.least)))) + believed)
+        left = _squares(self.residual - changes, len(self.squares))
+        believed = explained - (self.squares.sum() - left.sum(-1))  # what the base pays for where it goes
+        return 0.5 * (count * np.log(self.squares / np.maximum(left, self.least)).sum(-1) + believed)
 
 
 class Projector:
@@ -122,36 +122,48 @@ class Projector:
         floors = np.minimum([least[c] for c in own], squares)
         return Part(np.ascontiguousarray(self.base[:, picked]), residual, squares, floors)
 
-    def trace(self, place: Place, z: FloatArray) -> FloatArray:
-        """What `z`, shape (rows,), changes at a place, over the noise: its channels one after the other."""
+    def traces(self, place: Place, z: FloatArray) -> FloatArray:
+        """What each `z`, shape (m, rows), changes at a place, over the noise: its channels one after the other."""
         slopes = self.slopes[place.name]
-        return np.concatenate([z * slopes[c] * self.weight[c] for c in self.channels if c in slopes])
+        return np.hstack([z * (slopes[c] * self.weight[c]) for c in self.channels if c in slopes])
 
-    def prior_sd(self, place: Place, z: FloatArray) -> float:
-        """Typical strength: that which changes a channel by its typical correction, offsets not counted."""
-        sizes = [_spread(z * slope) / self.typical[c] for c, slope in self.slopes[place.name].items()]
-        return 1 / max(max(sizes), 1e-12)
+    def prior_sds(self, place: Place, z: FloatArray) -> FloatArray:
+        """Typical strengths, shape (m,): they change a channel by its typical correction, offsets not counted."""
+        sizes = [np.std(z * slope, axis=-1) / self.typical[c] for c, slope in self.slopes[place.name].items()]
+        return 1 / np.maximum(np.max(sizes, axis=0), 1e-12)
+
+    def scores(self, place: Place, z: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Gains and strengths, each of shape (m,), of laws with these `z`, shape (m, n), at one place.
+
+        Many at once: what costs is to read the directions of the base from memory.
+        """
+        picked = z[:, self.rows]
+        # What stands still is an offset, which every base has.
+        picked = picked - picked.mean(-1, keepdims=True) if place.stage >= Stage.CONTACT else picked
+        alive = np.isfinite(picked).all(-1) & picked.any(-1)
+        gains, strengths = np.full(len(z), -np.inf), np.zeros(len(z))
+        if alive.any():
+            gains[alive], strengths[alive] = self._scores(place, picked[alive])
+        return gains, strengths
+
+    def _scores(self, place: Place, picked: FloatArray) -> tuple[FloatArray, FloatArray]:
+        part, f, sd = self.parts[place.name], self.traces(place, picked), self.prior_sds(place, picked)
+        size = np.einsum("ij,ij->i", f, f)
+        absorbed = f @ part.base.T
+        left = np.maximum(size - np.einsum("ij,ij->i", absorbed, absorbed), ABSORBED * size) + sd**-2
+        goal = f @ part.residual
+        amount = np.clip(goal / left, -MOST * sd, MOST * sd)
+        explained = 2 * goal * amount - left * amount**2
+        gain = 0.5 * explained
+        good = gain > SLIGHT
+        changes = amount[good, None] * (f[good] - absorbed[good] @ part.base)
+        gain[good] = part.gains(changes, explained[good], self.count)
+        return gain - 0.5 * np.log(left * sd**2), amount
 
     def score(self, place: Place, z: FloatArray) -> Score:
         """Score of a law with this `z`, shape (n,), at a place."""
-        picked = z[self.rows]
-        # What stands still is an offset, which every base has.
-        picked = picked - picked.mean() if place.stage >= Stage.CONTACT else picked
-        if not np.all(np.isfinite(picked)) or not np.any(picked):
-            return Score(-np.inf, 0.0)
-        f = self.trace(place, picked)
-        sd = self.prior_sd(place, picked)
-        size = float(f @ f)
-        part = self.parts[place.name]
-        absorbed = part.base @ f
-        left = max(size - float(absorbed @ absorbed), ABSORBED * size) + sd**-2
-        goal = float(f @ part.residual)
-        amount = float(np.clip(goal / left, -MOST * sd, MOST * sd))
-        explained = 2 * goal * amount - left * amount**2
-        gain = 0.5 * explained
-        if gain > SLIGHT:
-            gain = part.gain(amount * (f - absorbed @ part.base), explained, self.count)
-        return Score(float(gain - 0.5 * np.log(left * sd**2)), amount)
+        gains, strengths = self.scores(place, z[None])
+        return Score(float(gains[0]), float(strengths[0]))
 
     def of_law(self, law: Law) -> Score:
         """Score of a law with the parameters that it has."""
@@ -163,7 +175,7 @@ class Projector:
 
     def law_prior_sd(self, law: Law) -> float:
         """Typical strength of a law."""
-        return self.prior_sd(law.place, self.z(law)[self.rows])
+        return float(self.prior_sds(law.place, self.z(law)[None, self.rows])[0])
 
 
 def at_bounds(h: Hypothesis) -> np.ndarray:
@@ -171,12 +183,7 @@ def at_bounds(h: Hypothesis) -> np.ndarray:
     return (h.vector <= h.priors.low) | (h.vector >= h.priors.high)
 
 
-def _squares(row: FloatArray, channels: int) -> FloatArray:
-    """Sum of squares of each channel of a row that holds one channel after the other."""
-    return np.sum(row.reshape(channels, -1) ** 2, axis=1)
-
-
-def _spread(x: FloatArray) -> float:
-    """Standard deviation, ten times quicker than NumPy's on so few samples."""
-    mean = float(x.sum()) / len(x)
-    return float(max(float(x @ x) / len(x) - mean * mean, 0.0) ** 0.5)
+def _squares(rows: FloatArray, channels: int) -> FloatArray:
+    """Sums of squares of each channel, shape (..., channels), of rows that hold one channel after the other."""
+    parts = rows.reshape(*rows.shape[:-1], channels, rows.shape[-1] // channels)
+    return np.einsum("...ij,...ij->...i", parts, parts)

@@ -15,12 +15,15 @@ from testbench.proposing.laws.places import Place
 PRICE_OF_PIECE, PRICE_OF_PARAMETER = 2.0, 2.0  # nats: so many more laws have one piece, or one number, more
 INSTRUMENT = {"conductance rate", "force", "conductance", "time", "temperature", "heating power", "force rate"}
 OF_STRAIN = {"strain", "largest strain", "below the largest strain", "past the last top", "path", "turns", "time",
+             "from a share of the last top",
              "direction", "strain rate", "speed", "time since reversal", "temperature"}  # fmt: skip
 OF_CONTACTS = {"contact force", "strain", "largest strain", "path", "time", "temperature", "time since reversal"}
 SIGNAL_ONLY = {  # memories that make sense of some coordinates alone
     "slip": {"strain", "force", "contact force", "conductance"},
     "ring": {"strain", "force", "contact force", "conductance"},
     "late": {"force", "conductance", "strain"},
+    "echo": {"force", "conductance"},
+    "clock": {"force", "conductance"},
     "dead band": {"force", "conductance", "strain"},
     "stick": {"strain", "force"},
 }

@@ -27,7 +27,7 @@ TOOLS: dict[str, Any] = {
         for name in (
             "kinetics", "moving", "oscillator", "relay", "held", "stuck", "seconds_near", "heading", "since_turn",
             "turns_so_far", "last_top", "largest", "path", "work", "delayed", "stop", "power_of", "over", "bump",
-            "broad_memory", "two_way_lag",
+            "broad_memory", "two_way_lag", "ever_later", "gathered",
         )
     },
 }  # fmt: skip
@@ -149,7 +149,11 @@ class Term:
 
     def evaluated(self, signals: Signals, values: Mapping[str, float], dt_s: float) -> FloatArray:
         """z on the grid, shape (n,)."""
-        space = namespace(signals, dt_s) | {"self": SimpleNamespace(**values)}
+        return self.within(namespace(signals, dt_s), values)
+
+    def within(self, names: Mapping[str, Any], values: Mapping[str, float]) -> FloatArray:
+        """The same, from names that were made once for many terms."""
+        space = {**names, "self": SimpleNamespace(**values)}
         for line in self.lines:
             space["x"] = eval(compiled(line), space)
         return space["x"]

@@ -57,6 +57,16 @@ COORDINATES = {
             ONE,
             STRAIN,
         ),
+        Coordinate(
+            "from a share of the last top",
+            "e - self.share * last_top(e, {span})",
+            r"(e - s_t\,e_{\text{top}})",
+            "how far the strain is from a share of where it last turned down",
+            ONE,
+            STRAIN,
+            (Slot("share", "s_t", "share of the last top", "number", 0.5, 1.5),),
+            signed=True,
+        ),
         Coordinate("path", "path(e, {span})", r"\int |de|", "the path travelled", ONE, STRAIN, signed=False),
         Coordinate(
             "work", "work(F, e)", r"\int |F\,de|", "the work done on the knit", NEWTON, FORCE + STRAIN, signed=False
@@ -192,4 +202,19 @@ def _kinetic(forms: str, ends: str) -> Coordinate:
     )
 
 
-KINETICS = {c.name: c for c in (_kinetic(*pair) for pair in _SENSIBLE)}
+_GATHERS = Coordinate(
+    "what gathers beyond a strain and goes near rest",
+    "gathered(over(e, self.edge) / {span}, (e < self.rest) / self.end_s, dt_s)",
+    "n",
+    "what gathers beyond a strain and goes near rest",
+    SECOND,
+    STRAIN,
+    (
+        _EDGE,
+        Slot("rest", "e_2", "strain below which it goes", "strain"),
+        Slot("end_s", r"\tau_2", "time in which it goes there"),
+    ),
+    (r"\dot n = \frac{(e - e_1)^+}{s} - \frac{[e < e_2]}{\tau_2}\,n",),
+    signed=False,
+)
+KINETICS = {c.name: c for c in (*(_kinetic(*pair) for pair in _SENSIBLE), _GATHERS)}

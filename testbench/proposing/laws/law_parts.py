@@ -28,9 +28,9 @@ class Slot:
     key : str
         Its name in the effect; it ends in its unit where that is not 1.
     symbol, doc : str
-    kind : {"time", "level", "size", "number", "angle"}
-        Where its values lie: a time constant; a level or a size of the input `x` (its unit is the input's); a number
-        between `low` and `high`; an angle.
+    kind : {"time", "delay", "skew", "level", "size", "strain", "path", "frequency", "number", "angle"}
+        Where its values lie: a time constant; a delay; a share of the time; a level or a size of the input `x` (its
+        unit is the input's); a strain; a path; a frequency; a number between `low` and `high`; an angle.
     """
 
     key: str

@@ -95,6 +95,22 @@ OPERATORS = {
             (Slot("delay_s", r"\delta", "delay", "delay"),),
         ),
         Operator(
+            "echo",
+            "delayed(x, self.delay_s, dt_s)",
+            r"{x}(t - \delta)",
+            "the echo of {x}",
+            "memory",
+            (Slot("delay_s", r"\delta", "delay", "delay"),),
+        ),
+        Operator(
+            "clock",
+            "ever_later(x, self.skew) - x",
+            r"({x}(t - \kappa\,t) - {x}(t))",
+            "the slow clock of {x}",
+            "memory",
+            (Slot("skew", r"\kappa", "share by which the clock is slow", "skew"),),
+        ),
+        Operator(
             "dead band",
             "held(x, self.band) - x",
             r"(y - {x})",

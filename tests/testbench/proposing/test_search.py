@@ -51,10 +51,10 @@ def test_a_switch_is_tried_at_every_pair_of_levels():
 def test_a_needle_is_found_that_a_simplex_does_not_feel():
     needle = np.array([0.31, -0.17])
 
-    def cost(point: np.ndarray) -> float:
-        return -1.0 / (0.05 + float(np.max(np.abs(point - needle)))) // 1
+    def costs(points: np.ndarray) -> np.ndarray:
+        return -1.0 / (0.05 + np.max(np.abs(points - needle), axis=-1)) // 1
 
-    found = _condensed(cost, np.zeros(2), np.array([0.3, 0.3]))
+    found = _condensed(costs, np.zeros(2), np.array([0.3, 0.3]))
     assert np.max(np.abs(found - needle)) < 0.02
 
 
@@ -90,7 +90,7 @@ def test_a_channel_at_its_noise_does_not_hide_what_a_law_does_to_the_other():
     for share in (0.9, 0.99):  # of the misfit, which is all that is left of its channel
         change = np.concatenate([share * misfit, np.zeros(400)])
         explained = (1 - (1 - share) ** 2) * misfit @ misfit
-        assert part.gain(change, explained, count) == pytest.approx(-count * np.log(1 - share))
+        assert part.gains(change[None], np.array([explained]), count) == pytest.approx([-count * np.log(1 - share)])
 
 
 def test_of_one_structure_the_numbers_that_fit_best_are_kept():
