@@ -13,13 +13,14 @@ from testbench.diagnosis.rounds import excess
 from testbench.diagnosis.search import Search
 from testbench.fitting.baseline import without_shapes
 from testbench.knit.effect import FloatArray
+from testbench.knit.model import KnitModel
 from testbench.knit.rules import check
 from testbench.proposing.beam import Beam, Found
 from testbench.proposing.grids import Grid, rounded
 from testbench.proposing.laws.law import Law
 from testbench.proposing.laws_found import Option, Step, numbered
 from testbench.proposing.open_chain import OpenChain
-from testbench.proposing.screening import Projector
+from testbench.proposing.screening import SLIGHT, Projector
 from testbench.proposing.stability import SURE, stability
 from testbench.proposing.trial import LawFitter, Trial
 from testbench.proposing.writing import effect_class
@@ -29,13 +30,24 @@ LEAST_GAIN = 10.0  # nats: about ln of the number of laws that are tried
 LEAST_SHARE = 0.1  # of the squared error above the noise that a law takes off
 FINALISTS, OF_ONE_PLACE, OF_ONE_FAMILY, SETTLED = 5, 3, 2, 2
 TIED_NATS = 3.0
+SHARPENED = 3  # times at most that the numbers of a law are sought anew
 
 
 @dataclass(frozen=True, eq=False)
 class NullModel:
-    """A model without the law that is sought, and laws to first order beside it."""
+    """A model without the law that is sought, and laws to first order beside it.
+
+    Attributes
+    ----------
+    hypothesis : Hypothesis
+        Fitted; it may still hold an earlier guess at the law.
+    base : KnitModel
+        The same without that guess. It is not fitted anew: the base would bend to take the law in again.
+    projector : Projector
+    """
 
     hypothesis: Hypothesis
+    base: KnitModel
     projector: Projector
 
 
@@ -47,14 +59,14 @@ class Hunt:
         self.measurement, self.likelihood = search.measurement, search.likelihood
         self.base = search.flexible
         self.said_nothing_left = excess(self.base, self.likelihood) < NOTHING_LEFT
-        self.grid = self.grid_for(self.base)
+        self.grid = self.grid_for(self.base.model)
         self.fitter = LawFitter(self.likelihood, search.reference, self.grid)
 
-    def grid_for(self, h: Hypothesis) -> Grid:
+    def grid_for(self, model: KnitModel) -> Grid:
         """Start values of the parameters, from this recording and what a model leaves of it."""
         m = self.measurement
         span = rounded(float(np.max(m.signals["strain"])))
-        residual = [values[m.counts] for values in m.residual(h.model).values()]
+        residual = [values[m.counts] for values in m.residual(model).values()]
         return Grid(max(span, 1e-3), m.dt_s, float(m.signals["time_s"][-1]), residual)
 
     def run(self, most: int) -> list[tuple[Step, Hypothesis]]:
@@ -81,7 +93,7 @@ class Hunt:
         if not trials:
             return None
         first = self.fitter.settled(max(trials, key=_evidence))
-        null = self.null_model(self.fitter.bare(first))
+        null = self.null_model(first.hypothesis, without=first.name)
         trials = _best_of_each([first, *trials, *self.look(null, name)])
         trials = _best_of_each([*self.pool.map(self.carried, trials[:SETTLED]), *trials])
         holds, wins = stability(current, [t.hypothesis for t in trials], self.likelihood)
@@ -102,20 +114,26 @@ class Hunt:
         stiff = fitted(without_shapes(h.model), self.likelihood, self.search.reference, h)
         return fitted(self.search.bent(stiff.model), self.likelihood, self.search.reference, stiff, iterations=0)
 
-    def null_model(self, h: Hypothesis) -> NullModel:
-        """Where laws are sought."""
-        return NullModel(h, Projector(h, self.likelihood, OpenChain(h.model, self.measurement)))
+    def null_model(self, h: Hypothesis, without: str = "") -> NullModel:
+        """Where laws are sought: beside a fitted model, or beside it without one of its effects."""
+        base = h.model.without(without) if without else h.model
+        return NullModel(h, base, Projector(h, self.likelihood, OpenChain(base, self.measurement)))
 
     def look(self, null: NullModel, name: str) -> list[Trial]:
         """The best laws beside a base, refitted with it, quickly."""
-        found = Beam(null.projector, self.grid_for(null.hypothesis), self.tell, self.pool).run()
+        found = self.beam(null).run()
         chosen = finalists([one for one in found if one.gain > LEAST_GAIN / 2])
         return self.pool.map(lambda one: self.refitted(one.law, null, name), chosen)
+
+    def beam(self, null: NullModel) -> Beam:
+        """The search beside a base."""
+        return Beam(null.projector, self.grid_for(null.base), self.tell, self.pool)
 
     def refitted(self, law: Law, null: NullModel, name: str) -> Trial:
         """A law refitted with its base, quickly."""
         self.tell(f"refitting with {law.key}")
-        return self.fitter.tried(law, name, null.hypothesis, null.projector.law_prior_sd(law))
+        prior_sd = null.projector.law_prior_sd(law)
+        return self.fitter.tried(law, name, null.hypothesis, prior_sd, null.base)
 
     def simpler(self, trial: Trial, null: NullModel) -> Trial:
         """A law without those of its pieces that the evidence does not ask for."""
@@ -144,13 +162,29 @@ class Hunt:
         A base that has done so has moved its other parameters along, and may not find back beside the law; and what
         it was bent by may not be needed any more.
         """
-        done = self.fitter.settled(trial)
+        done = self.sharpened(self.fitter.settled(trial))
         model = self.search.reference
         for key, effect in done.hypothesis.model.effects.items():
             model = model if key in self.base.model else model.plus(effect, key)
         stiff = self.fitter.anew(done, model)
         free = self.fitter.anew(done, self.search.bent(stiff.hypothesis.model))
         return max(done, stiff, free, key=_evidence)
+
+    def sharpened(self, trial: Trial) -> Trial:
+        """A law whose numbers are sought anew beside its refitted base, as long as that gains.
+
+        A refit moves along slopes, and where a law jumps there are none: it moves the base, and with it the moments
+        of the jumps, but not the levels.
+        """
+        for _ in range(SHARPENED):
+            null = self.null_model(trial.hypothesis, without=trial.name)
+            beam = self.beam(null)
+            found = beam.polish(beam.at(trial.law.place, trial.law.term, trial.law.values))
+            better = self.fitter.settled(self.refitted(found.law, null, trial.name))
+            if better.log_z < trial.log_z + SLIGHT:
+                break
+            trial = better
+        return trial
 
     def dependence(self, trial: Trial) -> tuple[FloatArray, FloatArray, FloatArray]:
         """z of a law, and what the channel lacks without and with it, at samples that count."""

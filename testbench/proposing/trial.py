@@ -14,7 +14,7 @@ from testbench.diagnosis.proposals import Proposal, Screen
 from testbench.diagnosis.starts import best_start
 from testbench.knit.effect import Effect, bounds_of
 from testbench.knit.model import KnitModel
-from testbench.proposing.grids import Grid
+from testbench.proposing.grids import MOST_SKEW, Grid
 from testbench.proposing.laws.grammar import PRICE_OF_PIECE
 from testbench.proposing.laws.law import Law
 from testbench.proposing.writing import effect_class, strength_key
@@ -50,10 +50,19 @@ class LawFitter:
     def __init__(self, likelihood: Likelihood, reference: KnitModel, grid: Grid) -> None:
         self.likelihood, self.reference, self.grid = likelihood, reference, grid
 
-    def tried(self, law: Law, name: str, current: Hypothesis, prior_sd: float) -> Trial:
-        """A law refitted quickly beside a model."""
+    def tried(self, law: Law, name: str, current: Hypothesis, prior_sd: float, base: KnitModel) -> Trial:
+        """A law refitted quickly beside a model.
+
+        Parameters
+        ----------
+        prior_sd : float
+            Typical strength of the law.
+        base : KnitModel
+            The model itself, or without an earlier guess at the law: then its base has made room for it already.
+        """
         effect = effect_class(law, name, self.grid)()
-        model = self.start(current, effect, name, prior_sd)
+        has_room = base != current.model
+        model = base.plus(effect, name) if has_room else self.start(current, effect, name, prior_sd)
         believed = self.believed(law, effect, name, prior_sd)
         h = fitted(model, self.likelihood, self.reference, current, QUICK, True, believed)
         return self.trial(law, name, h)
@@ -84,11 +93,6 @@ class LawFitter:
         h = fitted(model, self.likelihood, self.reference, believed=trial.hypothesis.priors.believed)
         return self.trial(trial.law, trial.name, h)
 
-    def bare(self, trial: Trial) -> Hypothesis:
-        """The base of a trial as it was refitted, without the law."""
-        h = trial.hypothesis
-        return fitted(h.model.without(trial.name), self.likelihood, self.reference, h, iterations=0)
-
     def trial(self, law: Law, name: str, h: Hypothesis) -> Trial:
         """A trial from a fitted model that holds the law under `name`."""
         law = as_fitted(law, h.model[name])
@@ -107,8 +111,8 @@ class LawFitter:
             elif log:
                 found[f"{name}.{slot.key}"] = (float(np.log(value)), WIDTHS.get(slot.kind, 1.0))
             else:
-                reach = {"angle": np.pi, "delay": 1.0, "strain": 0.5 * self.grid.span}.get(slot.kind)
-                found[f"{name}.{slot.key}"] = (value, reach or max(abs(value), 1e-6))
+                reaches = {"angle": np.pi, "delay": 1.0, "skew": MOST_SKEW, "strain": 0.5 * self.grid.span}
+                found[f"{name}.{slot.key}"] = (value, reaches.get(slot.kind) or max(abs(value), 1e-6))
         return found
 
 
