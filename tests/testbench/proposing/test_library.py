@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from testbench.knit.filters import lowpass
-from testbench.knit.memories import broad_memory, two_way_lag
+from testbench.knit.memories import broad_memory, ever_later, gathered, last_top, seconds_near, two_way_lag
 from testbench.knit.rules import applied, check, example_signals
-from testbench.proposing.grids import Grid
+from testbench.proposing.grids import LATE_S, MOST_SKEW, Grid
 from testbench.proposing.laws.formulas import latex_of, plain
 from testbench.proposing.laws.law import Law, Term
 from testbench.proposing.laws.law_coordinates import COORDINATES, KINETICS
@@ -144,3 +144,39 @@ def test_the_file_says_what_its_symbols_are_and_where_it_is_valid():
 def test_no_law_of_the_library_has_a_name_for_two_numbers():
     for coordinate in EVERY.values():
         assert len({slot.key for slot in coordinate.slots}) == len(coordinate.slots) <= 3
+
+
+def test_rest_begins_in_the_middle_of_its_window_at_the_moment_when_the_strain_gets_there():
+    x = np.r_[np.linspace(0.0, 0.5, 11), np.full(10, 0.5), np.linspace(0.5, 0.56, 8)]  # 0.05 a sample, then a hold
+    kept_s = seconds_near(x, 0.19, 0.1)
+    there = 7.6  # samples to 0.38, two windows on
+    assert kept_s[[8, 20]] == pytest.approx([0.1 * (8 - there), 0.1 * (20 - there)])
+    assert kept_s[-1] == pytest.approx(0.1 * (len(x) - 1 - there))  # 0.56 is still within 0.19 of 0.38
+
+
+def test_a_top_is_forgotten_once_the_strain_is_past_it():
+    x = np.concatenate([np.linspace(0, 0.2, 21), np.linspace(0.2, 0.1, 11), np.linspace(0.1, 0.3, 21)])
+    top = last_top(x, 0.3)
+    assert top[31] == pytest.approx(0.2)
+    assert top[40] == pytest.approx(0.2)  # at 0.18 on the way up
+    assert top[-1] == pytest.approx(0.3)
+
+
+def test_what_gathers_has_no_limit_and_goes_at_its_rate():
+    gain = np.r_[np.ones(101), np.zeros(100)]
+    loss = np.r_[np.zeros(101), np.full(100, 0.5)]
+    n = gathered(gain, loss, 0.1)
+    assert n[100] == pytest.approx(10.0)
+    assert n[-1] == pytest.approx(n[101] * np.exp(-0.5 * 9.9), rel=1e-6)
+
+
+def test_a_slow_clock_shows_the_past_and_ever_more_of_it():
+    t = np.arange(1000.0)
+    assert t - ever_later(t, 0.01) == pytest.approx(0.01 * t)
+
+
+def test_a_slow_clock_is_not_missed_between_two_shares():
+    shares = [point["skew"] for point in GRID.points(OPERATORS["clock"].slots, SIGNALS["force_N"], "clock")]
+    assert shares[0] * GRID.duration_s == pytest.approx(LATE_S)
+    assert np.diff(shares) * GRID.duration_s == pytest.approx(np.full(len(shares) - 1, LATE_S))
+    assert shares[-1] <= MOST_SKEW + 1e-9

@@ -13,7 +13,7 @@ from testbench.proposing.beam import Beam, Found, _condensed
 from testbench.proposing.grids import DAMPINGS
 from testbench.proposing.hunt import _best_of_each, finalists
 from testbench.proposing.laws.grammar import fits
-from testbench.proposing.laws.law import Term
+from testbench.proposing.laws.law import Term, namespace
 from testbench.proposing.laws.operators import OPERATORS
 from testbench.proposing.proposal import holds
 from testbench.proposing.screening import Part, at_bounds
@@ -62,6 +62,27 @@ def test_what_the_base_can_bend_to_is_tried_as_it_changes_with_time():
     beam = Beam.__new__(Beam)
     slip = Term(law_of("force", "strain").term.coordinate, (OPERATORS["slip"],), 0.3, (1.0,))
     assert beam.changing(slip).name == "strain, slip, growing"
+
+
+def test_a_state_is_tried_times_what_it_may_act_on():
+    beam = Beam.__new__(Beam)
+    beam.grid, beam.readable = GRID, {"force": {"strain", "force_N", "time_s"}}
+    law = law_of("force", "state that forms with time and is wiped out by motion")
+    x = law.term.evaluated(SIGNALS, law.values, DT_S)
+    names = [term.name.split(", ")[1:] for _, term, _ in beam.multiplied(law.place, law.term, law.values, x)]
+    assert ["times force"] in names
+    assert ["times conductance"] not in names  # which does not lie before the force
+    assert ["fading"] not in names  # one number more
+
+
+def test_a_factor_may_come_twice_and_nothing_else():
+    law = law_of("force", "strain", "lag", "square", "times strain")
+    beam = Beam.__new__(Beam)
+    beam.grid, beam.readable = GRID, {"force": {"strain", "force_N", "time_s"}}
+    beam.names = {"force": namespace(SIGNALS, DT_S)}
+    grown = {term.name for _, term, _ in beam.widened(law, law.term, None)}
+    assert "strain, lag, square, times strain, times strain" in grown
+    assert not any(name.count("square") > 1 or name.count("lag") > 1 for name in grown)
 
 
 def test_a_law_loses_one_piece_and_its_numbers():
