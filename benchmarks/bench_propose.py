@@ -32,7 +32,7 @@ GOOD = 1.5
 BY_CHANCE = {"electrode_detachment", "moisture_bursts", "loose_wire", "lost_steps", "snapping_yarns"}
 # Where a mechanism acts, and on what it depends. A law of the strain is as good as one of the force that follows it.
 STRETCH = {"strain", "force", "contact force"}
-PAST = {"largest strain", "below the largest strain", "past the last top"}
+PAST = {"largest strain", "below the largest strain", "past the last top", "from a share of the last top"}
 WORN = {"path", "work", "turns", "time"}
 MOTION = {"strain rate", "speed", "direction", "force rate", "time since reversal", "time at rest"}
 CONTACTS = {"conductance", "contact force", "conductance reading"}

@@ -162,6 +162,27 @@ def upper_turn(x: FloatArray, back: float) -> FloatArray:
     return out
 
 
+@njit("float64[:](float64[:], float64)", cache=True, nogil=True)
+def swung(x: FloatArray, back: float) -> FloatArray:
+    """Summed size of the swings of `x` that are over: a swing is, once `x` has come back by `back`."""
+    out = np.empty_like(x)
+    heading, extreme, last, total = 1.0, x[0], x[0], 0.0
+    for i in range(len(x)):
+        if (x[i] - extreme) * heading > 0.0:
+            extreme = x[i]
+        elif (extreme - x[i]) * heading > back:
+            total += abs(extreme - last)
+            last = extreme
+            heading, extreme = -heading, x[i]
+        out[i] = total
+    return out
+
+
+def turning(x: FloatArray, back: float, dt_s: float) -> FloatArray:
+    """Size of the swing that is over at each turn of `x`, over the time of the step in which the turn is known."""
+    return np.diff(swung(np.ascontiguousarray(x), back), prepend=0.0) / dt_s
+
+
 def moving(x: FloatArray, dt_s: float) -> FloatArray:
     """Rate of `x` per second, zero at the start: it was at rest before."""
     speed = rate(x, dt_s)
@@ -187,9 +208,9 @@ def turns_so_far(x: FloatArray, span: float) -> FloatArray:
     return turns(np.ascontiguousarray(x), BACK * span)[2]
 
 
-def last_top(x: FloatArray, span: float) -> FloatArray:
+def last_top(x: FloatArray, back: float) -> FloatArray:
     """Where `x` last turned downwards, or where it is once it has passed that: beyond, the old top is forgotten."""
-    return np.maximum(upper_turn(np.ascontiguousarray(x), BACK * span), x)
+    return np.maximum(upper_turn(np.ascontiguousarray(x), back), x)
 
 
 def largest(x: FloatArray) -> FloatArray:

@@ -27,6 +27,7 @@ DECADES = (1.5, 3.0)
 DELAYS_S = (0.1, 0.3, 1.0)
 LATE_S, MOST_SKEW = 0.3, 0.05  # a clock is tried in steps of so much at the end of the recording, up to this share
 SHARES = (0.85, 0.95)  # of a last top
+SWINGS = (0.02, 0.05)  # of the span, by which the strain has turned
 TEETH = ("stick", "dead band")  # that come again with each length of travel
 LINES = 4  # strongest frequencies of a residual that are tried
 LEAST_LEVEL = 1e-3  # a threshold near zero may still be moved
@@ -83,6 +84,8 @@ class Grid:
             return [share * self.span for share in (STRAINS[1::2] if few else STRAINS)]
         if slot.kind == "path":
             return [share * self.span for share in PATHS]
+        if slot.kind == "swing":
+            return [share * self.span for share in SWINGS]
         if slot.kind == "number":
             return {"damping": DAMPINGS, "decades": DECADES, "share": SHARES}.get(slot.key, NUMBERS)
         if x is None:  # a size of a strain

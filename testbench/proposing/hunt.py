@@ -20,7 +20,7 @@ from testbench.proposing.grids import Grid, rounded
 from testbench.proposing.laws.law import Law
 from testbench.proposing.laws_found import Option, Step, numbered
 from testbench.proposing.open_chain import OpenChain
-from testbench.proposing.screening import SLIGHT, Projector
+from testbench.proposing.screening import Projector
 from testbench.proposing.stability import SURE, stability
 from testbench.proposing.trial import LawFitter, Trial
 from testbench.proposing.writing import effect_class
@@ -30,7 +30,6 @@ LEAST_GAIN = 10.0  # nats: about ln of the number of laws that are tried
 LEAST_SHARE = 0.1  # of the squared error above the noise that a law takes off
 FINALISTS, OF_ONE_PLACE, OF_ONE_FAMILY, SETTLED = 5, 3, 2, 2
 TIED_NATS = 3.0
-SHARPENED = 3  # times at most that the numbers of a law are sought anew
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,13 +120,10 @@ class Hunt:
 
     def look(self, null: NullModel, name: str) -> list[Trial]:
         """The best laws beside a base, refitted with it, quickly."""
-        found = self.beam(null).run()
+        beam = Beam(null.projector, self.grid_for(null.base), self.tell, self.pool)
+        found = beam.run()
         chosen = finalists([one for one in found if one.gain > LEAST_GAIN / 2])
         return self.pool.map(lambda one: self.refitted(one.law, null, name), chosen)
-
-    def beam(self, null: NullModel) -> Beam:
-        """The search beside a base."""
-        return Beam(null.projector, self.grid_for(null.base), self.tell, self.pool)
 
     def refitted(self, law: Law, null: NullModel, name: str) -> Trial:
         """A law refitted with its base, quickly."""
@@ -162,29 +158,13 @@ class Hunt:
         A base that has done so has moved its other parameters along, and may not find back beside the law; and what
         it was bent by may not be needed any more.
         """
-        done = self.sharpened(self.fitter.settled(trial))
+        done = self.fitter.settled(trial)
         model = self.search.reference
         for key, effect in done.hypothesis.model.effects.items():
             model = model if key in self.base.model else model.plus(effect, key)
         stiff = self.fitter.anew(done, model)
         free = self.fitter.anew(done, self.search.bent(stiff.hypothesis.model))
         return max(done, stiff, free, key=_evidence)
-
-    def sharpened(self, trial: Trial) -> Trial:
-        """A law whose numbers are sought anew beside its refitted base, as long as that gains.
-
-        A refit moves along slopes, and where a law jumps there are none: it moves the base, and with it the moments
-        of the jumps, but not the levels.
-        """
-        for _ in range(SHARPENED):
-            null = self.null_model(trial.hypothesis, without=trial.name)
-            beam = self.beam(null)
-            found = beam.polish(beam.at(trial.law.place, trial.law.term, trial.law.values))
-            better = self.fitter.settled(self.refitted(found.law, null, trial.name))
-            if better.log_z < trial.log_z + SLIGHT:
-                break
-            trial = better
-        return trial
 
     def dependence(self, trial: Trial) -> tuple[FloatArray, FloatArray, FloatArray]:
         """z of a law, and what the channel lacks without and with it, at samples that count."""

@@ -20,7 +20,14 @@ from testbench.proposing.laws.law import Law
 from testbench.proposing.writing import effect_class, strength_key
 
 QUICK = 6  # iterations of a first refit; the best are carried to their end
-WIDTHS = {"time": 2.0, "size": 1.5, "path": 1.5, "number": 0.7, "frequency": 1.0}  # e-folds, before seeing data
+WIDTHS = {
+    "time": 2.0,
+    "size": 1.5,
+    "path": 1.5,
+    "swing": 1.0,
+    "number": 0.7,
+    "frequency": 1.0,
+}  # e-folds, before seeing data
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,7 @@ TOOLS: dict[str, Any] = {
         for name in (
             "kinetics", "moving", "oscillator", "relay", "held", "stuck", "seconds_near", "heading", "since_turn",
             "turns_so_far", "last_top", "largest", "path", "work", "delayed", "stop", "power_of", "over", "bump",
-            "broad_memory", "two_way_lag", "ever_later", "gathered",
+            "broad_memory", "two_way_lag", "ever_later", "gathered", "turning",
         )
     },
 }  # fmt: skip

@@ -51,7 +51,7 @@ COORDINATES = {
         ),
         Coordinate(
             "past the last top",
-            "e - last_top(e, {span})",
+            "e - last_top(e, 0.02 * {span})",
             r"(e - e_{\text{top}})",
             "how far the strain is from where it last turned down",
             ONE,
@@ -59,12 +59,16 @@ COORDINATES = {
         ),
         Coordinate(
             "from a share of the last top",
-            "e - self.share * last_top(e, {span})",
+            "e - self.share * last_top(e, self.swing)",
             r"(e - s_t\,e_{\text{top}})",
             "how far the strain is from a share of where it last turned down",
             ONE,
             STRAIN,
-            (Slot("share", "s_t", "share of the last top", "number", 0.5, 1.5),),
+            (
+                Slot("share", "s_t", "share of the last top", "number", 0.5, 1.5),
+                Slot("swing", "w", "how far the strain must come back to have turned", "swing"),
+            ),
+            (r"e_{\text{top}} = \text{last top of a swing beyond } w",),
             signed=True,
         ),
         Coordinate("path", "path(e, {span})", r"\int |de|", "the path travelled", ONE, STRAIN, signed=False),
@@ -159,6 +163,12 @@ _ENDS = {
         (Slot("wipe", "l_2", "path that wipes it out", "path"),),
         "is wiped out by motion",
     ),
+    "at turns": (
+        r"\frac{1}{l_2}\sum_k s_k\,\delta(t - t_k)",
+        "turning(e, 0.02 * {span}, dt_s) / self.wipe",
+        (Slot("wipe", "l_2", "swing that wipes it out, at its end", "path"),),
+        "is evened out by each turn",
+    ),
     "when short": (
         r"\frac{(e_1 - e)^+}{s\,\tau_2}",
         "over(self.edge - e, 0.0) / ({span} * self.end_s)",
@@ -179,6 +189,7 @@ _SENSIBLE = (
     ("with time", "with motion"),
     ("under stretch", "with time"),
     ("under stretch", "with motion"),
+    ("under stretch", "at turns"),
     ("steeply", "with time"),
     ("while stretching", "with time"),
     ("under stretch", "when short"),

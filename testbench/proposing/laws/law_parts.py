@@ -28,9 +28,10 @@ class Slot:
     key : str
         Its name in the effect; it ends in its unit where that is not 1.
     symbol, doc : str
-    kind : {"time", "delay", "skew", "level", "size", "strain", "path", "frequency", "number", "angle"}
+    kind : {"time", "delay", "skew", "level", "size", "strain", "path", "swing", "frequency", "number", "angle"}
         Where its values lie: a time constant; a delay; a share of the time; a level or a size of the input `x` (its
-        unit is the input's); a strain; a path; a frequency; a number between `low` and `high`; an angle.
+        unit is the input's); a strain; a path; a swing of the strain; a frequency; a number between `low` and `high`;
+        an angle.
     """
 
     key: str

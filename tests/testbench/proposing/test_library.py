@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from testbench.knit.filters import lowpass
-from testbench.knit.memories import broad_memory, ever_later, gathered, last_top, seconds_near, two_way_lag
+from testbench.knit.memories import broad_memory, ever_later, gathered, last_top, seconds_near, turning, two_way_lag
 from testbench.knit.rules import applied, check, example_signals
 from testbench.proposing.grids import LATE_S, MOST_SKEW, Grid
 from testbench.proposing.laws.formulas import latex_of, plain
@@ -156,10 +156,17 @@ def test_rest_begins_in_the_middle_of_its_window_at_the_moment_when_the_strain_g
 
 def test_a_top_is_forgotten_once_the_strain_is_past_it():
     x = np.concatenate([np.linspace(0, 0.2, 21), np.linspace(0.2, 0.1, 11), np.linspace(0.1, 0.3, 21)])
-    top = last_top(x, 0.3)
+    top = last_top(x, 0.006)
     assert top[31] == pytest.approx(0.2)
     assert top[40] == pytest.approx(0.2)  # at 0.18 on the way up
     assert top[-1] == pytest.approx(0.3)
+
+
+def test_each_turn_says_how_large_the_swing_was_that_is_over():
+    x = np.concatenate([np.linspace(0, 0.2, 21), np.linspace(0.2, 0.1, 11), np.linspace(0.1, 0.3, 21)])
+    sizes = turning(x, 0.006, 0.1) * 0.1
+    assert sizes[sizes > 0] == pytest.approx([0.2, 0.1])  # the last swing is not over
+    assert list(np.flatnonzero(sizes)) == [22, 33]
 
 
 def test_what_gathers_has_no_limit_and_goes_at_its_rate():
