@@ -10,12 +10,14 @@ import numpy as np
 import pytest
 
 from testbench.cli import main
+from testbench.diagnosis.search import Search
 from testbench.knit.catalogue import load_catalogue
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 from testbench.knit.rules import check
 from testbench.measurements.measurement import split
 from testbench.proposing import Proposed, propose_law
 from testbench.proposing.blindness import not_judged
+from testbench.proposing.hunt import Hunt
 from testbench.proposing.words import _safe, first_line, proposal_text, story
 from testbench.proposing.writing import file_text
 from testbench.recordings.files import read_recording
@@ -78,6 +80,18 @@ def test_the_held_out_error_falls_to_the_noise():
         assert proposed.error_after[channel] < 1.1 * floor
     assert proposed.error_before["conductance"] > 2 * proposed.noise_floor["conductance"]
     assert [step["step"] for step in proposed.after.history] == ["baseline", "+ shape freedom", "+ my_effect"]
+
+
+def test_a_base_that_has_made_room_for_a_law_is_not_bent_again_without_it():
+    hunt = Hunt(Search(split(*pair())[0], CATALOGUE, lambda text: None), "my_effect")
+    bent = hunt.null_model(hunt.base)
+    trial = hunt.fitter.settled(hunt.refitted(found().steps[0].option.law, bent, "my_effect"))
+    roomy = hunt.null_model(trial.hypothesis, without="my_effect")
+    left = {null: np.std(hunt.measurement.residual(null.base)["conductance"]) for null in (bent, roomy)}
+    assert left[roomy] > 1.3 * left[bent]  # all of the law, not what a base leaves that bends to it
+    assert roomy.projector.of_law(trial.law).strength == pytest.approx(trial.law.strength, rel=0.05)
+    again = hunt.refitted(trial.law, roomy, "my_effect")  # starts where the first has ended
+    assert again.log_z == pytest.approx(trial.log_z, abs=1.0)
 
 
 def test_the_file_keeps_the_rules_and_joins_the_catalogue(tmp_path: Path):
