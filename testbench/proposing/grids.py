@@ -24,6 +24,7 @@ HERTZ = (0.15, 3.0)
 DAMPINGS = (0.03, 0.15, 0.5)
 NUMBERS = (0.5, 1.5, 2.0, 3.0)
 DECADES = (1.5, 3.0)
+SHORTEST_S = 1e-3  # a state may form in much less than a sample, a whole span beyond its edge
 DELAYS_S = (0.1, 0.3, 1.0)
 LATE_S, MOST_SKEW = 0.3, 0.05  # a clock is tried in steps of so much at the end of the recording, up to this share
 SHARES = (0.85, 0.95)  # of a last top
@@ -118,7 +119,7 @@ class Grid:
     def bounds(self, slot: Slot, value: float) -> tuple[float, float, bool]:
         """Least and largest value around one that was found, and whether its scale is logarithmic."""
         if slot.kind == "time":
-            return min(0.05, value), max(1e5, value), True
+            return min(SHORTEST_S, value), max(1e5, value), True
         if slot.kind == "delay":
             return 0.0, 10.0, False
         if slot.kind == "skew":

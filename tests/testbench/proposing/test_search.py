@@ -14,6 +14,7 @@ from testbench.proposing.grids import DAMPINGS
 from testbench.proposing.hunt import _best_of_each, finalists
 from testbench.proposing.laws.grammar import fits
 from testbench.proposing.laws.law import Term, namespace
+from testbench.proposing.laws.law_coordinates import KINETICS
 from testbench.proposing.laws.operators import OPERATORS
 from testbench.proposing.proposal import holds
 from testbench.proposing.screening import Part, at_bounds
@@ -37,6 +38,15 @@ def test_teeth_are_not_missed_between_two_counts(name: str, key: str):
     counts = [np.ptp(x) / point[key] for point in GRID.points(OPERATORS[name].slots, x, name)]
     assert np.diff(counts) == pytest.approx(np.full(len(counts) - 1, counts[1] - counts[0]))
     assert counts[1] - counts[0] < 1  # at the far end of the range the teeth are off by less than one
+
+
+def test_a_state_may_form_in_less_than_a_sample():
+    (slot,) = [one for one in KINETICS["state that forms ever quicker beyond a strain and goes with time"].slots
+               if one.key == "form_s"]  # fmt: skip
+    low, high, log = GRID.bounds(slot, 1.0)
+    assert log
+    assert low < 0.05 * DT_S  # the time holds a whole span beyond the edge, where no recording goes
+    assert high > GRID.duration_s
 
 
 def test_a_switch_is_tried_at_every_pair_of_levels():
