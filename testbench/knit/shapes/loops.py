@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from testbench.knit.effect import FloatArray
-from testbench.knit.shapes.curves import kept_curve
+from testbench.knit.shapes.curves import LAW_TERMS, curve_terms, kept_curve
 from testbench.knit.shapes.recent import Recent
 
 # All in parts of the span of the strain.
@@ -35,6 +35,22 @@ def loops(e: FloatArray, span: float, weights: tuple[float, ...], growth: tuple[
     fixed, linear, square = np.reshape((*weights, *growth), (3, LOOPS)) @ _operators(e, span)
     u = e / span
     return fixed + (linear + square * u) * u
+
+
+def loops_terms(e: FloatArray, span: float) -> FloatArray:
+    """What each weight of `loops` adds at weight 1, those of the growth behind the others, shape (3 `LOOPS`, n)."""
+    fixed, u = _operators(e, span), e / span
+    found = np.empty((3, *fixed.shape))
+    found[0] = fixed
+    np.multiply(fixed, u, out=found[1])
+    np.multiply(found[1], u, out=found[2])
+    return found.reshape(-1, len(e))
+
+
+def two_ways_terms(e: FloatArray, span: float) -> FloatArray:
+    """What each weight of `two_ways` adds at weight 1, shape ``(len(WAYS) * LAW_TERMS, n)``."""
+    ways, curves = _operators(e, span)[len(STOPS) + np.array(WAYS)], curve_terms(e, 0.0, span, LAW_TERMS)
+    return (ways[:, None] * curves).reshape(-1, len(e))
 
 
 def two_ways(e: FloatArray, span: float, weights: tuple[float, ...]) -> FloatArray:
