@@ -1,9 +1,9 @@
 """How a small change of a signal anywhere in the chain of a model passes on to its readings.
 
-Most laws remember nothing: what they write at a moment answers to what they read at that moment alone, by a slope that
-one more run of the law tells at all moments. The slopes of one law after the other multiply (the chain rule), from the
-last law backwards (reverse accumulation; Griewank & Walther, Evaluating Derivatives (2008), ch. 3). A law that
-remembers has no such slope: a change that reaches it must be simulated up to there.
+Most laws remember nothing: what they write at a moment answers to what they read at that moment alone, by a slope
+that one more run of the law tells at all moments. The slopes of one law after the other multiply, from the last law
+backwards (reverse accumulation; Griewank & Walther, Evaluating Derivatives (2008), ch. 3). A law that remembers has no
+such slope: a change that reaches it must be simulated up to there.
 """
 
 from __future__ import annotations
@@ -129,12 +129,13 @@ class Chain:
     def _pass_back(self, number: int, signal: str, then: Answers, slopes: dict[str, dict[str, FloatArray]]) -> None:
         """Add to the slopes before a law what a signal changes through it."""
         name, law = self.laws[number]
-        added, before, here = self.added.get(name), self.before[number], self.behind[number]
-        moved, step = _moved(before, signal)
-        whole = added is None or signal in added.seen
-        there = law.apply(moved, self.dt_s) if whole else added.law.put(moved, added.values)
+        added, (moved, step) = self.added.get(name), _moved(self.before[number], signal)
+        if added is not None and signal not in added.seen:
+            there = added.law.put(moved, added.values)
+        else:
+            there = law.apply(moved, self.dt_s)
         for written in law.writes:
-            slope = change_of(written, there, here) / step
+            slope = change_of(written, there, self.behind[number]) / step
             for channel, own in then.slopes.items():
                 if written in own:
                     slopes[channel][signal] = slopes[channel].get(signal, 0.0) + own[written] * slope

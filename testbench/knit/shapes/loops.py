@@ -73,7 +73,7 @@ def two_ways(e: FloatArray, span: float, weights: tuple[float, ...]) -> FloatArr
 @Recent
 def _operators(e: FloatArray, span: float) -> FloatArray:
     """Every operator, in [-1, 1] or nearly, shape (LOOPS, n); they do not depend on any weight."""
-    from testbench.knit.kernels import bouc_wen, follower, play
+    from testbench.knit.kernels import bouc_wen_of_exponent_1, follower, play
 
     sharp = np.array(STOPS) * span
     found = np.empty((LOOPS, len(e)))  # filled in place: joined from parts, an hour's table is copied once more
@@ -82,7 +82,7 @@ def _operators(e: FloatArray, span: float) -> FloatArray:
     stops /= sharp[:, None]
     for skew in SKEWS:
         for travel, row in zip(SMOOTH, others, strict=False):
-            row[:] = bouc_wen(e, travel * span, skew, 1.0)
+            row[:] = bouc_wen_of_exponent_1(e, travel * span, skew)
     for (up, down), row in zip(ONE_SIDED, others, strict=True):
         np.subtract(e, follower(e, up * span, down * span), out=row)
         row /= max(up, down) * span
