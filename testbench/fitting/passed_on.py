@@ -2,8 +2,8 @@
 
 Most laws remember nothing: what they write at a moment answers to what they read at that moment alone, by a slope
 that one more run of the law tells at all moments. The slopes of one law after the other multiply, from the last law
-backwards (reverse accumulation; Griewank & Walther, Evaluating Derivatives (2008), ch. 3). A law that remembers has no
-such slope: a change that reaches it must be simulated up to there.
+backwards (reverse accumulation; Griewank & Walther, Evaluating Derivatives (2008), ch. 3). A law that remembers has
+no such slope: a change that reaches it must be simulated up to there.
 """
 
 from __future__ import annotations
