@@ -121,7 +121,7 @@ class LeadscrewRipple(Effect):
     strength = "amplitude"
     look = "a ripple of force and conductance with a fixed period in displacement, at any speed"
 
-    amplitude: float = parameter(0.001, unit="1", low=0, high=0.02, doc="amplitude, as strain")
+    amplitude: float = parameter(0.001, unit="1", low=0, high=0.1, doc="amplitude, as strain")
     pitch: float = parameter(0.08, unit="1", low=0.001, high=1, scale="log", doc="travel of one turn, as strain")
     phase_rad: float = parameter(0.0, unit="rad", low=-6.3, high=6.3, doc="phase at zero strain")
 
@@ -182,7 +182,7 @@ class SlackLaw(Effect):
     strength = "slack"
     nonlinear = True
 
-    slack: float = parameter(0.02, unit="1", low=0, high=0.5, doc="strain that is taken up without force")
+    slack: float = parameter(0.02, unit="1", low=0, high=1.5, doc="strain that is taken up without force")
 
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         """Slack that ends somewhere within the motion."""
