@@ -16,7 +16,7 @@ from testbench.fitting.baseline import without_zeros
 from testbench.fitting.fit import Fit, fit
 from testbench.fitting.model_file import ModelFile, fit_summary
 from testbench.knit.catalogue import Catalogue, model_from_dict
-from testbench.knit.effect import Effect
+from testbench.knit.effect import Effect, FloatArray
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement
 from testbench.measurements.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL
@@ -92,9 +92,9 @@ def ladder_step(step: str, model: KnitModel, calibration: Measurement, held: Mea
     }
 
 
-def drawn_to_data(law: Effect, calibration: Measurement) -> Effect:
-    """A law where it starts on the measured curve."""
-    signals = {"strain": calibration.signals["strain"]}
+def drawn_to_data(law: Effect, calibration: Measurement, strain: FloatArray | None = None) -> Effect:
+    """A law where it starts on the measured curve; over another strain than the nominal one, if given."""
+    signals = {"strain": calibration.signals["strain"] if strain is None else strain}
     if FORCE_CHANNEL in calibration.measured:
         signals["force_N"] = calibration.measured[FORCE_CHANNEL]
     if CONDUCTANCE_CHANNEL in calibration.measured:

@@ -38,6 +38,11 @@ class Law:
     candidates: tuple[Candidate, ...]
     traces: Rows
 
+    @property
+    def is_of_strain(self) -> bool:
+        """Whether it changes what the base laws see."""
+        return "strain" in self.candidates[0].effect.writes
+
 
 @dataclass(frozen=True, eq=False)
 class Proposal:

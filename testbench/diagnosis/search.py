@@ -14,6 +14,7 @@ from threadpoolctl import threadpool_limits
 
 from testbench.comparing.ladder import drawn_to_data
 from testbench.diagnosis import constants
+from testbench.diagnosis.candidates import is_vector
 from testbench.diagnosis.discrepancy_map import log_z_with_map
 from testbench.diagnosis.evidence.hypothesis import Hypothesis, own_part, under
 from testbench.diagnosis.evidence.laplace import fitted
@@ -26,10 +27,10 @@ from testbench.diagnosis.evidence.likelihood import (
     on_the_grid,
     telling,
 )
-from testbench.diagnosis.proposals import Proposal, Screen, laws_of
+from testbench.diagnosis.proposals import Law, Proposal, Screen, laws_of
 from testbench.diagnosis.rounds import Entry, Round, best_set, explained
 from testbench.diagnosis.side_by_side import SideBySide
-from testbench.diagnosis.starts import best_start
+from testbench.diagnosis.starts import best_start, drawn_anew
 from testbench.fitting.baseline import (
     SHAPES,
     framed,
@@ -270,7 +271,19 @@ class Search:
 
     def proposals(self, h: Hypothesis) -> tuple[Proposal, ...]:
         """What each law of the catalogue promises beside a model, the best first."""
-        return tuple(Screen(h, self.compared).proposals(laws_of(h, self.compared, self.catalogue)))
+        laws = laws_of(h, self.compared, self.catalogue)
+        found = Screen(h, self.compared).proposals(laws)
+        if not any(name in SHAPES for name in h.model):
+            found += [self.anew(h, law) for law in laws if law.is_of_strain and law.candidates[0].from_data]
+        return tuple(_first_of_each(sorted(found, key=lambda p: -p.gain), lambda p: p.law))
+
+    def anew(self, h: Hypothesis, law: Law) -> Proposal:
+        """A law of the strain beside a stiff base that is drawn to the data anew, refitted."""
+        there = fitted(drawn_anew(h, law, self.compared), self.compared, self.reference, h)
+        effect = there.model[_newest(there.model, h)]
+        size = abs(getattr(effect, effect.strength))
+        gain = there.log_z - h.log_z - float(np.log(len(law.candidates)))
+        return Proposal(law.mechanism, effect.name, effect, gain, np.zeros(0), (size, 0.3 * size), there.model)
 
     def chances(self, nulls: Sequence[NullModel], mechanism: str) -> list[tuple[NullModel, Proposal]]:
         """Where a mechanism is refitted: its best law beside the first null model, then all its laws, the best first.
@@ -287,7 +300,7 @@ class Search:
     def stiff(self, null: NullModel, p: Proposal) -> Proposal:
         """A law refitted, if the base does not bend."""
         h = null.hypothesis
-        if null.bends:
+        if null.bends or p.model:
             return p
         model = best_start(h, p, self.compared)
         there = fitted(model, self.compared, self.reference, h, believed=self.believed(h, model, p))
@@ -308,8 +321,7 @@ class Search:
 
     def started_like(self, other: Effect, law: type[Effect], model: KnitModel) -> Effect:
         """A law that starts as another of its kind in what they share, and is drawn to the data in the rest."""
-        shared = {key: getattr(other, key) for key in law.model_fields if key in type(other).model_fields}
-        return framed(drawn_to_data(law().near(**shared), self.measurement), model, self.measurement)
+        return framed(drawn_to_data(_like(other, law), self.measurement), model, self.measurement)
 
     def refitted(self, nulls: Sequence[NullModel], mechanisms: Sequence[str]) -> list[Entry]:
         """Mechanisms refitted: quickly beside the null models that speak for them, then the best of each in full."""
@@ -322,7 +334,23 @@ class Search:
         likeliest = list(dict.fromkeys(e.mechanism for e in entries))[:2]
         left = [[one for one in _chances(nulls, m) if one[1].law not in tried] for m in likeliest]
         more = [one for own in left for one in own[:3]]
-        return self.best_of_each([*entries, *self.entered(more)])
+        return self.best_of_each([*entries, *self.entered(more), *self.swapped(entries[0])])
+
+    def swapped(self, best: Entry) -> list[Entry]:
+        """The other laws of a mechanism in the place of its best one, as strong as that, refitted quickly."""
+        here, strength = best.hypothesis, best.hypothesis.model[best.name].strength
+        known = here.priors.believed.get(f"{best.name}.{strength}")
+        laws = [law for law in self.catalogue.mechanisms()[best.mechanism] if law.strength == strength]
+
+        def entry(law: type[Effect]) -> Entry:
+            model = best.base.plus(framed(_like(here.model[best.name], law), best.base, self.measurement))
+            name = next(one for one in model if one not in best.base)
+            believed = {f"{name}.{strength}": known} if known else {}
+            h = fitted(model, self.compared, self.reference, here, 6, quick=True, believed=believed)
+            return Entry(best.mechanism, law.name, name, h, h.log_z)
+
+        vectors = [law for law in laws if is_vector(law, strength)]
+        return self.pool.map(entry, [law for law in laws if law.name != best.law and law not in vectors])
 
     def on_one_base(self, entries: Sequence[Entry]) -> tuple[Hypothesis, list[Entry]]:
         """The base of the best law, refitted without it; and all laws, where rivals were tried on that base as well.
@@ -415,6 +443,11 @@ def searched(
     with threadpool_limits(1, "blas"):
         search = Search(measurement, catalogue, tell or (lambda _text: None), start, pieces)
         return search, *search.run(most)
+
+
+def _like(other: Effect, law: type[Effect]) -> Effect:
+    """A law with the parameters that it shares with another."""
+    return law().near(**{key: getattr(other, key) for key in law.model_fields if key in type(other).model_fields})
 
 
 def _laws(h: Hypothesis) -> str:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from testbench.comparing.ladder import drawn_to_data
 from testbench.diagnosis.evidence.hypothesis import Hypothesis
 from testbench.diagnosis.evidence.laplace import PARTS
 from testbench.diagnosis.evidence.likelihood import Likelihood
-from testbench.diagnosis.proposals import Proposal
+from testbench.diagnosis.proposals import Law, Proposal
 from testbench.fitting.downhill import huber
 from testbench.fitting.parameters import with_values
+from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
 
 
@@ -31,6 +33,25 @@ def best_start(h: Hypothesis, p: Proposal, likelihood: Likelihood) -> KnitModel:
         step = np.where(h.priors.group >= 0, p.step, part * p.step)
         tried.append(with_values(h.model, h.priors.parameters, np.clip(h.vector + step, low, high)).plus(p.effect))
     return min(tried, key=lambda one: _misfit(one, h, likelihood))
+
+
+def drawn_anew(h: Hypothesis, law: Law, likelihood: Likelihood) -> KnitModel:
+    """The model with a law that changes the strain, and its base drawn anew to the data over what is left of that.
+
+    Of all points of the law the one that fits best. Where much of a stretch only takes up slack, the knit is many
+    times as stiff over the rest: no small step leads there.
+    """
+    measurement = likelihood.measurement
+
+    def drawn(effect: Effect) -> KnitModel:
+        model = h.model.plus(effect)
+        strain = model.simulate(measurement.signals, measurement.dt_s)["strain"]
+        for name in h.model:
+            if not model[name].strength:
+                model = model.replacing(name, drawn_to_data(model[name], measurement, strain))
+        return model
+
+    return min((drawn(one.effect) for one in law.candidates), key=lambda one: _misfit(one, h, likelihood))
 
 
 def _misfit(model: KnitModel, h: Hypothesis, likelihood: Likelihood) -> float:

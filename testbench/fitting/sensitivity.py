@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import groupby
 
 import numpy as np
 
 from testbench.fitting.parameters import FreeParameter, values_of, with_values
+from testbench.fitting.passed_on import Chain, change_of
 from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
@@ -28,9 +30,9 @@ def sensitivities(
     """
     modelled = measurement.modelled(model, cache)
     jacobian = {channel: np.zeros((len(parameters), len(values))) for channel, values in modelled.items()}
-    for index, rows in derivatives(model, parameters, range(len(parameters)), measurement, cache):
+    for indices, rows in derivatives(model, parameters, range(len(parameters)), measurement, cache):
         for channel, values in rows.items():
-            jacobian[channel][index] = values
+            jacobian[channel][indices] = values
     return modelled, jacobian
 
 
@@ -40,18 +42,37 @@ def derivatives(
     which: Sequence[int],
     measurement: Measurement,
     cache: SimulationCache,
-) -> Iterator[tuple[int, dict[str, FloatArray]]]:
-    """Index and derivatives, by channel, each shape (n,), of those of `parameters` that `which` names.
+) -> Iterator[tuple[list[int], dict[str, FloatArray]]]:
+    """Indices and derivatives, by channel, each shape (m, n), of those of `parameters` that `which` names.
 
-    They come from the end of the signal chain backwards, so that the cache always holds the unchanged beginning.
+    They come from the end of the signal chain backwards, so that the cache always holds the unchanged beginning. A
+    change is simulated as far as any law remembers it; beyond, it passes by the slopes of the laws.
     """
-    modelled, start = measurement.modelled(model, cache), values_of(model, parameters)
-    for index in reversed(which):
-        step = _step(parameters[index], start[index])
-        shifted = measurement.modelled(
-            with_values(model, [parameters[index]], start[index : index + 1] + step), cache
-        )
-        yield index, {channel: (values - modelled[channel]) / step for channel, values in shifted.items()}
+    measurement.modelled(model, cache)
+    chain = Chain(model, measurement, cache)
+    for (name, key), group in groupby(reversed(which), lambda index: parameters[index].place[:2]):
+        indices, number = list(group), chain.number[name]
+        until = chain.until(number)
+        places = [parameters[index].place[2] for index in indices]
+        terms = chain.terms(number, key) if until == number and min(places) >= 0 else None
+        if terms is not None:
+            yield indices, chain.answers_behind(number).to({model[name].writes[0]: terms[places]})
+            continue
+        for index in indices:
+            change = _change(chain, until, parameters[index], measurement, cache)
+            yield [index], chain.answers_behind(until).to(change)
+
+
+def _change(
+    chain: Chain, until: int, parameter: FreeParameter, measurement: Measurement, cache: SimulationCache
+) -> dict[str, FloatArray]:
+    """Change of the signals behind one law over that of a parameter in the fit's coordinate, each shape (1, n)."""
+    model, here = chain.head(until), chain.behind[until]
+    at = values_of(model, [parameter])
+    step = _step(parameter, float(at[0]))
+    there = with_values(model, [parameter], at + step).simulate(measurement.signals, measurement.dt_s, cache)
+    changed = (signal for signal, values in there.items() if values is not here[signal])
+    return {signal: change_of(signal, there, here)[None] / step for signal in changed}
 
 
 def _step(parameter: FreeParameter, at: float) -> float:

@@ -19,6 +19,13 @@ class AdditiveLaw(Effect):
         """The signal that is written, with the change in it."""
         raise NotImplementedError
 
+    def terms(self, parameter: str, signals: Signals) -> FloatArray | None:
+        """What each weight of a vector adds, in N or ln S, at weight 1: shape (k, n).
+
+        None where the law is not linear in that parameter, or does not say.
+        """
+        return None
+
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         return self.put(signals, self.change(signals, dt_s))
 

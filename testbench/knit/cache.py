@@ -9,6 +9,18 @@ from testbench.knit.additive import AdditiveLaw
 from testbench.knit.effect import Effect, FloatArray, Signals
 
 
+@dataclass(frozen=True, eq=False)
+class Change:
+    """What a law made of the signals that it looked at; None is a signal that was not there."""
+
+    law: AdditiveLaw
+    values: FloatArray
+    seen: Mapping[str, FloatArray | None]
+
+    def holds(self, law: AdditiveLaw, state: Signals) -> bool:
+        return all(state.get(name) is values for name, values in self.seen.items()) and _same(law, self.law)
+
+
 class SimulationCache:
     """Signals after each effect of the last run over the same inputs, and what each law added to them."""
 
@@ -16,7 +28,7 @@ class SimulationCache:
         self._effects: list[Effect] = []
         self._states: list[dict[str, FloatArray]] = []
         self._inputs: Signals | None = None
-        self._changes: dict[str, _Change] = {}
+        self._changes: dict[str, Change] = {}
 
     def resume(
         self, effects: Mapping[str, Effect], inputs: Signals
@@ -37,25 +49,21 @@ class SimulationCache:
         known = self._changes.get(name)
         if known is None or not known.holds(effect, state):
             watched = _Watched(state)
-            known = self._changes[name] = _Change(effect, effect.change(watched, dt_s), watched.seen)
+            known = self._changes[name] = Change(effect, effect.change(watched, dt_s), watched.seen)
         return effect.put(state, known.values)
+
+    def states(self) -> list[Signals]:
+        """Signals after each effect of the last run."""
+        return list(self._states)
+
+    def changes(self) -> dict[str, Change]:
+        """What each additive law of the last run made of the signals that it looked at, by its name in the model."""
+        return dict(self._changes)
 
     def keep(self, effect: Effect, state: dict[str, FloatArray]) -> None:
         """Remember the signals after `effect`."""
         self._effects.append(effect)
         self._states.append(dict(state))
-
-
-@dataclass(frozen=True, eq=False)
-class _Change:
-    """What a law made of the signals that it looked at; None is a signal that was not there."""
-
-    law: AdditiveLaw
-    values: FloatArray
-    seen: Mapping[str, FloatArray | None]
-
-    def holds(self, law: AdditiveLaw, state: Signals) -> bool:
-        return all(state.get(name) is values for name, values in self.seen.items()) and _same(law, self.law)
 
 
 class _Watched(Mapping[str, FloatArray]):

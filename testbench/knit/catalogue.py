@@ -60,6 +60,7 @@ BUILT_IN = {
     "leadscrew_ripple": "testbench.knit.kinematics.grip:LeadscrewRipple",
     "leadscrew_ripple_wave": "testbench.knit.kinematics.grip:LeadscrewRippleWave",
     "slack": "testbench.knit.kinematics.grip:Slack",
+    "slack_gradual": "testbench.knit.kinematics.grip:SlackGradual",
     # mechanics
     "stress_relaxation": "testbench.knit.mechanics.relaxation:StressRelaxation",
     "stress_relaxation_two_times": "testbench.knit.mechanics.relaxation:StressRelaxationTwoTimes",

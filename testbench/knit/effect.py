@@ -123,6 +123,8 @@ class Effect(BaseModel):
     nonlinear : bool
         The response has a threshold (a gap, a clipping level), so a small strength says little about a large one:
         try a grid of magnitudes instead of a finite difference at zero.
+    pointwise : tuple of str
+        Signals that it reads and does not remember: what it writes at a moment depends on them at that moment alone.
     per_recording : tuple of str
         Parameters that belong to one recording, not to the sensor (the phase of a hum): each has its own.
     bends_a_law : bool
@@ -143,6 +145,7 @@ class Effect(BaseModel):
     look: ClassVar[str] = ""
     optional_reads: ClassVar[tuple[str, ...]] = ()
     nonlinear: ClassVar[bool] = False
+    pointwise: ClassVar[tuple[str, ...]] = ()
     per_recording: ClassVar[tuple[str, ...]] = ()
     bends_a_law: ClassVar[bool] = False
     exclusive: ClassVar[bool] = False

@@ -32,12 +32,12 @@ def play(x: FloatArray, thresholds: FloatArray) -> FloatArray:
     Source: Visintin, Differential Models of Hysteresis (1994), ch. III; Kuhnen, Eur. J. Control 9 (2003) 407.
     """
     out = np.empty((len(thresholds), len(x)))
-    for k in range(len(thresholds)):
-        r = thresholds[k]
-        y = x[0]
-        for i in range(len(x)):
-            y = min(max(y, x[i] - r), x[i] + r)
-            out[k, i] = y
+    y = np.full(len(thresholds), x[0])
+    # All operators advance together: none has to wait for its own last step.
+    for i in range(len(x)):
+        for k in range(len(thresholds)):
+            y[k] = min(max(y[k], x[i] - thresholds[k]), x[i] + thresholds[k])
+            out[k, i] = y[k]
     return out
 
 
@@ -53,7 +53,7 @@ def running_max(x: FloatArray) -> FloatArray:
 
 
 @njit("float64(float64, float64, float64)", cache=True, nogil=True)
-def _bouc_wen_of_exponent_1(z: float, step: float, skew: float) -> float:
+def _exact_step(z: float, step: float, skew: float) -> float:
     """z after a step of x / threshold, exactly (up to a change of sign of z within it)."""
     ahead = 1.0 if step > 0.0 else -1.0
     side = ahead if z == 0.0 else (1.0 if z > 0.0 else -1.0)
@@ -87,7 +87,7 @@ def _bouc_wen_in_parts(z: float, step: float, skew: float, exponent: float) -> f
 
 @njit("float64[:](float64[:], float64, float64, float64)", cache=True, nogil=True)
 def bouc_wen(x: FloatArray, threshold: float, skew: float, exponent: float) -> FloatArray:
-    """Bouc-Wen hysteretic variable, in [-1, 1], at zero in the beginning.
+    """Bouc-Wen hysteretic variable, in [-1, 1], at zero in the beginning, shape (n,).
 
     dz = (1 - |z|^exponent ((1 - skew) sgn(dx z) + skew)) dx / threshold
     """
@@ -97,10 +97,21 @@ def bouc_wen(x: FloatArray, threshold: float, skew: float, exponent: float) -> F
     for i in range(1, len(x)):
         step = (x[i] - x[i - 1]) / threshold
         if step != 0.0:
-            if exponent == 1.0:
-                z = _bouc_wen_of_exponent_1(z, step, skew)
-            else:
-                z = _bouc_wen_in_parts(z, step, skew, exponent)
+            z = _bouc_wen_in_parts(z, step, skew, exponent)
+        out[i] = z
+    return out
+
+
+@njit("float64[:](float64[:], float64, float64)", cache=True, nogil=True)
+def bouc_wen_of_exponent_1(x: FloatArray, threshold: float, skew: float) -> FloatArray:
+    """The same at exponent 1, where each step is known exactly."""
+    out = np.empty_like(x)
+    z = 0.0
+    out[0] = z
+    for i in range(1, len(x)):
+        step = (x[i] - x[i - 1]) / threshold
+        if step != 0.0:
+            z = _exact_step(z, step, skew)
         out[i] = z
     return out
 

@@ -192,9 +192,9 @@ def moving(x: FloatArray, dt_s: float) -> FloatArray:
 
 def heading(x: FloatArray, span: float) -> FloatArray:
     """+1 while `x` goes up, -1 while it comes down, turning over within `BACK` of the span."""
-    from testbench.knit.kernels import bouc_wen
+    from testbench.knit.kernels import bouc_wen_of_exponent_1
 
-    return bouc_wen(np.ascontiguousarray(x), BACK * span, 0.5, 1.0)
+    return bouc_wen_of_exponent_1(np.ascontiguousarray(x), BACK * span, 0.5)
 
 
 def since_turn(x: FloatArray, span: float, dt_s: float) -> FloatArray:

@@ -167,8 +167,7 @@ class KnitModel:
         """
         state, todo = cache.resume(self.effects, signals) if cache else (dict(signals), self.effects)
         for name, effect in todo.items():
-            if effect.stage >= Stage.PRESSURE and "contact_force_N" not in state and "force_N" in state:
-                state["contact_force_N"] = state["force_N"]
+            state = signals_for(effect, state)
             check_wiring(name, effect, state)
             if cache and isinstance(effect, AdditiveLaw) and _ours(effect):
                 state.update(cache.applied(name, effect, state, dt_s))
@@ -217,6 +216,13 @@ def parts_of(address: str) -> tuple[str, str, int]:
     effect, _, key = address.partition(".")
     base, bracket, index = key.partition("[")
     return effect, base, int(index[:-1]) if bracket else -1
+
+
+def signals_for(effect: Effect, state: Signals) -> dict[str, FloatArray]:
+    """What an effect finds: the force presses the contacts as it is, until an effect tells the two apart."""
+    if effect.stage >= Stage.PRESSURE and "contact_force_N" not in state and "force_N" in state:
+        return {**state, "contact_force_N": state["force_N"]}
+    return dict(state)
 
 
 def check_wiring(name: str, effect: Effect, state: Mapping[str, FloatArray]) -> None:

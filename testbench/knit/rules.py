@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 
+from testbench.knit.additive import AdditiveLaw
 from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, bounds_of
 
@@ -241,6 +242,42 @@ def knows_no_future(effect: Effect) -> str:
     return ""
 
 
+def forgets_what_is_pointwise(effect: Effect) -> str:
+    """Of a signal that it calls `pointwise`, one moment changes what it writes at that moment alone."""
+    signals = example_signals(0.05)
+    out = applied(effect, signals, 0.05)
+    for signal in effect.pointwise:
+        if signal not in effect.reads + effect.optional_reads:
+            return f"calls {signal} pointwise, which it does not read"
+        for moment in np.linspace(0, len(signals["time_s"]) - 1, 5).astype(int):
+            moved = signals[signal].copy()
+            moved[moment] *= 1.5
+            for key, value in applied(effect, {**signals, signal: moved}, 0.05).items():
+                later = np.delete(value, moment), np.delete(out[key], moment)
+                if not np.allclose(*later, rtol=1e-9, atol=0):
+                    return f"remembers {signal}, which it calls pointwise: {key} changes at other moments, too"
+    return ""
+
+
+def adds_its_terms(effect: Effect) -> str:
+    """Each weight of a vector adds the term that the law tells, to force in N or to ln S."""
+    if not isinstance(effect, AdditiveLaw):
+        return ""
+    signals = example_signals(0.05)
+    for key, default in effect:
+        terms = effect.terms(key, signals) if isinstance(default, tuple) else None
+        if terms is None:
+            continue
+        one = type(effect).model_validate({**dict(effect), key: tuple(np.linspace(-0.1, 0.2, len(default)))})
+        none = one.replaced(**{key: (0.0,) * len(default)})
+        (written,) = effect.writes
+        there, here = (law.apply(signals, 0.05)[written] for law in (one, none))
+        added = np.log(there / here) if written == "conductance_S" else there - here
+        if not np.allclose(added, np.array(getattr(one, key)) @ terms, rtol=0, atol=1e-5):
+            return f"its terms of {key} are not what the weights add"
+    return ""
+
+
 def starts_a_fit(effect: Effect) -> str:
     """Every one of its `starts` sets parameters that the effect has, whichever channels were measured."""
     signals = example_signals(0.05)
@@ -269,6 +306,8 @@ RULES: tuple[Rule, ...] = (
     converges,
     ignores_sampling_rate,
     knows_no_future,
+    forgets_what_is_pointwise,
+    adds_its_terms,
     starts_a_fit,
     survives_json,
 )

@@ -203,9 +203,9 @@ class _PosteriorFit:
         measurement, which = self.likelihood.measurement, list(which)
         for c, values in self.residual(self.model).items():
             self.columns[c][0] = values
-        for index, rows in derivatives(self.model, self.priors.parameters, which, measurement, self.cache):
+        for indices, rows in derivatives(self.model, self.priors.parameters, which, measurement, self.cache):
             for c, values in rows.items():
-                self.columns[c][index + 1] = self.likelihood.picked(values, c)
+                self.columns[c][np.array(indices) + 1] = self.likelihood.picked(values, c)
         self.refresh(which)
 
     def refresh(self, which: Sequence[int]) -> None:

@@ -29,6 +29,7 @@ class Contact(Effect):
     name = "contact"
     stage = Stage.CONTACT
     reads, writes = ("contact_force_N",), ("conductance_S",)
+    pointwise = ("contact_force_N",)
     look = "conductance rises with force, fast at first"
 
     contact_resistance_ohm: float = parameter(

@@ -259,6 +259,7 @@ class ThermalSoftening(Effect):
     stage = Stage.MECHANICS
     reads, writes = ("time_s", "force_N"), ("force_N",)
     optional_reads = ("temperature_C",)
+    pointwise = ("force_N",)
     strength = "softening_per_K"
     per_recording = ("phase_rad",)
     look = "force sinks when the room warms"
@@ -286,6 +287,7 @@ class ThermalSofteningWander(Effect):
     mechanism = "temperature_drift"
     stage = Stage.MECHANICS
     reads, writes = ("time_s", "force_N"), ("force_N",)
+    pointwise = ("force_N",)
     strength = "weights"
     per_recording = ("weights",)
     look = "the knit is now softer, now stiffer, differently in every recording, whatever the motion"

@@ -72,7 +72,7 @@ class YarnElongation(ConductanceLaw):
     strength = "gauge"
     look = "conductance turns round and falls again at high strain, force does not"
 
-    gauge: float = parameter(1.0, unit="1", low=0, high=50, doc="gauge factor of the straightened yarn")
+    gauge: float = parameter(1.0, unit="1", low=0, high=300, doc="gauge factor of the straightened yarn")
     onset: float = parameter(0.2, unit="1", low=0.01, high=2, scale="log", doc="strain where the loops are straight")
     width: float = parameter(0.02, unit="1", low=1e-3, high=0.3, scale="log", doc="strain over which it sets in")
 

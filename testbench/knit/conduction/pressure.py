@@ -27,6 +27,7 @@ class ContactDrive(Effect):
     name = "contact_drive"
     stage = Stage.PRESSURE
     reads, writes = ("strain", "contact_force_N"), ("contact_force_N",)
+    pointwise = ("contact_force_N",)
     look = "the conductance does not follow the loops and the relaxation that the force shows"
 
     strain_share: float = parameter(0.0, unit="1", low=0, high=1, doc="0: force alone, 1: strain alone")
@@ -53,6 +54,7 @@ class ContactSaturationLaw(Effect):
     bends_a_law = True
     stage = Stage.PRESSURE
     reads, writes = ("contact_force_N",), ("contact_force_N",)
+    pointwise = ("contact_force_N",)
     strength = "inverse_limit_per_N"
 
 

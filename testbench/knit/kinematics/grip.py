@@ -13,6 +13,7 @@ from testbench.knit.shapes.waves import harmonics_parameter, wave_of
 TURN_STRAIN = 2e-4  # that the motion comes back by for a turn to count
 MOST_TURNS, PITCHES = 40.0, 4  # turns of a screw within the motion; pitches to begin at
 BEND_TURNS = 3.0  # fewer turns of a screw within the motion are a bend of the knit's own law
+TAKEN_UP = (0.03, 0.1, 0.3, 0.6, 0.85)  # of the longest stretch
 JOINTS = np.linspace(-1, 1, 5)  # relative gaps of a drive whose play closes little by little
 
 
@@ -120,7 +121,7 @@ class LeadscrewRipple(Effect):
     strength = "amplitude"
     look = "a ripple of force and conductance with a fixed period in displacement, at any speed"
 
-    amplitude: float = parameter(0.001, unit="1", low=0, high=0.02, doc="amplitude, as strain")
+    amplitude: float = parameter(0.001, unit="1", low=0, high=0.1, doc="amplitude, as strain")
     pitch: float = parameter(0.08, unit="1", low=0.001, high=1, scale="log", doc="travel of one turn, as strain")
     phase_rad: float = parameter(0.0, unit="rad", low=-6.3, high=6.3, doc="phase at zero strain")
 
@@ -172,7 +173,24 @@ class LeadscrewRippleWave(LeadscrewRipple):
         return wave_of(angle, self.harmonics)
 
 
-class Slack(Effect):
+class SlackLaw(Effect):
+    """Base of the laws of a knit that hangs through at first."""
+
+    mechanism = "slack"
+    stage = Stage.KINEMATICS
+    reads, writes = ("strain",), ("strain",)
+    strength = "slack"
+    nonlinear = True
+
+    slack: float = parameter(0.02, unit="1", low=0, high=1.5, doc="strain that is taken up without force")
+
+    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+        """Slack that ends somewhere within the motion."""
+        longest = float(np.max(signals["strain"]))
+        return [{"slack": share * longest} for share in TAKEN_UP if share * longest > 0]
+
+
+class Slack(SlackLaw):
     """The knit hangs through: a thin fabric bears no compression, the first stretch only takes up the slack.
 
     e = max(e - slack, min(e, 0))
@@ -182,14 +200,37 @@ class Slack(Effect):
     """
 
     name = "slack"
-    stage = Stage.KINEMATICS
-    reads, writes = ("strain",), ("strain",)
-    strength = "slack"
-    nonlinear = True
     look = "near the start of the travel nothing happens at all"
-
-    slack: float = parameter(0.02, unit="1", low=0, high=0.5, doc="strain that is taken up without force")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         strain = signals["strain"]
         return {"strain": np.maximum(strain - self.slack, np.minimum(strain, 0.0))}
+
+
+class SlackGradual(SlackLaw):
+    """Yarns are crumpled to different lengths: one after the other is straight and begins to bear.
+
+    e = w (S((e - slack) / w) - S(-slack / w)),   S(u) = ln(1 + exp(u)),   w = spread * slack,   for e > 0
+
+    Source: sequential straightening, Lanir, J. Biomech. 16 (1983) 1, for a logistic distribution of the lengths.
+    Valid: mounted without pretension, or crimped.
+    """
+
+    name = "slack_gradual"
+    look = "near the start of the travel hardly anything happens, then more and more"
+
+    spread: float = parameter(
+        0.2, unit="1", low=0.02, high=2, scale="log", doc="width of the distribution of the lengths over the slack"
+    )
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        strain = signals["strain"]
+        if self.slack == 0:
+            return {"strain": strain.copy()}
+        width = self.spread * self.slack
+        out = np.maximum(strain, 0.0) / width
+        straight = np.logaddexp(0.0, out - 1 / self.spread) - np.logaddexp(0.0, -1 / self.spread)
+        return {"strain": np.minimum(strain, 0.0) + width * straight}
+
+    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+        return [{**one, "spread": spread} for one in super().starts(signals, residual) for spread in (0.1, 0.4)]

@@ -158,7 +158,7 @@ class PermanentSetWorked(PermanentSetLaw):
     strength = "amount"
     look = "each cycle the force starts to rise at a slightly greater displacement"
 
-    amount: float = parameter(0.02, unit="1", low=0, high=0.3, doc="set in the end, as strain")
+    amount: float = parameter(0.02, unit="1", low=0, high=0.5, doc="set in the end, as strain")
     scale: float = parameter(20.0, unit="1", low=0.1, high=1e5, scale="log", doc="strain path for 63 % of it")
 
     def added(self, signals: Signals, dt_s: float) -> FloatArray:
@@ -182,7 +182,7 @@ class PermanentSetCreep(PermanentSetLaw):
     strength = "amount"
     look = "the knit grows longer with every minute under stretch, fast at first and never quite to an end"
 
-    amount: float = parameter(0.01, unit="1", low=0, high=0.1, doc="set for each e-fold of time, as strain")
+    amount: float = parameter(0.01, unit="1", low=0, high=0.5, doc="set for each e-fold of time, as strain")
     scale_s: float = parameter(30.0, unit="s", low=0.5, high=3000, scale="log", doc="time at `span` where it begins")
     power: float = parameter(1.0, unit="1", low=0.5, high=8, scale="log", doc="how much more a large stretch counts")
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain by which time is weighed")

@@ -71,7 +71,7 @@ class ClampSlipRepeated(ClampSlipLaw):
     nonlinear = True
     look = "every high stretch costs a little force, in jumps, for ever"
 
-    amount: float = parameter(0.002, unit="1", low=0, high=0.1, doc="slip per pass, as strain")
+    amount: float = parameter(0.002, unit="1", low=0, high=0.5, doc="slip per pass, as strain")
     limit: float = parameter(0.2, unit="1", low=0.01, high=2, scale="log", doc="strain that the grip just holds")
 
     def added(self, signals: Signals, dt_s: float) -> FloatArray:
@@ -129,7 +129,7 @@ class ClampSlipSliding(ClampSlipLaw):
     name = "clamp_slip_sliding"
     look = "time spent at high stretch costs force at every strain; time spent at low stretch costs nothing"
 
-    amount: float = parameter(0.02, unit="1", low=0, high=0.3, doc="slip in the end, as strain")
+    amount: float = parameter(0.02, unit="1", low=0, high=0.5, doc="slip in the end, as strain")
     limit: float = parameter(0.2, unit="1", low=0.01, high=2, scale="log", doc="strain that the grip just holds")
     work_s: float = parameter(
         5.0, unit="s", low=1e-3, high=1e4, scale="log", doc="strain times seconds until most is done"
@@ -167,7 +167,7 @@ class ClampSlipEvents(ClampSlipLaw):
     per_recording = ("amounts", "slip_times_s")
     look = "the misfit jumps within a fraction of a second, several times, and stays"
 
-    amounts: tuple[float, ...] = parameter((0.0,) * MOST_SLIPS, unit="1", low=0, high=0.3, doc="slips, as strain")
+    amounts: tuple[float, ...] = parameter((0.0,) * MOST_SLIPS, unit="1", low=0, high=0.5, doc="slips, as strain")
     slip_times_s: tuple[float, ...] = parameter(
         tuple(3.0 * (k + 1) for k in range(MOST_SLIPS)), unit="s", low=0, high=NEVER_S, doc="their moments"
     )

@@ -17,6 +17,7 @@ class MullinsLaw(Effect):
     mechanism = "mullins_softening"
     stage = Stage.MECHANICS
     reads, writes = ("strain", "force_N"), ("force_N",)
+    pointwise = ("force_N",)
     strength = "softening"
 
 
@@ -149,6 +150,7 @@ class FatigueLaw(Effect):
     mechanism = "cyclic_fatigue"
     stage = Stage.MECHANICS
     reads, writes = ("strain", "force_N"), ("force_N",)
+    pointwise = ("force_N",)
     strength = "loss"
 
 

@@ -29,6 +29,7 @@ class RateLaw(Effect):
     mechanism = "viscous_rate_stiffening"
     stage = Stage.MECHANICS
     reads, writes = ("strain", "force_N"), ("force_N",)
+    pointwise = ("force_N",)
     strength = "gain"
 
 

@@ -36,6 +36,7 @@ class SaturationLaw(Effect):
     mechanism = "adc_saturation"
     stage = Stage.READOUT
     reads, writes = ("conductance_S",), ("conductance_S",)
+    pointwise = ("conductance_S",)
     strength = "floor_ohm"
     nonlinear = True
 
@@ -121,6 +122,7 @@ class AdcSaturationForce(SaturationLaw):
 
     name = "adc_saturation_force"
     reads, writes = ("force_N",), ("force_N",)
+    pointwise = ("force_N",)
     strength = "inverse_range_per_N"
     look = "force is cut off flat at the top, at exactly one value"
 

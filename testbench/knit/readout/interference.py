@@ -19,6 +19,7 @@ class InterferenceLaw(Effect):
     mechanism = "periodic_interference"
     stage = Stage.READOUT
     reads, writes = ("time_s", "conductance_S"), ("conductance_S",)
+    pointwise = ("conductance_S",)
     strength = "amplitude"
     per_recording = ("phase_rad",)
     channel: ClassVar[str] = "conductance"  # of the residual
@@ -84,6 +85,7 @@ class PeriodicInterferenceForce(InterferenceLaw):
 
     name = "periodic_interference_force"
     reads, writes = ("time_s", "force_N"), ("force_N",)
+    pointwise = ("force_N",)
     strength = "amplitude_N"
     channel = "force"
     look = "a sine rides on the force, in holds too; a sharp line in the spectrum"

@@ -108,6 +108,7 @@ class LoadCellZeroDrift(LoadCellLaw):
 
     name = "load_cell_zero_drift"
     reads = ("time_s", "force_N")
+    pointwise = ("force_N",)
     strength = "drift_N"
     look = "the whole force curve is shifted, more and more, at every strain alike"
 

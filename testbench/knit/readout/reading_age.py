@@ -4,16 +4,25 @@ from __future__ import annotations
 
 import numpy as np
 
-from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
-from testbench.knit.filters import log_conductance, shifted
+from testbench.knit.effect import FloatArray, parameter
+from testbench.knit.readout.linear_reading import LinearReading
 
 
-class ReadingAge(Effect):
+class ReadingAge(LinearReading):
     """Base of the two: a reading is that of a few milliseconds ago."""
 
-    stage = Stage.READOUT
-
     age_s: float = parameter(0.0, unit="s", low=-0.015, high=0.015, typical=0.01, doc="mean age of the reading")
+
+    def read(self, values: FloatArray, time_s: FloatArray) -> FloatArray:
+        """The values a little earlier: less their slope, from the neighbours of each sample, times the age."""
+        if values.shape[-1] < 3:
+            return values.copy()
+        earlier = np.empty_like(values)
+        np.subtract(values[..., 2:], values[..., :-2], out=earlier[..., 1:-1])
+        earlier[..., 1:-1] *= -self.age_s / (time_s[2:] - time_s[:-2])
+        earlier[..., 0], earlier[..., -1] = earlier[..., 1], earlier[..., -2]
+        earlier += values
+        return earlier
 
 
 class ForceAge(ReadingAge):
@@ -30,10 +39,6 @@ class ForceAge(ReadingAge):
     reads, writes = ("time_s", "force_N"), ("force_N",)
     look = "a loop of the force that widens with the speed, by milliseconds"
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        force = signals["force_N"]
-        return {"force_N": force - self.age_s * _slope(force, signals["time_s"])}
-
 
 class ConductanceAge(ReadingAge):
     """The resistance in a row of the recording is a few milliseconds older than the displacement in it.
@@ -47,18 +52,3 @@ class ConductanceAge(ReadingAge):
     name = "conductance_age"
     reads, writes = ("time_s", "conductance_S"), ("conductance_S",)
     look = "a loop of the conductance that widens with the speed, by milliseconds"
-
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        conductance = signals["conductance_S"]
-        slope = _slope(log_conductance(conductance), signals["time_s"])
-        return {"conductance_S": shifted(conductance, -self.age_s * slope)}
-
-
-def _slope(values: FloatArray, time_s: FloatArray) -> FloatArray:
-    """By time, shape (n,), from the neighbours of each sample."""
-    if len(values) < 3:
-        return np.zeros_like(values)
-    slope = np.empty_like(values)
-    slope[1:-1] = (values[2:] - values[:-2]) / (time_s[2:] - time_s[:-2])
-    slope[0], slope[-1] = slope[1], slope[-2]
-    return slope

@@ -13,8 +13,8 @@ import numpy as np
 
 from testbench.knit.additive import ConductanceLaw, ForceLaw
 from testbench.knit.effect import FloatArray, Signals, Stage, parameter
-from testbench.knit.shapes.curves import CURVE_TERMS, LAW_TERMS, curve, kept_curve
-from testbench.knit.shapes.loops import LOOPS, WAYS, loops, two_ways
+from testbench.knit.shapes.curves import CURVE_TERMS, LAW_TERMS, curve, curve_terms, kept_curve
+from testbench.knit.shapes.loops import LOOPS, WAYS, loops, loops_terms, two_ways, two_ways_terms
 
 DRIFT_TAUS_S = (3.0, 30.0, 300.0)
 DRIFT_BUMPS = 6
@@ -24,6 +24,12 @@ DRIFT_BUMPS = 6
 def _settled(start_s: float, end_s: float, count: int) -> FloatArray:
     """What has settled with each of `DRIFT_TAUS_S` on a uniform grid, shape (3, count): the same in every run."""
     return -np.expm1(-np.linspace(start_s, end_s, count) / np.array(DRIFT_TAUS_S)[:, None])
+
+
+def _drifts(signals: Signals) -> FloatArray:
+    """Drift that ends within each of `DRIFT_TAUS_S`, and one that does not, shape (4, n)."""
+    t = signals["time_s"]
+    return np.vstack((_settled(float(t[0]), float(t[-1]), len(t)), t / 1000))
 
 
 class ElasticityShape(ForceLaw):
@@ -46,6 +52,9 @@ class ElasticityShape(ForceLaw):
 
     def change(self, signals: Signals, dt_s: float) -> FloatArray:
         return curve(signals["strain"], 0.0, self.span, self.weights_N)
+
+    def terms(self, parameter: str, signals: Signals) -> FloatArray:
+        return curve_terms(signals["strain"], 0.0, self.span, len(self.weights_N))
 
 
 class HysteresisShape(ForceLaw):
@@ -75,6 +84,10 @@ class HysteresisShape(ForceLaw):
     def change(self, signals: Signals, dt_s: float) -> FloatArray:
         return loops(signals["strain"], self.span, self.weights_N, self.growth_N)
 
+    def terms(self, parameter: str, signals: Signals) -> FloatArray:
+        every = loops_terms(signals["strain"], self.span)
+        return every[:LOOPS] if parameter == "weights_N" else every[LOOPS:]
+
 
 class ContactShape(ConductanceLaw):
     """Any smooth correction to the law of conductance over contact force and strain.
@@ -90,6 +103,7 @@ class ContactShape(ConductanceLaw):
     name = "contact_shape"
     stage = Stage.CONTACT
     optional_reads = ("contact_force_N",)
+    pointwise = ("contact_force_N",)
     strength = "strain_weights"
     look = "the misfit of ln G depends on force and strain, at any speed and time"
 
@@ -106,9 +120,18 @@ class ContactShape(ConductanceLaw):
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         log_change = kept_curve(signals["strain"], 0.0, self.span, self.strain_weights)
         if "contact_force_N" in signals:
-            load = np.sqrt(np.maximum((signals["contact_force_N"] - self.low_N) / self.span_N, 0.0))
-            log_change = log_change + curve(load, 0.0, 1.0, self.force_weights)
+            log_change = log_change + curve(self._load(signals), 0.0, 1.0, self.force_weights)
         return log_change
+
+    def terms(self, parameter: str, signals: Signals) -> FloatArray | None:
+        if parameter == "strain_weights":
+            return curve_terms(signals["strain"], 0.0, self.span, len(self.strain_weights))
+        if "contact_force_N" not in signals:
+            return None
+        return curve_terms(self._load(signals), 0.0, 1.0, len(self.force_weights))
+
+    def _load(self, signals: Signals) -> FloatArray:
+        return np.sqrt(np.maximum((signals["contact_force_N"] - self.low_N) / self.span_N, 0.0))
 
 
 class DriftShape(ConductanceLaw):
@@ -134,6 +157,10 @@ class DriftShape(ConductanceLaw):
         settled = _settled(float(t[0]), float(t[-1]), len(t))
         return np.asarray(self.weights) @ settled + self.slope_per_ks * t / 1000
 
+    def terms(self, parameter: str, signals: Signals) -> FloatArray:
+        t = signals["time_s"]
+        return _settled(float(t[0]), float(t[-1]), len(t))
+
 
 class ContactDriftShape(ConductanceLaw):
     """Drift of the contacts alone: how much it changes ln G depends on how hard they are pressed.
@@ -150,6 +177,7 @@ class ContactDriftShape(ConductanceLaw):
     stage = Stage.CONTACT
     reads = ("time_s", "strain", "conductance_S")
     optional_reads = ("contact_force_N",)
+    pointwise = ("contact_force_N",)
     strength = "weights"
     look = "the conductance creeps, and how much depends on the load"
 
@@ -161,16 +189,23 @@ class ContactDriftShape(ConductanceLaw):
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain covered by the bumps, without a force")
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
+        from testbench.knit.shapes.splines import bsplines_over
+
+        if not any(self.weights):
+            return np.zeros_like(signals["time_s"])
+        return bsplines_over(self._load(signals), np.reshape(self.weights, (DRIFT_BUMPS, -1)), _drifts(signals))
+
+    def terms(self, parameter: str, signals: Signals) -> FloatArray:
         from testbench.knit.shapes.splines import bspline
 
-        t = signals["time_s"]
-        times = [*_settled(float(t[0]), float(t[-1]), len(t)), t / 1000]
-        load = signals["strain"] / self.span
+        load = self._load(signals)
+        bumps = np.stack([bspline(load, one) for one in np.eye(DRIFT_BUMPS)])
+        return (bumps[:, None] * _drifts(signals)).reshape(-1, len(load))
+
+    def _load(self, signals: Signals) -> FloatArray:
         if "contact_force_N" in signals:
-            load = (signals["contact_force_N"] - self.low_N) / self.span_N
-        weights = np.reshape(self.weights, (DRIFT_BUMPS, -1))
-        drifts = (bspline(load, weights[:, k].copy()) * one for k, one in enumerate(times) if weights[:, k].any())
-        return sum(drifts, np.zeros_like(t))
+            return (signals["contact_force_N"] - self.low_N) / self.span_N
+        return signals["strain"] / self.span
 
 
 class ContactLoopsShape(ConductanceLaw):
@@ -200,3 +235,9 @@ class ContactLoopsShape(ConductanceLaw):
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         e = signals["strain"]
         return loops(e, self.span, self.weights, self.growth) + two_ways(e, self.span, self.ways)
+
+    def terms(self, parameter: str, signals: Signals) -> FloatArray:
+        if parameter == "ways":
+            return two_ways_terms(signals["strain"], self.span)
+        every = loops_terms(signals["strain"], self.span)
+        return every[:LOOPS] if parameter == "weights" else every[LOOPS:]

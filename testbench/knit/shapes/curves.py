@@ -36,4 +36,11 @@ def curve(x: FloatArray, low: float, span: float, weights: tuple[float, ...]) ->
     return cosine_series(x, low, span, np.asarray(weights))
 
 
+def curve_terms(x: FloatArray, low: float, span: float, count: int) -> FloatArray:
+    """What each weight of a `curve` adds at weight 1, shape (count, n)."""
+    from testbench.knit.shapes.splines import cosines
+
+    return cosines(x, low, span, count)
+
+
 kept_curve = Recent(curve)  # for an x that stays as weights of other curves change

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from testbench.knit.effect import FloatArray
-from testbench.knit.shapes.curves import kept_curve
+from testbench.knit.shapes.curves import LAW_TERMS, curve_terms, kept_curve
 from testbench.knit.shapes.recent import Recent
 
 # All in parts of the span of the strain.
@@ -37,6 +37,22 @@ def loops(e: FloatArray, span: float, weights: tuple[float, ...], growth: tuple[
     return fixed + (linear + square * u) * u
 
 
+def loops_terms(e: FloatArray, span: float) -> FloatArray:
+    """What each weight of `loops` adds at weight 1, those of the growth behind the others, shape (3 `LOOPS`, n)."""
+    fixed, u = _operators(e, span), e / span
+    found = np.empty((3, *fixed.shape))
+    found[0] = fixed
+    np.multiply(fixed, u, out=found[1])
+    np.multiply(found[1], u, out=found[2])
+    return found.reshape(-1, len(e))
+
+
+def two_ways_terms(e: FloatArray, span: float) -> FloatArray:
+    """What each weight of `two_ways` adds at weight 1, shape ``(len(WAYS) * LAW_TERMS, n)``."""
+    ways, curves = _operators(e, span)[len(STOPS) + np.array(WAYS)], curve_terms(e, 0.0, span, LAW_TERMS)
+    return (ways[:, None] * curves).reshape(-1, len(e))
+
+
 def two_ways(e: FloatArray, span: float, weights: tuple[float, ...]) -> FloatArray:
     """One smooth curve over strain on the way out, another on the way back: half their difference, times the way.
 
@@ -57,7 +73,7 @@ def two_ways(e: FloatArray, span: float, weights: tuple[float, ...]) -> FloatArr
 @Recent
 def _operators(e: FloatArray, span: float) -> FloatArray:
     """Every operator, in [-1, 1] or nearly, shape (LOOPS, n); they do not depend on any weight."""
-    from testbench.knit.kernels import bouc_wen, follower, play
+    from testbench.knit.kernels import bouc_wen_of_exponent_1, follower, play
 
     sharp = np.array(STOPS) * span
     found = np.empty((LOOPS, len(e)))  # filled in place: joined from parts, an hour's table is copied once more
@@ -66,7 +82,7 @@ def _operators(e: FloatArray, span: float) -> FloatArray:
     stops /= sharp[:, None]
     for skew in SKEWS:
         for travel, row in zip(SMOOTH, others, strict=False):
-            row[:] = bouc_wen(e, travel * span, skew, 1.0)
+            row[:] = bouc_wen_of_exponent_1(e, travel * span, skew)
     for (up, down), row in zip(ONE_SIDED, others, strict=True):
         np.subtract(e, follower(e, up * span, down * span), out=row)
         row /= max(up, down) * span

@@ -14,6 +14,7 @@ from testbench.knit.kinematics.grip import (
     LeadscrewRipple,
     LeadscrewRippleWave,
     Slack,
+    SlackGradual,
 )
 from tests.testbench.knit.samples import UP, UP_DOWN_UP
 
@@ -21,6 +22,21 @@ from tests.testbench.knit.samples import UP, UP_DOWN_UP
 def test_slack_is_taken_up_first() -> None:
     strain = Slack(slack=0.1).apply({"strain": np.array([-0.05, 0.0, 0.05, 0.1, 0.3])}, 1.0)["strain"]
     np.testing.assert_allclose(strain, [-0.05, 0, 0, 0, 0.2])
+
+
+def test_gradual_slack_is_the_mean_over_yarns_of_logistic_lengths() -> None:
+    lengths = np.random.default_rng(3).logistic(0.1, 0.2 * 0.1, 200_000)
+    stretched = np.array([0.02, 0.1, 0.15, 0.3])
+    bears = [np.mean(np.maximum(e - lengths, 0.0) - np.maximum(-lengths, 0.0)) for e in stretched]
+    strain = SlackGradual(slack=0.1, spread=0.2).apply({"strain": stretched}, 1.0)["strain"]
+    np.testing.assert_allclose(strain, bears, atol=2e-4)
+
+
+def test_gradual_slack_of_no_spread_is_slack() -> None:
+    taken, gradual = Slack(slack=0.1), SlackGradual(slack=0.1, spread=0.02)
+    strain = np.array([-0.05, 0.0, 0.05, 0.15, 0.3])
+    expected = taken.apply({"strain": strain}, 1.0)["strain"]
+    np.testing.assert_allclose(gradual.apply({"strain": strain}, 1.0)["strain"], expected, atol=1e-6)
 
 
 def test_windup_closes_exponentially_over_its_travel() -> None:
