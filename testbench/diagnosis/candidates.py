@@ -69,6 +69,11 @@ def candidate_mechanisms(catalogue: Catalogue, model: KnitModel) -> dict[str, li
     return found
 
 
+def can_act(law: type[Effect], state: Signals) -> bool:
+    """Whether there is all that a law reads: a sensor without a load cell may have no force."""
+    return all(signal in state for signal in law.reads)
+
+
 def is_vector(law: type[Effect], key: str) -> bool:
     """Whether a parameter is a vector of weights."""
     return isinstance(law.model_fields[key].default, tuple)
@@ -84,7 +89,7 @@ def expand(
 ) -> Iterator[Candidate]:
     """Every law at its own starts on these data, or over a coarse grid of its shape parameters."""
     for law in laws:
-        if not all(signal in state for signal in law.reads):
+        if not can_act(law, state):
             continue
         base = framed(law(), model, measurement)
         if is_vector(law, law.strength):

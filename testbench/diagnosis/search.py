@@ -14,7 +14,7 @@ from threadpoolctl import threadpool_limits
 
 from testbench.comparing.ladder import drawn_to_data
 from testbench.diagnosis import constants
-from testbench.diagnosis.candidates import is_vector
+from testbench.diagnosis.candidates import can_act, is_vector
 from testbench.diagnosis.discrepancy_map import log_z_with_map
 from testbench.diagnosis.evidence.hypothesis import Hypothesis, own_part, under
 from testbench.diagnosis.evidence.laplace import fitted
@@ -340,7 +340,9 @@ class Search:
         """The other laws of a mechanism in the place of its best one, as strong as that, refitted quickly."""
         here, strength = best.hypothesis, best.hypothesis.model[best.name].strength
         known = here.priors.believed.get(f"{best.name}.{strength}")
-        laws = [law for law in self.catalogue.mechanisms()[best.mechanism] if law.strength == strength]
+        state = here.model.simulate(self.measurement.signals, self.measurement.dt_s)
+        others = [law for law in self.catalogue.mechanisms()[best.mechanism] if law.name != best.law]
+        as_strong = [law for law in others if law.strength == strength and not is_vector(law, strength)]
 
         def entry(law: type[Effect]) -> Entry:
             model = best.base.plus(framed(_like(here.model[best.name], law), best.base, self.measurement))
@@ -349,8 +351,7 @@ class Search:
             h = fitted(model, self.compared, self.reference, here, 6, quick=True, believed=believed)
             return Entry(best.mechanism, law.name, name, h, h.log_z)
 
-        vectors = [law for law in laws if is_vector(law, strength)]
-        return self.pool.map(entry, [law for law in laws if law.name != best.law and law not in vectors])
+        return self.pool.map(entry, [law for law in as_strong if can_act(law, state)])
 
     def on_one_base(self, entries: Sequence[Entry]) -> tuple[Hypothesis, list[Entry]]:
         """The base of the best law, refitted without it; and all laws, where rivals were tried on that base as well.
