@@ -312,4 +312,4 @@ def test_a_guess_far_out_of_bounds_is_moved_into_them() -> None:
     hum = catalogue["periodic_interference"]().near(frequency_Hz=1e-9, phase_rad=100.0)
     assert (hum.model_dump()["frequency_Hz"], hum.model_dump()["phase_rad"]) == (0.02, 6.3)
     slips = catalogue["clamp_slip_events"]().near(amounts=(9.0,) + (-1.0,) * 11)
-    assert slips.model_dump()["amounts"] == (0.3,) + (0.0,) * 11
+    assert slips.model_dump()["amounts"] == (0.5,) + (0.0,) * 11
