@@ -280,7 +280,7 @@ class Search:
     def anew(self, h: Hypothesis, law: Law) -> Proposal:
         """A law of the strain beside a stiff base that is drawn to the data anew, refitted."""
         there = fitted(drawn_anew(h, law, self.compared), self.compared, self.reference, h)
-        effect = there.model[_newest(there.model, h)]
+        effect = there.model[_newest(there.model, h.model)]
         size = abs(getattr(effect, effect.strength))
         gain = there.log_z - h.log_z - float(np.log(len(law.candidates)))
         return Proposal(law.mechanism, effect.name, effect, gain, np.zeros(0), (size, 0.3 * size), there.model)
@@ -310,7 +310,7 @@ class Search:
         """Priors of a law's strength that only the data have a scale for."""
         if not p.believed or p.believed[0] <= 0:
             return {}
-        return {f"{_newest(model, h)}.{p.effect.strength}": p.believed}
+        return {f"{_newest(model, h.model)}.{p.effect.strength}": p.believed}
 
     def exchanged(self, model: KnitModel, place: str) -> list[KnitModel]:
         """The model with each other law of the catalogue that could stand in a place of it, drawn to the data."""
@@ -346,7 +346,7 @@ class Search:
 
         def entry(law: type[Effect]) -> Entry:
             model = best.base.plus(framed(_like(here.model[best.name], law), best.base, self.measurement))
-            name = next(one for one in model if one not in best.base)
+            name = _newest(model, best.base)
             believed = {f"{name}.{strength}": known} if known else {}
             h = fitted(model, self.compared, self.reference, here, 6, quick=True, believed=believed)
             return Entry(best.mechanism, law.name, name, h, h.log_z)
@@ -425,7 +425,7 @@ class Search:
         """A law refitted with shapes; beside a stiff base it was put in its place before they can take it over."""
         self.tell(f"refitting with {p.law}")
         before = p.model or best_start(null.hypothesis, p, self.compared)
-        name, believed = _newest(before, null.hypothesis), self.believed(null.hypothesis, before, p)
+        name, believed = _newest(before, null.hypothesis.model), self.believed(null.hypothesis, before, p)
         model = self.bent(before)
         h = fitted(model, self.compared, self.reference, null.like, 6, quick=True, believed=believed)
         return Entry(p.mechanism, p.law, name, h, h.log_z)
@@ -455,9 +455,9 @@ def _laws(h: Hypothesis) -> str:
     return " ".join(effect.name for effect in h.model.effects.values())
 
 
-def _newest(model: KnitModel, h: Hypothesis) -> str:
-    """Name of the effect that a model has, and a hypothesis has not."""
-    return next(name for name in model if name not in h.model)
+def _newest(model: KnitModel, before: KnitModel) -> str:
+    """Name of the effect that a model has, and the one before it has not."""
+    return next(name for name in model if name not in before)
 
 
 def _evidence(h: Hypothesis) -> float:

@@ -85,35 +85,30 @@ def _bouc_wen_in_parts(z: float, step: float, skew: float, exponent: float) -> f
     return z
 
 
-@njit("float64[:](float64[:], float64, float64, float64)", cache=True, nogil=True)
+@njit("float64[:](float64[:], float64, float64, float64, boolean)", cache=True, nogil=True)
+def _bouc_wen(x: FloatArray, threshold: float, skew: float, exponent: float, exact: bool) -> FloatArray:
+    out = np.empty_like(x)
+    z = 0.0
+    out[0] = z
+    for i in range(1, len(x)):
+        step = (x[i] - x[i - 1]) / threshold
+        if step != 0.0:
+            z = _exact_step(z, step, skew) if exact else _bouc_wen_in_parts(z, step, skew, exponent)
+        out[i] = z
+    return out
+
+
 def bouc_wen(x: FloatArray, threshold: float, skew: float, exponent: float) -> FloatArray:
     """Bouc-Wen hysteretic variable, in [-1, 1], at zero in the beginning, shape (n,).
 
     dz = (1 - |z|^exponent ((1 - skew) sgn(dx z) + skew)) dx / threshold
     """
-    out = np.empty_like(x)
-    z = 0.0
-    out[0] = z
-    for i in range(1, len(x)):
-        step = (x[i] - x[i - 1]) / threshold
-        if step != 0.0:
-            z = _bouc_wen_in_parts(z, step, skew, exponent)
-        out[i] = z
-    return out
+    return _bouc_wen(x, threshold, skew, exponent, False)
 
 
-@njit("float64[:](float64[:], float64, float64)", cache=True, nogil=True)
 def bouc_wen_of_exponent_1(x: FloatArray, threshold: float, skew: float) -> FloatArray:
     """The same at exponent 1, where each step is known exactly."""
-    out = np.empty_like(x)
-    z = 0.0
-    out[0] = z
-    for i in range(1, len(x)):
-        step = (x[i] - x[i - 1]) / threshold
-        if step != 0.0:
-            z = _exact_step(z, step, skew)
-        out[i] = z
-    return out
+    return _bouc_wen(x, threshold, skew, 1.0, True)
 
 
 @njit("float64[:](float64[:], float64)", cache=True, nogil=True)

@@ -14,7 +14,7 @@ import numpy as np
 from testbench.knit.additive import ConductanceLaw, ForceLaw
 from testbench.knit.effect import FloatArray, Signals, Stage, parameter
 from testbench.knit.shapes.curves import CURVE_TERMS, LAW_TERMS, curve, curve_terms, kept_curve
-from testbench.knit.shapes.loops import LOOPS, WAYS, loops, loops_terms, two_ways, two_ways_terms
+from testbench.knit.shapes.loops import LOOPS, WAYS, growth_terms, loops, loops_terms, two_ways, two_ways_terms
 
 DRIFT_TAUS_S = (3.0, 30.0, 300.0)
 DRIFT_BUMPS = 6
@@ -26,10 +26,15 @@ def _settled(start_s: float, end_s: float, count: int) -> FloatArray:
     return -np.expm1(-np.linspace(start_s, end_s, count) / np.array(DRIFT_TAUS_S)[:, None])
 
 
-def _drifts(signals: Signals) -> FloatArray:
-    """Drift that ends within each of `DRIFT_TAUS_S`, and one that does not, shape (4, n)."""
+def _ending(signals: Signals) -> FloatArray:
+    """Drift that ends within each of `DRIFT_TAUS_S`, shape (3, n)."""
     t = signals["time_s"]
-    return np.vstack((_settled(float(t[0]), float(t[-1]), len(t)), t / 1000))
+    return _settled(float(t[0]), float(t[-1]), len(t))
+
+
+def _drifts(signals: Signals) -> FloatArray:
+    """The same, and drift that does not end, shape (4, n)."""
+    return np.vstack((_ending(signals), signals["time_s"] / 1000))
 
 
 class ElasticityShape(ForceLaw):
@@ -85,8 +90,8 @@ class HysteresisShape(ForceLaw):
         return loops(signals["strain"], self.span, self.weights_N, self.growth_N)
 
     def terms(self, parameter: str, signals: Signals) -> FloatArray:
-        every = loops_terms(signals["strain"], self.span)
-        return every[:LOOPS] if parameter == "weights_N" else every[LOOPS:]
+        terms = loops_terms if parameter == "weights_N" else growth_terms
+        return terms(signals["strain"], self.span)
 
 
 class ContactShape(ConductanceLaw):
@@ -153,13 +158,10 @@ class DriftShape(ConductanceLaw):
     slope_per_ks: float = parameter(0.0, unit="1/ks", low=-5, high=5, doc="drift that does not end")
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        t = signals["time_s"]
-        settled = _settled(float(t[0]), float(t[-1]), len(t))
-        return np.asarray(self.weights) @ settled + self.slope_per_ks * t / 1000
+        return np.asarray(self.weights) @ _ending(signals) + self.slope_per_ks * signals["time_s"] / 1000
 
     def terms(self, parameter: str, signals: Signals) -> FloatArray:
-        t = signals["time_s"]
-        return _settled(float(t[0]), float(t[-1]), len(t))
+        return _ending(signals)
 
 
 class ContactDriftShape(ConductanceLaw):
@@ -237,7 +239,5 @@ class ContactLoopsShape(ConductanceLaw):
         return loops(e, self.span, self.weights, self.growth) + two_ways(e, self.span, self.ways)
 
     def terms(self, parameter: str, signals: Signals) -> FloatArray:
-        if parameter == "ways":
-            return two_ways_terms(signals["strain"], self.span)
-        every = loops_terms(signals["strain"], self.span)
-        return every[:LOOPS] if parameter == "weights" else every[LOOPS:]
+        terms = {"weights": loops_terms, "growth": growth_terms, "ways": two_ways_terms}[parameter]
+        return terms(signals["strain"], self.span)

@@ -38,12 +38,16 @@ def loops(e: FloatArray, span: float, weights: tuple[float, ...], growth: tuple[
 
 
 def loops_terms(e: FloatArray, span: float) -> FloatArray:
-    """What each weight of `loops` adds at weight 1, those of the growth behind the others, shape (3 `LOOPS`, n)."""
+    """What each of the `weights` of `loops` adds at weight 1, shape (LOOPS, n)."""
+    return _operators(e, span)
+
+
+def growth_terms(e: FloatArray, span: float) -> FloatArray:
+    """What each weight of the `growth` of `loops` adds at weight 1, shape (2 `LOOPS`, n)."""
     fixed, u = _operators(e, span), e / span
-    found = np.empty((3, *fixed.shape))
-    found[0] = fixed
-    np.multiply(fixed, u, out=found[1])
-    np.multiply(found[1], u, out=found[2])
+    found = np.empty((2, *fixed.shape))
+    np.multiply(fixed, u, out=found[0])
+    np.multiply(found[0], u, out=found[1])
     return found.reshape(-1, len(e))
 
 

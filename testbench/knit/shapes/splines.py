@@ -10,6 +10,16 @@ from numba import njit
 from testbench.knit.effect import FloatArray
 
 
+@njit(cache=True, nogil=True)
+def _bumps_at(x: float, spans: int) -> tuple[int, float, float, float, float]:
+    """First of the four cubic bumps that reach x, held within 0 <= x <= 1, and six times the height of each there."""
+    u = min(max(x, 0.0), 1.0) * spans
+    cell = min(int(u), spans - 1)
+    t = u - cell
+    s = 1.0 - t
+    return cell, s**3, 4 - 6 * t**2 + 3 * t**3, 4 - 6 * s**2 + 3 * s**3, t**3
+
+
 @njit("float64[:](float64[:], float64[:])", cache=True, nogil=True)
 def bspline(x: FloatArray, weights: FloatArray) -> FloatArray:
     """Uniform cubic B-spline over 0 <= x <= 1 with one weight a bump, held flat outside.
@@ -25,16 +35,9 @@ def bspline(x: FloatArray, weights: FloatArray) -> FloatArray:
     spans = len(weights) - 3
     out = np.empty_like(x)
     for i in range(len(x)):
-        u = min(max(x[i], 0.0), 1.0) * spans
-        cell = min(int(u), spans - 1)
-        t = u - cell
-        s = 1.0 - t
-        out[i] = (
-            weights[cell] * s**3
-            + weights[cell + 1] * (4 - 6 * t**2 + 3 * t**3)
-            + weights[cell + 2] * (4 - 6 * s**2 + 3 * s**3)
-            + weights[cell + 3] * t**3
-        ) / 6
+        cell, first, second, third, last = _bumps_at(x[i], spans)
+        own = weights[cell] * first + weights[cell + 1] * second
+        out[i] = (own + weights[cell + 2] * third + weights[cell + 3] * last) / 6
     return out
 
 
@@ -51,12 +54,7 @@ def bsplines_over(x: FloatArray, weights: FloatArray, factors: FloatArray) -> Fl
     spans, many = weights.shape[0] - 3, weights.shape[1]
     out = np.empty_like(x)
     for i in range(len(x)):
-        u = min(max(x[i], 0.0), 1.0) * spans
-        cell = min(int(u), spans - 1)
-        t = u - cell
-        s = 1.0 - t
-        first, last = s**3, t**3
-        second, third = 4 - 6 * t**2 + 3 * last, 4 - 6 * s**2 + 3 * first
+        cell, first, second, third, last = _bumps_at(x[i], spans)
         total = 0.0
         for k in range(many):
             own = weights[cell, k] * first + weights[cell + 1, k] * second
