@@ -107,7 +107,7 @@ def bouc_wen(x: FloatArray, threshold: float, skew: float, exponent: float) -> F
 
 
 def bouc_wen_of_exponent_1(x: FloatArray, threshold: float, skew: float) -> FloatArray:
-    """The same at exponent 1, where each step is known exactly."""
+    """The same at exponent 1, where each step is known exactly; without skew it is Dahl friction."""
     return _bouc_wen(x, threshold, skew, 1.0, True)
 
 
@@ -190,21 +190,6 @@ def weighted_stops(x: FloatArray, thresholds: FloatArray, weights: FloatArray, g
 def mean_stop(x: FloatArray, thresholds: FloatArray) -> FloatArray:
     """Mean of the normalised stop operators ``(x - play_r(x)) / r``, shape (n,)."""
     return weighted_stops(x, thresholds, np.full(len(thresholds), 1.0 / len(thresholds)), np.zeros(len(thresholds)))
-
-
-@njit("float64[:](float64[:], float64)", cache=True, nogil=True)
-def dahl(x: FloatArray, travel: float) -> FloatArray:
-    """Dahl friction over `x`: dz/dx = (1 - z sign(dx)) / travel, exact along straight lines, z = 0 at the start."""
-    z = np.empty_like(x)
-    state = 0.0
-    z[0] = state
-    for i in range(1, len(x)):
-        dx = x[i] - x[i - 1]
-        if dx != 0.0:
-            end = 1.0 if dx > 0 else -1.0
-            state = end + (state - end) * np.exp(-abs(dx) / travel)
-        z[i] = state
-    return z
 
 
 @njit("Tuple((float64[:], float64[:], float64[:]))(float64[:], float64)", cache=True, nogil=True)

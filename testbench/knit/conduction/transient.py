@@ -227,9 +227,9 @@ class ShoulderPeakAfterTurn(ShoulderLaw):
 
 def on_the_way_back(strain: FloatArray, travel: float, late: float) -> FloatArray:
     """0 on the way out, 1 on the way back, shape (n,); `travel` in strain, `late` as a share of a turn."""
-    from testbench.knit.kernels import dahl
+    from testbench.knit.kernels import bouc_wen_of_exponent_1
 
-    return np.maximum(0.5 * (1 - dahl(strain, travel)) - late, 0.0) / (1 - late)
+    return np.maximum(0.5 * (1 - bouc_wen_of_exponent_1(strain, travel, 0.0)) - late, 0.0) / (1 - late)
 
 
 class RateResistance(OvershootLaw):

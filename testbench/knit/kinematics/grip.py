@@ -74,9 +74,10 @@ class ActuatorBacklashWindup(BacklashLaw):
     travel: float = parameter(0.004, unit="1", low=2e-4, high=0.02, scale="log", doc="strain over which it builds up")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        from testbench.knit.kernels import dahl
+        from testbench.knit.kernels import bouc_wen_of_exponent_1
 
-        return {"strain": signals["strain"] - 0.5 * self.gap * dahl(signals["strain"], self.travel)}
+        strain = signals["strain"]
+        return {"strain": strain - 0.5 * self.gap * bouc_wen_of_exponent_1(strain, self.travel, 0.0)}
 
 
 class ActuatorBacklashCompensated(BacklashLaw):
