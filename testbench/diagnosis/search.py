@@ -42,7 +42,7 @@ from testbench.fitting.baseline import (
 )
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import Effect
-from testbench.knit.model import KnitModel
+from testbench.knit.model import KnitModel, parts_of
 from testbench.measurements.measurement import Measurement
 from testbench.measurements.noise_level import trimmed_rms
 
@@ -162,7 +162,8 @@ class Search:
         bent = self.pool.map(lambda start: self.at_rest(self.compare(*start)), starts)
         bent = sorted(bent, key=_evidence, reverse=True)
         # One that was stripped of its shapes has parameters that moved along with them: the last choice of its kind.
-        others = _first_of_each((stiff[-1], first, self.compare(without_shapes(bent[0].model))), _laws)
+        stripped = self.compare(without_shapes(bent[0].model))
+        others = _first_of_each((stiff[-1], first, stripped), lambda h: _laws(h.model))
         return bent, sorted(others, key=_evidence, reverse=True)[: constants.BASES]
 
     def about_to_bend(self, h: Hypothesis) -> Hypothesis:
@@ -326,15 +327,39 @@ class Search:
     def refitted(self, nulls: Sequence[NullModel], mechanisms: Sequence[str]) -> list[Entry]:
         """Mechanisms refitted: quickly beside the null models that speak for them, then the best of each in full."""
         chosen = [one for k, m in enumerate(mechanisms) for one in self.chances(nulls, m)[: 4 if k < 3 else 2]]
-        entries = self.entered(chosen)
-        if not entries:
+        if not chosen:
             return []
-        entries = self.best_of_each(entries)
+        entries = self.best_of_each(self.on_better_bases(self.entered(chosen)))
         tried = {p.law for _, p in chosen}
         likeliest = list(dict.fromkeys(e.mechanism for e in entries))[:2]
         left = [[one for one in _chances(nulls, m) if one[1].law not in tried] for m in likeliest]
-        more = [one for own in left for one in own[:3]]
-        return self.best_of_each([*entries, *self.entered(more), *self.swapped(entries[0])])
+        more = self.entered([one for own in left for one in own[:3]])
+        return self.best_of_each(self.on_better_bases([*entries, *more, *self.swapped(entries[0])]))
+
+    def on_better_bases(self, entries: Sequence[Entry]) -> list[Entry]:
+        """All entries; those beside other laws of the base than the best one also beside its laws.
+
+        The base of a law may be worse by more than laws differ, most of all in a channel that it does not change:
+        what acts on the conductance alone needs only the laws of the force from the best that does.
+        """
+        found = list(entries)
+        for whole in (True, False):
+            alike = [e for e in entries if acts_on_force(e.hypothesis.model[e.name]) == whole]
+            best = max(alike, key=_evidence, default=None)
+            if best is not None:
+                others = [e for e in alike if _laws(best.base, whole) != _laws(e.base, whole)]
+                found += self.pool.map(partial(self.beside, best, whole), others)
+        return found
+
+    def beside(self, best: Entry, whole: bool, e: Entry) -> Entry:
+        """A law beside the base of another or, if not the `whole`, beside its laws of the force, refitted quickly."""
+        taken = {name: effect for name, effect in best.base.effects.items() if whole or acts_on_force(effect)}
+        own = e.hypothesis.model.effects
+        rest = {name: own[name] for name in own if name == e.name or not (whole or acts_on_force(own[name]))}
+        model = KnitModel(dict(sorted((taken | rest).items(), key=lambda item: item[1].stage)))
+        believed = {a: prior for a, prior in best.hypothesis.priors.believed.items() if parts_of(a)[0] in taken}
+        h = fitted(model, self.compared, self.reference, e.hypothesis, 6, quick=True, believed=believed)
+        return replace(e, hypothesis=h, log_z=h.log_z, is_settled=False)
 
     def swapped(self, best: Entry) -> list[Entry]:
         """The other laws of a mechanism in the place of its best one, as strong as that, refitted quickly."""
@@ -398,8 +423,7 @@ class Search:
             return e
         h, effect = e.hypothesis, e.hypothesis.model[e.name]
         found = [self.at_rest(h)]
-        on_force = {"strain", "force_N"} & set(effect.writes)
-        if on_force and getattr(h.model.effects.get("contact_drive"), "strain_share", 0.0) > 0.02:
+        if acts_on_force(effect) and getattr(h.model.effects.get("contact_drive"), "strain_share", 0.0) > 0.02:
             found.append(self.compare(h.model.with_parameters({"contact_drive.strain_share": 0.0}), h))
         found_best = max(found, key=_evidence)
         return replace(e, hypothesis=found_best, log_z=found_best.log_z, is_settled=True)
@@ -451,8 +475,14 @@ def _like(other: Effect, law: type[Effect]) -> Effect:
     return law().near(**{key: getattr(other, key) for key in law.model_fields if key in type(other).model_fields})
 
 
-def _laws(h: Hypothesis) -> str:
-    return " ".join(effect.name for effect in h.model.effects.values())
+def acts_on_force(effect: Effect) -> bool:
+    """Whether it changes the force, and not only what the force and the strain make of the contacts."""
+    return bool({"strain", "force_N"} & set(effect.writes))
+
+
+def _laws(model: KnitModel, whole: bool = True) -> str:
+    """Which laws a model has, all or those of the force."""
+    return " ".join(effect.name for effect in model.effects.values() if whole or acts_on_force(effect))
 
 
 def _newest(model: KnitModel, before: KnitModel) -> str:
@@ -460,8 +490,8 @@ def _newest(model: KnitModel, before: KnitModel) -> str:
     return next(name for name in model if name not in before)
 
 
-def _evidence(h: Hypothesis) -> float:
-    return h.log_z
+def _evidence(found: Hypothesis | Entry) -> float:
+    return found.log_z
 
 
 def _as_good(one: Entry | Hypothesis, best: Entry) -> bool:

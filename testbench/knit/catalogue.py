@@ -72,6 +72,7 @@ BUILT_IN = {
     "stress_relaxation_series": "testbench.knit.mechanics.relaxation:StressRelaxationSeries",
     "stress_relaxation_prony": "testbench.knit.mechanics.relaxation:StressRelaxationProny",
     "viscous_rate_stiffening": "testbench.knit.mechanics.rate_stiffening:ViscousRateStiffening",
+    "viscous_rate_stiffening_maxwell": "testbench.knit.mechanics.rate_stiffening:ViscousRateStiffeningMaxwell",
     "viscous_rate_stiffening_eyring": "testbench.knit.mechanics.rate_stiffening:ViscousRateStiffeningEyring",
     "viscous_rate_stiffening_log": "testbench.knit.mechanics.rate_stiffening:ViscousRateStiffeningLog",
     "viscous_rate_stiffening_power": "testbench.knit.mechanics.rate_stiffening:ViscousRateStiffeningPower",

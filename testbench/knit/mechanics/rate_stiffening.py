@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
-from testbench.knit.filters import rate
+from testbench.knit.filters import highpass, rate
 from testbench.knit.shapes.curves import LAW_TERMS, curve
 
 REFERENCE_RATE_PER_S = 0.1
@@ -58,6 +58,37 @@ class ViscousRateStiffening(RateLaw):
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         viscous = _power_of_rate(signals["strain"], dt_s, self.exponent, self.rate0_per_s)
+        return {"force_N": signals["force_N"] + self.force_at_rate_N * viscous}
+
+
+class ViscousRateStiffeningMaxwell(RateLaw):
+    """A dashpot that hangs on a spring beside the knit: what a stretch adds is gone within a second.
+
+    F += force * (D - y) / (tau * 0.1 per s),   tau y' = D - y,   D = span sgn(e) (|e| / span)^power
+
+    At slow rates it is Newton's dashpot; a sudden stretch meets the spring. An arm with a power above 1 stiffens.
+
+    Source: Maxwell, Phil. Trans. R. Soc. 157 (1867) 49; Ferry, Viscoelastic Properties of Polymers (1980), ch. 1
+    (standard linear solid). What lasts for longer shows in a hold: `stress_relaxation`.
+    Valid: one time, shorter than a stroke; `span` is the largest strain of the recording.
+    """
+
+    name = "viscous_rate_stiffening_maxwell"
+    strength = "force_at_rate_N"
+    look = "the faster the stretch the higher the force, which is gone within a second after the motion has stopped"
+
+    force_at_rate_N: float = parameter(0.2, unit="N", low=0, high=100, doc="viscous force at 10 % strain per second")
+    tau_s: float = parameter(0.3, unit="s", low=0.05, high=1, scale="log", doc="time in which 63 % of it is gone")
+    power: float = parameter(1.0, unit="1", low=0.5, high=4, scale="log", doc="1: the arm is as stiff at any strain")
+    span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain over which the power is counted")
+
+    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+        return [{"tau_s": tau_s, "power": power} for tau_s in (0.1, 0.3, 0.8) for power in (1.0, 2.0)]
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        share = signals["strain"] / self.span
+        driving = self.span * np.sign(share) * np.abs(share) ** self.power
+        viscous = highpass(driving, self.tau_s, dt_s) / (self.tau_s * REFERENCE_RATE_PER_S)
         return {"force_N": signals["force_N"] + self.force_at_rate_N * viscous}
 
 

@@ -45,7 +45,8 @@ class StressRelaxation(StressRelaxationLaw):
     look = "in a hold the force sinks, quickly at first; after a release it recovers"
 
     fraction: float = parameter(0.15, unit="1", low=0, high=0.9, doc="share of the force that is lost in the end")
-    tau_s: float = parameter(10.0, unit="s", low=0.1, high=3000, scale="log", doc="time in which 63 % of it is lost")
+    # What is quicker shows in no hold: it is a stiffening with the rate.
+    tau_s: float = parameter(10.0, unit="s", low=0.5, high=3000, scale="log", doc="time in which 63 % of it is lost")
 
     def lost_N(self, force_N: FloatArray, dt_s: float) -> FloatArray:
         return self.fraction * (lowpass(force_N, self.tau_s, dt_s) - force_N[0])
@@ -65,7 +66,7 @@ class StressRelaxationTwoTimes(StressRelaxationLaw):
     look = "in a hold the force sinks within seconds, and then on for minutes"
 
     fraction: float = parameter(0.2, unit="1", low=0, high=0.9, doc="share of the force that is lost in the end")
-    fast_s: float = parameter(5.0, unit="s", low=0.1, high=100, scale="log", doc="time of the quick step")
+    fast_s: float = parameter(5.0, unit="s", low=0.5, high=100, scale="log", doc="time of the quick step")
     slow_s: float = parameter(100.0, unit="s", low=10, high=1e4, scale="log", doc="time of the slow step")
     share: float = parameter(0.5, unit="1", low=0, high=1, doc="share of the quick step")
 
@@ -180,7 +181,7 @@ class StressRelaxationNonlinear(StressRelaxationLaw):
     look = "in a hold the force decays by a larger share the higher it was"
 
     fraction: float = parameter(0.2, unit="1", low=0, high=3, doc="share of the force lost in the end, at full force")
-    tau_s: float = parameter(20.0, unit="s", low=0.05, high=3000, scale="log", doc="time in which 63 % of it is lost")
+    tau_s: float = parameter(20.0, unit="s", low=0.5, high=3000, scale="log", doc="time in which 63 % of it is lost")
     power: float = parameter(1.6, unit="1", low=0.4, high=4, scale="log", doc="1 loses the same share at any force")
     span_N: float = parameter(5.0, unit="N", low=1e-3, high=1e4, doc="range of the force")
 
@@ -233,7 +234,7 @@ class StressRelaxationSeries(Effect):
     look = "loops that are wide for their force and open at slow rates; in a hold the force sinks"
 
     fraction: float = parameter(0.3, unit="1", low=0, high=0.95, doc="share of the stretch that gives way in the end")
-    tau_s: float = parameter(10.0, unit="s", low=0.1, high=60, scale="log", doc="time in which 63 % of it gives way")
+    tau_s: float = parameter(10.0, unit="s", low=0.5, high=60, scale="log", doc="time in which 63 % of it gives way")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         strain = signals["strain"]

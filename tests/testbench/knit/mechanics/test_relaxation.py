@@ -7,7 +7,11 @@ import pytest
 
 from testbench.knit import spectra
 from testbench.knit.filters import hold_coefficients, lowpass, memory, rate
-from testbench.knit.mechanics.rate_stiffening import ViscousRateStiffening, ViscousRateStiffeningEyring
+from testbench.knit.mechanics.rate_stiffening import (
+    ViscousRateStiffening,
+    ViscousRateStiffeningEyring,
+    ViscousRateStiffeningMaxwell,
+)
 from testbench.knit.mechanics.relaxation import (
     StressRelaxation,
     StressRelaxationLog,
@@ -25,7 +29,7 @@ STEP = np.minimum(T / DT_S, 1.0)  # reaches 1 within one sample
 RAMP_AND_HOLD = np.minimum(T / RAMP_S, 1.0)
 
 
-@pytest.mark.parametrize("tau_s", [0.3, 7.0, 90.0])
+@pytest.mark.parametrize("tau_s", [0.5, 7.0, 90.0])
 def test_prony_term_after_a_ramp_follows_the_textbook(tau_s: float) -> None:
     """During the ramp t/T - g (t - tau (1 - e^-t/tau)) / T; in the hold an exponential decay to 1 - g."""
     g = 0.4
@@ -129,6 +133,17 @@ def test_far_below_its_plateau_a_power_of_the_rate_is_a_linear_dashpot(speed: fl
     effect = ViscousRateStiffening(force_at_rate_N=0.5, exponent=0.4, rate0_per_s=0.02)
     force = effect.apply({"strain": speed * T, "force_N": np.zeros_like(T)}, DT_S)["force_N"]
     assert force[-1] == pytest.approx(0.5 * (speed / 0.1) * (0.02 / 0.1) ** -0.6, rel=1e-3)
+
+
+def test_a_maxwell_arm_approaches_the_force_of_its_dashpot_and_loses_it_within_its_time() -> None:
+    tau_s, speed_per_s = 0.4, 0.02
+    effect = ViscousRateStiffeningMaxwell(force_at_rate_N=0.5, tau_s=tau_s)
+    signals = {"strain": speed_per_s * RAMP_S * RAMP_AND_HOLD, "force_N": np.zeros_like(T)}
+    dashpot_N = 0.5 * speed_per_s / 0.1
+    since = np.maximum(T - RAMP_S, 0.0)
+    built_up = -np.expm1(-np.minimum(T, RAMP_S) / tau_s)
+    found_N = effect.apply(signals, DT_S)["force_N"]
+    np.testing.assert_allclose(found_N, dashpot_N * built_up * np.exp(-since / tau_s), atol=1e-12)
 
 
 def test_eyring_force_adds_the_same_for_every_tenfold_rate() -> None:
