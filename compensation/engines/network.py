@@ -57,6 +57,12 @@ class Network:
         first = self.weights[0] * scale[:, None]
         return Network((first, *self.weights[1:]), (self.biases[0] - shift @ first, *self.biases[1:]))
 
+    def times(self, factor: float) -> Network:
+        """The same function, its output multiplied by `factor`."""
+        *weights, last_weight = self.weights
+        *biases, last_bias = self.biases
+        return Network((*weights, last_weight * factor), (*biases, last_bias * factor))
+
     def to_dict(self) -> dict:
         """Plain lists, for JSON."""
         return {"weights": [w.tolist() for w in self.weights], "biases": [b.tolist() for b in self.biases]}
@@ -82,3 +88,8 @@ class Network:
         if any(left.shape[1] != right.shape[0] for left, right in pairwise(w)) or len(b[-1]) != 1:
             raise ValueError("the layers do not fit together into one output")
         return cls(w, b)
+
+
+def mean_output(networks: Sequence[Network], features: FloatArray) -> FloatArray:
+    """Mean over networks of their outputs for each row of `features` (n, k): shape (n,)."""
+    return np.mean([network(features) for network in networks], axis=0)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from compensation.engines.network import Network
 from compensation.export.chip_cost import cost
 from compensation.export.export_c_history import number, pieces
-from compensation.memories.ema import start_samples
+from compensation.memories.ema import log_retention, start_samples
 from compensation.model.compensator import Compensator
 from compensation.model.runtime import (
     LARGEST_CONDUCTANCE_S,
@@ -63,10 +63,11 @@ def c_header(compensator: Compensator, name: str = "knitbench") -> str:
         raise UserError(f"--name must be a C identifier, got {name!r}")
     check_streams(compensator)
     needs, lengths = cost(compensator), start_samples(compensator.alphas, compensator.rate_hz)
-    log_keep = np.log1p(-np.minimum(compensator.alphas, 1 - 1e-16))
     seen, begin, limits = ranges_of(compensator), beginning_of(compensator), limits_of(compensator)
     filters = len(compensator.alphas)
-    networks = [_folded(network, compensator) for network in compensator.networks]
+    # The last layers take over the output's scale and the share in the mean.
+    share = compensator.scaling_out.scale / len(compensator.networks)
+    networks = [network.times(share) for network in compensator.networks]
     widest = max(max(network.sizes, default=1) for network in networks)
     tables = [_network_tables(name, index, network) for index, network in enumerate(networks)]
     calls = [_network_call(name, index, network) for index, network in enumerate(networks)]
@@ -94,7 +95,7 @@ def c_header(compensator: Compensator, name: str = "knitbench") -> str:
         mean=number(compensator.scaling_in.mean),
         inverse=number(1.0 / compensator.scaling_in.scale),
         alphas=_numbers(compensator.alphas),
-        log_keep=_numbers(log_keep),
+        log_keep=_numbers(log_retention(compensator.alphas)),
         lengths=_numbers(lengths - 0.5),
         tables="\n".join(tables),
         calls="\n".join(calls),
@@ -102,14 +103,6 @@ def c_header(compensator: Compensator, name: str = "knitbench") -> str:
         inputs=compensator.input_count,
         needs=needs,
         **pieces(compensator, name),
-    )
-
-
-def _folded(network: Network, compensator: Compensator) -> Network:
-    """The last layer takes over the output's scale and the share in the mean."""
-    share = compensator.scaling_out.scale / len(compensator.networks)
-    return Network(
-        (*network.weights[:-1], network.weights[-1] * share), (*network.biases[:-1], network.biases[-1] * share)
     )
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from compensation.memories.ema import start_samples
+from compensation.memories.ema import log_retention, start_samples
 from compensation.model.compensator import Compensator
 from compensation.model.runtime import (
     LARGEST_CONDUCTANCE_S,
@@ -198,7 +198,6 @@ def _status(graph: _Graph, compensator: Compensator, fault: str, features: str, 
 def _features(graph: _Graph, compensator: Compensator) -> tuple[str, str, str]:
     """Names of the networks' inputs, of the standardised reading, and of "this filter is still starting"."""
     filters, begin, limits = len(compensator.alphas), beginning_of(compensator), limits_of(compensator)
-    log_keep = np.log1p(-np.minimum(compensator.alphas, 1 - 1e-16))
     centred = graph("Sub", "conductance_S", graph.constant("mean_in", [compensator.scaling_in.mean]))
     reading = graph("Div", centred, graph.constant("scale_in", [compensator.scaling_in.scale]))
     raised = graph("Max", reading, graph.constant("limit_low", [limits[0]]))
@@ -206,7 +205,7 @@ def _features(graph: _Graph, compensator: Compensator) -> tuple[str, str, str]:
     later = graph("Greater", "counted", "zero")
     # No step, no input: the first sample only starts the filters.
     steps = graph("Where", later, "steps", "zero")
-    keep = graph("Exp", graph("Mul", graph.constant("log_keep", log_keep), steps))
+    keep = graph("Exp", graph("Mul", graph.constant("log_keep", log_retention(compensator.alphas)), steps))
     moved = graph("Mul", keep, graph("Sub", "forced", x))
     forced = graph("Where", later, graph("Add", x, moved), "forced", out="fresh_forced")
     fading = graph("Mul", "fading", keep, out="fresh_fading")

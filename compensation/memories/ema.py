@@ -66,6 +66,11 @@ def start_samples(alphas: Sequence[float] | FloatArray, rate_hz: float) -> NDArr
     return np.ceil(exact * (1 - 1e-12)).astype(np.int64)
 
 
+def log_retention(alphas: FloatArray) -> FloatArray:
+    """``ln(1 - alpha)``: what one step keeps of the past; finite where alpha is 1, which keeps nothing."""
+    return np.log1p(-np.minimum(alphas, 1 - 1e-16))
+
+
 Affine = tuple[FloatArray, FloatArray]
 
 
@@ -129,7 +134,7 @@ def smooth_irregular(
     for column, (alpha, count) in enumerate(zip(alphas, start_samples(alphas, rate_hz), strict=True)):
         within = max(int(np.searchsorted(elapsed, count - 0.5)), 1)
         initial = _moved(_initial_values(x, within, start), affine, column)
-        retention = np.exp(np.log1p(-min(alpha, 1 - 1e-16)) * steps)
+        retention = np.exp(log_retention(alpha) * steps)
         weight = np.concatenate([[1.0], np.cumprod(retention)])
         out[:, column] = smooth_steps(x, retention) + weight * initial
     return out

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from compensation.engines.network import Network
+from compensation.engines.network import Network, mean_output
 from compensation.memories.ema import smooth, smooth_irregular
 from compensation.memories.history import NO_HISTORY, History
 from compensation.model.ranges import Beginning, Seen
@@ -140,8 +140,7 @@ class Compensator:
         time_s, conductance_S : ndarray, each shape (n,)
             One whole recording, from its first sample. Uniform at `rate_hz` unless `irregular`.
         """
-        features = self.features(time_s, conductance_S)
-        return self.scaling_out.invert(np.mean([network(features) for network in self.networks], axis=0))
+        return self.scaling_out.invert(mean_output(self.networks, self.features(time_s, conductance_S)))
 
     def predict_series(self, series: Series) -> FloatArray:
         """Prediction for one recording, in the target's unit."""

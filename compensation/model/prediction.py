@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from compensation.engines.network import mean_output
 from compensation.memories.ema import start_samples
 from compensation.model.compensator import Compensator
 from compensation.model.runtime import (
@@ -137,14 +138,13 @@ def _in_order(time_s: FloatArray) -> NDArray[np.bool_]:
 def _run(compensator: Compensator, time_s: FloatArray, conductance_S: FloatArray) -> tuple[FloatArray, NDArray]:
     running = replace(compensator, irregular=True, start="causal")
     features = running.features(time_s, conductance_S)
-    output = np.mean([network(features) for network in compensator.networks], axis=0)
     seen, reading = ranges_of(compensator), compensator.scaling_in.apply(conductance_S)
     status = np.where((reading < seen.low) | (reading > seen.high), int(Status.UNSEEN_READING), 0)
     outside = ((features < seen.inputs_low) | (features > seen.inputs_high)).any(axis=1)
     status[outside] |= int(Status.UNSEEN_HISTORY)
     longest = start_samples(compensator.alphas, compensator.rate_hz).max() - 0.5
     status[(time_s - time_s[0]) * compensator.rate_hz < longest] |= int(Status.STARTING)
-    return compensator.scaling_out.invert(output), status
+    return compensator.scaling_out.invert(mean_output(compensator.networks, features)), status
 
 
 def _held(value: FloatArray, good: NDArray[np.intp]) -> FloatArray:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from compensation.memories.ema import start_samples
+from compensation.engines.network import mean_output
+from compensation.memories.ema import log_retention, start_samples
 from compensation.memories.history import RunningHistory
 from compensation.model.compensator import Compensator
 from compensation.model.runtime import Status, beginning_of, check_streams, fault_of, limits_of, ranges_of
@@ -46,7 +47,7 @@ class CompensatorStream:
     def __init__(self, compensator: Compensator) -> None:
         check_streams(compensator)
         self._compensator, self.margins = compensator, compensator.margins
-        self._log_keep = np.log1p(-np.minimum(compensator.alphas, 1 - 1e-16))
+        self._log_keep = log_retention(compensator.alphas)
         self._lengths = start_samples(compensator.alphas, compensator.rate_hz)
         self._seen_in_training, self._beginning = ranges_of(compensator), beginning_of(compensator)
         self._limits = limits_of(compensator)
@@ -84,8 +85,8 @@ class CompensatorStream:
             return self.value
         reading = (conductance_S - compensator.scaling_in.mean) / compensator.scaling_in.scale
         features, starting = self._remember(float(np.clip(reading, *self._limits)), step_s)
-        output = float(np.mean([network(features[None, :])[0] for network in compensator.networks]))
-        self.value = output * compensator.scaling_out.scale + compensator.scaling_out.mean
+        output = mean_output(compensator.networks, features[None, :])
+        self.value = float(compensator.scaling_out.invert(output)[0])
         self.status = self._status(reading, features, starting)
         return self.value
 

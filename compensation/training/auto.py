@@ -22,11 +22,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from compensation.engines.network import Network
 from compensation.model.compensator import Compensator
 from compensation.model.runtime import ready_for_use
 from compensation.series import score
@@ -86,25 +86,18 @@ def train_automatically(
     scale = compensator.scaling_out.scale
     tried = {name: figures(truth, values, scale) for name, values in predictions.items()}
     residual = (truth - predictions[chosen]) * scale
-    whole_recordings = len(series) >= GROUPS_FROM
-    off = None if whole_recordings else wander(compensator, series)
-    margins = margins_of(residual, folds, [len(part) for part in series], off)
-    promise = tried[chosen] | {
+    off = None if len(series) >= GROUPS_FROM else wander(compensator, series)
+    promise: dict[str, Any] = tried[chosen] | {
         "r2_interval": list(_interval(truth, predictions[chosen], series)),
         "raw_r2": float(np.mean([score.r2_before(p.truth, p.conductance_S, compensator.sign) for p in series])),
         "line_r2": tried["line"]["r2"],
         "folds": int(folds.max()) + 1,
-        "whole_recordings": whole_recordings,
+        "whole_recordings": off is None,
+        **({} if off is None else {"r2_elsewhere": elsewhere(residual, off, scale)}),
     }
-    if off is not None:
-        promise["r2_elsewhere"] = elsewhere(residual, off, scale)
-    recipe = dict(compensator.recipe) | {
-        "chosen": chosen,
-        "weights": weights,
-        "tried": tried,
-        "cross_validated": promise,
-    }
-    return replace(compensator, recipe=recipe, margins=margins)
+    found = {"chosen": chosen, "weights": weights, "tried": tried, "cross_validated": promise}
+    margins = margins_of(residual, folds, [len(part) for part in series], off)
+    return replace(compensator, recipe=dict(compensator.recipe) | found, margins=margins)
 
 
 def steps() -> int:
@@ -204,7 +197,7 @@ def _trained(
     parts = {name: learners[name].fit(everything) for name in weights}
     count = sum(len(part.networks) for part in parts.values())
     networks = [
-        _scaled(network, count * weights[name] / len(part.networks)).absorbing(lesson.shift, lesson.scale)
+        network.times(count * weights[name] / len(part.networks)).absorbing(lesson.shift, lesson.scale)
         for name, part in parts.items()
         for network in part.networks
     ]
@@ -219,13 +212,6 @@ def _trained(
         "settings": dict(learned.settings),
     }
     return ready_for_use(replace(lesson.blank, networks=tuple(networks), recipe=recipe), series)
-
-
-def _scaled(network: Network, times: float) -> Network:
-    """A network whose output is `times` that of the given one."""
-    return Network(
-        (*network.weights[:-1], network.weights[-1] * times), (*network.biases[:-1], network.biases[-1] * times)
-    )
 
 
 def _interval(truth: FloatArray, prediction: FloatArray, series: Sequence[Series]) -> tuple[float, float]:

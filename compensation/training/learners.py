@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compensation.engines.engine import engine
-from compensation.engines.network import Network
+from compensation.engines.network import Network, mean_output
 from compensation.memories.history import NO_HISTORY, QUICK_SETTLE_S, History
 from compensation.series import score
 from compensation.series.preprocessing import Series
@@ -94,9 +94,7 @@ class Learner:
 
     def predict(self, learned: Learned, rows: Mask) -> FloatArray:
         """Standardised target of a fold's rows at each pace: shape (paces, rows)."""
-        return np.stack(
-            [np.mean([network(fresh[rows]) for network in learned.networks], axis=0) for fresh in self.fresh]
-        )
+        return np.stack([mean_output(learned.networks, fresh[rows]) for fresh in self.fresh])
 
 
 class Line(Learner):

@@ -21,7 +21,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from compensation.engines.network import Network
+from compensation.engines.network import Network, mean_output
 from compensation.memories.history import NO_HISTORY, History
 from compensation.model.compensator import Compensator
 from compensation.model.runtime import ready_for_use
@@ -163,7 +163,7 @@ def _predicted(learned: Lessons, options: Options, folds: int, networks: int) ->
     for held_out in range(folds):
         kept = fold != held_out
         fits = [learned.fit(kept, options, start) for start in range(networks)]
-        prediction[~kept] = np.mean([network(learned.versions[0][~kept]) for network in fits], axis=0)
+        prediction[~kept] = mean_output(fits, learned.versions[0][~kept])
     return prediction
 
 
@@ -188,13 +188,12 @@ def ensemble(
         networks.append(_widened(network, len(blank.alphas), options.history, whole))
         progress(f"network {seed + number}")
     live = [network for network in networks if not network.is_dead(features)] or networks
-    prediction = np.mean([network(features) for network in live], axis=0)
     recipe = describe(series, best.options, networks, features) | {
         "method": "tuned",
         "engine": "fast",
         "restarts": ENSEMBLE,
         "seed": seed,
-        "training_r2": r2(truth, prediction),
+        "training_r2": r2(truth, mean_output(live, features)),
         "cross_validated_r2": best.r2,
         "members": [_summary(choice) for choice in decision.members],
         "cross_validation": [_summary(choice) for choice in decision.tried],
@@ -212,14 +211,11 @@ def _union(histories: Sequence[History]) -> History:
 
 def _widened(network: Network, filters: int, own: History, whole: History) -> Network:
     """The same network with the inputs of `whole`: those that it does not know have no weight."""
-    first = network.weights[0]
-    motions = len(own.motion_taus_s)
-    rows = [first[:filters]]
-    rows.append(
-        first[filters : filters + motions] if motions else np.zeros((len(whole.motion_taus_s), first.shape[1]))
-    )
-    rows.append(first[filters + motions :] if own.play_radii else np.zeros((len(whole.play_radii), first.shape[1])))
-    return replace(network, weights=(np.concatenate(rows), *network.weights[1:]))
+    counts = [filters, len(whole.motion_taus_s), len(whole.play_radii)]
+    known = np.repeat([True, bool(own.motion_taus_s), bool(own.play_radii)], counts)
+    weights = np.zeros((len(known), network.weights[0].shape[1]))
+    weights[known] = network.weights[0]
+    return replace(network, weights=(weights, *network.weights[1:]))
 
 
 def _note(choice: Choice) -> str:

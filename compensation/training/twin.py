@@ -11,8 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-import numpy as np
-
+from compensation.engines.network import mean_output
 from compensation.memories.history import History
 from compensation.model.compensator import Compensator
 from compensation.model.runtime import ready_for_use
@@ -124,13 +123,12 @@ def learned(
         progress(f"network {seed}")
     features, truth = training_arrays(learning.blank, [measured])
     live = tuple(network for network in networks if not network.is_dead(features)) or tuple(networks[:1])
-    prediction = np.mean([network(features) for network in live], axis=0)
     recipe = describe([measured], options, networks, features) | {
         "method": "twin",
         "engine": "fast",
         "restarts": NETWORKS,
         "seed": options.seed,
         "twin_campaigns": [part.source for part in twins],
-        "training_r2": r2(truth, prediction),
+        "training_r2": r2(truth, mean_output(live, features)),
     }
     return ready_for_use(replace(learning.blank, networks=live, recipe=recipe), series)
