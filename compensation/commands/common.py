@@ -138,14 +138,19 @@ def _short(source: str) -> str:
     return source if len(source) <= 40 else "..." + source[-37:]
 
 
+def whole_numbers(text: str) -> tuple[int, ...]:
+    """The whole numbers of ``4,2,2``; none where one of them is something else."""
+    try:
+        return tuple(int(part) for part in text.split(","))
+    except ValueError:
+        return ()
+
+
 def parse_sizes(text: str) -> tuple[int, ...]:
     """Hidden layers from ``4,2,2``."""
     from gcode.support.errors import UserError
 
-    try:
-        sizes = tuple(int(part) for part in text.split(","))
-    except ValueError:
-        sizes = ()
+    sizes = whole_numbers(text)
     if not (1 <= len(sizes) <= DEEPEST and all(1 <= size <= WIDEST for size in sizes)):
         raise UserError(
             f"--hidden must be at most {DEEPEST} whole numbers from 1 to {WIDEST} with commas, such as 4,2,2; "

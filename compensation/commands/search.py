@@ -106,12 +106,10 @@ def _check(args: argparse.Namespace) -> None:
 
 
 def _bases(text: str) -> tuple[int, ...]:
+    from compensation.commands.common import whole_numbers
     from gcode.support.errors import UserError
 
-    try:
-        bases = tuple(int(part) for part in text.split(","))
-    except ValueError:
-        bases = ()
+    bases = whole_numbers(text)
     if not bases or not all(2 <= base <= 256 for base in bases):
         raise UserError(f"--bases must be whole numbers from 2 to 256 with commas, such as 4,8,16; got {text!r}")
     return bases

@@ -126,13 +126,13 @@ def save(path: str | Path, compensator: Compensator) -> None:
         "irregular": compensator.irregular,
         "per_recording": compensator.per_recording,
         "sign": compensator.sign,
-        "history": _history(compensator.history),
+        "history": vars(compensator.history),
         "scaling_in": vars(compensator.scaling_in),
         "scaling_out": vars(compensator.scaling_out),
         "networks": [network.to_dict() for network in compensator.networks],
         "seen": _plain(compensator.seen),
         "beginning": _plain(compensator.beginning),
-        "margins": None if compensator.margins is None else list(compensator.margins),
+        "margins": compensator.margins,
         "recipe": dict(compensator.recipe),
     }
     write_json(path, data | {"sha256": _digest(data)})
@@ -195,14 +195,6 @@ def _check_runtime(path: str | Path, checked: _File, inputs: int) -> None:
         raise UserError(f"{path}: not a usable compensator: `seen` and `beginning` must hold {inputs} numbers each")
 
 
-def _history(history: History) -> dict[str, Any]:
-    return {
-        "motion_taus_s": list(history.motion_taus_s),
-        "play_radii": list(history.play_radii),
-        "settle_s": history.settle_s,
-    }
-
-
 def _plain(part: Seen | Beginning | None) -> dict[str, Any] | None:
     if part is None:
         return None
@@ -218,8 +210,8 @@ def _build(checked: _File, networks: tuple[Network, ...]) -> Compensator:
         target=checked.target,
         rate_hz=checked.rate_hz,
         alphas=np.asarray(checked.alphas),
-        scaling_in=Scaling(checked.scaling_in.mean, checked.scaling_in.scale),
-        scaling_out=Scaling(checked.scaling_out.mean, checked.scaling_out.scale),
+        scaling_in=Scaling(**vars(checked.scaling_in)),
+        scaling_out=Scaling(**vars(checked.scaling_out)),
         networks=networks,
         irregular=checked.irregular,
         start=checked.start,

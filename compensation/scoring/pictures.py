@@ -22,9 +22,6 @@ def draw_scores(scores: dict[str, Any], path: str | Path) -> None:
     path : path
         PNG, PDF or SVG, by its suffix.
     """
-    import matplotlib
-
-    matplotlib.use("Agg")
     from matplotlib.figure import Figure
 
     rows = scores["recordings"]

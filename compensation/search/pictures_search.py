@@ -22,9 +22,6 @@ def draw_search(ranking: Sequence[Ranked], path: str | Path) -> None:
 
     Candidates that no seed brought to life are counted in the title and not drawn: their E is 1.
     """
-    import matplotlib
-
-    matplotlib.use("Agg")
     from matplotlib.figure import Figure
     from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
