@@ -14,9 +14,8 @@ from compensation.series.preprocessing import TARGETS
 from gcode.support import disk
 from gcode.support.errors import UserError
 from testbench.campaigns.campaign import COMPENSATED
+from testbench.rig.file_lines import seconds
 from testbench.rig.stream import Row
-
-TAIL_BYTES = 4096
 
 
 class LiveCompensator:
@@ -69,8 +68,7 @@ class LiveCompensator:
         if not self._stream.status & (Status.BAD_READING | Status.BAD_STEP):
             self._last_us = time_us
         ends = [f"{value + margin:.6f}" for margin in self._stream.margins or ()] or ["nan", "nan"]
-        time_s, status = f"{time_us // 1_000_000}.{time_us % 1_000_000:06d}", int(self._stream.status)
-        self._keep(f"{time_s},{value:.6f},{','.join(ends)},{status}\n")
+        self._keep(f"{seconds(time_us)},{value:.6f},{','.join(ends)},{int(self._stream.status)}\n")
         return value
 
     def _step_s(self, time_us: int) -> float | None:
@@ -114,9 +112,7 @@ class LiveCompensator:
 
 def _cut_half_line(handle: int) -> int:
     """Cut what follows the last line feed: a kill or a full disk left it. The size of the file then."""
-    size = os.fstat(handle).st_size
-    tail = os.pread(handle, TAIL_BYTES, max(0, size - TAIL_BYTES))
-    whole = size - (len(tail) - tail.rfind(b"\n") - 1)
-    if whole < size:
+    whole = disk.whole_lines_size(handle)
+    if whole < os.fstat(handle).st_size:
         disk.DISK.truncate(handle, whole)
     return whole

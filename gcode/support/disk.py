@@ -10,10 +10,12 @@ from __future__ import annotations
 import contextlib
 import os
 import stat
+from collections.abc import Iterator
 from pathlib import Path
 
 from gcode.support.errors import UserError
 
+TAIL_BYTES = 4096  # longer than any line
 _NEW = os.O_WRONLY | os.O_CREAT | os.O_EXCL
 _GROWING = os.O_RDWR | os.O_APPEND | os.O_CREAT
 _SAFE = os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
@@ -101,11 +103,25 @@ def open_growing(path: Path) -> int:
 
 def append(path: Path, text: str) -> None:
     """Append a text to a file of its own; see `open_growing`."""
+    with growing(path) as handle:
+        write_all(handle, text.encode(errors="backslashreplace"))
+
+
+@contextlib.contextmanager
+def growing(path: Path) -> Iterator[int]:
+    """Hold a file open to append to it; see `open_growing`."""
     handle = open_growing(path)
     try:
-        write_all(handle, text.encode(errors="backslashreplace"))
+        yield handle
     finally:
         DISK.close(handle)
+
+
+def whole_lines_size(handle: int) -> int:
+    """Bytes of an open file up to its last line feed: what follows is a line that a kill or a full disk left half."""
+    size = os.fstat(handle).st_size
+    tail = os.pread(handle, TAIL_BYTES, max(0, size - TAIL_BYTES))
+    return size - (len(tail) - tail.rfind(b"\n") - 1)
 
 
 def sync_quietly(folder: Path) -> None:

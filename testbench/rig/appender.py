@@ -10,8 +10,6 @@ from pathlib import Path
 from gcode.support import disk
 from gcode.support.errors import UserError
 
-TAIL_BYTES = 4096  # longer than any line
-
 
 class Appender:
     """Appends text to one file; what the disk refuses it keeps, and tries again with the next write.
@@ -108,9 +106,7 @@ class Appender:
         if self._handle is None:
             return True
         try:
-            size = os.fstat(self._handle).st_size
-            tail = os.pread(self._handle, TAIL_BYTES, max(0, size - TAIL_BYTES))
-            self._size = size - (len(tail) - tail.rfind(b"\n") - 1)
+            self._size = disk.whole_lines_size(self._handle)
             disk.DISK.truncate(self._handle, self._size)
         except OSError as error:
             self.refusal = error

@@ -160,8 +160,7 @@ def _read_rows(path: Path, left: Left, start: list[str] | None) -> list[bytes]:
             continue
         left.times_us.append(cells[0])
         left.displacements_nm.append(cells[1])
-        if pending:
-            damaged, pending = damaged + pending, []
+        damaged, pending = damaged + pending, []
         end = after
     if left.channels is None:
         damaged += pending
@@ -201,23 +200,17 @@ def _set_aside(folder: Path, left: Left, damaged: list[bytes]) -> None:
 
 
 def _append(path: Path, lines: Iterable[bytes]) -> None:
-    handle = disk.open_growing(path)
-    try:
+    with disk.growing(path) as handle:
         disk.write_all(handle, b"".join(lines))
         disk.DISK.sync(handle)
-    finally:
-        disk.DISK.close(handle)
 
 
 def _cut(path: Path, size: int) -> None:
     if path.stat().st_size == size:
         return
-    handle = disk.open_growing(path)
-    try:
+    with disk.growing(path) as handle:
         disk.DISK.truncate(handle, size)
         disk.DISK.sync(handle)
-    finally:
-        disk.DISK.close(handle)
 
 
 def _reasons(path: Path) -> Counter[str]:
