@@ -19,7 +19,7 @@ from testbench.recordings.recording import Recording
 from testbench.recordings.versions import software_versions
 from testbench.rig.at_once import at_once
 from testbench.rig.parts import Part, in_memory
-from testbench.rig.recorder import DISK_STATES, Recorder, Status, counts
+from testbench.rig.recorder import DISK_STATES, Recorder, Report, Status, counts
 from testbench.rig.simulated import Motion
 from testbench.rig.sink import BAD, EVENTS, Sink
 from testbench.rig.stream import Intake
@@ -37,9 +37,7 @@ def matches(folder: Path, plan: Plan) -> bool:
     return same and campaign.status == "complete" and not manifest.problems(folder)
 
 
-def simulate_campaign(
-    plan: Plan, folder: Path, motion: Motion, report: Callable[[Status], None] = lambda status: None
-) -> Status:
+def simulate_campaign(plan: Plan, folder: Path, motion: Motion, report: Report = lambda status: None) -> Status:
     """Run `plan` on the simulated rig at once and write its campaign folder, whole or not at all.
 
     Parameters
@@ -67,7 +65,7 @@ def simulate_live(
     plan: Plan,
     folder: Path,
     motion: Motion,
-    report: Callable[[Status], None] = lambda status: None,
+    report: Report = lambda status: None,
     pace: Callable[[Iterable[bytes]], Iterable[Part]] = in_memory,
     stopped: Callable[[], bool] = lambda: False,
 ) -> Status:
@@ -92,7 +90,7 @@ def _fill(
     folder: Path,
     plan: Plan,
     motion: Motion,
-    report: Callable[[Status], None],
+    report: Report,
     link: Iterable[Part],
     intake: Intake,
     stopped: Callable[[], bool] = lambda: False,

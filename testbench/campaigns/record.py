@@ -20,7 +20,7 @@ from testbench.rig.held import held
 from testbench.rig.parts import Part
 from testbench.rig.played import played
 from testbench.rig.ports import remembered_port, stated_port
-from testbench.rig.recorder import PROGRESS_S, Follow, Limits, Recorder, Status
+from testbench.rig.recorder import PROGRESS_S, Follow, Limits, Recorder, Report, Status
 from testbench.rig.resume import continued, mend, watched
 from testbench.rig.serial_port import host_clock_s
 from testbench.rig.simulated import Motion
@@ -105,7 +105,7 @@ def record(
     job: Job,
     folder: Path,
     link: Iterable[Part],
-    report: Callable[[Status], None] = lambda status: None,
+    report: Report = lambda status: None,
     stopped: Callable[[], bool] = lambda: False,
     resume: bool = False,
     clock: Callable[[], float] = host_clock_s,
@@ -127,45 +127,31 @@ def record(
         If another recorder is at work in `folder`.
     """
     with held(folder):
-        return _record(job, folder, link, report, stopped, resume, clock, pause, follow)
-
-
-def _record(
-    job: Job,
-    folder: Path,
-    link: Iterable[Part],
-    report: Callable[[Status], None],
-    stopped: Callable[[], bool],
-    resume: bool,
-    clock: Callable[[], float],
-    pause: Callable[[float], None],
-    follow: Follow | None,
-) -> Status:
-    ending, intake = EndOfMotion.of(job.motion), Intake()
-    first: list[Event] = []
-    if resume:
-        intake, ending, first = _taken_up(job, folder, ending, clock)
-    sink = Sink(folder, ROOM_BYTES)
-    try:
-        sink.write(first)
-        recorder = Recorder(
-            intake,
-            sink,
-            job.gauge_length_mm,
-            job.limits,
-            job.motion.duration_s,
-            ending,
-            report,
-            job.give_up_s,
-            pause,
-            follow,
-        )
-        status = _synced(sink, lambda: recorder.run(link, stopped))
-    finally:
-        whole = sink.close()
-    status.sync_failures = sink.sync_failures
-    again = _paused(pause, job.give_up_s)
-    return finish(folder, job.gauge_length_mm, "recorded", status, whole, job.recipe(), intake, again)
+        ending, intake, first = EndOfMotion.of(job.motion), Intake(), list[Event]()
+        if resume:
+            intake, ending, first = _taken_up(job, folder, ending, clock)
+        sink = Sink(folder, ROOM_BYTES)
+        try:
+            sink.write(first)
+            recorder = Recorder(
+                intake,
+                sink,
+                job.gauge_length_mm,
+                job.limits,
+                job.motion.duration_s,
+                ending,
+                report,
+                job.give_up_s,
+                pause,
+                follow,
+            )
+            with Syncer(sink):
+                status = recorder.run(link, stopped)
+        finally:
+            whole = sink.close()
+        status.sync_failures = sink.sync_failures
+        again = _paused(pause, job.give_up_s)
+        return finish(folder, job.gauge_length_mm, "recorded", status, whole, job.recipe(), intake, again)
 
 
 def _taken_up(
@@ -187,15 +173,6 @@ def _paused(pause: Callable[[float], None], patience_s: float) -> Iterator[None]
     for _ in range(int(patience_s / PROGRESS_S)):
         pause(PROGRESS_S)
         yield None
-
-
-def _synced(sink: Sink, work: Callable[[], Status]) -> Status:
-    syncer = Syncer(sink)
-    syncer.start()
-    try:
-        return work()
-    finally:
-        syncer.end()
 
 
 def _mark_in_progress(folder: Path, gauge_length_mm: float, recipe: dict[str, Any]) -> None:

@@ -31,7 +31,7 @@ class Anew:
         if self._first is None or self._last is None or not _follows(sample, self._last):
             self._first, self._count, self._device_us = (sample, host_s), 0, 0
         else:
-            self._device_us += (sample.micros - self._last.micros) % MICROS_WRAP
+            self._device_us += sample.since(self._last)[1]
         self._last = sample
         self._count += 1
         host_us = (host_s - self._first[1]) * 1e6
@@ -39,5 +39,5 @@ class Anew:
 
 
 def _follows(sample: Sample, before: Sample) -> bool:
-    step, step_us = (sample.sequence - before.sequence) % SEQUENCE_WRAP, (sample.micros - before.micros) % MICROS_WRAP
+    step, step_us = sample.since(before)
     return sample.boot == before.boot and 0 < step < SEQUENCE_WRAP // 2 and 0 < step_us < MICROS_WRAP // 2

@@ -78,6 +78,9 @@ class Status:
     message: str = ""
 
 
+Report = Callable[[Status], None]
+
+
 class Recorder:
     """Takes what a link delivers and writes it to the files of a campaign (a `Sink`).
 
@@ -110,7 +113,7 @@ class Recorder:
         limits: Limits | None = None,
         duration_s: float = float("inf"),
         is_over: Callable[[Row], bool] = lambda row: False,
-        report: Callable[[Status], None] = lambda status: None,
+        report: Report = lambda status: None,
         disk_patience_s: float = 60.0,
         pause: Callable[[float], None] | None = None,
         follow: Follow | None = None,

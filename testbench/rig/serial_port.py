@@ -55,7 +55,7 @@ class SerialLink:
     baud : int
     give_up_s : float
         How long to wait for a lost port.
-    clock, sleep : callable
+    clock : callable
         Monotonic seconds; injected by tests.
 
     Raises

@@ -32,17 +32,22 @@ FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 
 class Syncer(threading.Thread):
-    """Calls `Sink.sync` once a second in its own thread: a slow disk must not stop the recorder from reading."""
+    """Within its block, a thread calls `Sink.sync` once a second, so that no slow disk keeps a recorder waiting."""
 
     def __init__(self, sink: Sink, period_s: float = 1.0) -> None:
         super().__init__(daemon=True)
         self._sink, self._period_s, self._ended = sink, period_s, threading.Event()
 
     def run(self) -> None:
+        """Sync once a period until the block ends."""
         while not self._ended.wait(self._period_s):
             self._sink.sync()
 
-    def end(self) -> None:
+    def __enter__(self) -> Syncer:
+        self.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
         """Stop and wait for the sync that may be under way."""
         self._ended.set()
         self.join()

@@ -7,13 +7,11 @@ import json
 import math
 import select
 import sys
-from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any, TextIO
 
-from testbench.rig.recorder import Status
+from testbench.rig.recorder import Report, Status
 
-Report = Callable[[Status], None]
 LAST_WORD_MS = 2000  # how long the end of a recording waits to be shown
 
 

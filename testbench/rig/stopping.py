@@ -51,16 +51,19 @@ def what_ends_it() -> str:
     A shell keeps Ctrl-C from what was started with ``&`` (what it starts ignores it), and a program without a
     terminal never gets one.
     """
-    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
-        return f"kill {os.getpid()}"
+    heeds = signal.getsignal(signal.SIGINT) is not signal.SIG_IGN
+    return "Ctrl-C" if heeds and _is_in_foreground() else f"kill {os.getpid()}"
+
+
+def _is_in_foreground() -> bool:
+    """Whether this program has a terminal, and is what that terminal is busy with."""
     try:
         terminal = os.open(os.ctermid(), os.O_RDONLY | os.O_NOCTTY)
     except OSError:
-        return f"kill {os.getpid()}"
+        return False
     try:
-        in_foreground = os.tcgetpgrp(terminal) == os.getpgrp()
+        return os.tcgetpgrp(terminal) == os.getpgrp()
     except OSError:
-        in_foreground = False
+        return False
     finally:
         os.close(terminal)
-    return "Ctrl-C" if in_foreground else f"kill {os.getpid()}"

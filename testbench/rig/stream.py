@@ -315,9 +315,9 @@ class Intake:
         suspect, self._suspect = self._suspect, (sample, host_s)
         if suspect is not None and elapsed and self.host_clock:
             before, before_s = suspect
-            step_us = (sample.micros - before.micros) % MICROS_WRAP
+            step, step_us = sample.since(before)
             allowed_us = (1 + AHEAD_SHARE) * max(0.0, (host_s - before_s) * 1e6) + AHEAD_US
-            if 0 < step_us <= allowed_us and 0 < (sample.sequence - before.sequence) % SEQUENCE_WRAP < GAP_US:
+            if 0 < step_us <= allowed_us and 0 < step < GAP_US:
                 return anchor.time_us + max(1, round((host_s - anchor.host_s) * 1e6))
         if not elapsed:
             raise BadLine("time stands still")

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections import OrderedDict
 from dataclasses import dataclass, field
 
-from testbench.rig.wire import MICROS_WRAP, SEQUENCE_WRAP, Sample
+from testbench.rig.wire import MICROS_WRAP, Sample
 
 TURNS = 16  # from one count to another that was there before, until they are called two devices
 MOST_STEP = 8  # a line after so many lost ones still follows; two devices garble each other's lines
@@ -56,6 +56,6 @@ class Voices:
 
 def _step(before: Sample, sample: Sample) -> int:
     """How many lines after `before` this one comes, if it may be the same device's; 0 if not."""
-    step, step_us = (sample.sequence - before.sequence) % SEQUENCE_WRAP, (sample.micros - before.micros) % MICROS_WRAP
+    step, step_us = sample.since(before)
     follows = sample.boot == before.boot and 0 < step <= MOST_STEP and 0 < step_us < MICROS_WRAP // 2
     return step if follows else 0

@@ -49,6 +49,10 @@ class Sample(NamedTuple):
     displacement_nm: int
     temperature_mC: int | None = None
 
+    def since(self, before: Sample) -> tuple[int, int]:
+        """Lines and device microseconds from another sample of the same boot to this one; each modulo 2^32."""
+        return (self.sequence - before.sequence) % SEQUENCE_WRAP, (self.micros - before.micros) % MICROS_WRAP
+
 
 class BadLine(ValueError):
     """A line that is no sample; the text is the reason, in two or three words, the same for the same fault."""
@@ -78,16 +82,14 @@ def decode(line: bytes) -> Sample:
     body, boot, sequence, micros, force, resistance, displacement, temperature, crc = match.groups()
     if zlib.crc32(body) != int(crc, 16):
         raise BadLine("wrong CRC")
-    micros_number = int(micros)
-    if micros_number >= MICROS_WRAP:
+    if int(micros) >= MICROS_WRAP:
         raise BadLine("micros out of range")
-    number = int(sequence)
-    if number >= SEQUENCE_WRAP:
+    if int(sequence) >= SEQUENCE_WRAP:
         raise BadLine("sequence out of range")
     return Sample(
         int(boot, 16),
-        number,
-        micros_number,
+        int(sequence),
+        int(micros),
         None if force is None else int(force),
         None if resistance is None else int(resistance),
         int(displacement),

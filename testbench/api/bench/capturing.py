@@ -17,14 +17,13 @@ from testbench.campaigns.record import Job, job_of
 from testbench.recordings.files import check_beside
 from testbench.rig.played import played
 from testbench.rig.ports import stated_port
-from testbench.rig.recorder import Limits, Status
+from testbench.rig.recorder import Limits, Report, Status
 from testbench.rig.serial_port import SerialLink
 from testbench.rig.status_words import as_dict, as_text
 from testbench.rig.stopping import stop_signals
 
 BAUD = 115200
 GIVE_UP_S = 60.0
-Report = Callable[[Status], None]
 Stopped = Callable[[], bool]
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -24,7 +24,7 @@ from testbench.recordings.recording import Recording
 from testbench.rig.links import real_time as at_the_machines_pace
 from testbench.rig.past import DEFAULT_REST_S
 from testbench.rig.played import played
-from testbench.rig.recorder import Status
+from testbench.rig.recorder import Report, Status
 from testbench.rig.simulated import Motion
 from testbench.rig.stopping import stop_signals
 
@@ -115,7 +115,7 @@ def run(
     effects: str | Path | None = None,
     overwrite: bool = False,
     real_time: bool = False,
-    report: Callable[[Status], None] = lambda status: None,
+    report: Report = lambda status: None,
 ) -> RunResult:
     """Play a program on the simulated rig, whose sensor is `model`, and keep the campaign in a folder.
 
