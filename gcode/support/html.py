@@ -22,11 +22,12 @@ def card(title: str, lines: Iterable[str] = (), *parts: str) -> str:
     return f"<div><strong>{escape(title)}</strong>{told}{''.join(parts)}</div>"
 
 
-def table(headings: Sequence[str], rows: Iterable[Iterable[object]]) -> str:
-    """A table of text."""
+def table(headings: Sequence[str], rows: Iterable[Iterable[object]], caption: str = "") -> str:
+    """A table of text, with its caption where it has one."""
     head = "".join(f"<th>{escape(word)}</th>" for word in headings)
     body = "".join(f"<tr>{''.join(f'<td>{escape(str(cell))}</td>' for cell in row)}</tr>" for row in rows)
-    return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+    above = f"<caption>{escape(caption)}</caption>" if caption else ""
+    return f"<table>{above}<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
 
 
 def frame_table(frame: pd.DataFrame) -> str:

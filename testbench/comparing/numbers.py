@@ -41,13 +41,11 @@ def span(low: float, high: float, unit: str = "") -> str:
 
 def in_unit(value: float, unit: str) -> tuple[float, str]:
     """Factor and name of the unit that a value of this size is best read in: ``(1e-3, "kΩ")`` for 4700 ohm."""
-    for size, name in PREFIXES.get(unit, ()):
-        if abs(value) >= size:
-            return 1 / size, name
-    if unit in PREFIXES:
-        size, name = PREFIXES[unit][-1]
-        return 1 / size, name
-    return 1.0, SPELT.get(unit, unit)
+    if unit not in PREFIXES:
+        return 1.0, SPELT.get(unit, unit)
+    sizes = PREFIXES[unit]
+    size, name = next((one for one in sizes if abs(value) >= one[0]), sizes[-1])
+    return 1 / size, name
 
 
 def in_words(value: float, unit: str) -> str:

@@ -66,7 +66,7 @@ def information(predictions: Sequence[Prediction], probabilities: Sequence[float
     Information
     """
     gaussians = _spanned(predictions)
-    weight = _normalised(probabilities)
+    weight = np.asarray(probabilities, dtype=float) / np.sum(probabilities)
     near = np.array([[_bhattacharyya(one, other) for other in gaussians] for one in gaussians])
     far = np.array([[_divergence(one, other) for other in gaussians] for one in gaussians])
     entropy = float(-weight @ np.log(weight))
@@ -120,8 +120,3 @@ def _conditional_entropy(distance: FloatArray, weight: FloatArray) -> float:
     odds = np.exp(-np.maximum(distance, 0.0)) * weight[None, :] / weight[:, None]
     np.fill_diagonal(odds, 0.0)
     return float(weight @ np.log1p(odds.sum(axis=1)))
-
-
-def _normalised(probabilities: Sequence[float]) -> FloatArray:
-    weight = np.asarray(probabilities, dtype=float)
-    return weight / weight.sum()

@@ -180,14 +180,9 @@ def _pace(bounds: Bounds, cells_per_s: float) -> dict[str, float | int]:
     return {"octaves": 2, "persistence": 0.12, "cells_per_s": min(cells_per_s, slowest), "peak": 0.7}
 
 
-def _slow_triangle(bounds: Bounds) -> list[Piece]:
-    speed = min(bounds.speed(25.0), bounds.fast_mm_per_s)
-    return filled(bounds, lambda _: [Triangle(high_percent=bounds.strain_max_percent, speed_mm_per_s=speed)])
-
-
-def _fast_triangle(bounds: Bounds) -> list[Piece]:
-    fast = bounds.fast_mm_per_s
-    return filled(bounds, lambda _: [Triangle(high_percent=bounds.strain_max_percent, speed_mm_per_s=fast)])
+def _triangles(bounds: Bounds, speed_mm_per_s: float) -> list[Piece]:
+    triangle = Triangle(high_percent=bounds.strain_max_percent, speed_mm_per_s=speed_mm_per_s)
+    return filled(bounds, lambda _: [triangle])
 
 
 def _rate_sweep(bounds: Bounds) -> list[Piece]:
@@ -291,8 +286,8 @@ def _mix(bounds: Bounds) -> list[Piece]:
 MENU: dict[str, Callable[[Bounds], list[Piece]]] = {
     NOISE: _noise,
     "fast-noise": _fast_noise,
-    "slow-triangle": _slow_triangle,
-    "fast-triangle": _fast_triangle,
+    "slow-triangle": lambda bounds: _triangles(bounds, bounds.speed(25.0)),
+    "fast-triangle": lambda bounds: _triangles(bounds, bounds.fast_mm_per_s),
     "rate-sweep": _rate_sweep,
     "staircase": _staircase,
     "long-hold": _long_hold,

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from gcode.support.errors import UserError
+from testbench.comparing.ladder import step_before
 from testbench.design.experiment import Rival
 from testbench.diagnosis.adding import add_effect
 from testbench.fitting.model_file import ModelFile
@@ -75,8 +76,7 @@ def rivals_from_diagnosis(
 
 def _base(data: Mapping[str, Any], catalogue: Catalogue, source: str, gauge_length_mm: float) -> ModelFile:
     """The model as it was before anything that was found was put in."""
-    steps = data["history"]
-    before = steps[max(len(steps) - len(data["found"]), 1) - 1]
+    before = step_before(data)
     model = model_from_dict(before["model"], catalogue, source)
     return ModelFile(model, gauge_length_mm, history=(before,))
 

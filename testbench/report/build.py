@@ -14,7 +14,7 @@ from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.recordings.recording import Recording
 from testbench.report import sections
 from testbench.report.document import Item, Report, Section
-from testbench.report.provenance import provenance, today
+from testbench.report.provenance import moment, provenance
 from testbench.report.story import Story
 
 
@@ -97,7 +97,7 @@ def build_report(given: Inputs) -> Report:
         for n, recording in enumerate(given.recordings, 1)
     ]
     parts.append(provenance(given.files, given.commands))
-    return Report(_title(given), verdict, opening, parts, f"Made by knitbench {knitbench_version()}.", today())
+    return Report(_title(given), verdict, opening, parts, f"Made by knitbench {knitbench_version()}.", moment())
 
 
 def _title(given: Inputs) -> str:

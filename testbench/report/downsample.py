@@ -32,6 +32,13 @@ def thinned(count: int, points: int) -> NDArray[np.intp]:
     return np.linspace(0, count - 1, points).round().astype(np.intp)
 
 
+def liveliest(energy: FloatArray, width: int) -> slice:
+    """The `width` rows in a row that hold most of `energy`, shape (n,); the first of those that hold as much."""
+    sums = np.concatenate([[0.0], np.cumsum(energy)])
+    start = int(np.argmax(sums[width:] - sums[:-width]))
+    return slice(start, start + width)
+
+
 def window(time_s: FloatArray, start_s: float | None, end_s: float | None) -> slice:
     """The rows between two times, with one sample on either side so that lines reach the edge."""
     first = 0 if start_s is None else max(0, int(np.searchsorted(time_s, start_s)) - 1)

@@ -14,9 +14,9 @@ from testbench.report.document import Item, Section, Table
 MOST_BYTES = 1 << 20
 
 
-def today() -> str:
-    """``22 November 2026, 17:05``, in this machine's time."""
-    return time.strftime("%d %B %Y, %H:%M").lstrip("0")
+def moment(since_1970_s: float | None = None) -> str:
+    """``22 November 2026, 17:05``, in this machine's time; now, where no time is given."""
+    return time.strftime("%d %B %Y, %H:%M", time.localtime(since_1970_s)).lstrip("0")
 
 
 def provenance(paths: Iterable[str], commands: str | None) -> Section:

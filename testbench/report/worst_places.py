@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gcode.support.arrays import FloatArray
+from testbench.report.downsample import liveliest
 
 NOISE_REACHED = 1.1  # an error of at most this many noise floors is noise: nothing is left to be pointed at
 LOOK_S, LOOK_SAMPLES = 30.0, 200  # how much is shown around a place: so long, and at least so many samples
@@ -79,9 +80,8 @@ def busiest(time_s: FloatArray, energy: FloatArray) -> tuple[float, float]:
     """The stretch of `LOOK_S` (or of `LOOK_SAMPLES`) that holds most of `energy`."""
     step_s = float(np.median(np.diff(time_s)))
     width = min(len(time_s), max(round(LOOK_S / step_s), LOOK_SAMPLES))
-    sums = np.concatenate([[0.0], np.cumsum(energy)])
-    start = int(np.argmax(sums[width:] - sums[:-width]))
-    return float(time_s[start]), float(time_s[start + width - 1])
+    shown = time_s[liveliest(energy, width)]
+    return float(shown[0]), float(shown[-1])
 
 
 def noise_reached(channels: Mapping[str, Mapping[str, Any]]) -> Sequence[str]:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from gcode.support.errors import UserError
-from testbench.comparing.numbers import in_unit, plain, with_error
+from testbench.comparing.numbers import in_words, with_error
 from testbench.fitting.model_file import about_model
 from testbench.knit.catalogue import model_from_dict
 from testbench.knit.model import KnitModel
@@ -96,8 +96,7 @@ def value_in_words(model: KnitModel, fit: Mapping[str, Any], key: str, other: Ma
     value = getattr(model[effect], name, None) if effect in model else None
     if not isinstance(value, int | float):
         return ""
-    factor, unit = in_unit(value, str(other["parameters"][key]["unit"]))
-    return f"{plain(factor * value)} {unit}".strip()
+    return in_words(value, str(other["parameters"][key]["unit"]))
 
 
 def fitted_value(fit: Mapping[str, Any], key: str) -> str:

@@ -16,6 +16,7 @@ from gcode.support.html import card
 from testbench.api.arguments import Effects, Source, catalogue_of, recordings_for
 from testbench.api.missing.diagnosing import DiagnosisResult, diagnosis_data
 from testbench.comparing.judged import held_samples
+from testbench.comparing.ladder import step_before
 from testbench.comparing.model_errors import channel_name
 from testbench.fitting import contribution as core
 from testbench.fitting.contribution import Contribution
@@ -137,7 +138,7 @@ def contribution(
     catalogue = catalogue_of(effects)
     data = diagnosis if isinstance(diagnosis, Mapping) else diagnosis_data(diagnosis)
     effect = _candidate(data, law, catalogue)
-    before = _before(data)
+    before = step_before(data)
     without = model_from_dict(before["model"], catalogue, "diagnosis")
     first, second, _ = recordings_for(None, None, recording, held_out, gauge_length_mm)
     held = held_samples(ModelFile(without, 0.0, history=(before,)), first, second)
@@ -152,9 +153,3 @@ def _candidate(diagnosis: Mapping[str, Any], law: str, catalogue: Catalogue) -> 
         laws = ", ".join(entry["law"] for entry in ranking) or "none"
         raise UserError(f"contribution: the diagnosis has no law or effect {law!r}; it ranks {laws}")
     return catalogue[of_name[law]["law"]](**of_name[law]["start"])
-
-
-def _before(diagnosis: Mapping[str, Any]) -> Mapping[str, Any]:
-    """The step that the candidates were weighed against: the last one before anything that was found was put in."""
-    history = diagnosis["history"]
-    return history[max(len(history) - len(diagnosis["found"]), 1) - 1]

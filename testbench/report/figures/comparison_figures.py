@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from gcode.support.arrays import FloatArray
 from testbench.report import style
-from testbench.report.downsample import window
+from testbench.report.downsample import liveliest, window
 from testbench.report.figures.recording_figures import line, stretches
 
 CHANNEL_TITLES = {"force": "Force / N", "conductance": "ln (G / S)", "resistance": "Resistance / kΩ"}
@@ -206,6 +206,5 @@ def busiest_window(both: Overlay, length_s: float) -> tuple[float, float]:
     )
     step = float(np.median(np.diff(both.time_s)))
     width = min(len(both.time_s), max(2, round(length_s / step)))
-    energy = np.convolve(np.asarray(size), np.ones(width), mode="valid")
-    start = int(np.argmax(energy))
-    return float(both.time_s[start]), float(both.time_s[min(start + width, len(both.time_s)) - 1])
+    shown = both.time_s[liveliest(np.asarray(size), width)]
+    return float(shown[0]), float(shown[-1])

@@ -6,6 +6,7 @@ from html import escape
 from importlib.resources import files
 from typing import Any
 
+from gcode.support import html
 from testbench.report import style
 from testbench.report.document import Facts, Item, Picture, Report, Section, Table
 from testbench.report.writing.packing import plotly_js, to_json
@@ -75,14 +76,7 @@ def _item(item: Item) -> str:
             f'aria-label="{escape(item.caption)}"></div><figcaption>{escape(item.caption)}</figcaption></figure>'
         )
     if isinstance(item, Table):
-        return _table(item)
+        return f'<div class="scroll">{html.table(item.head, item.rows, item.caption)}</div>'
     if isinstance(item, Facts):
         return _facts(item)
     return f"<p>{escape(item)}</p>"
-
-
-def _table(table: Table) -> str:
-    head = "".join(f"<th>{escape(name)}</th>" for name in table.head)
-    rows = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in table.rows)
-    caption = f"<caption>{escape(table.caption)}</caption>" if table.caption else ""
-    return f'<div class="scroll"><table>{caption}<thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>'

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Mapping
 from typing import Any
 
@@ -11,6 +10,7 @@ from nicegui import ui
 from gcode.support.errors import UserError
 from gcode.support.strict import read_text
 from testbench.recordings.manifest import read_manifest
+from testbench.report.provenance import moment
 from testbench.report.words import spoken
 from testbench.studio.parts.widgets import table
 from testbench.studio.studio import Studio
@@ -23,8 +23,7 @@ def provenance(studio: Studio, c: str) -> None:
         made, resources = read_manifest(campaign.folder)
     except UserError:
         return
-    when = time.strftime("%d %B %Y, %H:%M", time.localtime(campaign.made_s)).lstrip("0")
-    rows = [("Origin", made.origin), ("Ended", made.status), ("Manifest written", when)]
+    rows = [("Origin", made.origin), ("Ended", made.status), ("Manifest written", moment(campaign.made_s))]
     rows += [*_flat("Recipe", made.recipe), *_flat("Counts", made.counts), *_flat("Software", made.versions)]
     files = [(one.path, (one.hash or "").removeprefix("sha256:")) for one in resources]
     with ui.expansion("Where it comes from", icon="history_edu").classes("card").style("padding:0"):

@@ -7,7 +7,7 @@ from typing import Any
 
 from nicegui import ui
 
-from testbench.comparing.numbers import allowed, in_unit, plain
+from testbench.comparing.numbers import allowed, in_words
 from testbench.knit.card import doc_sections
 from testbench.knit.catalogue import Catalogue, model_from_dict
 from testbench.knit.effect import Effect, bounds_of
@@ -45,9 +45,8 @@ def weighed_rows(effect: type[Effect], values: Mapping[str, Any]) -> list[tuple[
         if not isinstance(value, int | float) or isinstance(value, bool):
             continue
         extra = bounds_of(field)
-        factor, unit = in_unit(value, extra["unit"])
         span = allowed(extra["low"], extra["high"], extra["unit"])
-        rows.append((spoken(key), f"{plain(factor * value)} {unit}".strip(), span, field.description or ""))
+        rows.append((spoken(key), in_words(value, extra["unit"]), span, field.description or ""))
     return rows
 
 
