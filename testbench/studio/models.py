@@ -10,6 +10,7 @@ from nicegui import ui
 from gcode.support.files import copy_file, make_folder
 from testbench.fitting.model_file import about_model, same_source
 from testbench.recordings.manifest import CSV
+from testbench.recordings.recording import Recording
 from testbench.report.words import spoken
 from testbench.studio.jobs.job import Commands, Job, State
 from testbench.studio.parts.fields import check, number_field, typed
@@ -70,11 +71,22 @@ def held_out_arguments(studio: Studio, held: str) -> list[str]:
     return [] if held == LAST_THIRD else ["--held-out", str(studio.workspace.campaign(held).folder)]
 
 
+def same_held_out(studio: Studio, c: str) -> list[str]:
+    """The `held_out_arguments` of a step that is judged on the same as the model of `c`."""
+    return held_out_arguments(studio, held_out_of(studio, c))
+
+
+def held_out_recording(studio: Studio, c: str) -> Recording | None:
+    """The other recording that the model of `c` is judged on; None for the last third of its own."""
+    held = held_out_of(studio, c)
+    return None if held == LAST_THIRD else studio.workspace.recording(held)
+
+
 def add_command(studio: Studio, c: str, effect: str) -> tuple[str, list[str]]:
     """Put `effect` into the model of a campaign and refit."""
     model = str(model_path(studio, c))
     argv = ["testbench", "add", effect, "--model", model, "--fit", str(studio.workspace.campaign(c).folder)]
-    argv += held_out_arguments(studio, held_out_of(studio, c)) + studio.effects_arguments()
+    argv += same_held_out(studio, c) + studio.effects_arguments()
     return f"Adding {spoken(effect)} and refitting", [*argv, "-o", model]
 
 
@@ -145,8 +157,7 @@ def run_in_turn(studio: Studio, key: str, commands: Commands, holder: ui.column,
 
 def join_running(studio: Studio, key: str, holder: ui.column, done: Callable[[], None]) -> None:
     """Show a job that another tab, or an earlier visit, has started."""
-    running = studio.jobs.find(key)
-    if running and running.running:
+    if running := studio.jobs.under_way(key):
         _show(studio, running, holder, done)
 
 

@@ -142,7 +142,7 @@ def propose_command(studio: Studio, c: str, name: str, most: int) -> tuple[str, 
     shutil.rmtree(folder, ignore_errors=True)
     make_folder(folder)
     argv = ["testbench", "propose", str(studio.workspace.campaign(c).folder)]
-    argv += models.held_out_arguments(studio, models.held_out_of(studio, c))
+    argv += models.same_held_out(studio, c)
     argv += ["--model", str(models.model_path(studio, c)), *studio.effects_arguments(), "--laws", str(most)]
     argv += ["--json", str(folder / JSON), "--save-model", str(folder / MODEL), "-o", str(folder / f"{name}.py")]
     return f"Looking for a law that {c} lacks", argv

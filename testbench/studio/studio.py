@@ -62,7 +62,7 @@ class Studio:
         """Keep what was run for a campaign: a key is ``kind:campaign``, with the target behind where it has one."""
         kind, _, name = job.key.partition(":")
         if job.key == KEY_RECORDING:
-            kind, name = KEY_RECORDING, Path(job.argv[-1]).relative_to(self.workspace.root).as_posix()
+            kind, name = KEY_RECORDING, self.workspace.name_of(Path(job.argv[-1]))
         if kind in WITH_TARGET:
             name = name.rpartition(":")[0]
         if name and kind in LOGGED:

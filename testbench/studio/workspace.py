@@ -123,6 +123,10 @@ class Workspace:
             raise UserError(f"no campaign {name!r} in {self.root}; the list of campaigns shows what is there")
         return self._described(str(folder), made)
 
+    def name_of(self, folder: Path) -> str:
+        """The name of the campaign in a folder of the workspace, whether it is there yet or not."""
+        return folder.relative_to(self.root).as_posix()
+
     def recording(self, name: str) -> Recording:
         """The recording of a campaign, read once and kept until it or its manifest changes."""
         folder = self.campaign(name).folder

@@ -74,6 +74,7 @@ class Columns:
         await self.look()
 
     def roles(self, sheet: Sheet, choice: Choice, words: dict[str, str]) -> None:
+        """A row of fields for each quantity that is there or asked for; the others are folded away below."""
         asked = {one.role for one in choice.troubles} | set(choice.taken)
         if not {"displacement", "strain"} & set(choice.taken):
             asked |= {"displacement"}

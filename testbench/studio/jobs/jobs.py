@@ -13,7 +13,7 @@ from pathlib import Path
 
 from gcode.support.errors import UserError
 from testbench.studio.jobs.job import Commands, Job, State
-from testbench.studio.jobs.outliving import Outliving
+from testbench.studio.jobs.outliving import Outliving, job_environment
 from testbench.studio.jobs.pace import Paces
 
 PATIENCE_S = 5.0  # how long a cancelled job may take to end well before it is killed
@@ -53,10 +53,14 @@ class JobBoard:
             self._adopt(key)
         return [job for job in self.jobs if job.running]
 
+    def under_way(self, key: str) -> Job | None:
+        """The job with this key that has not ended; None where there is none."""
+        job = self.find(key)
+        return job if job and job.running else None
+
     def start(self, key: str, title: str, argv: Sequence[str], rest: Commands = ()) -> Job:
         """Start a command and, when it has ended well, the `rest`; or return what is running under this key."""
-        running = self.find(key)
-        if running and running.running:
+        if running := self.under_way(key):
             return running
         job = Job(key, title, tuple(argv), pace=self._paces.start(argv), rest=rest)
         self.jobs.append(job)
@@ -67,8 +71,7 @@ class JobBoard:
         await _run(job)
         if job.state is State.DONE:
             self._paces.keep(job.argv, job.pace, job.elapsed_s)
-            for listener in self.listeners:
-                listener(job)
+            self._tell(job)
             if job.rest:
                 (title, argv), *rest = job.rest
                 job.followed_by = self.start(job.key, title, argv, rest)
@@ -101,8 +104,12 @@ class JobBoard:
             job.hear_error("error: something outside the studio ended it")
         _end(job, -1 if code is None else code)
         if job.state is State.DONE:
-            for listener in self.listeners:
-                listener(job)
+            self._tell(job)
+
+    def _tell(self, job: Job) -> None:
+        """Tell all listeners of a job that has ended well."""
+        for listener in self.listeners:
+            listener(job)
 
     async def cancel(self, job: Job) -> None:
         """Ask a job to end (as Ctrl-C would), kill it if it does not, and wait until it is gone."""
@@ -145,14 +152,13 @@ def interpreter_argv(argv: Sequence[str]) -> list[str]:
 
 
 async def _run(job: Job) -> None:
-    environment = {**os.environ, "KNITBENCH_PROGRESS": "json", "PYTHONUNBUFFERED": "1"}
     try:
         job.process = await asyncio.create_subprocess_exec(
             *interpreter_argv(job.argv),
             stdin=asyncio.subprocess.DEVNULL,
             stdout=asyncio.subprocess.PIPE,
             stderr=asyncio.subprocess.PIPE,
-            env=environment,
+            env=job_environment(),
             limit=2**24,
             start_new_session=True,  # a signal then reaches the job's own children too
         )

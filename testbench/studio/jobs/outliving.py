@@ -44,6 +44,11 @@ sys.exit(code)
 """
 
 
+def job_environment() -> dict[str, str]:
+    """What a job finds in its environment: ours, and that it is to tell its progress as JSON, line by line."""
+    return {**os.environ, "KNITBENCH_PROGRESS": "json", "PYTHONUNBUFFERED": "1"}
+
+
 @dataclass(frozen=True)
 class About:
     """What a job wrote about itself when it started."""
@@ -81,7 +86,6 @@ class Outliving:
             (self.folder / name).unlink(missing_ok=True)
         program, *arguments = argv
         command = [sys.executable, "-c", WRAPPED, program, str(self.folder / CODE), *arguments]
-        environment = {**os.environ, "KNITBENCH_PROGRESS": "json", "PYTHONUNBUFFERED": "1"}
         with contextlib.ExitStack() as until_started:
 
             def kept(handle: int) -> int:
@@ -96,7 +100,7 @@ class Outliving:
                 stdin=subprocess.DEVNULL,
                 stdout=said,
                 stderr=errors,
-                env=environment,
+                env=job_environment(),
                 pass_fds=[alive],  # the lock is the child's from here on
                 start_new_session=True,
             )

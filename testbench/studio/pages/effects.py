@@ -12,7 +12,7 @@ from gcode.support.errors import UserError
 from gcode.support.files import write_text
 from gcode.support.strict import read_text
 from testbench.studio.jobs.job import Job, State
-from testbench.studio.parts.job_card import job_card
+from testbench.studio.parts.job_card import start_in
 from testbench.studio.parts.widgets import attempt, guarded, heading, name_in_page
 from testbench.studio.studio import OWN_EFFECTS, Studio
 
@@ -76,10 +76,7 @@ class _Editor:
         self._run(argv, "Trying the rules that every effect keeps")
 
     def _run(self, argv: list[str], title: str) -> None:
-        job = self.studio.jobs.start("effects", title, argv)
-        self.result.clear()
-        with self.result:
-            job_card(self.studio, job, self._told)
+        start_in(self.result, self.studio, "effects", title, argv, self._told)
 
     def _told(self, job: Job) -> None:
         with self.result:

@@ -250,7 +250,7 @@ class _Form:
             ui.run_javascript(f"getHtmlElement({self.result.id}).scrollIntoView({{block: 'end'}})")
 
     def _address(self, made: dict[str, Any]) -> str:
-        return address("/recording", c=Path(made["out"]).relative_to(self.studio.workspace.root).as_posix())
+        return address("/recording", c=self.studio.workspace.name_of(Path(made["out"])))
 
 
 def _typed_path(text: str | None) -> Path:

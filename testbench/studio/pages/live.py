@@ -111,7 +111,7 @@ class Live:
     def _ways_on(self) -> None:
         if not (self.folder / "datapackage.json").is_file():
             return
-        name = self.folder.relative_to(self.studio.workspace.root).as_posix()
+        name = self.studio.workspace.name_of(self.folder)
         ui.button("Open the recording", on_click=lambda: ui.navigate.to(address("/recording", c=name)))
         campaign = self.studio.workspace.campaign(name)
         if is_unfinished(campaign):

@@ -13,9 +13,9 @@ from gcode.programs.stored_plan import read_plan
 from gcode.support.errors import UserError
 from testbench.report.figures.trajectory_figures import motion
 from testbench.studio.jobs.job import Job, State
-from testbench.studio.parts.address import Address, address
+from testbench.studio.parts.address import Address
 from testbench.studio.parts.fields import asked, check, keep_in, number_field, typed
-from testbench.studio.parts.job_card import job_card
+from testbench.studio.parts.job_card import open_campaign_of, start_in
 from testbench.studio.parts.picture import plot
 from testbench.studio.parts.widgets import aside, attempt, facts, guarded, heading, subheading
 from testbench.studio.studio import Studio
@@ -83,10 +83,7 @@ def _form(studio: Studio, where: Address) -> None:
             for option, field in limits.items():
                 argv += [f"{option}={typed(field)}"] if field.value is not None else []
             argv += ["-o", str(studio.workspace.root / PROGRAMS / name)]
-            job = studio.jobs.start(f"plan:{name}", f"Planning {name}", argv)
-            holder.clear()
-            with holder:
-                job_card(studio, job, partial(_planned, where))
+            start_in(holder, studio, f"plan:{name}", f"Planning {name}", argv, partial(_planned, where))
 
         ui.button("Plan", icon="timeline", on_click=lambda: attempt(start)).props("unelevated")
 
@@ -184,15 +181,7 @@ def _run_form(studio: Studio, folder: Path, program: str) -> None:
             target = studio.workspace.free_name(name.value)
             argv = ["testbench", "run", "--sensor", sensor.value, "--program", str(folder / "program.tap")]
             argv += ["--seed", str(int(seed.value)), "--progress-json", "-o", str(target)]
-            job = studio.jobs.start(f"run:{name.value}", f"Running {name.value}", argv)
-            holder.clear()
-            with holder:
-                job_card(studio, job, lambda ended: _ran(studio, ended))
+            done = partial(open_campaign_of, studio)
+            start_in(holder, studio, f"run:{name.value}", f"Running {name.value}", argv, done)
 
         ui.button("Run", icon="play_arrow", on_click=lambda: attempt(start)).props("unelevated")
-
-
-def _ran(studio: Studio, job: Job) -> None:
-    if job.state is State.DONE:
-        name = Path(job.argv[-1]).relative_to(studio.workspace.root).as_posix()
-        ui.navigate.to(address("/recording", c=name))

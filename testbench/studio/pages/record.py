@@ -12,7 +12,7 @@ from testbench.studio.pages.campaign.compensate import compensators
 from testbench.studio.pages.live import Live
 from testbench.studio.pages.plan import PROGRAMS, SENSORS
 from testbench.studio.parts.fields import check, number_field, typed
-from testbench.studio.parts.unfinished import rig_port
+from testbench.studio.parts.unfinished import refuse_a_second, rig_port
 from testbench.studio.parts.widgets import attempt, guarded, heading, invitation
 from testbench.studio.studio import KEY_RECORDING, KEY_RIG, Studio
 
@@ -25,9 +25,8 @@ def page(studio: Studio) -> None:
     """The form, or the recording that is under way; one at a time, seen by every tab."""
     heading("Record", "Progress, losses and limits in view; every sample is on disk before it is on the screen.")
     holder = ui.column().classes("w-full gap-4")
-    job = studio.jobs.find(KEY_RECORDING)
     with holder:
-        if job and job.running:
+        if job := studio.jobs.under_way(KEY_RECORDING):
             Live(studio, job)
             return
         programs = sorted(path.parent.name for path in (studio.workspace.root / PROGRAMS).glob("*/program.tap"))
@@ -77,7 +76,7 @@ class _Form:
         check(self.force, self.strain)
         target = self.studio.workspace.free_name(self.name.value)
         tap = self.studio.workspace.root / PROGRAMS / self.program.value / "program.tap"
-        _refuse_a_second(self.studio)
+        refuse_a_second(self.studio)
         simulated = self.port.value == SIMULATED
         url = await _simulated_port(self.studio, self.sensor.value, tap) if simulated else self.port.value
         argv = ["testbench", "record", "--port", url, "--program", str(tap), "--progress-json", *self._said()]
@@ -95,12 +94,6 @@ class _Form:
             "--compensator": self.compensator.value,
         }
         return [word for flag, text in said.items() if text for word in (flag, text)]
-
-
-def _refuse_a_second(studio: Studio) -> None:
-    running = studio.jobs.find(KEY_RECORDING)
-    if running and running.running:
-        raise UserError(f"{running.title}: this is still under way, and there is one recording at a time")
 
 
 def ports_here() -> list[str]:

@@ -6,6 +6,7 @@ import inspect
 import json
 from collections.abc import Awaitable, Callable, Sequence
 from html import escape
+from pathlib import Path
 
 from nicegui import ui
 
@@ -13,12 +14,34 @@ from gcode.support.colours import BLUE
 from testbench.comparing.numbers import plain
 from testbench.studio.jobs.job import Job, State
 from testbench.studio.jobs.pace import duration_in_words
+from testbench.studio.parts.address import address
 from testbench.studio.studio import Studio
 
 
 def job_card(studio: Studio, job: Job, on_end: Callable[[Job], Awaitable[None] | None] | None = None) -> None:
     """A job with its progress, its command and a stop; `on_end` is called once in this tab when it has ended."""
     _JobCard(studio, job, on_end)
+
+
+def start_in(
+    holder: ui.column,
+    studio: Studio,
+    key: str,
+    title: str,
+    argv: Sequence[str],
+    on_end: Callable[[Job], Awaitable[None] | None],
+) -> None:
+    """Start a command and show its card in `holder`, in place of what is there; see `job_card`."""
+    job = studio.jobs.start(key, title, argv)
+    holder.clear()
+    with holder:
+        job_card(studio, job, on_end)
+
+
+def open_campaign_of(studio: Studio, job: Job) -> None:
+    """Go to the campaign that a job was to write, if it has ended well."""
+    if job.state is State.DONE:
+        ui.navigate.to(address("/recording", c=studio.workspace.name_of(Path(job.argv[-1]))))
 
 
 class _JobCard:

@@ -32,8 +32,8 @@ def is_unfinished(campaign: Campaign) -> bool:
 
 def recording_job(studio: Studio, campaign: Campaign) -> Job | None:
     """The job that is recording this very campaign now."""
-    job = studio.jobs.find(KEY_RECORDING)
-    return job if job and job.running and Path(job.argv[-1]) == campaign.folder else None
+    job = studio.jobs.under_way(KEY_RECORDING)
+    return job if job and Path(job.argv[-1]) == campaign.folder else None
 
 
 def is_under_way(studio: Studio, campaign: Campaign) -> bool:
@@ -82,9 +82,7 @@ def resume(
     UserError
         If a recording is under way, or what it was recorded from is not there.
     """
-    running = studio.jobs.find(KEY_RECORDING)
-    if running and running.running:
-        raise UserError(f"{running.title}: this is still under way, and there is one recording at a time")
+    refuse_a_second(studio)
     if is_under_way(studio, campaign):
         raise UserError(
             f"{campaign.name} has grown in the last {GROWN_S:.0f} s: another program is recording into it"
@@ -100,6 +98,12 @@ def resume(
     argv = ["testbench", "record", "--resume", "--port", port, "--progress-json", *_compensator_of(studio, campaign)]
     studio.jobs.start(KEY_RECORDING, f"Recording {campaign.name}", [*argv, "-o", str(campaign.folder)])
     go("/record")
+
+
+def refuse_a_second(studio: Studio) -> None:
+    """Raise `UserError` while a recording is under way: there is one at a time."""
+    if running := studio.jobs.under_way(KEY_RECORDING):
+        raise UserError(f"{running.title}: this is still under way, and there is one recording at a time")
 
 
 def rig_port(studio: Studio) -> Path:

@@ -12,10 +12,9 @@ from gcode.support.errors import UserError
 from testbench.recordings.channels import DISPLACEMENT
 from testbench.report.figures.alignment_figures import alignment
 from testbench.report.words import clocks_in_words
-from testbench.studio.jobs.job import Job, State
 from testbench.studio.memory import stamp
-from testbench.studio.parts.address import Address, address, span_of
-from testbench.studio.parts.job_card import job_card
+from testbench.studio.parts.address import Address, span_of
+from testbench.studio.parts.job_card import open_campaign_of, start_in
 from testbench.studio.parts.picture import zooming_plot
 from testbench.studio.parts.widgets import aside, attempt, campaign_head, facts, guarded, subheading, working
 from testbench.studio.studio import Studio
@@ -84,12 +83,4 @@ def _keep(studio: Studio, c: str) -> None:
     def start() -> None:
         target = studio.workspace.free_name(name.value)
         argv = ["testbench", "align", str(studio.workspace.campaign(c).folder), "-o", str(target)]
-        job = studio.jobs.start(f"align:{c}", f"Aligning {c}", argv)
-        holder.clear()
-        with holder:
-            job_card(studio, job, ended)
-
-    def ended(job: Job) -> None:
-        if job.state is State.DONE:
-            written = Path(job.argv[-1]).relative_to(studio.workspace.root).as_posix()
-            ui.navigate.to(address("/recording", c=written))
+        start_in(holder, studio, f"align:{c}", f"Aligning {c}", argv, partial(open_campaign_of, studio))

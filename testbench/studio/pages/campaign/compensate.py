@@ -13,10 +13,10 @@ from gcode.support.errors import UserError
 from testbench.fitting.result_files import read_score
 from testbench.report.figures import compensator_figures as figures
 from testbench.report.sections import short_name
-from testbench.studio.jobs.job import State
+from testbench.studio.jobs.job import Job, State
 from testbench.studio.models import companions, join_running, run_in_turn
 from testbench.studio.parts.address import address
-from testbench.studio.parts.job_card import job_card
+from testbench.studio.parts.job_card import start_in
 from testbench.studio.parts.picture import plot
 from testbench.studio.parts.widgets import attempt, campaign_head, facts, guarded, later, subheading
 from testbench.studio.studio import Studio
@@ -118,10 +118,12 @@ def _show(studio: Studio, c: str, target: str, score: Mapping[str, Any]) -> None
     def export() -> None:
         header = studio.workspace.results(c) / f"{target}.h"
         argv = ["compensation", "export", str(path), "--format", "c", "-o", str(header)]
-        job = studio.jobs.start(f"export:{c}:{target}", "Writing the C header", argv)
-        with holder:
-            holder.clear()
-            job_card(studio, job, lambda ended: ui.download(header) if ended.state is State.DONE else None)
+
+        def ended(job: Job) -> None:
+            if job.state is State.DONE:
+                ui.download(header)
+
+        start_in(holder, studio, f"export:{c}:{target}", "Writing the C header", argv, ended)
 
     plot(
         figures.before_and_after(rows, names, target),

@@ -86,7 +86,7 @@ def _ask(studio: Studio, c: str, diagnosis: Mapping[str, Any], where: Address) -
 def _command(studio: Studio, c: str, limits: Mapping[str, str]) -> list[str]:
     argv = ["testbench", "experiment", "--diagnosis", str(models.diagnosis_path(studio, c))]
     argv += ["--fit", str(studio.workspace.campaign(c).folder), *studio.effects_arguments()]
-    argv += models.held_out_arguments(studio, models.held_out_of(studio, c))
+    argv += models.same_held_out(studio, c)
     for option, value in limits.items():
         argv += [option, value]
     argv += ["--json", str(experiment_path(studio, c))]

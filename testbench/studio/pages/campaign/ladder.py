@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
@@ -18,6 +17,7 @@ from testbench.report.figures import diagnosis_figures
 from testbench.report.figures import ladder_figures as figures
 from testbench.report.figures.comparison_figures import busiest_window
 from testbench.report.parameter_table import parameter_table
+from testbench.report.provenance import moment
 from testbench.report.sections import fall_in_words
 from testbench.report.words import PANEL_UNITS, ladder_notes, spoken, verdict_in_words
 from testbench.studio import models
@@ -62,8 +62,7 @@ class _Ladder:
         self.kohm = where.query["show"] == RESISTANCE
         catalogue = studio.catalogue()
         self.file: ModelFile = load_model_file(models.model_path(studio, c), catalogue)
-        held = models.held_out_of(studio, c)
-        other = None if held == models.LAST_THIRD else studio.workspace.recording(held)
+        other = models.held_out_recording(studio, c)
         self.judged = held_samples(self.file, studio.workspace.recording(c), other)
         self.steps, self.zero = steps_of(self.file.history), zero_in_words(self.file)
         # How far above the noise is told of the channel that was fitted: that of ln G is the same share of R.
@@ -186,11 +185,10 @@ class _Ladder:
         path = self.studio.workspace.results(self.c) / REPORT
         if not path.is_file():
             return
-        when = time.strftime("%d %B %Y, %H:%M", time.localtime(path.stat().st_mtime))
         with ui.row().classes("items-center gap-3"):
             ui.icon("description").classes("quiet")
             ui.link("Open the report", report_url(self.studio, path), new_tab=True).classes("way")
-            ui.label(f"of {when}").classes("quiet text-sm")
+            ui.label(f"of {moment(path.stat().st_mtime)}").classes("quiet text-sm")
             name = f"{self.c.replace('/', '-')}-report.html"
             ui.button("Download", icon="download", on_click=lambda: ui.download(path, name)).props("flat dense")
 
@@ -202,7 +200,7 @@ class _Ladder:
         folder = self.studio.workspace.results(self.c)
         output = folder / REPORT
         argv = ["testbench", "report", "--recording", str(self.studio.workspace.campaign(self.c).folder)]
-        argv += models.held_out_arguments(self.studio, models.held_out_of(self.studio, self.c))
+        argv += models.same_held_out(self.studio, self.c)
         argv += ["--model", str(models.model_path(self.studio, self.c)), *self.studio.effects_arguments()]
         for path in models.kept_diagnoses(self.studio, self.c).values():
             argv += ["--diagnosis", str(path)]

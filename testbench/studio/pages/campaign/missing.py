@@ -66,7 +66,7 @@ def _ask(studio: Studio, c: str, known: bool) -> None:
     def start() -> None:
         argv = ["testbench", "diagnose", str(studio.workspace.campaign(c).folder)]
         argv += ["--model", str(models.model_path(studio, c)), *studio.effects_arguments()]
-        argv += models.held_out_arguments(studio, models.held_out_of(studio, c))
+        argv += models.same_held_out(studio, c)
         argv += ["--json", str(models.diagnosis_path(studio, c)), "-o", str(models.diagnosed_path(studio, c))]
         command = (f"Looking for what is missing in {c}", argv)
         models.run_in_turn(studio, key, [command], holder, ui.navigate.reload)
@@ -257,7 +257,5 @@ def predicted(studio: Studio, c: str, diagnosis: Mapping[str, Any], entry: Mappi
     """
     from testbench.api.missing.contributing import contribution
 
-    held = models.held_out_of(studio, c)
-    other = None if held == models.LAST_THIRD else studio.workspace.recording(held)
-    recording = studio.workspace.recording(c)
+    recording, other = studio.workspace.recording(c), models.held_out_recording(studio, c)
     return contribution(diagnosis, entry["law"], recording, other, effects=studio.catalogue())

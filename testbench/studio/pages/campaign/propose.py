@@ -68,8 +68,7 @@ def _ask(studio: Studio, c: str) -> None:
         holder = ui.column().classes("w-full")
 
     async def start() -> None:
-        running = studio.jobs.find(key)
-        if running is not None and running.running:
+        if studio.jobs.under_way(key):
             return
         check(most)
         wanted = min(max(int(most.value), 1), MOST_ASKED)
