@@ -1,4 +1,4 @@
-"""Fixtures of the tests in a real browser; a test module imports the ones it uses."""
+"""Fixtures of the tests in a real browser (`conftest` hands them out), and what those tests do with a page."""
 
 from __future__ import annotations
 

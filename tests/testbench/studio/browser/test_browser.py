@@ -17,13 +17,12 @@ from testbench.cli import main as run_testbench
 from testbench.knit.catalogue import baseline, load_catalogue
 from testbench.studio.jobs.jobs import interpreter_argv
 from tests.testbench import builders
-from tests.testbench.studio.browser.browsing import IN_CHROMIUM, browser, page, running, samples, screen, shot, until
+from tests.testbench.studio.browser.browsing import IN_CHROMIUM, samples, screen, shot, until
 
 ROOT = Path(__file__).parents[4]
 MEASURED = ROOT / "../shared/data/real/cb_silicone_strip/cb7.5_s2_multisine_300s_a.csv"
 
 pytestmark = IN_CHROMIUM
-__all__ = ["browser", "page", "running"]  # pytest finds its fixtures by name
 
 
 def foreign_csv(folder: Path) -> Path:

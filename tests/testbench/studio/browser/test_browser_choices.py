@@ -11,21 +11,10 @@ import pytest
 from playwright.sync_api import expect
 
 from testbench.studio.workspace import MANIFEST
-from tests.testbench.studio.browser.browsing import (
-    IN_CHROMIUM,
-    browser,
-    finished,
-    full,
-    page,
-    running,
-    shot,
-    standing,
-    until,
-)
+from tests.testbench.studio.browser.browsing import IN_CHROMIUM, shot, until
 from tests.testbench.studio.served import Served
 
 pytestmark = IN_CHROMIUM
-__all__ = ["browser", "finished", "full", "page", "running", "standing"]  # pytest finds its fixtures by name
 
 LINES = "[...document.querySelector('.js-plotly-plot').data].map(trace => trace.name)"
 

@@ -11,21 +11,10 @@ from playwright.sync_api import expect
 
 from testbench.recordings.files import read_recording
 from tests.testbench.importing import exports
-from tests.testbench.studio.browser.browsing import (
-    IN_CHROMIUM,
-    PHONE,
-    browser,
-    choose,
-    opened,
-    page,
-    screen,
-    shared,
-    shot,
-)
+from tests.testbench.studio.browser.browsing import IN_CHROMIUM, PHONE, choose, opened, screen, shot
 from tests.testbench.studio.browser.seeing import nameless, unreadable
 
 pytestmark = IN_CHROMIUM
-__all__ = ["browser", "page", "shared"]  # pytest finds its fixtures by name
 
 
 BEYOND_THE_EDGE = """[...document.querySelectorAll('.page *')].filter(e => !e.closest('.rawbox'))

@@ -5,20 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from tests.testbench.studio.browser.browsing import (
-    IN_CHROMIUM,
-    browser,
-    choose,
-    finished,
-    full,
-    page,
-    running,
-    samples,
-    shot,
-)
+from tests.testbench.studio.browser.browsing import IN_CHROMIUM, choose, samples, shot
 
 pytestmark = IN_CHROMIUM
-__all__ = ["browser", "finished", "full", "page", "running"]  # pytest finds its fixtures by name
 
 DRAWN = (
     "() => [...document.querySelectorAll('.js-plotly-plot')].flatMap(plot => (plot.data || []).map(one => one.name))"

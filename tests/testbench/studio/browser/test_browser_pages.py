@@ -14,24 +14,11 @@ from pathlib import Path
 import pytest
 
 from testbench.cli import main as run_testbench
-from tests.testbench.studio.browser.browsing import (
-    IN_CHROMIUM,
-    PHONE,
-    TABLET,
-    browser,
-    finished,
-    full,
-    page,
-    running,
-    screen,
-    shot,
-    standing,
-)
+from tests.testbench.studio.browser.browsing import IN_CHROMIUM, PHONE, TABLET, screen, shot
 from tests.testbench.studio.browser.seeing import nameless, unreadable
 from tests.testbench.studio.served import Served, opened_report
 
 pytestmark = IN_CHROMIUM
-__all__ = ["browser", "finished", "full", "page", "running", "standing"]  # pytest finds its fixtures by name
 
 PAGES = {
     "/": "verified",

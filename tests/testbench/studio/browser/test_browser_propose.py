@@ -7,23 +7,12 @@ import json
 from playwright.sync_api import expect
 
 from testbench.studio.proposed_law import FOLDER
-from tests.testbench.studio.browser.browsing import (
-    IN_CHROMIUM,
-    PHONE,
-    browser,
-    finished,
-    full,
-    page,
-    running,
-    screen,
-    shot,
-)
+from tests.testbench.studio.browser.browsing import IN_CHROMIUM, PHONE, screen, shot
 from tests.testbench.studio.browser.seeing import nameless, unreadable
 from tests.testbench.studio.proposals import write_proposal
 from tests.testbench.studio.served import Served
 
 pytestmark = IN_CHROMIUM
-__all__ = ["browser", "finished", "full", "page", "running"]  # pytest finds its fixtures by name
 
 ONE_PIXEL = bytes.fromhex(
     "89504e470d0a1a0a0000000d49484452000000010000000108060000001f15c4890000000d49444154789c636060606000000005"

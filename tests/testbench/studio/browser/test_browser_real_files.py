@@ -13,7 +13,7 @@ import pandas as pd
 import pytest
 
 from testbench.recordings.files import read_recording
-from tests.testbench.studio.browser.browsing import IN_CHROMIUM, browser, opened, page, shared, shot
+from tests.testbench.studio.browser.browsing import IN_CHROMIUM, opened, shot
 from tests.testbench.studio.served import Served
 
 SHARED = Path(__file__).parents[4] / "../shared/data"
@@ -24,7 +24,6 @@ pytestmark = [
     pytest.mark.real_data,
     pytest.mark.skipif(not (SHARED / "foreign").is_dir(), reason="the measured recordings are not here"),
 ]
-__all__ = ["browser", "page", "shared"]  # pytest finds its fixtures by name
 
 
 @dataclass(frozen=True)

@@ -15,11 +15,10 @@ from playwright.sync_api import expect
 
 from gcode.cli import main as gcode
 from testbench.cli import main as run_testbench
-from tests.testbench.studio.browser.browsing import IN_CHROMIUM, browser, page, running, samples, shot, until
+from tests.testbench.studio.browser.browsing import IN_CHROMIUM, samples, shot, until
 from tests.testbench.studio.served import Served, start_studio
 
 pytestmark = IN_CHROMIUM
-__all__ = ["browser", "page", "running"]  # pytest finds its fixtures by name
 
 MINUTE_S, LONG_S = 60, 900  # the latter outlasts everything that a busy machine does meanwhile
 

@@ -17,11 +17,10 @@ from testbench.cli import main as run_testbench
 from testbench.knit.catalogue import baseline, load_catalogue
 from testbench.recordings.files import read_recording
 from tests.testbench.importing import exports
-from tests.testbench.studio.browser.browsing import IN_CHROMIUM, SHOTS, browser, choose, page, running, shot
+from tests.testbench.studio.browser.browsing import IN_CHROMIUM, SHOTS, choose, shot
 from tests.testbench.studio.served import Served, opened_report
 
 pytestmark = IN_CHROMIUM
-__all__ = ["browser", "page", "running"]  # pytest finds its fixtures by name
 
 COLUMNS = (("time", "2", "s"), ("displacement", "3", "mm"), ("force", "5", "N"), ("resistance", "1", "Ω"))
 
