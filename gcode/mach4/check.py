@@ -132,10 +132,8 @@ def _modes(program: Program) -> list[Problem]:
 
 def _other_controller(program: Program, limits: Limits) -> str:
     """A hint where the file was written for a controller of another acceleration than it is judged with."""
-    stated, used = (
-        program.header_number("machine_acceleration_mm_per_s2"),
-        ACCELERATION_FACTOR * limits.a_max_mm_per_s2,
-    )
+    stated = program.header_number("machine_acceleration_mm_per_s2")
+    used = ACCELERATION_FACTOR * limits.a_max_mm_per_s2
     if not stated or abs(stated - used) < 1e-9 * used:
         return ""
     return (
@@ -218,8 +216,7 @@ def _executed(
     if not motion.end_s * rate_hz <= MOST_CHECKED_SAMPLES:
         took = f"not executed, since this controller would take {_long(motion.end_s)}: more than can be looked at"
         return [Problem(1, took)], None
-    samples = max(int(np.ceil(motion.end_s * rate_hz - 1e-6)) + 1, 2)
-    position_mm = motion.position_at(np.arange(samples) / rate_hz)
+    position_mm = motion.positions(rate_hz)
     problems = []
     for excess in excesses(position_mm, rate_hz, limits):
         if excess.name == "position":

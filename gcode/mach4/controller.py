@@ -99,5 +99,4 @@ def play(program: Program, rate_hz: float = 20.0, machine: Machine | None = None
     motion = execute(program, machine or machine_for(program))
     if motion.end_s > MAX_PLAYED_S:
         raise UserError(f"program: it would take {motion.end_s:.3g} s; more than a week is not played")
-    samples = int(np.ceil(motion.end_s * rate_hz - 1e-6)) + 1
-    return sampled(motion.position_at(np.arange(max(samples, 2)) / rate_hz), rate_hz)
+    return sampled(motion.positions(rate_hz), rate_hz)

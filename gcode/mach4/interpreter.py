@@ -73,6 +73,7 @@ class State:
 
 
 def refuser(state: State, number: int) -> Callable[[str], None]:
+    """What is called with the reason why a line of the program is refused."""
     return lambda reason: state.problems.append(Problem(number, reason))
 
 
@@ -204,6 +205,7 @@ def _rate(state: State) -> float:
 
 
 def move(state: State, number: int, x: float, own_feed: bool, steps: int) -> None:
+    """Append a move to `x` in mm, with the feed in force; `own_feed` says whether the line states one."""
     refuse = refuser(state, number)
     length = abs(x - state.x)
     if state.motion is None:

@@ -60,6 +60,11 @@ class Motion:
         half = 0.5 * self.acceleration_mm_per_s2[phase] * since
         return self.position_mm[phase] + (self.velocity_mm_per_s[phase] + half) * since
 
+    def positions(self, rate_hz: float) -> np.ndarray:
+        """Positions at `rate_hz` from the start to the end (mm), two at least."""
+        count = max(int(np.ceil(self.end_s * rate_hz - 1e-6)) + 1, 2)
+        return self.position_at(np.arange(count) / rate_hz)
+
 
 def drive(
     blocks: Blocks,

@@ -51,8 +51,7 @@ def sampled_positions(
 ) -> np.ndarray:
     """Positions at `rate_hz` from start to end, with the jerk limited if a limit is given."""
     if j_max_mm_per_s3 is None:
-        samples = int(np.ceil(motion.end_s * rate_hz - 1e-6)) + 1
-        return motion.position_at(np.arange(samples) / rate_hz)
+        return motion.positions(rate_hz)
     mean_s = 2.0 * a_max_mm_per_s2 / j_max_mm_per_s3
     if mean_s > LONGEST_MEAN_S:
         raise UserError(

@@ -18,12 +18,9 @@ _CLOSE_UP_S = 12.0
 
 def write_plot(made: Made, path: str | Path) -> Path:
     """Write the picture as PNG, atomically; returns its path."""
-    # Figure and canvas by hand: pyplot would look for a display.
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
+    from matplotlib.figure import Figure  # without pyplot, which would look for a display
 
     figure = Figure(figsize=(12, 9), layout="constrained")
-    FigureCanvasAgg(figure)
     grid = figure.add_gridspec(4, 2, width_ratios=(4, 1))
     rate, limits = made.spec.rate_hz, made.spec.limits
     played = executed(made).position_mm

@@ -38,11 +38,9 @@ def panels(axes: Axes | Sequence[Axes] | None, count: int) -> list[Axes]:
 
 def picture(draw: Callable[[Any], Any], count: int) -> str:
     """An ``<img>`` of what `draw` makes of `count` axes; no window, no pyplot."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(WIDTH_IN, PANEL_IN * max(count, 1.4)), layout="constrained")
-    FigureCanvasAgg(figure)
     draw(list(figure.subplots(count, 1, squeeze=False)[:, 0]))
     data = io.BytesIO()
     figure.savefig(data, format="png", dpi=NOTEBOOK_DOTS_PER_INCH, metadata={"Software": None})

@@ -86,7 +86,7 @@ class AlignmentResult:
         return folder
 
     def _repr_html_(self) -> str:
-        return card(f"Alignment of {self.recording.source}", self.words, picture(lambda axes: self.plot(axes), 1))
+        return card(f"Alignment of {self.recording.source}", self.words, picture(self.plot, 1))
 
 
 def align(

@@ -66,18 +66,16 @@ def draw(figure: style.Figure):
     matplotlib.figure.Figure
     """
     from matplotlib import rc_context
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     layout = figure["layout"]
     height_px = layout.get("height", 400)
     with rc_context(RC):
         drawing = Figure(figsize=(WIDTH_PX / DOTS_PER_INCH, height_px / DOTS_PER_INCH), facecolor=style.PAPER)
-        FigureCanvasAgg(drawing)
         page = Page(drawing, layout, WIDTH_PX, height_px)
         for trace in figure["data"]:
             DRAWERS[_known(trace)](page.axes_of(trace), trace, page)
-        page.finish(figure["data"])
+        page.finish()
     return drawing
 
 

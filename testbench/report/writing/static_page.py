@@ -26,6 +26,7 @@ class Page:
         return self.left + x * (self.right - self.left), self.bottom + y * (self.top - self.bottom)
 
     def axes_of(self, trace: dict[str, Any]):
+        """The axes that a trace is drawn on, made when they are first asked for."""
         key = (trace.get("xaxis", "x"), trace.get("yaxis", "y"))
         if key not in self._axes:
             self._axes[key] = self._make(*key)
@@ -52,10 +53,11 @@ class Page:
         return axes
 
     def axis(self, name: str) -> dict[str, Any]:
+        """Settings of the axis that a trace names ``x2``; empty where the layout has none."""
         return self.layout.get(f"{name[0]}axis{name[1:]}", {})
 
-    def finish(self, data: list[dict[str, Any]]) -> None:
-        """Legend, shapes and annotations."""
+    def finish(self) -> None:
+        """Put in what lies over the traces: shapes, annotations, the legend."""
         for shape in self.layout.get("shapes", []):
             self._shape(shape)
         for item in self.layout.get("annotations", []):
