@@ -64,6 +64,7 @@ class BaseWorld:
         return replace(self, **changed)
 
     def describe(self) -> dict:
+        """Family and parameters of each law, JSON-ready."""
         return {n: {"family": law.family, "parameters": law.parameters} for n, law in self.laws().items()}
 
 

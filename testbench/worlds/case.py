@@ -132,10 +132,12 @@ class Bench:
         return t, strain, ambient_K(t, rng_of(self.seed, part, "ambient"))
 
     def scene(self, part: str) -> Scene:
+        """The motion and the surroundings of one recording, before any law has acted."""
         t, strain, ambient = self.motion[part]
         return Scene(t, strain, ambient, self.top_N, self.usual, (self.seed, zlib.crc32(part.encode())))
 
     def signals(self, part: str, hidden: Sequence[Hidden], base: BaseWorld | None = None) -> Any:
+        """Force [N] and ln of conductance [S] of one recording without noise, shape (n,) each."""
         return run(base or self.base, self.scene(part), hidden)
 
     def whitened(self, part: str, hidden: Sequence[Hidden], base: BaseWorld | None = None) -> FloatArray:
@@ -161,6 +163,7 @@ class Bench:
         return Hidden(form, shape, magnitude)
 
     def report(self, one: Hidden, requested: float) -> dict[str, Any]:
+        """What is to be known of one hidden effect: its form, its magnitude and how strong it became, JSON-ready."""
         left = {part: self.left_over(part, [one]) for part in PARTS}
         half = len(left["calibration"]) // 2
         raw = self.whitened("calibration", [one]) - self._plain["calibration"]
@@ -184,6 +187,7 @@ class Bench:
         }
 
     def truth(self, hidden: Sequence[Hidden], reports: list[dict]) -> dict[str, Any]:
+        """All that is sealed with a case: what was hidden, in which world, over which noise floors, JSON-ready."""
         names = [one.form.effect for one in hidden]
         outside = any(name in UNKNOWN for name in names)
         verdict = "nothing_missing" if not names else "unknown" if outside else "missing"
@@ -259,6 +263,7 @@ def names_of(effect: str | None, seed: int) -> list[str]:
 
 
 def choose(name: str, form: str | None, seed: int, base: BaseWorld) -> tuple[Form, dict[str, float]]:
+    """A form of an effect, the one named or one that shows in this world, drawn by seed; and its shape parameters."""
     forms = FORMS[name]
     rng = rng_of(seed, "form", name)
     felt = [f for f in forms if base.contacts_feel_force or set(forms[f].changes) != {"pressure"}]

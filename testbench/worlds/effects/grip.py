@@ -9,7 +9,7 @@ import numpy as np
 from testbench.worlds.base import soft_positive
 from testbench.worlds.chain import Scene
 from testbench.worlds.effects.registry import form
-from testbench.worlds.kernels import last_turning_point, lowpass, ratchet_slips
+from testbench.worlds.kernels import last_turning_point, lowpass, ratchet_slips, stop
 
 Shape = Mapping[str, float]
 
@@ -74,8 +74,6 @@ def slip_slides(s: Scene, a: float, p: Shape) -> None:
 
 def _lost_motion(x: np.ndarray, gap: float) -> np.ndarray:
     """Output of a drive with play `gap`, zeroed at the start."""
-    from testbench.worlds.kernels import stop
-
     return x - stop(x, gap / 2)
 
 
