@@ -174,25 +174,17 @@ def _check(args: argparse.Namespace) -> None:
 
 
 def _from_data(args: argparse.Namespace, recordings: list[Recording], options: Options) -> Compensator:
-    from compensation.training import tuning
+    from compensation.series.preprocessing import series_of
+    from compensation.training import auto, tuning
     from compensation.training.training import train
     from gcode.support.console import Progress
 
     if args.method == "auto":
-        return _automatic(args, recordings, options)
+        series = [series_of(recording, args.target, options.resampling_hz) for recording in recordings]
+        return auto.train_automatically(series, args.target, options, Progress("training", auto.steps()).step)
     tuned = args.method == "tuned"
     progress = Progress("training", tuning.steps() if tuned else options.restarts)
     return train(recordings, args.target, options, progress.step, tuned)
-
-
-def _automatic(args: argparse.Namespace, recordings: list[Recording], options: Options) -> Compensator:
-    from compensation.series.preprocessing import series_of
-    from compensation.training import auto
-    from gcode.support.console import Progress
-
-    rate_hz = None if options.irregular else options.rate_hz
-    series = [series_of(recording, args.target, rate_hz) for recording in recordings]
-    return auto.train_automatically(series, args.target, options, Progress("training", auto.steps()).step)
 
 
 def _from_twin(args: argparse.Namespace, recordings: list[Recording], options: Options) -> Compensator:

@@ -55,6 +55,11 @@ class Options:
     alphas: tuple[float, ...] | None = None
 
     @property
+    def resampling_hz(self) -> float | None:
+        """Rate that recordings are resampled to; None where they are taken as sampled."""
+        return None if self.irregular else self.rate_hz
+
+    @property
     def bank(self) -> FloatArray:
         """The smoothing factors: those set by hand, or calculated from factor and count."""
         return smoothing_factors(self.factor, self.count) if self.alphas is None else given_factors(self.alphas)

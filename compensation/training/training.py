@@ -42,8 +42,7 @@ def train(
         Choose factors, penalty and size from the data, average several networks: see `compensation.training.tuning`.
     """
     options = options or Options()
-    rate_hz = None if options.irregular else options.rate_hz
-    series = [series_of(rec, target, rate_hz) for rec in recordings]
+    series = [series_of(recording, target, options.resampling_hz) for recording in recordings]
     return (tune if tuned else train_on_series)(series, target, options, progress)
 
 

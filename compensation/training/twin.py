@@ -90,7 +90,7 @@ def train_from_twin(
         Told about the fit and each network: `steps` times.
     """
     options = replace(options or Options(), sizes=SIZES, l2=L2, history=HISTORY)
-    measured = series_of(recording, target, None if options.irregular else options.rate_hz)
+    measured = series_of(recording, target, options.resampling_hz)
     models = plausible(model, recording)
     progress("fitted the model")
     twins = simulated(models, target, recording.gauge_length_mm, amplitude, options.rate_hz)

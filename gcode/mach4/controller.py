@@ -10,19 +10,19 @@ from __future__ import annotations
 from typing import Annotated
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from gcode.mach4.program import Program
 from gcode.motion.blocks import Motion, drive
 from gcode.support.errors import UserError
-from gcode.trajectories.quantities import Positive
+from gcode.trajectories.quantities import Positive, SpecModel
 from gcode.trajectories.trajectory import Trajectory, sampled
 
 DEFAULT_ACCELERATION_MM_PER_S2 = 100.0
 MAX_PLAYED_S = 7 * 24 * 3600.0
 
 
-class Machine(BaseModel):
+class Machine(SpecModel):
     """What the planner must know of a controller and its axis.
 
     Attributes
@@ -44,8 +44,6 @@ class Machine(BaseModel):
     >>> gcode.play(made, machine=sluggish).duration_s > gcode.play(made).duration_s
     True
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     acceleration_mm_per_s2: Positive = DEFAULT_ACCELERATION_MM_PER_S2
     rapid_mm_per_s: Positive = 50.0

@@ -4,19 +4,15 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from pydantic import ConfigDict
-
 from gcode.motion.statistics import MotionStatistics
-from gcode.support.strict import StrictModel, load
+from gcode.support.strict import OpenModel, load
 from gcode.trajectories.trajectory import TrajectorySpec
 
 MOST_BYTES = 16 << 20
 
 
-class StoredPlan(StrictModel):
+class StoredPlan(OpenModel):
     """``trajectory.json``, as far as other rooms read it."""
-
-    model_config = ConfigDict(frozen=True, extra="ignore", allow_inf_nan=False)
 
     spec: TrajectorySpec
     statistics: MotionStatistics

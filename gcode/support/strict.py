@@ -38,6 +38,12 @@ class StrictModel(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 
+class OpenModel(StrictModel):
+    """As `StrictModel`, of a file that may say more than we ask of it; what else it says goes no further."""
+
+    model_config = ConfigDict(extra="ignore")
+
+
 def read_bytes(path: str | Path, what: str = "file", at_most: int = MOST_BYTES) -> bytes:
     """The bytes of a plain file.
 

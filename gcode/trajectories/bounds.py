@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
 from gcode.motion.statistics import accelerations, jerks, speeds
-from gcode.trajectories.quantities import Positive
+from gcode.trajectories.quantities import Positive, SpecModel
 
 
-class Limits(BaseModel):
+class Limits(SpecModel):
     """What the executed motion must not exceed, by finite differences at the trajectory's sample rate.
 
     Attributes
@@ -30,8 +30,6 @@ class Limits(BaseModel):
     >>> gcode.check(gcode.generate("paper-1", seed=3, duration_s=60), slow).ok
     False
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     v_max_mm_per_s: Positive = 10.0
     a_max_mm_per_s2: Positive = 20.0

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, Field, SerializeAsAny, model_validator
+from pydantic import Field, SerializeAsAny, model_validator
 
 from gcode.motion.path import Frame, Path
-from gcode.trajectories.quantities import Percent
+from gcode.trajectories.quantities import Percent, SpecModel
 
 
-class Piece(BaseModel):
+class Piece(SpecModel):
     """One piece of a protocol. Subclasses say where to be and when, from the position they are entered at."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     @property
     def strokes(self) -> int:
@@ -29,10 +27,8 @@ class Piece(BaseModel):
         return Protocol(pieces=(self,)) + other
 
 
-class Protocol(BaseModel):
+class Protocol(SpecModel):
     """Pieces in a row."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     pieces: tuple[SerializeAsAny[Piece], ...] = Field(min_length=1)
 

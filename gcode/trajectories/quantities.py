@@ -1,13 +1,19 @@
-"""Numbers with the bounds that every field of a spec shares."""
+"""What the parts of a spec share: that they are fixed and know their fields, and numbers with their bounds."""
 
 from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import Field
+from pydantic import BaseModel, ConfigDict, Field
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Duration = Annotated[float, Field(gt=0, le=48 * 3600, allow_inf_nan=False)]
 Rest = Annotated[float, Field(ge=0, le=48 * 3600, allow_inf_nan=False)]
 Percent = Annotated[float, Field(ge=-100, le=1000, allow_inf_nan=False)]
 Count = Annotated[int, Field(ge=1, le=100_000)]
+
+
+class SpecModel(BaseModel):
+    """A part of a spec: nothing unknown, and nothing changed once it is made."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")

@@ -6,13 +6,13 @@ from collections.abc import Mapping
 from typing import Annotated, Any, Protocol, Self, TypeVar
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from gcode.motion.limits import drive_within
 from gcode.motion.path import Frame, Path
 from gcode.motion.statistics import MotionStatistics, motion_statistics
 from gcode.support.errors import UserError
-from gcode.trajectories.quantities import Positive
+from gcode.trajectories.quantities import Positive, SpecModel
 
 NAMES = ("v_mean_mm_per_s", "v_sd_mm_per_s", "a_mean_mm_per_s2", "a_sd_mm_per_s2")
 TOO_FAR = 0.25  # a target missed by more than this cannot be met
@@ -27,10 +27,8 @@ _SENSITIVITY = np.array(
 _DAMPING = np.diag([0.0, 0.0, 0.03, 0.02])
 
 
-class Target(BaseModel):
+class Target(SpecModel):
     """Means and standard deviations of |v| and |a|, by finite differences at `rate_hz`."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     v_mean_mm_per_s: Positive
     v_sd_mm_per_s: Positive

@@ -7,7 +7,7 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from gcode.motion.statistics import MotionStatistics, motion_statistics
 from gcode.support import files
@@ -18,7 +18,7 @@ from gcode.support.strict import check_plain
 from gcode.trajectories.bounds import Limits
 from gcode.trajectories.designed import AnyPiece, Protocol
 from gcode.trajectories.protocol import Piece
-from gcode.trajectories.quantities import Positive
+from gcode.trajectories.quantities import Positive, SpecModel
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -30,7 +30,7 @@ def position_decimals(rate_hz: float) -> int:
     return 4 if rate_hz <= 50 else 5 if rate_hz <= 150 else 6
 
 
-class TrajectorySpec(BaseModel):
+class TrajectorySpec(SpecModel):
     """Everything but the seed and the gauge length that decides a trajectory.
 
     Attributes
@@ -57,8 +57,6 @@ class TrajectorySpec(BaseModel):
     >>> gcode.generate(spec, seed=0)
     <Made mine, seed 0: 20.2 s, 0 to 7.5 mm>
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     name: str = Field("trajectory", pattern=r"^[a-z0-9][a-z0-9._-]{0,40}$")
     pieces: tuple[AnyPiece, ...] = Field(min_length=1)

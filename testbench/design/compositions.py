@@ -27,13 +27,16 @@ SHRINKS = 4  # trials to fit a motion into its time
 STEP = 0.25  # of a gene's numbers, in a variation
 
 
+Numbers = tuple[float, float, float]
+
+
 @dataclass(frozen=True)
 class Gene:
     """One kind of piece: its share of the time (before all are scaled to one), and the numbers that shape it."""
 
     kind: str
     share: float
-    numbers: tuple[float, float, float]
+    numbers: Numbers
 
 
 Genes = tuple[Gene, ...]
@@ -114,7 +117,6 @@ def _gene(rng: np.random.Generator) -> Gene:
     return Gene(str(rng.choice(list(KINDS))), float(rng.uniform(0.3, 1.5)), (float(a), float(b), float(c)))
 
 
-Numbers = tuple[float, float, float]
 Make = Callable[[Numbers, float, Bounds], Sequence[Piece]]
 
 

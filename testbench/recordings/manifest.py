@@ -84,23 +84,18 @@ def write_manifest(folder: Path, campaign: Campaign, files: Iterable[str]) -> No
     """
     hashed = not campaign.in_progress
     resources = [_resource(folder / name, hashed) for name in files]
+    gauge_mm = None if math.isnan(campaign.gauge_length_mm) else campaign.gauge_length_mm  # JSON has no NaN
     head = {"format": FORMAT, "version": FORMAT_VERSION}
     data = {
         "$schema": PROFILE,
         "name": "knitbench-campaign",
         "resources": resources,
-        "knitbench": {**head, **vars(campaign), **_gauge(campaign)},
+        "knitbench": {**head, **vars(campaign), "gauge_length_mm": gauge_mm},
     }
     text = sealed(data)
     # What is written can be read again: a name or a number beyond the loader's bounds is refused here.
     strict.validated(strict.json_of(text), StoredManifest, folder / NAME, "campaign manifest")
     write_bytes(folder / NAME, text.encode(), recorded=True)
-
-
-def _gauge(campaign: Campaign) -> dict[str, float | None]:
-    """The gauge length as JSON has it: there is no NaN in it."""
-    gauge_mm = campaign.gauge_length_mm
-    return {"gauge_length_mm": None if math.isnan(gauge_mm) else gauge_mm}
 
 
 def read_manifest(folder: Path) -> tuple[Campaign, list[Resource]]:
@@ -211,7 +206,7 @@ def resource_problems(folder: Path, resource: Resource) -> list[str]:
 def sealed(data: dict[str, Any]) -> str:
     """The text of a manifest with the hash of itself in it."""
     bare = {**data, "knitbench": {**data["knitbench"], "manifest_sha256": NO_HASH}}
-    text = _dump(bare)
+    text = json.dumps(bare, indent=2, allow_nan=False) + "\n"
     return text.replace(NO_HASH, hashlib.sha256(text.encode()).hexdigest())
 
 
@@ -243,7 +238,3 @@ def _fields(path: Path) -> list[dict[str, Any]]:
 def _field(name: str) -> dict[str, Any]:
     entry = {"name": name, "type": "number", "unit": UNITS.get(name, name.rpartition("_")[2] if "_" in name else "1")}
     return entry | ({"title": _TITLES[name]} if name in _TITLES else {})
-
-
-def _dump(data: dict[str, Any]) -> str:
-    return json.dumps(data, indent=2, allow_nan=False) + "\n"

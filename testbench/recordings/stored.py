@@ -8,9 +8,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
-from gcode.support.strict import StrictModel, read_json, validated
+from gcode.support.strict import OpenModel, StrictModel, read_json, validated
 from testbench.recordings.checks import LONGEST_GAUGE_MM
 from testbench.recordings.instruments import Instruments
 
@@ -39,10 +39,8 @@ class StoredEffect(StrictModel):
     parameters: dict[Label, Number | list[Number] | list[list[Number]]]
 
 
-class StoredModel(StrictModel):
+class StoredModel(OpenModel):
     """A knit model as `KnitModel.to_dict` writes it; what a file adds beside it (a fit, a history) is allowed."""
-
-    model_config = ConfigDict(frozen=True, extra="ignore", allow_inf_nan=False)
 
     format: Label
     version: int
@@ -163,20 +161,16 @@ class StoredCampaign(StrictModel):
         return self
 
 
-class Resource(StrictModel):
+class Resource(OpenModel):
     """One file of a campaign."""
-
-    model_config = ConfigDict(frozen=True, extra="ignore", allow_inf_nan=False)
 
     path: FileName
     bytes: Count | None = None
     hash: Annotated[str, Field(pattern=r"^sha256:[0-9a-f]{64}$")] | None = None
 
 
-class StoredManifest(StrictModel):
+class StoredManifest(OpenModel):
     """``datapackage.json``, of which other tools may know more entries."""
-
-    model_config = ConfigDict(frozen=True, extra="ignore", allow_inf_nan=False)
 
     resources: Annotated[list[Resource], Field(max_length=10_000)]
     knitbench: StoredCampaign
@@ -203,10 +197,8 @@ class StoredIndex(StrictModel):
     campaigns: list[IndexEntry]
 
 
-class StoredEvent(StrictModel):
+class StoredEvent(OpenModel):
     """One line of ``events.jsonl``, as far as a recording that goes on must know it."""
-
-    model_config = ConfigDict(frozen=True, extra="ignore", allow_inf_nan=False)
 
     event: Label
     channels: Annotated[list[Label], Field(max_length=20)] | None = None

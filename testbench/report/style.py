@@ -140,6 +140,19 @@ def bars(lengths: Any, colours: list[str], hover: str, **more: Any) -> dict[str,
     }
 
 
+def upright_bars(places: Any, heights: Any, width: float, colour: Any, hover: str, **more: Any) -> dict[str, Any]:
+    """Bars that stand side by side, each around its place; a list of colours has one for each."""
+    return {
+        "type": "bar",
+        "x": places,
+        "y": np.asarray(heights),
+        "width": width,
+        "marker": {"color": colour},
+        "hovertemplate": hover,
+        **more,
+    }
+
+
 def names_of_bars(names: list[str], **more: Any) -> dict[str, Any]:
     """The axis on which `bars` have their names."""
     ticks: dict[str, Any] = {"tickvals": list(range(len(names))), "ticktext": names}

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import ConfigDict, Field
+from pydantic import Field
 
 from gcode.support.errors import UserError
 from gcode.support.files import make_folder, write_text
-from gcode.support.strict import StrictModel, load, read_text
+from gcode.support.strict import OpenModel, load, read_text
 from testbench.recordings.stored import Finite, Label, Remark
 from testbench.studio import models
 from testbench.studio.studio import Studio
@@ -22,11 +22,7 @@ JSON, MODEL = "proposal.json", "model.json"
 LARGEST_EFFECT_BYTES = 1 << 20
 
 
-class _Read(StrictModel):
-    model_config = ConfigDict(frozen=True, extra="ignore", allow_inf_nan=False)
-
-
-class Option(_Read):
+class Option(OpenModel):
     """A law that was refitted, as ``testbench propose --json`` tells it."""
 
     words: Remark
@@ -47,7 +43,7 @@ class FoundLaw(Option):
     alternatives: Annotated[list[Option], Field(max_length=50)] = Field(default_factory=list)
 
 
-class Proposal(_Read):
+class Proposal(OpenModel):
     """The file that ``testbench propose --json`` writes, as far as a page shows it."""
 
     verdict: Literal["proposed", "nothing_left", "no_law", "does_not_hold"]

@@ -30,7 +30,7 @@ from testbench.studio.pages.campaign import (
 )
 from testbench.studio.parts.picture import load_plotly
 from testbench.studio.parts.running_jobs import running_now
-from testbench.studio.parts.widgets import invitation
+from testbench.studio.parts.widgets import invitation, way_on
 from testbench.studio.studio import Studio
 
 NAVIGATION = (
@@ -87,7 +87,7 @@ class _Pages(ui.sub_pages):
             ui.column().classes("page gap-4"),
             invitation("No such page", f"Nothing is at {ui.context.client.sub_pages_router.current_path}."),
         ):
-            ui.button("Campaigns", icon="grid_view", on_click=lambda: ui.navigate.to("/")).props("unelevated")
+            way_on("Campaigns", "grid_view", "/")
 
 
 TITLES = {

@@ -114,13 +114,4 @@ def _paper_words(knit: str, value: float, upper: bool) -> dict[str, Any]:
 
 
 def _bars(places: np.ndarray, heights: Sequence[float] | np.ndarray, colour: str, name: str) -> dict[str, Any]:
-    return {
-        "type": "bar",
-        "x": places,
-        "y": np.asarray(heights),
-        "width": 0.36,
-        "marker": {"color": colour},
-        "name": name,
-        "showlegend": True,
-        "hovertemplate": "%{y:.3f}",
-    }
+    return style.upright_bars(places, heights, 0.36, colour, "%{y:.3f}", name=name, showlegend=True)

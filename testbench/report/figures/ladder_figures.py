@@ -63,21 +63,15 @@ def _rungs(steps: Sequence[Step], channel: str, column: int, current: int) -> li
     colours = [
         style.RULE if i > current else style.VERMILION if i == current else style.ORANGE for i in range(len(steps))
     ]
-    return [
-        {
-            "type": "bar",
-            "x": np.arange(len(steps)),
-            "y": np.array(errors),
-            "width": 0.62,
-            "marker": {"color": colours},
-            "text": [plain(error) for error in errors],
-            "textposition": "outside",
-            "cliponaxis": False,
-            "hovertext": [step.label for step in steps],
-            "hovertemplate": "%{hovertext}: %{y:.4g}<extra></extra>",
-            **style.place(column),
-        }
-    ]
+    more: dict[str, Any] = {
+        "text": [plain(error) for error in errors],
+        "textposition": "outside",
+        "cliponaxis": False,
+        "hovertext": [step.label for step in steps],
+        **style.place(column),
+    }
+    hover = "%{hovertext}: %{y:.4g}<extra></extra>"
+    return [style.upright_bars(np.arange(len(steps)), errors, 0.62, colours, hover, **more)]
 
 
 def _label_steps(axes: dict[str, Any], column: int, steps: Sequence[Step], room: bool = True) -> None:

@@ -175,17 +175,11 @@ def distributions(recording: Recording, resistance: bool = False) -> style.Figur
     traces = []
     for column, (_, values, colour) in enumerate(panels):
         counts, edges = np.histogram(values, bins=BINS, range=histogram_range(values))
-        traces.append(
-            {
-                "type": "bar",
-                "x": (edges[:-1] + edges[1:]) / 2,
-                "y": 100 * counts / counts.sum(),
-                "width": float(edges[1] - edges[0]),
-                **style.place(column),
-                "marker": {"color": colour, "line": {"width": 0}},
-                "hovertemplate": "%{y:.2f} % of the time near %{x:.3g}<extra></extra>",
-            }
-        )
+        centres, width, share = (edges[:-1] + edges[1:]) / 2, float(edges[1] - edges[0]), 100 * counts / counts.sum()
+        hover = "%{y:.2f} % of the time near %{x:.3g}<extra></extra>"
+        place: dict[str, Any] = style.place(column)
+        traces.append(style.upright_bars(centres, share, width, colour, hover, **place))
+        traces[-1]["marker"]["line"] = {"width": 0}
     titles = [(title, "Time / %" if column == 0 else "") for column, (title, _, _) in enumerate(panels)]
     return style.figure(traces, height=240, bargap=0, **style.side_by_side_axes(titles, gap=0.06))
 

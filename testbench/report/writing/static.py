@@ -16,7 +16,8 @@ from testbench.report import style
 from testbench.report.writing.static_page import Page
 from testbench.report.writing.static_traces import DRAWERS
 
-FORMATS = ("png", "pdf", "svg")
+# What is left out of a file, so that the same figure gives the same bytes.
+METADATA: Any = {"png": {"Software": None}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}
 WIDTH_PX, DOTS_PER_INCH = 1000, 100
 RC: Any = {"font.family": "sans-serif", "font.size": 9, "svg.hashsalt": "knitbench"}
 
@@ -37,13 +38,9 @@ def write_figure(figure: style.Figure, path: str | Path) -> None:
         For another suffix.
     """
     suffix = Path(path).suffix.lstrip(".").lower()
-    if suffix not in FORMATS:
-        raise UserError(f"{path}: a figure is written as {', '.join(FORMATS)}; got {suffix or 'no suffix'!r}")
+    if suffix not in METADATA:
+        raise UserError(f"{path}: a figure is written as {', '.join(METADATA)}; got {suffix or 'no suffix'!r}")
     drawing = draw(figure)
-    # Fixed metadata: the same figure gives the same bytes.
-    metadata: dict[str, Any] = {"png": {"Software": None}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}[
-        suffix
-    ]
     from matplotlib import rc_context
 
     with rc_context(RC), atomic_path(path) as temporary:
@@ -52,7 +49,7 @@ def write_figure(figure: style.Figure, path: str | Path) -> None:
             temporary,
             dpi=2 * DOTS_PER_INCH,
             format=suffix,
-            metadata=metadata,
+            metadata=METADATA[suffix],
             bbox_inches="tight",
             pad_inches=0.05,
         )

@@ -11,7 +11,7 @@ from testbench.studio.notes import Note
 from testbench.studio.pages.campaign_card import Card
 from testbench.studio.parts.address import Address, address
 from testbench.studio.parts.unfinished import is_unfinished
-from testbench.studio.parts.widgets import aside, attempt, guarded, heading, invitation
+from testbench.studio.parts.widgets import aside, attempt, guarded, heading, invitation, way_on
 from testbench.studio.studio import Studio
 from testbench.studio.workspace import results_name
 
@@ -43,8 +43,8 @@ def found_in(studio: Studio) -> list[Found]:
 
 def _empty(studio: Studio) -> None:
     with invitation("Nothing here yet", "Bring a measured CSV, or plan a motion and run it on the simulated rig."):
-        ui.button("Import a file", icon="upload_file", on_click=lambda: ui.navigate.to("/import")).props("unelevated")
-        ui.button("Plan and run", icon="timeline", on_click=lambda: ui.navigate.to("/plan")).props("outline")
+        way_on("Import a file", "upload_file", "/import")
+        way_on("Plan and run", "timeline", "/plan", "outline")
     _deleted(studio)
 
 

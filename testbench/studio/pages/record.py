@@ -13,7 +13,7 @@ from testbench.studio.pages.live import Live
 from testbench.studio.pages.plan import PROGRAMS, SENSORS
 from testbench.studio.parts.fields import check, number_field, typed
 from testbench.studio.parts.unfinished import refuse_a_second, rig_port
-from testbench.studio.parts.widgets import attempt, guarded, heading, invitation
+from testbench.studio.parts.widgets import attempt, guarded, heading, invitation, way_on
 from testbench.studio.studio import KEY_RECORDING, KEY_RIG, Studio
 
 SIMULATED = "the simulated rig"
@@ -36,7 +36,7 @@ def page(studio: Studio) -> None:
         with invitation(
             "No program yet", "A recording follows a program. Plan a motion first; it is written for you."
         ):
-            ui.button("Plan and run", icon="timeline", on_click=lambda: ui.navigate.to("/plan")).props("unelevated")
+            way_on("Plan and run", "timeline", "/plan")
 
 
 class _Form:

@@ -12,7 +12,7 @@ from gcode.support.errors import UserError
 from testbench.recordings.manifest import IN_PROGRESS, read_manifest
 from testbench.rig.ports import remembered_port
 from testbench.studio.jobs.job import Job
-from testbench.studio.parts.widgets import attempt
+from testbench.studio.parts.widgets import attempt, way_on
 from testbench.studio.studio import KEY_RECORDING, KEY_RIG, Studio
 from testbench.studio.workspace import Campaign
 
@@ -69,7 +69,7 @@ def under_way_card() -> None:
     """Say that it is being recorded now."""
     with ui.row().classes("card items-center justify-between").props("role=status"):
         ui.label("This is being recorded now; what is on disk so far is shown below.")
-        ui.button("Watch it live", icon="sensors", on_click=lambda: ui.navigate.to("/record")).props("unelevated")
+        way_on("Watch it live", "sensors", "/record")
 
 
 def resume(

@@ -60,7 +60,7 @@ def _ask_before_running(studio: Studio) -> None:
         ui.label(f"This workspace brings its own effects: {path}. They are Python code and have not been run.")
         ui.label("Run them only if you know where they come from.").classes("text-sm")
         with ui.row():
-            ui.button("Look at the code", icon="code", on_click=lambda: ui.navigate.to("/effects")).props("outline")
+            way_on("Look at the code", "code", "/effects", "outline")
             ui.button("Run it", icon="play_arrow", on_click=agree).props("unelevated color=accent")
 
 
@@ -99,20 +99,26 @@ def invitation(title: str, text: str) -> Iterator[None]:
             yield
 
 
+def way_on(title: str, icon: str, url: str, look: str = "unelevated") -> None:
+    """A button that leads to another page."""
+    ui.button(title, icon=icon, on_click=lambda: ui.navigate.to(url)).props(look)
+
+
 def heading(title: str, under: str = "") -> None:
     """The page's title and a line under it."""
-    with ui.column().classes("gap-1"):
-        ui.html(f"<h1>{escape(title)}</h1>", sanitize=False)
-        if under:
-            ui.label(under).classes("quiet")
+    _headed("h1", title, under, "gap-1", "quiet")
 
 
 def subheading(title: str, under: str = "") -> None:
     """A heading inside a page."""
-    with ui.column().classes("gap-0"):
-        ui.html(f"<h2>{escape(title)}</h2>", sanitize=False)
+    _headed("h2", title, under, "gap-0", "quiet text-sm")
+
+
+def _headed(tag: str, title: str, under: str, gap: str, quiet: str) -> None:
+    with ui.column().classes(gap):
+        ui.html(f"<{tag}>{escape(title)}</{tag}>", sanitize=False)
         if under:
-            ui.label(under).classes("quiet text-sm")
+            ui.label(under).classes(quiet)
 
 
 def facts(pairs: Sequence[tuple[str, str]]) -> None:

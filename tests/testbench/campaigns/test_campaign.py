@@ -178,7 +178,7 @@ def test_what_a_kill_left_of_our_own_files_goes_with_them(campaign):
     assert not campaign.exists()
 
 
-def test_a_measured_campaign_is_not_overwritten_by_a_simulated_one(tmp_path, capsys):
+def test_a_measured_campaign_is_not_overwritten_by_a_simulated_one(tmp_path):
     """A data set clears a folder for each campaign that it makes, and asks nobody."""
     write_import_of(tmp_path / "c")
     with pytest.raises(UserError, match="a campaign that was imported, which is not overwritten"):
@@ -225,7 +225,7 @@ def _second(tmp_path, **change):
     return replace(plan(tmp_path, seed=2), past=(program(tmp_path),), rest_s=30.0, **change)
 
 
-def test_a_second_campaign_of_a_sensor_continues_where_the_first_one_and_the_rest_left_it(tmp_path):
+def test_a_second_campaign_of_a_sensor_continues_where_the_first_one_and_the_rest_left_it():
     model = baseline()
     first, second = triangle(), triangle(12.0, top_mm=5.0)
     past_mm = past_displacement([first], 30.0)

@@ -115,7 +115,7 @@ def test_command_writes_the_winner(tmp_path, capsys):
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
-def test_command_says_what_it_needs(tmp_path, capsys):
+def test_command_says_what_it_needs(capsys):
     assert main(["experiment", "one.json"]) == 2
     assert "two rival MODEL files" in capsys.readouterr().err
 

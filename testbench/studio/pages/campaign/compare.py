@@ -34,6 +34,7 @@ from testbench.studio.parts.widgets import (
     subheading,
     table,
     trouble,
+    way_on,
 )
 from testbench.studio.studio import Studio
 
@@ -120,8 +121,7 @@ def _choose(studio: Studio, c: str, on: str, where: Address, held: str) -> None:
             second.style("width:min(240px, 84vw)").on_value_change(lambda event: where.go(beside=event.value))
         with ui.row().classes("items-center gap-2"):
             quantity_toggle(where)
-            ask = ui.button("What is missing?", icon="search").props("unelevated")
-            ask.on_click(lambda: ui.navigate.to(address("/missing", c=c, show=where.query["show"])))
+            way_on("What is missing?", "search", address("/missing", c=c, show=where.query["show"]))
 
 
 def _role(name: str, c: str, held: str) -> str:

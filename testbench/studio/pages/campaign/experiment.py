@@ -17,7 +17,7 @@ from testbench.studio.pages.plan import PROGRAMS, program_downloads
 from testbench.studio.parts.address import Address, address
 from testbench.studio.parts.fields import asked, check, keep_in, number_field, typed
 from testbench.studio.parts.picture import plot
-from testbench.studio.parts.widgets import aside, attempt, campaign_head, guarded, subheading
+from testbench.studio.parts.widgets import aside, attempt, campaign_head, guarded, subheading, way_on
 from testbench.studio.studio import Studio
 
 
@@ -100,8 +100,7 @@ async def _answer(studio: Studio, c: str, found: Mapping[str, Any]) -> None:
     ui.label(experiment_in_words(found)).classes("verdict")
     with ui.row():
         program_downloads(folder, program_name(c))
-        open_plan = ui.button("Open in Plan and run", icon="timeline")
-        open_plan.on_click(lambda: ui.navigate.to(address("/plan", program=program_name(c)))).props("outline")
+        way_on("Open in Plan and run", "timeline", address("/plan", program=program_name(c)), "outline")
     planned = await aside(read_csv, folder / "trajectory.csv")
     strain = 100 * planned.position_mm / float(found["gauge_length_mm"])
     plot(

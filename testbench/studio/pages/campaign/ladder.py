@@ -33,6 +33,7 @@ from testbench.studio.parts.widgets import (
     quantity_toggle,
     subheading,
     table,
+    way_on,
 )
 from testbench.studio.studio import RESULTS_URL, Studio
 from testbench.studio.workspace import RESULTS
@@ -171,12 +172,9 @@ class _Ladder:
         with ui.row():
             undo = ui.button("Undo the last step", icon="undo", on_click=lambda: attempt(lambda: self._undo(holder)))
             undo.props("outline").set_enabled(last > 0)
-            ui.button(
-                "What is missing now?", icon="search", on_click=lambda: ui.navigate.to(address("/missing", c=self.c))
-            ).props("unelevated")
-            ui.button("Report", icon="description", on_click=lambda: attempt(lambda: self._report(holder))).props(
-                "outline"
-            )
+            way_on("What is missing now?", "search", address("/missing", c=self.c))
+            report = ui.button("Report", icon="description", on_click=lambda: attempt(lambda: self._report(holder)))
+            report.props("outline")
             path = models.model_path(self.studio, self.c)
             ui.button("Model as JSON", icon="download", on_click=lambda: ui.download(path)).props("outline")
 

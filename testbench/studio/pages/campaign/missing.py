@@ -34,6 +34,7 @@ from testbench.studio.parts.widgets import (
     quantity_toggle,
     subheading,
     trouble,
+    way_on,
     working,
 )
 from testbench.studio.studio import Studio
@@ -92,7 +93,9 @@ async def _answer(studio: Studio, diagnosis: Mapping[str, Any], where: Address) 
         with ui.row():
             if len(ranking) > 1:
                 _experiment(c, diagnosis)
-            _propose(c, unknown=diagnosis["verdict"] == "unknown")
+            # The way out where no effect fits: a law of its own.
+            look = "unelevated" if diagnosis["verdict"] == "unknown" else "flat"
+            way_on("Propose a law", "auto_awesome", address("/propose", c=c), look)
     if not ranking:
         return
     plot(
@@ -124,14 +127,7 @@ def _experiment(c: str, diagnosis: Mapping[str, Any]) -> None:
     """The way out of a tie: an experiment that separates the rivals."""
     tied = len(diagnosis.get("tied") or []) > 1
     words = "Design the experiment that tells them apart" if tied else "Design an experiment on the first two"
-    button = ui.button(words, icon="science")
-    button.on_click(lambda: ui.navigate.to(address("/experiment", c=c))).props("unelevated" if tied else "flat")
-
-
-def _propose(c: str, unknown: bool) -> None:
-    """The way out where no effect fits: a law of its own."""
-    button = ui.button("Propose a law", icon="auto_awesome")
-    button.on_click(lambda: ui.navigate.to(address("/propose", c=c))).props("unelevated" if unknown else "flat")
+    way_on(words, "science", address("/experiment", c=c), "unelevated" if tied else "flat")
 
 
 class _Candidates:

@@ -29,6 +29,7 @@ from testbench.studio.parts.widgets import (
     later,
     quantity_toggle,
     trouble,
+    way_on,
 )
 from testbench.studio.studio import Studio
 
@@ -73,8 +74,7 @@ def _below(c: str, recording: Recording, path: Path, kohm: bool) -> None:
             "Download CSV", icon="download", on_click=lambda: ui.download(path, f"{path.parent.name}.csv")
         ).props("outline")
         if path.with_name("program.tap").is_file():
-            align = ui.button("Compare with the plan", icon="compare_arrows").props("outline")
-            align.on_click(lambda: ui.navigate.to(address("/align", c=c)))
+            way_on("Compare with the plan", "compare_arrows", address("/align", c=c), "outline")
 
 
 async def _prepare(studio: Studio, c: str) -> None:

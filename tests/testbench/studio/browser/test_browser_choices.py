@@ -68,12 +68,6 @@ def test_a_stretch_that_is_not_there_is_said(standing: Served, page) -> None:
         for asked in ("start=130&end=100", "start=5000&end=6000", "start=soon&end=later", "start=30"):
             page.goto(f"{standing.address}{path}?c=knit&{asked}")
             said.wait_for()
-    page.goto(f"{standing.address}/recording?c=knit")
-    page.wait_for_selector(".js-plotly-plot[data-drawn]")
-    page.get_by_label("From / s").fill("5000")
-    page.get_by_label("to / s").fill("6000")
-    page.keyboard.press("Enter")
-    page.get_by_text("it ends at").wait_for()
 
 
 def test_what_runs_is_seen_and_ended_on_every_page(full: Served, page) -> None:

@@ -141,13 +141,14 @@ def test_compare_opens_where_it_fails_and_every_place_is_a_link(full: Served, pa
     page.get_by_text("the end must come after the start").wait_for()
 
 
-def test_a_wrong_stretch_is_said_in_place(standing: Served, page) -> None:
+@pytest.mark.parametrize(("start", "end", "said"), [("130", "100", "before 130 s"), ("5000", "6000", "it ends at")])
+def test_a_wrong_stretch_is_said_in_place(standing: Served, page, start: str, end: str, said: str) -> None:
     page.goto(f"{standing.address}/recording?c=knit")
     page.wait_for_selector(".js-plotly-plot[data-drawn]")
-    page.get_by_label("From / s").fill("130")
-    page.get_by_label("to / s").fill("100")
+    page.get_by_label("From / s").fill(start)
+    page.get_by_label("to / s").fill(end)
     page.keyboard.press("Enter")
-    page.get_by_text("before 130 s").wait_for()
+    page.get_by_text(said).wait_for()
 
 
 def test_the_parameter_table_stands_on_compare_and_ladder(standing: Served, page) -> None:
