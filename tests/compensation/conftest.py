@@ -7,6 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from testbench.knit.catalogue import baseline
+from testbench.knit.model import inputs
 from testbench.recordings.recording import Recording
 
 GAUGE_MM = 25.0
@@ -24,9 +26,6 @@ def random_motion(time_s: np.ndarray, seed: int, amplitude: float = 0.3) -> np.n
 
 def simulated_recording(seed: int, duration_s: float = 240.0, rate_hz: float = 20.0) -> Recording:
     """A recording of the baseline knit, sampled irregularly at about 41 Hz."""
-    from testbench.knit.catalogue import baseline
-    from testbench.knit.model import inputs
-
     dt_s = 1.0 / rate_hz
     grid = np.arange(0.0, duration_s, dt_s)
     signals = baseline().simulate(inputs(grid, random_motion(grid, seed)), dt_s)

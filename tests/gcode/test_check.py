@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 
 from gcode.mach4.check import check_program
-from gcode.mach4.controller import Machine, play
+from gcode.mach4.controller import Machine, execute, play
 from gcode.mach4.reader import parse_program, read_program
+from gcode.mach4.writer import write_program
 from gcode.programs.make import make
 from gcode.support.errors import UserError
 from gcode.trajectories.bounds import Limits
+from gcode.trajectories.planning import plan
 from gcode.trajectories.presets import preset
 
 LIMITS = Limits(v_max_mm_per_s=5, a_max_mm_per_s2=20, x_min_mm=0, x_max_mm=10)
@@ -156,16 +158,11 @@ def test_the_planner_keeps_planned_time_from_five_times_the_acceleration_on():
     for factor in (5.0, 10.0):
         spec = preset("paper-1").model_copy(update={"machine_acceleration_mm_per_s2": 20.0 * factor})
         program = read_program(make(spec, 51, 25.0).program)
-        from gcode.mach4.controller import execute
-
         ends = execute(program, Machine(acceleration_mm_per_s2=20.0 * factor)).block_end_s
         assert np.abs(ends - np.cumsum(program.steps) / 20.0).max() < 0.1
 
 
 def test_without_compensation_the_machine_is_late():
-    from gcode.mach4.writer import write_program
-    from gcode.trajectories.planning import plan
-
     trajectory = plan(preset("paper-1"), 51, 25.0)
     late = play(read_program(write_program(trajectory)), 20.0, Machine(acceleration_mm_per_s2=100.0))
     assert late.duration_s - trajectory.duration_s > 1.0

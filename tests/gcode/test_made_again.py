@@ -7,6 +7,7 @@ import re
 import pytest
 
 from gcode.cli import main
+from gcode.mach4.controller import Machine
 from gcode.mach4.seal import seal_problem, sealed
 from gcode.programs.made_again import check_file
 from gcode.programs.make import make
@@ -132,8 +133,6 @@ def test_a_file_may_not_say_what_the_controller_is():
 
 def test_a_program_for_another_controller_says_how_to_be_judged():
     text = make(short_spec(machine_acceleration_mm_per_s2=20.0), 51, 25.0).program
-    from gcode.mach4.controller import Machine
-
     assert found(text, machine=Machine(acceleration_mm_per_s2=20.0)) == []
 
 

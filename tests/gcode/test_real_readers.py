@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from gcodeparser import parse_gcode_lines
 
+from gcode.mach4.reader import parse_program
 from gcode.programs.make import make
 from gcode.trajectories.designed import Hold, Multisine, Noise, Ramp, RateSweep, ReturnToZero, Staircase, Triangle
 from gcode.trajectories.presets import PRESETS, preset
@@ -62,8 +63,6 @@ def test_linuxcnc_reads_every_move(name, mode, tmp_path):
 @pytest.mark.skipif(shutil.which("rs274") is None, reason="rs274 is not installed (Debian: linuxcnc-uspace)")
 @pytest.mark.parametrize("fault", ["G1 X1", "G1 X1 F0", "G1 X1E-1 F6", "G1 XNAN F6", "(open", "G0 G1 X1 F6"])
 def test_what_linuxcnc_refuses_we_refuse(fault, tmp_path):
-    from gcode.mach4.reader import parse_program
-
     text = f"G21 G90 G94\n{fault}\nG1 X2 F60\nM30\n"
     path = tmp_path / "fault.ngc"
     path.write_text(text, encoding="ascii")

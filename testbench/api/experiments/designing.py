@@ -110,7 +110,7 @@ class NextExperiment:
 
     def _repr_html_(self) -> str:
         frame = frame_table(self.to_frame())
-        return card(self.words, [], picture(lambda axes: self.plot(axes), 1), frame)
+        return card(self.words, [], picture(self.plot, 1), frame)
 
 
 def next_experiment(

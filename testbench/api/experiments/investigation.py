@@ -110,7 +110,7 @@ class InvestigationResult:
         write_figure(figure_of(self.state, motions_of(self.folder, self.state)), path)
 
     def _repr_html_(self) -> str:
-        return card(self.words, [], picture(lambda axes: self.plot(axes), 1), frame_table(self.to_frame()))
+        return card(self.words, [], picture(self.plot, 1), frame_table(self.to_frame()))
 
 
 def motions_of(folder: Path, state: Investigation) -> list[tuple[FloatArray, FloatArray]]:

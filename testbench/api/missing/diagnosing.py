@@ -132,7 +132,7 @@ class DiagnosisResult(ModelResult):
 
     def _repr_html_(self) -> str:
         frame = frame_table(self.to_frame().head(SHOWN))
-        return card(self.words, [], picture(lambda axes: self.plot(axes), 1), frame)
+        return card(self.words, [], picture(self.plot, 1), frame)
 
 
 def diagnose(

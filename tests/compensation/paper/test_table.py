@@ -8,6 +8,7 @@ import pytest
 from compensation.cli import main
 from compensation.paper import published, reproduction, tables
 from compensation.series import score
+from compensation.training import tuning
 
 
 @pytest.fixture(scope="module")
@@ -54,8 +55,6 @@ def test_baselines_are_all_there_and_learn(runs):
 
 
 def test_result_table_shows_both(runs, monkeypatch):
-    from compensation.training import tuning
-
     monkeypatch.setattr(tuning, "PENALTIES", (0.1,))
     monkeypatch.setattr(tuning, "BANKS", ((2.5, 7),))
     text = tables.results({"pes": [runs]}, "force", 5)

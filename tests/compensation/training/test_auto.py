@@ -11,6 +11,7 @@ from compensation.cli import main
 from compensation.memories.ema import smooth
 from compensation.model import files as compensator_files
 from compensation.model.streaming import CompensatorStream
+from compensation.paper.paper_campaigns import campaigns
 from compensation.series import score
 from compensation.series.preprocessing import Series, series_of
 from compensation.training.auto import (
@@ -61,8 +62,6 @@ def test_it_beats_the_line_on_a_knit_and_says_by_how_much(trained, series):
 
 @pytest.mark.slow
 def test_the_interval_holds_on_sensors_that_were_not_trained_on(tmp_path):
-    from compensation.paper.paper_campaigns import campaigns
-
     runs = [campaigns(tmp_path, "lycra", runs=("T",), number=number)["T"] for number in range(61, 68)]
     series = [series_of(recording, "force", 20.0) for recording in runs]
     compensator = train_automatically(series[:4], "force", Options())

@@ -18,7 +18,7 @@ from compensation.training.learners import linear
 from compensation.training.options import Options
 from compensation.training.training import train, train_on_series
 from gcode.support.errors import UserError
-from testbench.recordings.files import write_recording_csv
+from testbench.recordings.files import read_recording, write_recording_csv
 
 QUICK = Options(restarts=2)
 
@@ -172,8 +172,6 @@ def test_constant_or_short_recordings_are_refused(recordings):
 
 @pytest.mark.real_data
 def test_the_measured_strip_whose_conductance_falls(real_folder):
-    from testbench.recordings.files import read_recording
-
     training, test = (
         read_recording(real_folder / f"cb7.5_s2_multisine_{name}.csv", 40.0) for name in ("600s", "300s_a")
     )

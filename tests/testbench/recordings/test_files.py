@@ -9,6 +9,7 @@ from gcode.support.errors import UserError
 from testbench import cli
 from testbench.recordings.files import read_recording, write_recording_csv
 from testbench.recordings.recording import Recording
+from tests.testbench.rig.rigs import program
 
 HEAD = "time_s,displacement_mm,force_N,resistance_ohm\n"
 GOOD = HEAD + "0,0,0.1,1000\n0.1,0.5,0.2,900\n0.2,1,0.3,800\n"
@@ -140,8 +141,6 @@ MODELS = {
 
 @pytest.mark.parametrize(("text", "message"), MODELS.items())
 def test_a_bad_model_file_is_refused_and_nothing_is_written(tmp_path, capsys, text, message):
-    from tests.testbench.rig.rigs import program
-
     (tmp_path / "m.json").write_text(text)
     words = [
         "run",

@@ -25,7 +25,7 @@ from testbench.rig.pty_port import PtyPort
 from testbench.rig.recorder import Limits
 from testbench.rig.serial_port import SerialLink
 from testbench.rig.sink import Sink
-from testbench.rig.stream import Row
+from testbench.rig.stream import Intake, Row
 from testbench.rig.wire import MICROS_WRAP
 from tests.testbench.rig.devices import PATIENCE_S, Device, Witness, command, forked_recorder, recorder, until
 from tests.testbench.rig.rigs import program, rig
@@ -193,8 +193,6 @@ def line_number(line: bytes) -> int:
 
 
 def whole_rows(lines) -> list[str]:
-    from testbench.rig.stream import Intake
-
     intake = Intake()
     return [csv_line(item) for line in lines for item in intake.feed(line, 0.0) if isinstance(item, Row)]
 

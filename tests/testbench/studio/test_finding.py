@@ -13,6 +13,7 @@ from nicegui.testing import User
 
 from gcode.support.errors import UserError
 from testbench.studio.finding import Found, all_tags, narrowed
+from testbench.studio.models import LAST_THIRD, companions, held_out_choices
 from testbench.studio.notes import Note, Notes, tags_of
 from testbench.studio.pages.campaigns import found_in
 from testbench.studio.studio import Studio
@@ -148,8 +149,6 @@ async def test_two_campaigns_stand_side_by_side(user: User, studio: Studio, fitt
 
 
 def test_nobody_elses_recording_is_chosen_silently(studio: Studio) -> None:
-    from testbench.studio.models import LAST_THIRD, companions, held_out_choices
-
     shutil.copytree(studio.workspace.root / "sleeve", studio.workspace.root / "other")
     same, rest = companions(studio, "sleeve")
     assert (same, rest) == ([], ["other"]), "no specimen was named, so nobody knows that it is the same"

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from gcode.cli import main as gcode
 from testbench.cli import main as run_testbench
 from testbench.knit.catalogue import baseline, load_catalogue
 from testbench.studio.jobs.jobs import interpreter_argv
@@ -85,8 +86,6 @@ def truth(path: Path) -> None:
 
 @pytest.fixture(scope="module")
 def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    from gcode.cli import main as gcode
-
     folder = tmp_path_factory.mktemp("programs") / "five-minutes"
     options = ["--preset", "paper-1", "--seed", "7", "--gauge-length-mm", "25", "--duration-s", "300"]
     assert gcode(["generate", *options, "-o", str(folder)]) == 0
