@@ -119,6 +119,12 @@ def place(index: int) -> dict[str, str]:
     return {"xaxis": x_ref(index), "yaxis": y_ref(index)}
 
 
+def curve(x: Any, y: Any, colour: str, index: int = 0, width: float = 1.3, **more: Any) -> dict[str, Any]:
+    """A line through points in panel number `index`."""
+    look = {"type": "scatter", "mode": "lines", "line": {"color": colour, "width": width}}
+    return {**look, "x": x, "y": y, **place(index), **more}
+
+
 def level(value: float, colour: str, index: int = 0, width: float = 1.0, dash: str = "dash") -> dict[str, Any]:
     """A line across panel number `index` at a height: a limit, a noise floor."""
     look = {"color": colour, "width": width, "dash": dash}

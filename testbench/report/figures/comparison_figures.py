@@ -165,23 +165,13 @@ def modelled_loops(both: Overlay) -> style.Figure:
     names = ["measured", *both.modelled]
     colours = [style.MEASURED, *(model_colour(i, len(both.modelled)) for i in range(len(both.modelled)))]
     rows = _joined(stretches(both.time_s, 3))
+    strain_percent = _broken(100 * both.strain, rows)
     traces = []
     for column, channel in enumerate(both.measured):
         signals = [both.measured[channel], *(model[channel] for model in both.modelled.values())]
+        shown: dict[str, Any] = {"hovertemplate": "%{y:.4g} at %{x:.2f} %", "showlegend": column == 0}
         for name, colour, values in zip(names, colours, signals, strict=True):
-            traces.append(
-                {
-                    "type": "scatter",
-                    "mode": "lines",
-                    "name": name,
-                    "x": _broken(100 * both.strain, rows),
-                    "y": _broken(values, rows),
-                    "line": {"color": colour, "width": 1.3},
-                    **style.place(column),
-                    "hovertemplate": "%{y:.4g} at %{x:.2f} %",
-                    "showlegend": column == 0,
-                }
-            )
+            traces.append(style.curve(strain_percent, _broken(values, rows), colour, column, name=name, **shown))
     axes = style.side_by_side_axes([("Strain / %", CHANNEL_TITLES[channel]) for channel in both.measured])
     return style.figure(traces, height=380, **axes)
 

@@ -72,7 +72,7 @@ def scatter(row: Mapping[str, Any], target: str) -> style.Figure:
         place = {"type": "scatter", **style.place(column), "hoverinfo": "skip"}
         dots = {"mode": "markers", "marker": {"size": 3, "color": colour}, "opacity": 0.5}
         traces.append({**place, **dots, "x": truth, "y": np.asarray(row["trace"][key])})
-        traces.append({**place, "mode": "lines", "x": ends, "y": ends, "line": {"color": TRUTH, "width": 1}})
+        traces.append(style.curve(ends, ends, TRUTH, column, 1, hoverinfo="skip"))
     quantity, unit = TITLES[target].split(" / ")
     titles = [
         (f"Measured {quantity.lower()} / {unit}", f"{name} / {unit}")

@@ -97,13 +97,8 @@ def _residuals(model: KnitModel, held: Measurement) -> dict[str, FloatArray]:
 def _over_time(before: FloatArray, after: FloatArray, held: Measurement, index: int) -> list[dict[str, Any]]:
     rows = np.flatnonzero(held.counts)
     rows = rows[:: max(1, len(rows) // POINTS)]
-    axes = style.place(index)
     both = ((before, style.VERMILION), (after, style.BLUE))
-    return [
-        {"type": "scatter", "mode": "lines", "x": held.grid_s[rows], "y": values[rows],
-         "line": {"width": 1, "color": colour}, **axes}
-        for values, colour in both
-    ]  # fmt: skip
+    return [style.curve(held.grid_s[rows], values[rows], colour, index, 1) for values, colour in both]
 
 
 def _rows(panels: list[tuple[str, str]]) -> tuple[dict[str, Any], list[float]]:

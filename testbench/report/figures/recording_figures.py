@@ -81,18 +81,8 @@ def line(
 ) -> dict[str, Any]:
     """A line over time in row `row` of a stacked figure, downsampled to `points` so that peaks stay."""
     kept = rows_to_draw(values, points)
-    return {
-        "type": "scatter",
-        "mode": "lines",
-        "name": name,
-        "x": time_s[kept],
-        "y": values[kept],
-        "line": {"color": colour, "width": 1.2},
-        "xaxis": "x",
-        "yaxis": style.y_ref(row),
-        "hovertemplate": "%{y:.4g} at %{x:.1f} s",
-        **more,
-    }
+    look = {"name": name, "yaxis": style.y_ref(row), "hovertemplate": "%{y:.4g} at %{x:.1f} s", **more}
+    return style.curve(time_s[kept], values[kept], colour, width=1.2, **look)
 
 
 def hysteresis_loops(recording: Recording, resistance: bool = False) -> style.Figure | None:
@@ -108,22 +98,13 @@ def hysteresis_loops(recording: Recording, resistance: bool = False) -> style.Fi
         return None
     windows = stretches(recording.time_s)
     colours = shades(len(windows))
-    every = {rows.start: max(1, (rows.stop - rows.start) // LOOP_POINTS) for rows in windows}
-    traces = [
-        {
-            "type": "scatter",
-            "mode": "lines",
-            "name": f"{(recording.time_s[rows][0] - recording.time_s[0]) / 60:.1f} min",
-            "x": x[rows][:: every[rows.start]],
-            "y": y[rows][:: every[rows.start]],
-            **style.place(column),
-            "line": {"color": colour, "width": 1.3},
-            "showlegend": column == 0,
-            "hovertemplate": "%{x:.4g}, %{y:.4g}",
-        }
-        for column, (_, _, x, y) in enumerate(panels)
-        for rows, colour in zip(windows, colours, strict=True)
-    ]
+    traces = []
+    for column, (_, _, x, y) in enumerate(panels):
+        shown: dict[str, Any] = {"showlegend": column == 0, "hovertemplate": "%{x:.4g}, %{y:.4g}"}
+        for rows, colour in zip(windows, colours, strict=True):
+            name = f"{(recording.time_s[rows.start] - recording.time_s[0]) / 60:.1f} min"
+            few = slice(rows.start, rows.stop, max(1, (rows.stop - rows.start) // LOOP_POINTS))
+            traces.append(style.curve(x[few], y[few], colour, column, name=name, **shown))
     axes = style.side_by_side_axes([(x_title, y_title) for x_title, y_title, _, _ in panels])
     return style.figure(traces, height=400, **axes)
 
