@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from compensation.model.compensator import Compensator
+    from gcode.support.arrays import IntArray
 
 SUMMARY = "apply a compensator to a recording of resistance; no reference is needed"
 EXAMPLE = "compensation predict worn.csv --compensator pes.compensator.json -o compensated.csv"
@@ -29,7 +30,6 @@ def run(args: argparse.Namespace) -> int:
     from compensation.commands.common import check_long_enough, check_places
     from compensation.model.files import load
     from compensation.model.prediction import predicted, read_samples
-    from compensation.model.runtime import Status
     from compensation.series.preprocessing import TARGETS
     from gcode.support.files import atomic_path
 
@@ -53,15 +53,22 @@ def run(args: argparse.Namespace) -> int:
     with atomic_path(args.output) as temporary:
         frame.to_csv(temporary, index=False, float_format="%.6f")
     print(f"{len(frame)} samples: {name} {np.min(found.value):.3f} to {np.max(found.value):.3f} {unit}")
-    for flag in Status:
-        share = float(np.mean(found.status & int(flag) != 0))
-        if share and flag != Status.STARTING:
-            print(f"  {_percent(share)} {WORDS[flag.name or '']} (status {int(flag)})")
-    good = found.status & int(Status.BAD_READING | Status.BAD_STEP) == 0
-    if good.any() and (found.status[good] & int(Status.UNSEEN_READING)).all():
-        print(NOTHING_KNOWN)
+    _print_status(found.status)
     print(f"wrote {args.output}")
     return 0
+
+
+def _print_status(status: IntArray) -> None:
+    """One line for each doubt that the compensator had, with the share of the samples that it holds for."""
+    from compensation.model.runtime import Status
+
+    for flag in Status:
+        share = float((status & int(flag) != 0).mean())
+        if share and flag != Status.STARTING:
+            print(f"  {_percent(share)} {WORDS[flag.name or '']} (status {int(flag)})")
+    good = status & int(Status.BAD_READING | Status.BAD_STEP) == 0
+    if good.any() and (status[good] & int(Status.UNSEEN_READING)).all():
+        print(NOTHING_KNOWN)
 
 
 def _check_target(args: argparse.Namespace, compensator: Compensator) -> None:

@@ -7,6 +7,7 @@ import numpy as np
 from gcode.support.arrays import FloatArray
 
 BLOCK_S = 60.0
+DRAWS = 1000
 
 
 def r2(truth: FloatArray, prediction: FloatArray) -> float:
@@ -55,17 +56,6 @@ def block_interval(truth: FloatArray, prediction: FloatArray, time_s: FloatArray
 
     Neighbouring samples are alike, so a bootstrap over single samples gives intervals several times too narrow.
     """
-    low, high = np.quantile(block_draws(truth, prediction, time_s), [0.025, 0.975])
-    return float(low), float(high)
-
-
-def block_draws(
-    truth: FloatArray, prediction: FloatArray, time_s: FloatArray, draws: int = 1000, seed: int = 0
-) -> FloatArray:
-    """r2 in each draw of that bootstrap: shape (draws,).
-
-    The same recording and seed draw the same blocks, so draws of two predictions may be subtracted.
-    """
     blocks = ((time_s - time_s[0]) // BLOCK_S).astype(int)
     starts = np.flatnonzero(np.diff(blocks, prepend=-1))
     # Centred first: the sums of squares below would cancel badly far from zero.
@@ -73,7 +63,8 @@ def block_draws(
     sums = np.add.reduceat(
         np.column_stack([np.ones_like(truth), truth, truth**2, prediction, (truth - prediction) ** 2]), starts
     )
-    picks = np.random.default_rng(seed).integers(len(sums), size=(draws, len(sums)))
+    picks = np.random.default_rng(0).integers(len(sums), size=(DRAWS, len(sums)))
     n, t, t2, p, e = np.moveaxis(sums[picks].sum(axis=1), 1, 0)
     mean = p / n
-    return 1.0 - e / (t2 - 2 * mean * t + n * mean**2)
+    low, high = np.quantile(1.0 - e / (t2 - 2 * mean * t + n * mean**2), [0.025, 0.975])
+    return float(low), float(high)

@@ -20,18 +20,30 @@ Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Rest = Annotated[float, Field(ge=0, le=1e5, allow_inf_nan=False)]
 
 
-class TrajectoryWish(StrictModel):
+class _Seeded(StrictModel):
+    """A table whose seeds may be a list or a range such as ``"1-500"``."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _ranges(cls, data: Any) -> Any:
+        if not isinstance(data, dict) or not isinstance(data.get("seeds"), str):
+            return data
+        match = re.fullmatch(r"(\d{1,18})-(\d{1,18})", data["seeds"].strip())
+        if match is None or int(match[1]) > int(match[2]):
+            raise ValueError(f'seeds must be a list or a range like "1-500", got {data["seeds"][:60]!r}')
+        first, last = int(match[1]), int(match[2])
+        if last - first >= MOST_CAMPAIGNS:
+            raise ValueError(f"seeds must be at most {MOST_CAMPAIGNS}, got {last - first + 1}")
+        return {**data, "seeds": tuple(range(first, last + 1))}
+
+
+class TrajectoryWish(_Seeded):
     """Programs to be planned: a preset of `gcode` or a spec file, once for each seed."""
 
     preset: str | None = None
     spec: str | None = None
     seeds: Seeds
     duration_s: Positive | None = None
-
-    @model_validator(mode="before")
-    @classmethod
-    def _ranges(cls, data: Any) -> Any:
-        return _with_ranges(data)
 
     @model_validator(mode="after")
     def _one_source(self) -> TrajectoryWish:
@@ -40,7 +52,7 @@ class TrajectoryWish(StrictModel):
         return self
 
 
-class DatasetSpec(StrictModel):
+class DatasetSpec(_Seeded):
     """What a data set holds.
 
     Attributes
@@ -77,28 +89,11 @@ class DatasetSpec(StrictModel):
     rest_s: Rest = DEFAULT_REST_S
     vary: dict[str, tuple[float, float]] = Field(default_factory=dict)
 
-    @model_validator(mode="before")
-    @classmethod
-    def _ranges(cls, data: Any) -> Any:
-        return _with_ranges(data)
-
     @model_validator(mode="after")
     def _one_kind_of_program(self) -> DatasetSpec:
         if bool(self.programs) == (self.trajectory is not None):
             raise ValueError("give either programs or a table [trajectory]")
         return self
-
-
-def _with_ranges(data: Any) -> Any:
-    if not isinstance(data, dict) or not isinstance(data.get("seeds"), str):
-        return data
-    match = re.fullmatch(r"(\d{1,18})-(\d{1,18})", data["seeds"].strip())
-    if match is None or int(match[1]) > int(match[2]):
-        raise ValueError(f'seeds must be a list or a range like "1-500", got {data["seeds"][:60]!r}')
-    first, last = int(match[1]), int(match[2])
-    if last - first >= MOST_CAMPAIGNS:
-        raise ValueError(f"seeds must be at most {MOST_CAMPAIGNS}, got {last - first + 1}")
-    return {**data, "seeds": tuple(range(first, last + 1))}
 
 
 def read_spec(path: Path) -> DatasetSpec:
