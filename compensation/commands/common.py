@@ -78,18 +78,22 @@ def score_table(scores: dict[str, Any]) -> str:
         lines.append(
             f"{_short(row['source']):40} {row['role']:9} {row['r2_before']:7.3f} {row['rho2_before']:6.3f} "
             f"{row['r2_after']:8.3f} {row['r2_rescaled']:8.3f} {row['r2_ordinary']:8.3f} "
-            f"{f'{low:.3f}..{high:.3f}':>15} "
-            f"{row['gain']:6.3f} {row['rms_error']:8.4f}"
+            f"{f'{low:.3f}..{high:.3f}':>15} {row['gain']:6.3f} {row['rms_error']:8.4f}"
         )
+    return "\n".join([*lines, *_below_the_table(scores)])
+
+
+def _below_the_table(scores: dict[str, Any]) -> list[str]:
+    """The mean, what the columns mean, and what a reader of the scores has to know."""
     summary = scores["summary"]
     criterion = f", E = {summary['E']:.4f}" if summary["E"] is not None else ""
-    lines.append(f"mean over {summary['recordings']} {summary['over']}: r2 {summary['r2_after']:.3f}{criterion}")
-    lines.append(
+    lines = [
+        f"mean over {summary['recordings']} {summary['over']}: r2 {summary['r2_after']:.3f}{criterion}",
         "r2 raw: conductance and target standardised per recording (the paper's); rho2: the best straight line; "
         "r2 after: the paper's, in physical units; rescaled: scored as raw is, so that gain and zero are given; "
         "ordinary: an error in level counts in full; "
-        f"95 %: bootstrap over 60 s blocks; {unit}: RMS error"
-    )
+        f"95 %: bootstrap over 60 s blocks; {scores['compensator']['unit']}: RMS error",
+    ]
     lost = summary["r2_rescaled"] - summary["r2_after"]
     if lost > MUCH:
         lines.append(
@@ -101,7 +105,7 @@ def score_table(scores: dict[str, Any]) -> str:
             "scaled per recording: the mean and the spread of each recording's own target were used, which no "
             "sensor in use knows"
         )
-    return "\n".join(lines)
+    return lines
 
 
 def cross_validation_table(recipe: Mapping[str, Any], unit: str) -> str:

@@ -82,26 +82,9 @@ def doubts(channels: Mapping[str, np.ndarray], negated: frozenset[str]) -> list[
         return []
     every = max(1, len(channels[DISPLACEMENT]) // FEW)
     moved_mm = channels[DISPLACEMENT][::every]
-    said = []
     start, spread = float(moved_mm[0]), float(np.ptp(moved_mm))
-    backwards = _leans_back(moved_mm)
-    if FORCE in channels:
-        force_N = channels[FORCE][::every]
-        related = _correlation(moved_mm, force_N)
-        if related < AGAINST:
-            wrong = "displacement" if backwards or not _leans_back(force_N) else "force"
-            said.append(
-                f"force rises as the displacement falls (correlation {related:.2f}): one of them runs the wrong way; "
-                f"{_turn(wrong, negated)}"
-            )
-            backwards = False
-        elif backwards and related > -AGAINST and _leans_back(force_N):
-            said.append(
-                "displacement and force both fall from their first sample: if this is a stretch and no squeeze, "
-                "add --negate displacement force"
-            )
-            backwards = False
-    if backwards and spread:
+    said = _doubts_of_both(moved_mm, channels[FORCE][::every], negated) if FORCE in channels else []
+    if not said and _leans_back(moved_mm):
         said.append(
             f"the displacement falls from its first sample, {start:.4g} mm, to {moved_mm.min():.4g} mm: "
             f"if stretch is counted negative there, {_turn('displacement', negated)}"
@@ -112,6 +95,23 @@ def doubts(channels: Mapping[str, np.ndarray], negated: frozenset[str]) -> list[
             "add --zero displacement to count from the first sample"
         )
     return said
+
+
+def _doubts_of_both(moved_mm: np.ndarray, force_N: np.ndarray, negated: frozenset[str]) -> list[str]:
+    """What only displacement and force together show: that they run against each other, or both backwards."""
+    backwards, slackens = _leans_back(moved_mm), _leans_back(force_N)
+    related = _correlation(moved_mm, force_N)
+    if related < AGAINST:
+        return [
+            f"force rises as the displacement falls (correlation {related:.2f}): one of them runs the wrong way; "
+            f"{_turn('displacement' if backwards or not slackens else 'force', negated)}"
+        ]
+    if backwards and slackens and related > -AGAINST:
+        return [
+            "displacement and force both fall from their first sample: if this is a stretch and no squeeze, "
+            "add --negate displacement force"
+        ]
+    return []
 
 
 def _turn(role: str, negated: frozenset[str]) -> str:
