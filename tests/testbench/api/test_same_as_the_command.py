@@ -238,7 +238,7 @@ def served_rig(program):
 
 
 def test_make_report_writes_the_page_of_the_command(file, tmp_path, monkeypatch):
-    monkeypatch.setattr("testbench.report.build.today", lambda: "today")
+    monkeypatch.setattr("testbench.report.build.moment", lambda: "today")
     fitted().save(tmp_path / "model.json")
     write_json(tmp_path / "found.json", diagnosed().to_dict())
     model, found, theirs = str(tmp_path / "model.json"), str(tmp_path / "found.json"), tmp_path / "theirs.html"
