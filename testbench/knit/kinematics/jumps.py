@@ -9,7 +9,7 @@ from testbench.knit.effect import FloatArray, Signals, step_s
 BESIDE_S = 0.3  # long enough to average the noise, short enough that the misfit runs straight
 SKIP_S = 0.05  # around the jump itself, which the averaging of samples blurs
 JUMPS_APART_S = 1.0
-PULLED = 0.5  # quantile of the strain above which a grip may give way
+PULLED = 0.25  # quantile of the strain above which a grip may give way
 STRAIN_BINS = 20  # over which force and ln G are averaged to see how steep the sensor is
 STIFFER_BACK = (1.0, 2.0, 4.0)  # friction makes the force drop so many times faster on the first way back
 LEAST = 5.0  # in standard deviations of what the noise and the bends of the misfit make where nothing jumps
