@@ -326,13 +326,14 @@ class Search:
 
     def refitted(self, nulls: Sequence[NullModel], mechanisms: Sequence[str]) -> list[Entry]:
         """Mechanisms refitted: quickly beside the null models that speak for them, then the best of each in full."""
-        chosen = [one for k, m in enumerate(mechanisms) for one in self.chances(nulls, m)[: 4 if k < 3 else 2]]
+        chances = {m: self.chances(nulls, m) for m in mechanisms}
+        chosen = [one for k, own in enumerate(chances.values()) for one in own[: 4 if k < 3 else 2]]
         if not chosen:
             return []
         entries = self.best_of_each(self.on_better_bases(self.entered(chosen)))
         tried = {p.law for _, p in chosen}
-        likeliest = list(dict.fromkeys(e.mechanism for e in entries))[:2]
-        left = [[one for one in _chances(nulls, m) if one[1].law not in tried] for m in likeliest]
+        likeliest = list(dict.fromkeys(e.mechanism for e in entries))[:3]
+        left = [[one for one in chances[m] if one[1].law not in tried] for m in likeliest]
         more = self.entered([one for own in left for one in own[:3]])
         return self.best_of_each(self.on_better_bases([*entries, *more, *self.swapped(entries[0])]))
 
