@@ -11,7 +11,7 @@ from scipy.signal import periodogram
 from testbench.knit.effect import FloatArray
 from testbench.proposing.laws.law_parts import Slot
 
-LEVELS = (0.1, 0.3, 0.5, 0.7, 0.9)  # quantiles
+LEVELS = (0.1, 0.3, 0.5, 0.7, 0.9, 0.98)  # quantiles; the last: where a few large values are cut off
 SIZES = (0.03, 0.1, 0.3, 1.0, 3.0)  # of the usual size
 EDGES = tuple(np.linspace(0.04, 0.96, 16))  # quantiles at which a switch is tried: a sharp thing is found only nearby
 NARROW = 0.02  # of the usual size, between the two levels of a switch that share a quantile

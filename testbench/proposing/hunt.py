@@ -15,6 +15,7 @@ from testbench.fitting.baseline import without_shapes
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
 from testbench.knit.rules import check
+from testbench.proposing.bases import best_base, stiff_start
 from testbench.proposing.beam import Beam, Found
 from testbench.proposing.grids import Grid, rounded
 from testbench.proposing.laws.law import Law
@@ -53,11 +54,22 @@ class NullModel:
 class Hunt:
     """Laws found one after the other."""
 
-    def __init__(self, search: Search, name: str) -> None:
+    def __init__(self, search: Search, name: str, given: bool = False) -> None:
+        """Make ready for a search.
+
+        Parameters
+        ----------
+        name : str
+            Of the effect.
+        given : bool
+            Whether the user gave the model: its laws are kept then.
+        """
         self.search, self.tell, self.pool, self.name = search, search.tell, search.pool, name
         self.measurement, self.likelihood = search.measurement, search.likelihood
-        self.base = search.flexible
+        keeps = given or excess(search.flexible, self.likelihood) < NOTHING_LEFT
+        self.base = search.flexible if keeps else best_base(search)
         self.said_nothing_left = excess(self.base, self.likelihood) < NOTHING_LEFT
+        self.stiff = stiff_start(search, self.base)
         self.grid = self.grid_for(self.base.model)
         self.fitter = LawFitter(self.likelihood, search.reference, self.grid)
 
@@ -159,7 +171,7 @@ class Hunt:
         it was bent by may not be needed any more.
         """
         done = self.fitter.settled(trial)
-        model = self.search.reference
+        model = self.stiff
         for key, effect in done.hypothesis.model.effects.items():
             model = model if key in self.base.model else model.plus(effect, key)
         stiff = self.fitter.anew(done, model)

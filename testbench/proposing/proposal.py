@@ -72,7 +72,7 @@ def propose_law(
     given = file.model if file else model if isinstance(model, KnitModel) else None
     with threadpool_limits(1, "blas"):
         search = Search(calibration, catalogue, tell, given)
-        hunt = Hunt(search, name)
+        hunt = Hunt(search, name, given is not None)
         found = hunt.run(most)
         tell("judging on the held-out recording")
         return _judged(hunt, found, file, calibration, held)
@@ -89,21 +89,25 @@ def _judged(
     given = any(name in SHAPES for name in (file.model if file else ()))
     before = file or on_the_ladder(_as_fit(hunt.search.baseline), None, "baseline", calibration, held)
     step_name = "refitted" if given else "+ shape freedom"
-    before = on_the_ladder(_as_fit(hunt.base), before, step_name, calibration, held)
     floors = noise_floors(held)
-    after = before
+    before = chosen = on_the_ladder(_as_fit(hunt.search.flexible), before, step_name, calibration, held)
+    if hunt.base is not hunt.search.flexible:
+        chosen = on_the_ladder(_as_fit(hunt.base), before, "+ other base laws", calibration, held)
+    # A base that foretells less than the one before is no yardstick: laws beside it must do better than both.
+    before = chosen if holds(_held(before), _held(chosen), floors) else before
+    after, ladder = before, chosen
     rejected: Step | None = None
     kept: list[Step] = []
     for index, (step, h) in enumerate(found):
         step = replace(step, option=replace(step.option, law=at_its_instrument(step.option.law)))
         tried = on_the_ladder(
             _as_fit(with_class(h, step.option.law, numbered(hunt.name, index), hunt.grid)),
-            after, f"+ {numbered(hunt.name, index)}", calibration, held,
+            ladder, f"+ {numbered(hunt.name, index)}", calibration, held,
         )  # fmt: skip
         if not holds(_held(after), _held(tried), floors):
             rejected = step
             break
-        after = tried
+        after = ladder = tried
         kept.append(step)
     # A law that came later has moved the numbers of those before it.
     kept = [_as_in(after.model, step, numbered(hunt.name, k)) for k, step in enumerate(kept)]

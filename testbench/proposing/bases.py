@@ -1,0 +1,28 @@
+"""Which laws of the catalogue the base is made of, beside which a law of its own is sought."""
+
+from __future__ import annotations
+
+from testbench.diagnosis.evidence.hypothesis import Hypothesis
+from testbench.diagnosis.evidence.laplace import fitted
+from testbench.diagnosis.search import Search
+from testbench.fitting.baseline import without_shapes
+from testbench.knit.model import KnitModel
+
+
+def best_base(search: Search) -> Hypothesis:
+    """The base whose laws were exchanged one by one for others of the catalogue while the evidence rose.
+
+    A curve or a friction of the wrong kind leaves more than its shapes can mend, and what it leaves looks like a law
+    that is missing. The diagnosis chooses its base in the same way.
+    """
+    search.tell("choosing the laws of the base")
+    bent, _ = search.bases()
+    chosen = fitted(bent[0].model, search.likelihood, search.reference, bent[0])
+    return max(search.flexible, chosen, key=lambda h: h.log_z)
+
+
+def stiff_start(search: Search, base: Hypothesis) -> KnitModel:
+    """The laws of a base where they lie without their shapes: a fit that shall not begin bent begins there."""
+    if base is search.flexible:
+        return search.reference
+    return fitted(without_shapes(base.model), search.likelihood, search.reference).model
