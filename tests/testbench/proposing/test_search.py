@@ -58,6 +58,13 @@ def test_a_switch_is_tried_at_every_pair_of_levels():
         assert min(apart) < 0.04 * np.ptp(x)
 
 
+def test_a_cap_is_tried_where_it_cuts_off_few_large_values():
+    x = np.square(SIGNALS["strain"] - SIGNALS["strain"].mean())
+    x[::40] *= 4.0  # every fortieth stands out
+    levels = [point["edge_x"] for point in GRID.points(OPERATORS["below"].slots, x, "below")]
+    assert 0 < np.mean(x > max(levels)) < 0.025
+
+
 def test_a_needle_is_found_that_a_simplex_does_not_feel():
     needle = np.array([0.31, -0.17])
 
