@@ -7,18 +7,19 @@ from testbench.diagnosis.evidence.laplace import fitted
 from testbench.diagnosis.search import Search
 from testbench.fitting.baseline import without_shapes
 from testbench.knit.model import KnitModel
+from testbench.proposing.trial import TIED_NATS
 
 
 def best_base(search: Search) -> Hypothesis:
     """The base whose laws were exchanged one by one for others of the catalogue while the evidence rose.
 
     A curve or a friction of the wrong kind leaves more than its shapes can mend, and what it leaves looks like a law
-    that is missing. The diagnosis chooses its base in the same way.
+    that is missing. The diagnosis chooses its base in the same way. What is tied with the usual base stays out.
     """
     search.tell("choosing the laws of the base")
     bent, _ = search.bases()
     chosen = fitted(bent[0].model, search.likelihood, search.reference, bent[0])
-    return max(search.flexible, chosen, key=lambda h: h.log_z)
+    return chosen if chosen.log_z > search.flexible.log_z + TIED_NATS else search.flexible
 
 
 def stiff_start(search: Search, base: Hypothesis) -> KnitModel:

@@ -23,14 +23,13 @@ from testbench.proposing.laws_found import Option, Step, numbered
 from testbench.proposing.open_chain import OpenChain
 from testbench.proposing.screening import Projector
 from testbench.proposing.stability import SURE, stability
-from testbench.proposing.trial import LawFitter, Trial
+from testbench.proposing.trial import TIED_NATS, LawFitter, Trial
 from testbench.proposing.writing import effect_class
 
 NOTHING_LEFT = 0.3  # squared noise floors above the noise, all channels: the floors themselves are known to a tenth
 LEAST_GAIN = 10.0  # nats: about ln of the number of laws that are tried
 LEAST_SHARE = 0.1  # of the squared error above the noise that a law takes off
 FINALISTS, OF_ONE_PLACE, OF_ONE_FAMILY, SETTLED = 5, 3, 2, 2
-TIED_NATS = 3.0
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,6 +19,7 @@ from testbench.proposing.laws.grammar import PRICE_OF_PIECE
 from testbench.proposing.laws.law import Law
 from testbench.proposing.writing import effect_class, strength_key
 
+TIED_NATS = 3.0  # evidences that are no farther apart cannot be told from each other
 QUICK = 6  # iterations of a first refit; the best are carried to their end
 WIDTHS = {
     "time": 2.0,
