@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from testbench.diagnosis.fits import Fits
+from testbench.diagnosis.refits import Refits, acts_on_force
 from testbench.diagnosis.rounds import Entry
-from testbench.diagnosis.search import Search, acts_on_force
 from testbench.knit.catalogue import load_catalogue
 from testbench.measurements.measurement import prepare
 from tests.testbench.builders import record, truth
@@ -12,19 +13,19 @@ CATALOGUE = load_catalogue()
 GENT = CATALOGUE["elasticity_gent"]
 
 
-def entry(search, model, law):
-    h = search.compare(model.plus(law))
+def entry(fits, model, law):
+    h = fits.compare(model.plus(law))
     return Entry(law.mechanism, law.name, law.name, h, h.log_z)
 
 
 def on_better_bases(better, worse):
     """One law beside the base as it is, another beside one with another elasticity, and what becomes of the two."""
     measurement = prepare(record(truth(), 60, 10.0, 1, ("force_N", "resistance_ohm")))
-    search = Search(measurement, CATALOGUE, lambda _text: None)
-    base = search.reference
-    other = base.replacing("elasticity", search.started_like(base["elasticity"], GENT, base))
-    entries = [entry(search, base, better), entry(search, other, worse)]
-    return search, entries, search.on_better_bases(entries)
+    fits = Fits(measurement, CATALOGUE, lambda _text: None)
+    base = fits.reference
+    other = base.replacing("elasticity", fits.started_like(base["elasticity"], GENT, base))
+    entries = [entry(fits, base, better), entry(fits, other, worse)]
+    return fits, entries, Refits(fits).on_better_bases(entries)
 
 
 def test_a_law_of_the_conductance_takes_the_laws_of_the_force_from_the_best_and_keeps_its_own():

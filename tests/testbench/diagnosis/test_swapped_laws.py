@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from testbench.diagnosis.fits import Fits
+from testbench.diagnosis.refits import Refits
 from testbench.diagnosis.rounds import Entry
-from testbench.diagnosis.search import Search
 from testbench.knit.catalogue import load_catalogue
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import prepare
@@ -14,9 +15,9 @@ CATALOGUE = load_catalogue()
 
 def swapped(law, sensor, channels):
     """The laws in the place of one that was put into the model of a short recording."""
-    search = Search(prepare(record(sensor, 60, 10.0, 1, channels)), CATALOGUE, lambda _text: None)
-    h = search.compare(search.reference.plus(law))
-    return {e.law: e for e in search.swapped(Entry(law.mechanism, law.name, law.name, h, h.log_z))}
+    fits = Fits(prepare(record(sensor, 60, 10.0, 1, channels)), CATALOGUE, lambda _text: None)
+    h = fits.compare(fits.reference.plus(law))
+    return {e.law: e for e in Refits(fits).swapped(Entry(law.mechanism, law.name, law.name, h, h.log_z))}
 
 
 def test_a_law_starts_as_strong_as_the_one_in_whose_place_it_stands():

@@ -1,0 +1,170 @@
+"""Models of one measurement, each fitted as models are compared."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from functools import cached_property
+from typing import TypeVar
+
+from testbench.comparing.ladder import drawn_to_data
+from testbench.diagnosis import constants
+from testbench.diagnosis.evidence.hypothesis import Hypothesis
+from testbench.diagnosis.evidence.laplace import fitted
+from testbench.diagnosis.evidence.likelihood import (
+    Likelihood,
+    jitter_of,
+    law_error_of,
+    likelihood_of,
+    noise_of,
+    on_the_grid,
+    telling,
+)
+from testbench.diagnosis.rounds import Entry
+from testbench.diagnosis.side_by_side import SideBySide
+from testbench.fitting.baseline import SHAPES, framed, starting_baseline, with_shapes, with_zeros, without_shapes
+from testbench.knit.catalogue import Catalogue
+from testbench.knit.effect import Effect
+from testbench.knit.model import KnitModel
+from testbench.measurements.measurement import Measurement
+
+Progress = Callable[[str], None]
+One = TypeVar("One")
+
+
+class Fits:
+    """The likelihood of one measurement, and models at their best under it.
+
+    Attributes
+    ----------
+    measurement : Measurement
+        On the grid of the comparison; only samples that say something new count.
+    reference : KnitModel
+        The base as it was started from the data.
+    likelihood : Likelihood
+        For the last fit of a model.
+    compared : Likelihood
+        As models are compared.
+    baseline, flexible : Hypothesis
+        The user's model, and the same with base laws that bend.
+    """
+
+    def __init__(
+        self,
+        measurement: Measurement,
+        catalogue: Catalogue,
+        tell: Progress,
+        start: KnitModel | None = None,
+        pieces: float = constants.INDEPENDENT,
+    ):
+        self.catalogue, self.tell, self.pieces = catalogue, tell, pieces
+        self.pool = SideBySide([*catalogue.effects.values(), *map(type, start.effects.values() if start else ())])
+        self.whole, self.noise = measurement, noise_of(measurement)
+        self.measurement = telling(on_the_grid(measurement))
+        tell("fitting the baseline")
+        start = with_zeros(start or starting_baseline(self.measurement, catalogue), self.measurement, catalogue)
+        self.reference = without_shapes(start)
+        tell("fitting the shape of the base laws")
+        flexible = with_shapes(self.reference, self.measurement, catalogue, like=start)
+        without_jitter = likelihood_of(self.reference, self.measurement, self.noise)
+        first = fitted(flexible, without_jitter, self.reference, iterations=16)
+        self.jitter_s = jitter_of((self.reference, first.model), measurement)
+        self.likelihood = self.likelihood_on(self.measurement)
+        self.flexible = fitted(first.model, self.likelihood, self.reference, first, iterations=16)
+        # What the user has is the model as given; where its laws bend already, so does what it is compared with.
+        given = any(name in SHAPES for name in start)
+        self.baseline = self.flexible if given else fitted(self.reference, self.likelihood, self.reference)
+        law_error = law_error_of(self.flexible.model, self.likelihood)
+        self.compared = self.likelihood.with_law_error(law_error).in_pieces
+
+    def compare(self, model: KnitModel, like: Hypothesis | None = None) -> Hypothesis:
+        """A model fitted as models are compared; one that was already is never left worse than it was."""
+        found = fitted(model, self.compared, self.reference, like)
+        if like is None or like.model != model or not like.counts_as(self.compared):
+            return found
+        return max(found, like, key=evidence_of)
+
+    def at_rest(self, h: Hypothesis) -> Hypothesis:
+        """Refitted until nothing is gained, at first with shapes as free as they are without data.
+
+        Shapes that were fitted beside another law hold what is in the way of this one.
+        """
+        best = max(self.compare(h.model, h.opened), h, key=evidence_of)
+        for _ in range(constants.REFITS):
+            better = self.compare(best.model, best)
+            if better.log_z < best.log_z + constants.EVIDENCE_ERROR:
+                return better
+            best = better
+        return best
+
+    def without(self, h: Hypothesis, name: str) -> Hypothesis:
+        """A model without one of its effects, refitted."""
+        return self.at_rest(self.compare(h.model.without(name), h))
+
+    def bent(self, model: KnitModel) -> KnitModel:
+        """A model with base laws that may bend, but do not yet."""
+        return with_shapes(model, self.measurement, self.catalogue)
+
+    def about_to_bend(self, h: Hypothesis) -> Hypothesis:
+        """A base as it is, its shapes there to be used.
+
+        Where a base has bent to take an effect in, its other parameters have moved along; here they have not.
+        """
+        return fitted(self.bent(h.model), self.compared, self.reference, iterations=0)
+
+    def started_like(self, other: Effect, law: type[Effect], model: KnitModel) -> Effect:
+        """A law that starts as another of its kind in what they share, and is drawn to the data in the rest."""
+        return framed(drawn_to_data(like_another(other, law), self.measurement), model, self.measurement)
+
+    def sharp(self, chosen: Sequence[Hypothesis]) -> list[Hypothesis]:
+        """The last fits of models that were chosen."""
+        finest = self.finest
+
+        def last(h: Hypothesis) -> Hypothesis:
+            return fitted(h.model, finest, self.reference, h if finest is self.likelihood else None)
+
+        return self.pool.map(last, chosen)
+
+    @cached_property
+    def finest(self) -> Likelihood:
+        """For last fits: a recording of hours was searched on a coarse grid."""
+        finer = telling(on_the_grid(self.whole, constants.FINER))
+        if finer.dt_s == self.measurement.dt_s:
+            return self.likelihood
+        return self.likelihood_on(finer)
+
+    def likelihood_on(self, measurement: Measurement) -> Likelihood:
+        """How the samples of a grid count."""
+        return likelihood_of(self.reference, measurement, self.noise, self.jitter_s, self.pieces)
+
+
+def like_another(other: Effect, law: type[Effect]) -> Effect:
+    """A law with the parameters that it shares with another."""
+    return law().near(**{key: getattr(other, key) for key in law.model_fields if key in type(other).model_fields})
+
+
+def law_names(effects: Mapping[str, Effect]) -> tuple[str, ...]:
+    """Which laws stand in the places of a model."""
+    return tuple(effect.name for effect in effects.values())
+
+
+def newest(model: KnitModel, before: KnitModel) -> str:
+    """Name of the effect that a model has, and the one before it has not."""
+    return next(name for name in model if name not in before)
+
+
+def evidence_of(found: Hypothesis | Entry) -> float:
+    """Log evidence, to sort by."""
+    return found.log_z
+
+
+def first_of_each(ordered: Iterable[One], kind: Callable[[One], Hashable]) -> list[One]:
+    """The first of each kind, in order."""
+    first: dict[Hashable, One] = {}
+    for one in ordered:
+        first.setdefault(kind(one), one)
+    return list(first.values())
+
+
+def best_first(entries: Iterable[Entry]) -> list[Entry]:
+    """Entries by their evidence."""
+    return sorted(entries, key=lambda e: -e.log_z)
