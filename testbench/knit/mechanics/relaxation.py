@@ -66,7 +66,7 @@ class StressRelaxationTwoTimes(StressRelaxationLaw):
     look = "in a hold the force sinks within seconds, and then on for minutes"
 
     fraction: float = parameter(0.2, unit="1", low=0, high=0.9, doc="share of the force that is lost in the end")
-    fast_s: float = parameter(5.0, unit="s", low=0.5, high=100, scale="log", doc="time of the quick step")
+    fast_s: float = parameter(5.0, unit="s", low=0.1, high=100, scale="log", doc="time of the quick step")
     slow_s: float = parameter(100.0, unit="s", low=10, high=1e4, scale="log", doc="time of the slow step")
     share: float = parameter(0.5, unit="1", low=0, high=1, doc="share of the quick step")
 
