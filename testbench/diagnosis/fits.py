@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from functools import cached_property
-from typing import TypeVar
+from typing import Protocol, TypeVar
 
 from testbench.comparing.ladder import drawn_to_data
 from testbench.diagnosis import constants
@@ -19,7 +19,6 @@ from testbench.diagnosis.evidence.likelihood import (
     on_the_grid,
     telling,
 )
-from testbench.diagnosis.rounds import Entry
 from testbench.diagnosis.side_by_side import SideBySide
 from testbench.fitting.baseline import SHAPES, framed, starting_baseline, with_shapes, with_zeros, without_shapes
 from testbench.knit.catalogue import Catalogue
@@ -29,6 +28,16 @@ from testbench.measurements.measurement import Measurement
 
 Progress = Callable[[str], None]
 One = TypeVar("One")
+
+
+class Weighed(Protocol):
+    """What has a log evidence."""
+
+    @property
+    def log_z(self) -> float: ...
+
+
+AnyWeighed = TypeVar("AnyWeighed", bound=Weighed)
 
 
 class Fits:
@@ -82,6 +91,10 @@ class Fits:
         if like is None or like.model != model or not like.counts_as(self.compared):
             return found
         return max(found, like, key=evidence_of)
+
+    def quickly(self, model: KnitModel, like: Hypothesis, believed: Mapping[str, tuple[float, float]]) -> Hypothesis:
+        """A model fitted in a few steps, with the sensitivities of a neighbour; see `fitted`."""
+        return fitted(model, self.compared, self.reference, like, 6, quick=True, believed=believed)
 
     def at_rest(self, h: Hypothesis) -> Hypothesis:
         """Refitted until nothing is gained, at first with shapes as free as they are without data.
@@ -152,7 +165,7 @@ def newest(model: KnitModel, before: KnitModel) -> str:
     return next(name for name in model if name not in before)
 
 
-def evidence_of(found: Hypothesis | Entry) -> float:
+def evidence_of(found: Weighed) -> float:
     """Log evidence, to sort by."""
     return found.log_z
 
@@ -165,6 +178,6 @@ def first_of_each(ordered: Iterable[One], kind: Callable[[One], Hashable]) -> li
     return list(first.values())
 
 
-def best_first(entries: Iterable[Entry]) -> list[Entry]:
-    """Entries by their evidence."""
-    return sorted(entries, key=lambda e: -e.log_z)
+def best_first(found: Iterable[AnyWeighed]) -> list[AnyWeighed]:
+    """Sorted by their evidence."""
+    return sorted(found, key=evidence_of, reverse=True)

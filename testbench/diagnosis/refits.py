@@ -97,7 +97,7 @@ class Refits:
         before = p.model or best_start(null.hypothesis, p, self.compared)
         name, believed = newest(before, null.hypothesis.model), _believed(null.hypothesis, before, p)
         model = self.fits.bent(before)
-        h = fitted(model, self.compared, self.fits.reference, null.like, 6, quick=True, believed=believed)
+        h = self.fits.quickly(model, null.like, believed)
         return Entry(p.mechanism, p.law, name, h, h.log_z)
 
     def on_better_bases(self, entries: Sequence[Entry]) -> list[Entry]:
@@ -123,7 +123,7 @@ class Refits:
         rest = {name: own[name] for name in own if name == e.name or not (whole or acts_on_force(own[name]))}
         model = KnitModel(dict(sorted((taken | rest).items(), key=lambda item: item[1].stage)))
         believed = {a: prior for a, prior in best.hypothesis.priors.believed.items() if parts_of(a)[0] in taken}
-        h = fitted(model, self.compared, self.fits.reference, e.hypothesis, 6, quick=True, believed=believed)
+        h = self.fits.quickly(model, e.hypothesis, believed)
         return replace(e, hypothesis=h, log_z=h.log_z, is_settled=False)
 
     def swapped(self, best: Entry) -> list[Entry]:
@@ -138,7 +138,7 @@ class Refits:
             model = best.base.plus(framed(like_another(here.model[best.name], law), best.base, self.fits.measurement))
             name = newest(model, best.base)
             believed = {f"{name}.{strength}": known} if known else {}
-            h = fitted(model, self.compared, self.fits.reference, here, 6, quick=True, believed=believed)
+            h = self.fits.quickly(model, here, believed)
             return Entry(best.mechanism, law.name, name, h, h.log_z)
 
         return self.pool.map(entry, [law for law in as_strong if can_act(law, state)])

@@ -31,6 +31,11 @@ from testbench.measurements.noise_level import trimmed_rms
 class Search(Fits):
     """A search over models of one measurement; see `Fits` for what it has."""
 
+    @cached_property
+    def refits(self) -> Refits:
+        """The moves of a step."""
+        return Refits(self)
+
     def run(self, most: int = constants.ROUNDS) -> tuple[list[Round], list[Entry]]:
         """Rounds of the search, and what was put in, one a round.
 
@@ -73,12 +78,11 @@ class Search(Fits):
         tried += self.pool.map(self.compare, map(best.model.plus, may_act))
         stiff = sorted(tried, key=evidence_of)[-constants.BASES :]
         starts = [*((self.bent(h.model), None) for h in stiff), (self.flexible.model, self.flexible)]
-        bent = self.pool.map(lambda start: self.at_rest(self.compare(*start)), starts)
-        bent = sorted(bent, key=evidence_of, reverse=True)
+        bent = best_first(self.pool.map(lambda start: self.at_rest(self.compare(*start)), starts))
         # One that was stripped of its shapes has parameters that moved along with them: the last choice of its kind.
         stripped = self.compare(without_shapes(bent[0].model))
         others = first_of_each((stiff[-1], first, stripped), lambda h: law_names(h.model.effects))
-        return bent, sorted(others, key=evidence_of, reverse=True)[: constants.BASES]
+        return bent, best_first(others)[: constants.BASES]
 
     def exchanged(self, model: KnitModel, place: str) -> list[KnitModel]:
         """The model with each other law of the catalogue that could stand in a place of it, drawn to the data."""
@@ -110,10 +114,9 @@ class Search(Fits):
         every = sorted((p for null in nulls for p in null.proposals), key=lambda p: -p.gain)
         proposals = first_of_each(every, lambda p: p.law)
         counted = Counter(p.mechanism for p in proposals)
-        refits = Refits(self)
-        before, entries = [current], refits.of(nulls, likely)
+        before, entries = [current], self.refits.of(nulls, likely)
         if entries:
-            base, entries = refits.on_one_base(entries)
+            base, entries = self.refits.on_one_base(entries)
             before.append(base)
             likelihood = replace(likelihood, explained=explained(current, entries[0].hypothesis))
         bare = max((self.judged(Entry("", "", "", h, h.log_z), likelihood) for h in before), key=lambda e: e.log_z)
@@ -140,7 +143,7 @@ class Search(Fits):
         """The best first, which is carried to its end: a map may stand in for what a fit has not reached yet."""
         found = best_first(self.judged(e, likelihood) for e in entries)
         while found and not found[0].is_settled:
-            found = best_first([self.judged(Refits(self).settled(found[0]), likelihood), *found[1:]])
+            found = best_first([self.judged(self.refits.settled(found[0]), likelihood), *found[1:]])
         return found
 
     def judged(self, e: Entry, likelihood: Likelihood) -> Entry:

@@ -9,6 +9,7 @@ import numpy as np
 
 from testbench.diagnosis.evidence.hypothesis import Hypothesis
 from testbench.diagnosis.evidence.laplace import fitted
+from testbench.diagnosis.fits import best_first, evidence_of, first_of_each
 from testbench.diagnosis.rounds import excess
 from testbench.diagnosis.search import Search
 from testbench.fitting.baseline import without_shapes
@@ -102,7 +103,7 @@ class Hunt:
         trials = [one for null in nulls for one in self.look(null, name)]
         if not trials:
             return None
-        first = self.fitter.settled(max(trials, key=_evidence))
+        first = self.fitter.settled(max(trials, key=evidence_of))
         null = self.null_model(first.hypothesis, without=first.name)
         trials = _best_of_each([first, *trials, *self.look(null, name)])
         trials = _best_of_each([*self.pool.map(self.carried, trials[:SETTLED]), *trials])
@@ -150,7 +151,7 @@ class Hunt:
             score = scores.of_law(less)
             if score.gain > scores.of_law(best.law).gain - LEAST_GAIN:
                 quick = self.refitted(replace(less, strength=score.strength), null, trial.name)
-                best = max(best, self.fitter.settled(quick), key=_evidence)
+                best = max(best, self.fitter.settled(quick), key=evidence_of)
         return best
 
     def pays(self, option: Option, trial: Trial, current: Hypothesis) -> bool:
@@ -175,7 +176,7 @@ class Hunt:
             model = model if key in self.base.model else model.plus(effect, key)
         stiff = self.fitter.anew(done, model)
         free = self.fitter.anew(done, self.search.bent(stiff.hypothesis.model))
-        return max(done, stiff, free, key=_evidence)
+        return max(done, stiff, free, key=evidence_of)
 
     def dependence(self, trial: Trial) -> tuple[FloatArray, FloatArray, FloatArray]:
         """z of a law, and what the channel lacks without and with it, at samples that count."""
@@ -199,13 +200,6 @@ def finalists(found: Sequence[Found]) -> list[Found]:
     return kept
 
 
-def _evidence(trial: Trial) -> float:
-    return trial.log_z
-
-
 def _best_of_each(trials: Sequence[Trial]) -> list[Trial]:
     """The best trial of each structure, the best first: its numbers are those of the base that it met."""
-    best: dict[str, Trial] = {}
-    for one in sorted(trials, key=_evidence, reverse=True):
-        best.setdefault(one.law.key, one)
-    return list(best.values())
+    return first_of_each(best_first(trials), lambda one: one.law.key)

@@ -186,7 +186,9 @@ class StressRelaxationNonlinear(StressRelaxationLaw):
     span_N: float = parameter(5.0, unit="N", low=1e-3, high=1e4, doc="range of the force")
 
     def lost_N(self, force_N: FloatArray, dt_s: float) -> FloatArray:
-        driving_N = self.span_N * np.sign(force_N) * (np.abs(force_N) / self.span_N) ** self.power
+        from testbench.knit.memories import power_of
+
+        driving_N = self.span_N * power_of(force_N / self.span_N, self.power)
         return self.fraction * (lowpass(driving_N, self.tau_s, dt_s) - driving_N[0])
 
 
