@@ -20,7 +20,15 @@ from testbench.diagnosis.evidence.likelihood import (
     telling,
 )
 from testbench.diagnosis.side_by_side import SideBySide
-from testbench.fitting.baseline import SHAPES, framed, starting_baseline, with_shapes, with_zeros, without_shapes
+from testbench.fitting.baseline import (
+    SHAPES,
+    framed,
+    kinds_of_conduction,
+    starting_baseline,
+    with_shapes,
+    with_zeros,
+    without_shapes,
+)
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
@@ -47,8 +55,10 @@ class Fits:
     ----------
     measurement : Measurement
         On the grid of the comparison; only samples that say something new count.
-    reference : KnitModel
+    start : KnitModel
         The base as it was started from the data.
+    reference : KnitModel
+        Its laws and those of the other kind of conduction: what parameters of a base are believed near.
     likelihood : Likelihood
         For the last fit of a model.
     compared : Likelihood
@@ -71,17 +81,19 @@ class Fits:
         self.measurement = telling(on_the_grid(measurement))
         tell("fitting the baseline")
         start = with_zeros(start or starting_baseline(self.measurement, catalogue), self.measurement, catalogue)
-        self.reference = without_shapes(start)
+        self.start = without_shapes(start)
+        kinds = kinds_of_conduction(self.start, self.measurement, catalogue)
+        self.reference = KnitModel({name: one[name] for one in reversed(kinds) for name in one})
         tell("fitting the shape of the base laws")
-        flexible = with_shapes(self.reference, self.measurement, catalogue, like=start)
-        without_jitter = likelihood_of(self.reference, self.measurement, self.noise)
+        flexible = with_shapes(self.start, self.measurement, catalogue, like=start)
+        without_jitter = likelihood_of(self.start, self.measurement, self.noise)
         first = fitted(flexible, without_jitter, self.reference, iterations=16)
-        self.jitter_s = jitter_of((self.reference, first.model), measurement)
+        self.jitter_s = jitter_of((self.start, first.model), measurement)
         self.likelihood = self.likelihood_on(self.measurement)
         self.flexible = fitted(first.model, self.likelihood, self.reference, first, iterations=16)
         # What the user has is the model as given; where its laws bend already, so does what it is compared with.
         given = any(name in SHAPES for name in start)
-        self.baseline = self.flexible if given else fitted(self.reference, self.likelihood, self.reference)
+        self.baseline = self.flexible if given else fitted(self.start, self.likelihood, self.reference)
         law_error = law_error_of(self.flexible.model, self.likelihood)
         self.compared = self.likelihood.with_law_error(law_error).in_pieces
 
@@ -147,7 +159,7 @@ class Fits:
 
     def likelihood_on(self, measurement: Measurement) -> Likelihood:
         """How the samples of a grid count."""
-        return likelihood_of(self.reference, measurement, self.noise, self.jitter_s, self.pieces)
+        return likelihood_of(self.start, measurement, self.noise, self.jitter_s, self.pieces)
 
 
 def like_another(other: Effect, law: type[Effect]) -> Effect:

@@ -20,7 +20,7 @@ from testbench.diagnosis.proposals import Law, Proposal, Screen, laws_of
 from testbench.diagnosis.refits import NullModel, Refits, promising
 from testbench.diagnosis.rounds import Entry, Round, best_set, explained
 from testbench.diagnosis.starts import drawn_anew
-from testbench.fitting.baseline import SHAPES, laws_that_may_act, without_shapes
+from testbench.fitting.baseline import SHAPES, kinds_of_conduction, laws_that_may_act, without_shapes
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
@@ -63,26 +63,36 @@ class Search(Fits):
         return rounds, best_set(rounds, found)
 
     def bases(self) -> tuple[list[Hypothesis], list[Hypothesis]]:
-        """Bases whose laws bend, the best first; the best two whose laws do not, of these, all others and the first.
+        """Bases whose laws bend, the best first; the best two whose laws do not, of these, the best and the first.
 
-        In each place, all laws that may stand there are tried beside the best of the others so far.
+        One of each kind of conduction bends, whatever it explains stiff.
         """
-        first = best = self.compare(without_shapes(self.baseline.model))
-        tried, before = [first], None
-        while best is not before:
-            before = best
-            for place in first.model:
-                tried += self.pool.map(self.compare, self.exchanged(best.model, place))
-                best = max(tried, key=evidence_of)
-        may_act = laws_that_may_act(best.model, self.measurement, self.catalogue)
-        tried += self.pool.map(self.compare, map(best.model.plus, may_act))
-        stiff = sorted(tried, key=evidence_of)[-constants.BASES :]
-        starts = [*((self.bent(h.model), None) for h in stiff), (self.flexible.model, self.flexible)]
+        base = without_shapes(self.baseline.model)
+        kinds = [self.stiff_bases(one) for one in kinds_of_conduction(base, self.measurement, self.catalogue)]
+        stiff = best_first(h for tried in kinds for h in tried)[: constants.BASES]
+        begun = [*stiff, *(max(tried, key=evidence_of) for tried in kinds)]
+        starts = [(self.bent(h.model), None) for h in dict.fromkeys(begun)]
+        starts.append((self.flexible.model, self.flexible))
         bent = best_first(self.pool.map(lambda start: self.at_rest(self.compare(*start)), starts))
         # One that was stripped of its shapes has parameters that moved along with them: the last choice of its kind.
         stripped = self.compare(without_shapes(bent[0].model))
-        others = first_of_each((stiff[-1], first, stripped), lambda h: law_names(h.model.effects))
+        others = first_of_each((stiff[0], kinds[0][0], stripped), lambda h: law_names(h.model.effects))
         return bent, best_first(others)[: constants.BASES]
+
+    def stiff_bases(self, start: KnitModel) -> list[Hypothesis]:
+        """A base, and all in which a law of it was exchanged.
+
+        In each place, all laws that may stand there are tried beside the best of the others so far.
+        """
+        best = self.compare(start)
+        tried, before = [best], None
+        while best is not before:
+            before = best
+            for place in start:
+                tried += self.pool.map(self.compare, self.exchanged(best.model, place))
+                best = max(tried, key=evidence_of)
+        may_act = laws_that_may_act(best.model, self.measurement, self.catalogue)
+        return tried + self.pool.map(self.compare, map(best.model.plus, may_act))
 
     def exchanged(self, model: KnitModel, place: str) -> list[KnitModel]:
         """The model with each other law of the catalogue that could stand in a place of it, drawn to the data."""

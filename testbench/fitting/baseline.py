@@ -28,8 +28,7 @@ def starting_baseline(measurement: Measurement, catalogue: Catalogue | None = No
     conductance are both known, contacts may feel the strain instead of the force.
     """
     effects = (catalogue or load_catalogue()).effects
-    # With the burn-in: in a ramp and hold nearly all of the motion lies there.
-    seen = slice(0, int(np.flatnonzero(measurement.counts)[-1]) + 1)
+    seen = _seen(measurement)
     strain = measurement.signals["strain"][seen]
     laws: list[Effect] = []
     force = measurement.measured.get(FORCE_CHANNEL)
@@ -49,8 +48,37 @@ def starting_baseline(measurement: Measurement, catalogue: Catalogue | None = No
     if force is None:
         contacts: list[Effect] = [contact_start(effects["contact"](), _pressing(laws, measurement)[seen], log_g)]
     else:
-        contacts = driven_contact(effects["contact_drive"](), effects["contact"](), strain, force[seen], log_g)
+        contacts = _driven_contact(effects, strain, force[seen], log_g)
     return KnitModel.of(*laws, *contacts, *last)
+
+
+def kinds_of_conduction(
+    model: KnitModel, measurement: Measurement, catalogue: Catalogue | None = None
+) -> list[KnitModel]:
+    """The model and, where it makes the conductance from the strain, also the one with contacts under the force.
+
+    Conductance that falls with stretch may be that of contacts: an effect on them may turn a whole recording round.
+    """
+    force, log_g = (measurement.measured.get(channel) for channel in (FORCE_CHANNEL, CONDUCTANCE_CHANNEL))
+    of_strain = [name for name, effect in model.effects.items() if effect.mechanism == "piezoresistance"]
+    if force is None or log_g is None or not of_strain:
+        return [model]
+    effects, seen = (catalogue or load_catalogue()).effects, _seen(measurement)
+    contacts = _driven_contact(effects, measurement.signals["strain"][seen], force[seen], log_g[seen])
+    other = model.without(of_strain[0])
+    for law in contacts:
+        other = other.plus(law)
+    return [model, other]
+
+
+def _driven_contact(effects: dict[str, type[Effect]], *measured: FloatArray) -> list[Effect]:
+    """Contacts and what they feel, drawn to strain, force and ln G."""
+    return driven_contact(effects["contact_drive"](), effects["contact"](), *measured)
+
+
+def _seen(measurement: Measurement) -> slice:
+    """What a base is drawn to: with the burn-in, since in a ramp and hold nearly all of the motion lies there."""
+    return slice(0, int(np.flatnonzero(measurement.counts)[-1]) + 1)
 
 
 def with_zeros(model: KnitModel, measurement: Measurement, catalogue: Catalogue | None = None) -> KnitModel:

@@ -25,5 +25,5 @@ def best_base(search: Search) -> Hypothesis:
 def stiff_start(search: Search, base: Hypothesis) -> KnitModel:
     """The laws of a base where they lie without their shapes: a fit that shall not begin bent begins there."""
     if base is search.flexible:
-        return search.reference
+        return search.start
     return fitted(without_shapes(base.model), search.likelihood, search.reference).model

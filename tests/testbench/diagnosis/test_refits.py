@@ -25,13 +25,13 @@ def entry(fits, base, law):
 def swapped(law, sensor, channels):
     """The laws in the place of one that was put into the model of a short recording."""
     fits = fits_of(sensor, channels)
-    return {e.law: e for e in Refits(fits).swapped(entry(fits, fits.reference, law))}
+    return {e.law: e for e in Refits(fits).swapped(entry(fits, fits.start, law))}
 
 
 def on_better_bases(better, worse):
     """One law beside the base as it is, another beside one with another elasticity, and what becomes of the two."""
     fits = fits_of(truth(), ("force_N", "resistance_ohm"))
-    base = fits.reference
+    base = fits.start
     gent = fits.started_like(base["elasticity"], CATALOGUE["elasticity_gent"], base)
     entries = [entry(fits, base, better), entry(fits, base.replacing("elasticity", gent), worse)]
     return entries, Refits(fits).on_better_bases(entries)

@@ -47,7 +47,7 @@ def test_a_knee_that_the_base_has_not_is_put_in_before_a_law_is_sought():
 def test_laws_that_the_user_gave_are_kept():
     hunt = Hunt(search(), "my_effect", given=True)
     assert hunt.base is search().flexible
-    assert hunt.stiff is search().reference
+    assert hunt.stiff is search().start
 
 
 def test_the_law_is_found_beside_the_knee_and_the_ladder_says_what_was_exchanged():

@@ -1,0 +1,52 @@
+"""Which kind of conduction the base has: both are tried where the look of a recording does not tell."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from testbench.diagnosis.search import Search
+from testbench.fitting.baseline import kinds_of_conduction, starting_baseline
+from testbench.knit.catalogue import load_catalogue
+from testbench.measurements.measurement import Measurement, prepare
+from tests.testbench.builders import record, truth
+
+CATALOGUE = load_catalogue()
+BOTH = ("force_N", "resistance_ohm")
+
+
+def rising() -> Measurement:
+    return prepare(record(truth(), 60, 10.0, 1))
+
+
+def falling(channels=BOTH) -> Measurement:
+    made = record(truth(), 60, 10.0, 1, channels)
+    made.channels["resistance_ohm"][:] = 1000 * np.exp(4 * made.channels["displacement_mm"] / made.gauge_length_mm)
+    return prepare(made)
+
+
+def kinds(measurement):
+    return kinds_of_conduction(starting_baseline(measurement, CATALOGUE), measurement, CATALOGUE)
+
+
+def test_conductance_that_rises_with_stretch_is_that_of_contacts():
+    (only,) = kinds(rising())
+    assert "contact" in only
+
+
+def test_conductance_that_falls_may_be_that_of_the_strain_or_of_contacts():
+    of_strain, of_contacts = kinds(falling())
+    assert "piezoresistance" in of_strain
+    assert "piezoresistance" not in of_contacts
+    assert [name for name in of_contacts if name.startswith("contact")] == ["contact_drive", "contact"]
+    assert of_contacts["elasticity"] == of_strain["elasticity"]
+
+
+def test_without_a_force_there_are_no_contacts_under_it():
+    (only,) = kinds(falling(("resistance_ohm",)))
+    assert "piezoresistance" in only
+
+
+def test_a_base_of_either_kind_is_completed_and_the_best_comes_first():
+    bent, stiff = Search(falling(), CATALOGUE, lambda _text: None).bases()
+    assert {"contact", "piezoresistance"} <= {name for h in bent for name in h.model}
+    assert bent[0].log_z == max(h.log_z for h in (*bent, *stiff))
