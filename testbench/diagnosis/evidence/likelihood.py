@@ -19,11 +19,20 @@ from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement, channel_of, coarser
 from testbench.measurements.motion import reading_noise
-from testbench.measurements.noise_level import FEWEST, noise_floor, robust_sd, rounding, trimmed_rms, within_range
+from testbench.measurements.noise_level import (
+    FEWEST,
+    noise_floor,
+    robust_sd,
+    rounding,
+    spread,
+    trimmed_rms,
+    within_range,
+)
 
 LEVELS, MOST_NOISE = 10, 30.0  # levels whose noise is told apart; largest over typical noise
 JERK_S = 0.3  # a machine's jerks are quicker, strokes are slower
 RIPPLE_POINTS = 200  # over the strain, of a ripple: some five for each of forty turns of a screw
+FINEST = 3e-6  # of the spread of a reading: 20 bits free of noise, the best of converters; simulations may have none
 MOTION_STEP, HOLD_STEP = 1e-4, 0.02  # of the range of the strain in a step; of the time since the motion ended
 
 
@@ -171,7 +180,7 @@ def noise_of(measurement: Measurement) -> dict[str, float]:
         time_s, values = sampled(measurement, channel)
         inside = within_range(values)
         read = reading_noise(time_s[inside], values[inside])
-        noise = max(min(noise_floor(values), read), rounding(values))
+        noise = max(min(noise_floor(values), read), rounding(values), FINEST * spread(values))
         found[channel] = max(noise / measurement.averaged**0.5, 1e-12)
     return found
 

@@ -46,6 +46,11 @@ def test_without_a_force_there_are_no_contacts_under_it():
     assert "piezoresistance" in only
 
 
+def test_a_simulation_without_noise_is_no_more_exact_than_a_converter():
+    search = Search(prepare(record(truth(), 60, 10.0, 1, BOTH, noise=0.0)), CATALOGUE, lambda _text: None)
+    assert search.run()[1] == []
+
+
 def test_a_base_of_either_kind_is_completed_and_the_best_comes_first():
     bent, stiff = Search(falling(), CATALOGUE, lambda _text: None).bases()
     assert {"contact", "piezoresistance"} <= {name for h in bent for name in h.model}
