@@ -86,6 +86,7 @@ BUILT_IN = {
     "cyclic_fatigue": "testbench.knit.mechanics.damage:CyclicFatigue",
     "cyclic_fatigue_log": "testbench.knit.mechanics.damage:CyclicFatigueLog",
     "cyclic_fatigue_weibull": "testbench.knit.mechanics.damage:CyclicFatigueWeibull",
+    "cyclic_fatigue_swings": "testbench.knit.mechanics.damage:CyclicFatigueSwings",
     "jamming_stiffening": "testbench.knit.mechanics.jamming:JammingStiffening",
     "jamming_stiffening_locking": "testbench.knit.mechanics.jamming:JammingStiffeningLocking",
     "jamming_stiffening_power": "testbench.knit.mechanics.jamming:JammingStiffeningPower",

@@ -223,3 +223,42 @@ class CyclicFatigueWeibull(FatigueLaw):
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         tired = weibull(cycled_strain(signals), self.scale, self.shape)
         return {"force_N": signals["force_N"] * (1 - self.loss * tired)}
+
+
+class CyclicFatigueSwings(FatigueLaw):
+    """Large swings tire a knit more than many small ones of the same path.
+
+    F *= 1 - loss * (1 - exp(-n / scale)),   n = integral of (r / span)^power |de|
+
+    r is how far the strain has gone since it last turned; each swing adds its size to the power of `power` + 1.
+
+    Source: Basquin, Proc. ASTM 10 (1910) 625 (lives fall with a power of the amplitude), and Miner, J. Appl. Mech. 12
+    (1945) A159 (damage adds up), as in rainflow counting without nested cycles.
+    Valid: before rupture; `span` is the largest strain of the recording.
+    """
+
+    name = "cyclic_fatigue_swings"
+    look = "the peaks of the force sink after each large cycle, hardly with many small ones"
+
+    loss: float = parameter(0.1, unit="1", low=0, high=0.9, doc="share of the force lost in the end")
+    scale: float = parameter(
+        2.0, unit="1", low=0.01, high=1e5, scale="log", doc="weighted strain path after which 63 % of it is lost"
+    )
+    power: float = parameter(2.0, unit="1", low=0.3, high=8, scale="log", doc="how much more large swings count")
+    span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain at which the path counts once")
+
+    def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
+        whole = {power: max(float(self._damage(signals, power)[-1]), 1e-3) for power in (1.0, 3.0)}
+        return [{"power": power, "scale": share * n} for power, n in whole.items() for share in (0.2, 1.0, 5.0)]
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        tired = -np.expm1(-self._damage(signals, self.power) / self.scale)
+        return {"force_N": signals["force_N"] * (1 - self.loss * tired)}
+
+    def _damage(self, signals: Signals, power: float) -> FloatArray:
+        from testbench.knit.kernels import turns
+
+        strain = signals["strain"]
+        turned = strain[turns(strain, DEAD_BAND_STRAIN)[0].astype(int)]
+        away = np.abs(strain - turned) / self.span
+        return np.cumsum(np.diff(cycled_strain(signals), prepend=0.0) * away**power)

@@ -8,6 +8,8 @@ import pytest
 from testbench.knit.kernels import travelled
 from testbench.knit.mechanics.damage import (
     CyclicFatigue,
+    CyclicFatigueSwings,
+    FatigueLaw,
     MullinsSoftening,
     MullinsSofteningDamage,
     MullinsSofteningPower,
@@ -16,7 +18,7 @@ from testbench.knit.mechanics.jamming import JammingStiffening
 from tests.testbench.knit.samples import UP, UP_DOWN_UP
 
 
-def factor(effect: MullinsSoftening | MullinsSofteningDamage | CyclicFatigue, strain: np.ndarray) -> np.ndarray:
+def factor(effect: MullinsSoftening | MullinsSofteningDamage | FatigueLaw, strain: np.ndarray) -> np.ndarray:
     return effect.apply({"strain": strain, "force_N": np.ones_like(strain)}, 0.05)["force_N"]
 
 
@@ -46,6 +48,15 @@ def test_fatigue_counts_the_path_and_not_the_noise() -> None:
     assert travelled(0.1 + noise, 0.002)[-1] < 0.002
     tired = factor(CyclicFatigue(loss=0.4, scale=0.45), UP_DOWN_UP)
     assert tired[-1] == pytest.approx(1 - 0.4 * (1 - np.exp(-2)), rel=0.01)
+
+
+def test_each_swing_tires_with_a_power_of_its_size() -> None:
+    small = np.tile(np.r_[UP[:101], UP[99::-1]], 9)  # nine times 0.1 and back: the path of three times 0.3 and back
+    large = np.tile(np.r_[UP, UP[-2::-1]], 3)
+    law = CyclicFatigueSwings(loss=0.5, scale=1.0, power=1.0, span=0.3)
+    lost = [-np.log(1 - (1 - factor(law, strain)[-1]) / 0.5) for strain in (small, large)]
+    assert lost[1] == pytest.approx(6 * 0.3**2 / (2 * 0.3), rel=0.02)
+    assert lost[0] == pytest.approx(18 * 0.1**2 / (2 * 0.3), rel=0.05)
 
 
 def test_jamming_adds_its_stiffness_beyond_the_onset() -> None:
