@@ -134,7 +134,10 @@ BUILT_IN = {
     # read-out
     "channel_lag": "testbench.knit.readout.channel_lag:ChannelLag",
     "channel_lag_resistance": "testbench.knit.readout.channel_lag:ChannelLagResistance",
+    "channel_lag_two_filters": "testbench.knit.readout.channel_lag:ChannelLagTwoFilters",
     "channel_lag_force": "testbench.knit.readout.channel_lag:ChannelLagForce",
+    "channel_lag_force_two_filters": "testbench.knit.readout.channel_lag:ChannelLagForceTwoFilters",
+    "channel_lag_force_delay": "testbench.knit.readout.channel_lag:ChannelLagForceDelay",
     "channel_lag_delay": "testbench.knit.readout.channel_lag:ChannelLagDelay",
     "adc_saturation": "testbench.knit.readout.adc_saturation:AdcSaturation",
     "adc_saturation_high": "testbench.knit.readout.adc_saturation:AdcSaturationHigh",

@@ -54,6 +54,34 @@ class ChannelLagResistance(ChannelLagLaw):
         return {"conductance_S": 1 / lowpass(1 / signals["conductance_S"], self.tau_s, dt_s)}
 
 
+class TwoFilters(ChannelLagLaw):
+    """Base of the laws of two filters, one after the other."""
+
+    tau_s: float = parameter(0.2, unit="s", low=0, high=10, typical=0.1, doc="sum of the two time constants")
+    second: float = parameter(0.5, unit="1", low=0.05, high=1, doc="second time constant over the first")
+
+    def filtered(self, x: FloatArray, dt_s: float) -> FloatArray:
+        first_s = self.tau_s / (1 + self.second)
+        return lowpass(lowpass(x, first_s, dt_s), self.second * first_s, dt_s)
+
+
+class ChannelLagTwoFilters(TwoFilters):
+    """The resistance channel has two filters, one after the other: it starts to follow late, and then quickly.
+
+    tau_1 y' = R - y,   tau_2 z' = y - z,   the reading is 1 / z,   tau_1 + tau_2 = tau,   tau_2 = second * tau_1
+
+    Source: an RC input before a converter that averages, or two equal stages of a digital filter (Oppenheim &
+    Schafer, Discrete-Time Signal Processing, 2010, ch. 7).
+    Valid: the resistance channel lags.
+    """
+
+    name = "channel_lag_two_filters"
+    look = "conductance comes later than force, and its turns are rounder"
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        return {"conductance_S": 1 / self.filtered(1 / signals["conductance_S"], dt_s)}
+
+
 class ChannelLagForce(ChannelLagLaw):
     """The force channel is slower than the resistance channel.
 
@@ -73,7 +101,36 @@ class ChannelLagForce(ChannelLagLaw):
         return {"force_N": lowpass(signals["force_N"], self.tau_s, dt_s)}
 
 
-class ChannelLagDelay(ChannelLagLaw):
+class ChannelLagForceTwoFilters(TwoFilters):
+    """The force channel has two filters, one after the other: it starts to follow late, and then quickly.
+
+    tau_1 y' = F - y,   tau_2 z' = y - z,   the reading is z,   tau_1 + tau_2 = tau,   tau_2 = second * tau_1
+
+    Source: as `channel_lag_two_filters`.
+    Valid: load-cell amplifiers with a filter of their own, before a converter that averages.
+    """
+
+    name = "channel_lag_force_two_filters"
+    reads, writes = ("force_N",), ("force_N",)
+    look = "force comes later than displacement and conductance, and its turns are rounder"
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        return {"force_N": self.filtered(signals["force_N"], dt_s)}
+
+
+class DelayLaw(ChannelLagLaw):
+    """Base of the laws of a reading that is late by a fixed time."""
+
+    strength = "delay_s"
+
+    delay_s: float = parameter(0.2, unit="s", low=0, high=10, typical=0.1, doc="delay")
+
+    def delayed(self, x: FloatArray, dt_s: float) -> FloatArray:
+        sample = np.arange(len(x))
+        return np.interp(sample - self.delay_s / dt_s, sample, x)
+
+
+class ChannelLagDelay(DelayLaw):
     """The resistance channel is late by a fixed time.
 
     reading(t) = G(t - delay)
@@ -83,12 +140,24 @@ class ChannelLagDelay(ChannelLagLaw):
     """
 
     name = "channel_lag_delay"
-    strength = "delay_s"
     look = "conductance is the same curve, later"
 
-    delay_s: float = parameter(0.2, unit="s", low=0, high=10, typical=0.1, doc="delay")
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        return {"conductance_S": self.delayed(signals["conductance_S"], dt_s)}
+
+
+class ChannelLagForceDelay(DelayLaw):
+    """The force channel is late by a fixed time.
+
+    reading(t) = F(t - delay)
+
+    Source: as `channel_lag_delay`.
+    Valid: constant delay.
+    """
+
+    name = "channel_lag_force_delay"
+    reads, writes = ("force_N",), ("force_N",)
+    look = "force is the same curve, later"
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        conductance = signals["conductance_S"]
-        now = np.arange(len(conductance)) - self.delay_s / dt_s
-        return {"conductance_S": np.interp(now, np.arange(len(conductance)), conductance)}
+        return {"force_N": self.delayed(signals["force_N"], dt_s)}

@@ -6,16 +6,53 @@ import numpy as np
 import pytest
 
 from testbench.knit.readout.adc_saturation import AdcSaturation, AdcSaturationForce, AdcSaturationHigh
-from testbench.knit.readout.channel_lag import ChannelLag, ChannelLagDelay
+from testbench.knit.readout.channel_lag import (
+    ChannelLag,
+    ChannelLagDelay,
+    ChannelLagForce,
+    ChannelLagForceDelay,
+    ChannelLagForceTwoFilters,
+    ChannelLagResistance,
+    ChannelLagTwoFilters,
+)
 from testbench.knit.readout.interference import PeriodicInterference, PeriodicInterferenceWave
 from testbench.knit.readout.load_cell import LoadCellCreep, LoadCellCreepTwoTimes, LoadCellZeroDrift
 from tests.testbench.knit.samples import DT_S, T
 
 
-def test_lag_and_delay_shift_a_ramp_by_their_times() -> None:
-    for effect in (ChannelLag(tau_s=1.5), ChannelLagDelay(delay_s=1.5)):
-        read = effect.apply({"conductance_S": T}, DT_S)["conductance_S"]
-        np.testing.assert_allclose(read[400:], T[400:] - 1.5, atol=1e-5)
+@pytest.mark.parametrize(
+    "late",
+    [
+        ChannelLag(tau_s=1.5),
+        ChannelLagDelay(delay_s=1.5),
+        ChannelLagForce(tau_s=1.5),
+        ChannelLagForceTwoFilters(tau_s=1.5, second=0.6),
+        ChannelLagForceDelay(delay_s=1.5),
+    ],
+    ids=lambda law: law.name,
+)
+def test_lag_and_delay_shift_a_ramp_by_their_times(late) -> None:
+    (signal,) = late.writes
+    read = late.apply({signal: T}, DT_S)[signal]
+    np.testing.assert_allclose(read[400:], T[400:] - 1.5, atol=1e-5)
+
+
+@pytest.mark.parametrize(
+    "late", [ChannelLagResistance(tau_s=1.5), ChannelLagTwoFilters(tau_s=1.5)], ids=lambda law: law.name
+)
+def test_a_late_ohmmeter_shifts_a_ramp_of_the_resistance(late) -> None:
+    read = late.apply({"conductance_S": 1 / (1 + T)}, DT_S)["conductance_S"]
+    np.testing.assert_allclose(1 / read[400:], T[400:] - 0.5, atol=1e-5)
+
+
+def test_two_equal_filters_answer_a_step_later_and_more_steeply_than_one() -> None:
+    step = np.where(T < 1, 0.0, 1.0)
+    once = ChannelLagForce(tau_s=1.0).apply({"force_N": step}, DT_S)["force_N"]
+    twice = ChannelLagForceTwoFilters(tau_s=1.0, second=1.0).apply({"force_N": step}, DT_S)["force_N"]
+    after = T[T >= 1] - 1
+    np.testing.assert_allclose(twice[T >= 1], 1 - (1 + 2 * after) * np.exp(-2 * after), atol=0.05)
+    assert twice[np.searchsorted(T, 1.2)] < once[np.searchsorted(T, 1.2)]
+    assert twice[np.searchsorted(T, 3.0)] > once[np.searchsorted(T, 3.0)]
 
 
 def test_converters_clip_at_their_ends() -> None:
