@@ -82,6 +82,7 @@ BUILT_IN = {
     "mullins_softening": "testbench.knit.mechanics.damage:MullinsSoftening",
     "mullins_softening_damage": "testbench.knit.mechanics.damage:MullinsSofteningDamage",
     "mullins_softening_power": "testbench.knit.mechanics.damage:MullinsSofteningPower",
+    "mullins_softening_healing": "testbench.knit.mechanics.damage:MullinsSofteningHealing",
     "mullins_softening_curve": "testbench.knit.mechanics.damage:MullinsSofteningCurve",
     "cyclic_fatigue": "testbench.knit.mechanics.damage:CyclicFatigue",
     "cyclic_fatigue_log": "testbench.knit.mechanics.damage:CyclicFatigueLog",

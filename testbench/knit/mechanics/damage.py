@@ -126,6 +126,34 @@ class MullinsSofteningCurve(MullinsLaw):
         return {"force_N": signals["force_N"] * factor_of(top / self.span * curve(below, 0.0, 1.0, self.weights))}
 
 
+class MullinsSofteningHealing(MullinsLaw):
+    """Below the largest stretch that it still remembers the knit is softer, and it forgets: with time it heals.
+
+    F *= 1 - softening * top / span * (1 - (e / top)^power)
+    top follows e at once where that is higher, else  d top / dt = -(top - e) / heal
+
+    Source: softening as `mullins_softening_power`; recovery with time as reviewed by Diani, Fayolle & Gilormini, Eur.
+    Polym. J. 45 (2009) 601.
+    Valid: one time of recovery; `span` is the largest strain of the recording.
+    """
+
+    name = "mullins_softening_healing"
+    look = "after a stretch, shorter ones need less force, for a while"
+
+    softening: float = parameter(0.2, unit="1", low=0, high=0.9, doc="share of the force lost at zero strain")
+    heal_s: float = parameter(100.0, unit="s", low=2, high=1e5, scale="log", doc="time constant of the recovery")
+    power: float = parameter(1.5, unit="1", low=0.3, high=8, scale="log", doc="how late the force comes back")
+    span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain at which the loss is counted")
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        from testbench.knit.lags import two_way_lowpass
+
+        strain = np.ascontiguousarray(signals["strain"])
+        top = np.maximum(two_way_lowpass(strain, 0.0, np.exp(-dt_s / self.heal_s)), 1e-6)
+        lost = np.minimum(top / self.span, 1 / 0.9) * (1 - np.clip(strain / top, 0.0, 1.0) ** self.power)
+        return {"force_N": signals["force_N"] * (1 - self.softening * lost)}
+
+
 def cycled_strain(signals: Signals) -> FloatArray:
     """Strain path travelled so far, noise left out."""
     from testbench.knit.kernels import travelled

@@ -10,15 +10,17 @@ from testbench.knit.mechanics.damage import (
     CyclicFatigue,
     CyclicFatigueSwings,
     FatigueLaw,
+    MullinsLaw,
     MullinsSoftening,
     MullinsSofteningDamage,
+    MullinsSofteningHealing,
     MullinsSofteningPower,
 )
 from testbench.knit.mechanics.jamming import JammingStiffening
 from tests.testbench.knit.samples import UP, UP_DOWN_UP
 
 
-def factor(effect: MullinsSoftening | MullinsSofteningDamage | FatigueLaw, strain: np.ndarray) -> np.ndarray:
+def factor(effect: MullinsLaw | FatigueLaw, strain: np.ndarray) -> np.ndarray:
     return effect.apply({"strain": strain, "force_N": np.ones_like(strain)}, 0.05)["force_N"]
 
 
@@ -34,6 +36,21 @@ def test_powers_soften_below_the_largest_stretch_only() -> None:
     np.testing.assert_allclose(soft[:301], 1.0, atol=1e-5)
     np.testing.assert_allclose(soft[300:601], 1 - 0.4 * (1 - (UP[::-1] / 0.3) ** 2))
     assert soft[-1] == pytest.approx(1.0)
+
+
+def test_what_is_remembered_of_a_stretch_fades_with_its_time() -> None:
+    held = np.r_[UP, UP[-2:149:-1], np.full(400, 0.15)]  # up to 0.3, back to 0.15, and held there
+    soft = factor(MullinsSofteningHealing(softening=0.4, heal_s=5.0, power=1.0, span=0.3), held)
+    np.testing.assert_allclose(soft[:301], 1.0, atol=1e-5)
+    remembered = [(lost * 0.3 / 0.4) for lost in 1 - soft[[500, 600]]]  # top - e
+    assert remembered[1] / remembered[0] == pytest.approx(np.exp(-100 * 0.05 / 5.0), rel=1e-6)
+
+
+def test_a_softening_that_never_heals_is_that_of_powers() -> None:
+    for_ever = factor(MullinsSofteningHealing(softening=0.3, heal_s=1e5, power=1.5, span=0.3), UP_DOWN_UP)
+    np.testing.assert_allclose(
+        for_ever, factor(MullinsSofteningPower(softening=0.3, growth=1, power=1.5, span=0.3), UP_DOWN_UP), atol=1e-3
+    )
 
 
 def test_damage_is_that_of_the_largest_stretch() -> None:
