@@ -107,6 +107,7 @@ BUILT_IN = {
     "contact_hysteresis": "testbench.knit.conduction.pressure:ContactHysteresis",
     "piezoresistance": "testbench.knit.conduction.piezoresistance:Piezoresistance",
     "yarn_elongation": "testbench.knit.conduction.piezoresistance:YarnElongation",
+    "yarn_elongation_power": "testbench.knit.conduction.piezoresistance:YarnElongationPower",
     "piezoresistance_tunnelling": "testbench.knit.conduction.piezoresistance:PiezoresistanceTunnelling",
     "piezoresistance_percolation": "testbench.knit.conduction.piezoresistance:PiezoresistancePercolation",
     "electrical_overshoot": "testbench.knit.conduction.transient:ElectricalOvershoot",

@@ -82,6 +82,33 @@ class YarnElongation(ConductanceLaw):
         return -self.gauge * stretched
 
 
+class YarnElongationPower(ConductanceLaw):
+    """As `yarn_elongation`, but its loops get straight one after the other: the resistance rises with a power.
+
+    ln G -= gauge * (e - onset)+ * ((e - onset)+ / span)^(power - 1)
+
+    Source: as `yarn_elongation`, with more and more of the yarn stretched.
+    Valid: conductance rises first and bends down at high strain; `span` is the largest strain of the recording.
+    """
+
+    name = "yarn_elongation_power"
+    mechanism = "yarn_elongation"
+    bends_a_law = True
+    strength = "gauge"
+    look = "conductance turns round and falls ever more steeply at high strain, force does not"
+
+    gauge: float = parameter(1.0, unit="1", low=0, high=300, doc="gauge factor a `span` beyond the onset")
+    onset: float = parameter(
+        0.2, unit="1", low=0.01, high=2, scale="log", doc="strain where the first loop is straight"
+    )
+    power: float = parameter(1.5, unit="1", low=1, high=4, doc="1: all loops at once")
+    span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="excess of strain at which gauge holds")
+
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
+        excess = np.maximum(signals["strain"] - self.onset, 0.0)
+        return -self.gauge * self.span * (excess / self.span) ** self.power
+
+
 class PiezoresistanceTunnelling(PiezoresistiveLaw):
     """Electrons tunnel between filler particles whose gaps widen in proportion to the strain.
 
