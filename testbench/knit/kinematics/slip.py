@@ -34,7 +34,6 @@ class ClampSlip(ClampSlipLaw):
     """
 
     name = "clamp_slip"
-    nonlinear = True
     strength = "fraction"
     look = "force drops in a jump at a new largest stretch and stays lower at every strain"
 
@@ -52,9 +51,8 @@ class ClampSlip(ClampSlipLaw):
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         top = float(np.max(signals["strain"]))
         return [
-            {"limit": limit * top, "step": step * top, "fraction": fraction}
-            for limit, step in itertools.product((0.45, 0.55, 0.65), (0.07, 0.11, 0.16, 0.24))
-            for fraction in (0.08, 0.3)
+            {"limit": limit * top, "step": step * top}
+            for limit, step in itertools.product((0.25, 0.35, 0.45, 0.55, 0.65, 0.75), (0.06, 0.09, 0.13, 0.19, 0.27))
         ]
 
 
