@@ -71,8 +71,7 @@ class Search(Fits):
         kinds = [self.stiff_bases(one) for one in kinds_of_conduction(base, self.measurement, self.catalogue)]
         stiff = best_first(h for tried in kinds for h in tried)[: constants.BASES]
         begun = [*stiff, *(max(tried, key=evidence_of) for tried in kinds)]
-        starts = [(self.bent(h.model), None) for h in dict.fromkeys(begun)]
-        starts.append((self.flexible.model, self.flexible))
+        starts = [*((self.bent(h.model), None) for h in dict.fromkeys(begun)), (self.flexible.model, self.flexible)]
         bent = best_first(self.pool.map(lambda start: self.at_rest(self.compare(*start)), starts))
         # One that was stripped of its shapes has parameters that moved along with them: the last choice of its kind.
         stripped = self.compare(without_shapes(bent[0].model))
