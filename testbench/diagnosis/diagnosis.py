@@ -282,7 +282,8 @@ def concluded(
     lead = _leading(search, rounds, put_in)
     most, beside = rounds[lead], whole_of(rounds[lead:], put_in[lead:])
     after = _ladder(search, bare, put_in, before, calibration, held)
-    known = {*before.model, *(entry.name for entry in put_in)}
+    other_laws = search.other_laws(before.model, after.model)
+    known = {*before.model, *other_laws, *(entry.name for entry in put_in)}
     weighed = dict.fromkeys(name for step in rounds[: lead + 1] for name in step.laws)
     meant = over_errors(most.probabilities(beside))
     chances = mixed_with_prior(meant, prior_of(weighed), constants.MISLED)
@@ -294,7 +295,7 @@ def concluded(
         _ranking(rounds[: lead + 1], chances, held),
         _tied(meant, verdict),
         tuple(name for name in after.model if name not in known),
-        tuple(e.name for n, e in after.model.effects.items() if n in before.model and e.name != before.model[n].name),
+        tuple(other_laws.values()),
         tuple(sorted(((c, where, share) for (c, where), share in explained.items()), key=lambda one: -one[2])),
         left,
         before,

@@ -100,6 +100,12 @@ class Search(Fits):
         others = [law for law in others if model.place_of(law) == place]
         return [model.replacing(place, self.started_like(there, law, model)) for law in others]
 
+    def other_laws(self, before: KnitModel, after: KnitModel) -> dict[str, str]:
+        """Laws of a base that took the place of others, or make the other kind of conduction: which stands where."""
+        there = {name: effect.name for name, effect in after.effects.items()}
+        kind = set(self.reference) - set(self.start)
+        return {n: law for n, law in there.items() if n in kind or (n in before and law != before[n].name)}
+
     def round(self, bent: Sequence[Hypothesis], stiff: Sequence[Hypothesis]) -> Round:
         """One step.
 

@@ -60,15 +60,12 @@ def kinds_of_conduction(
     Conductance that falls with stretch may be that of contacts: an effect on them may turn a whole recording round.
     """
     force, log_g = (measurement.measured.get(channel) for channel in (FORCE_CHANNEL, CONDUCTANCE_CHANNEL))
-    of_strain = [name for name, effect in model.effects.items() if effect.mechanism == "piezoresistance"]
+    of_strain = any(effect.mechanism == "piezoresistance" for effect in model.effects.values())
     if force is None or log_g is None or not of_strain:
         return [model]
     effects, seen = (catalogue or load_catalogue()).effects, _seen(measurement)
-    contacts = _driven_contact(effects, measurement.signals["strain"][seen], force[seen], log_g[seen])
-    other = model.without(of_strain[0])
-    for law in contacts:
-        other = other.plus(law)
-    return [model, other]
+    drive, contact = _driven_contact(effects, measurement.signals["strain"][seen], force[seen], log_g[seen])
+    return [model, model.plus(drive).plus(contact)]
 
 
 def _driven_contact(effects: dict[str, type[Effect]], *measured: FloatArray) -> list[Effect]:

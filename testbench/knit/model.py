@@ -65,6 +65,8 @@ class KnitModel:
     def plus(self, effect: Effect, name: str | None = None) -> KnitModel:
         """A model with `effect` at the end of its stage; a law takes the place of another of the same mechanism.
 
+        So does a law that makes a signal (conductance from the strain) of another that makes it (from contacts).
+
         Parameters
         ----------
         effect : Effect
@@ -82,7 +84,9 @@ class KnitModel:
         name = name or self._free_name(effect.name)
         if name in self.effects:
             raise UserError(f"the model already has an effect {name}")
-        items = [*self.effects.items(), (name, effect)]
+        made = _makes(type(effect))
+        others = [(key, one) for key, one in self.effects.items() if not made & _makes(type(one))]
+        items = [*others, (name, effect)]
         return KnitModel(dict(sorted(items, key=lambda item: item[1].stage)))  # sorted() is stable
 
     def __add__(self, effect: Effect) -> KnitModel:
@@ -290,6 +294,11 @@ def inputs(
     if temperature_C is not None:
         signals["temperature_C"] = np.asarray(temperature_C, dtype=np.float64)
     return signals
+
+
+def _makes(law: type[Effect]) -> set[str]:
+    """Signals that a law makes from others, and does not merely change."""
+    return set() if law.strength else set(law.writes) - set(law.reads)
 
 
 def _exclusive(law: type[Effect]) -> bool:

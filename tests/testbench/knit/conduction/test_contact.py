@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from testbench.knit.catalogue import baseline
 from testbench.knit.conduction.contact import Contact
 from testbench.knit.conduction.contact_relaxation import (
     ContactRelaxation,
@@ -21,6 +22,14 @@ from testbench.knit.conduction.pressure import ContactHysteresis, ContactSaturat
 
 FORCE = np.linspace(0, 50, 401)
 STRAIN = np.linspace(0, 0.4, 401)
+
+
+def test_what_makes_the_conductance_from_the_strain_takes_the_place_of_contacts_and_back() -> None:
+    of_strain = baseline().plus(Piezoresistance())
+    assert list(of_strain) == ["elasticity", "hysteresis", "piezoresistance", "drift"]
+    assert list(of_strain.plus(Contact())) == list(baseline())
+    # What only changes the conductance stays where it is.
+    assert list(baseline().plus(CoatingCracks())) == [*baseline(), "coating_cracks"]
 
 
 def test_holms_square_root() -> None:
