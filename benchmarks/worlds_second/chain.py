@@ -84,11 +84,6 @@ class Signals:
         """Path of the strain so far, in whole strokes."""
         return np.cumsum(np.abs(np.diff(self.e, prepend=self.e[0])))
 
-    @property
-    def relative_ln_g(self) -> Array:
-        """ln conductance, 0 at its lowest and 1 at its highest without an effect."""
-        return (self.ln_g - self.scales.ln_low) / (self.scales.ln_high - self.scales.ln_low)
-
 
 @dataclass(frozen=True)
 class Hook:
