@@ -63,9 +63,9 @@ class Search(Fits):
         return rounds, best_set(rounds, found)
 
     def bases(self) -> tuple[list[Hypothesis], list[Hypothesis]]:
-        """Bases whose laws bend, the best first; the best two whose laws do not, of these, the best and the first.
+        """Bases whose laws bend, the best first; and the best two of those whose laws do not.
 
-        One of each kind of conduction bends, whatever it explains stiff.
+        One of each kind of conduction bends, however little it explains before: an effect may hide which it is.
         """
         base = without_shapes(self.baseline.model)
         kinds = [self.stiff_bases(one) for one in kinds_of_conduction(base, self.measurement, self.catalogue)]
