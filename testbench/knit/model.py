@@ -85,8 +85,11 @@ class KnitModel:
         if name in self.effects:
             raise UserError(f"the model already has an effect {name}")
         made = _makes(type(effect))
-        others = [(key, one) for key, one in self.effects.items() if not made & _makes(type(one))]
-        items = [*others, (name, effect)]
+        rival = next((key for key, one in self.effects.items() if made & _makes(type(one))), "")
+        if rival:  # what changes the signal comes after what makes it
+            there = self.replacing(rival, effect).effects
+            return KnitModel({name if key == rival else key: one for key, one in there.items()})
+        items = [*self.effects.items(), (name, effect)]
         return KnitModel(dict(sorted(items, key=lambda item: item[1].stage)))  # sorted() is stable
 
     def __add__(self, effect: Effect) -> KnitModel:

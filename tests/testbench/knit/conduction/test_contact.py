@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from testbench.knit.catalogue import baseline
+from testbench.knit.catalogue import baseline, load_catalogue
 from testbench.knit.conduction.contact import Contact
 from testbench.knit.conduction.contact_relaxation import (
     ContactRelaxation,
@@ -28,7 +28,15 @@ def test_what_makes_the_conductance_from_the_strain_takes_the_place_of_contacts_
     of_strain = baseline().plus(Piezoresistance())
     assert list(of_strain) == ["elasticity", "hysteresis", "piezoresistance", "drift"]
     assert list(of_strain.plus(Contact())) == list(baseline())
-    # What only changes the conductance stays where it is.
+    # What only changes the conductance stays where it is, after what makes it.
+    bent = baseline().plus(load_catalogue().effects["contact_shape"]())
+    assert list(bent.plus(Piezoresistance())) == [
+        "elasticity",
+        "hysteresis",
+        "piezoresistance",
+        "contact_shape",
+        "drift",
+    ]
     assert list(baseline().plus(CoatingCracks())) == [*baseline(), "coating_cracks"]
 
 

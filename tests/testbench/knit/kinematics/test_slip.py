@@ -54,7 +54,7 @@ def test_onsets_start_a_fit_inside_the_strain_that_was_reached() -> None:
     measured = {"strain": UP_DOWN_UP, "time_s": np.arange(len(UP_DOWN_UP)) * 0.1}
     for law in (ClampSlip(), ClampSlipRepeated(), ClampSlipSliding()):
         limits = [point["limit"] for point in law.starts(measured, {})]
-        assert 0.1 < min(limits) < max(limits) < np.max(UP_DOWN_UP)
+        assert 0.05 < min(limits) < max(limits) < np.max(UP_DOWN_UP)
 
 
 def test_events_lengthen_the_knit_from_their_moments_on() -> None:
