@@ -57,8 +57,10 @@ class Fits:
         On the grid of the comparison; only samples that say something new count.
     start : KnitModel
         The base as it was started from the data.
+    kinds : list of KnitModel
+        The same with each kind of conduction that the data leave open, its own first.
     reference : KnitModel
-        Its laws and those of the other kind of conduction: what parameters of a base are believed near.
+        All their laws: what parameters of a base are believed near.
     likelihood : Likelihood
         For the last fit of a model.
     compared : Likelihood
@@ -82,8 +84,8 @@ class Fits:
         tell("fitting the baseline")
         start = with_zeros(start or starting_baseline(self.measurement, catalogue), self.measurement, catalogue)
         self.start = without_shapes(start)
-        kinds = kinds_of_conduction(self.start, self.measurement, catalogue)
-        self.reference = KnitModel({name: one[name] for one in reversed(kinds) for name in one})
+        self.kinds = kinds_of_conduction(self.start, self.measurement, catalogue)
+        self.reference = KnitModel({name: one[name] for one in reversed(self.kinds) for name in one})
         tell("fitting the shape of the base laws")
         flexible = with_shapes(self.start, self.measurement, catalogue, like=start)
         without_jitter = likelihood_of(self.start, self.measurement, self.noise)

@@ -20,7 +20,7 @@ from testbench.diagnosis.proposals import Law, Proposal, Screen, laws_of
 from testbench.diagnosis.refits import NullModel, Refits, promising
 from testbench.diagnosis.rounds import Entry, Round, best_set, explained
 from testbench.diagnosis.starts import drawn_anew
-from testbench.fitting.baseline import SHAPES, kinds_of_conduction, laws_that_may_act, without_shapes
+from testbench.fitting.baseline import SHAPES, laws_that_may_act, without_shapes
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
@@ -68,7 +68,8 @@ class Search(Fits):
         One of each kind of conduction bends, however little it explains before: an effect may hide which it is.
         """
         base = without_shapes(self.baseline.model)
-        kinds = [self.stiff_bases(one) for one in kinds_of_conduction(base, self.measurement, self.catalogue)]
+        begins = [KnitModel({name: (base if name in base else kind)[name] for name in kind}) for kind in self.kinds]
+        kinds = [self.stiff_bases(one) for one in begins]
         stiff = best_first(h for tried in kinds for h in tried)[: constants.BASES]
         begun = [*stiff, *(max(tried, key=evidence_of) for tried in kinds)]
         starts = [*((self.bent(h.model), None) for h in dict.fromkeys(begun)), (self.flexible.model, self.flexible)]

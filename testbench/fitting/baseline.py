@@ -28,7 +28,7 @@ def starting_baseline(measurement: Measurement, catalogue: Catalogue | None = No
     conductance are both known, contacts may feel the strain instead of the force.
     """
     effects = (catalogue or load_catalogue()).effects
-    seen = _seen(measurement)
+    seen = measurement.seen
     strain = measurement.signals["strain"][seen]
     laws: list[Effect] = []
     force = measurement.measured.get(FORCE_CHANNEL)
@@ -48,7 +48,7 @@ def starting_baseline(measurement: Measurement, catalogue: Catalogue | None = No
     if force is None:
         contacts: list[Effect] = [contact_start(effects["contact"](), _pressing(laws, measurement)[seen], log_g)]
     else:
-        contacts = _driven_contact(effects, strain, force[seen], log_g)
+        contacts = _driven_contact(measurement, effects)
     return KnitModel.of(*laws, *contacts, *last)
 
 
@@ -59,23 +59,18 @@ def kinds_of_conduction(
 
     Conductance that falls with stretch may be that of contacts: an effect on them may turn a whole recording round.
     """
-    force, log_g = (measurement.measured.get(channel) for channel in (FORCE_CHANNEL, CONDUCTANCE_CHANNEL))
     of_strain = any(effect.mechanism == "piezoresistance" for effect in model.effects.values())
-    if force is None or log_g is None or not of_strain:
+    if not (of_strain and {FORCE_CHANNEL, CONDUCTANCE_CHANNEL} <= measurement.measured.keys()):
         return [model]
-    effects, seen = (catalogue or load_catalogue()).effects, _seen(measurement)
-    drive, contact = _driven_contact(effects, measurement.signals["strain"][seen], force[seen], log_g[seen])
+    drive, contact = _driven_contact(measurement, (catalogue or load_catalogue()).effects)
     return [model, model.plus(drive).plus(contact)]
 
 
-def _driven_contact(effects: dict[str, type[Effect]], *measured: FloatArray) -> list[Effect]:
-    """Contacts and what they feel, drawn to strain, force and ln G."""
-    return driven_contact(effects["contact_drive"](), effects["contact"](), *measured)
-
-
-def _seen(measurement: Measurement) -> slice:
-    """What a base is drawn to: with the burn-in, since in a ramp and hold nearly all of the motion lies there."""
-    return slice(0, int(np.flatnonzero(measurement.counts)[-1]) + 1)
+def _driven_contact(measurement: Measurement, effects: dict[str, type[Effect]]) -> list[Effect]:
+    """Contacts and what they feel, drawn to the measured strain, force and ln G."""
+    seen, measured = measurement.seen, measurement.measured
+    strain, force, log_g = measurement.signals["strain"], measured[FORCE_CHANNEL], measured[CONDUCTANCE_CHANNEL]
+    return driven_contact(effects["contact_drive"](), effects["contact"](), strain[seen], force[seen], log_g[seen])
 
 
 def with_zeros(model: KnitModel, measurement: Measurement, catalogue: Catalogue | None = None) -> KnitModel:

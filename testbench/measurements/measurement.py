@@ -68,6 +68,11 @@ class Measurement:
     begins_s: tuple[float, ...] = ()
 
     @property
+    def seen(self) -> slice:
+        """Its part of the recording, with the burn-in: in a ramp and hold nearly all of the motion lies there."""
+        return slice(0, int(np.flatnonzero(self.counts)[-1]) + 1)
+
+    @property
     def grid_s(self) -> FloatArray:
         """Times of the grid points after the recording's first sample, shape (n,)."""
         return self.signals["time_s"] + self.start_s
@@ -266,7 +271,7 @@ def _check_parts(calibration: Measurement, held: Measurement, cut_s: float) -> N
             f"{source}: too short to fit on one part and judge on the rest: {fewest} samples in the shorter part, "
             f"at least {MIN_PART} are needed; record longer, or give another recording with --held-out"
         )
-    seen = calibration.signals["strain"][: np.flatnonzero(calibration.counts)[-1] + 1]
+    seen = calibration.signals["strain"][calibration.seen]
     if np.ptp(seen) < MIN_STRAIN_RANGE:
         raise UserError(
             f"{source}: too still to identify anything: the strain moves by {np.ptp(seen):.2%} in the first "

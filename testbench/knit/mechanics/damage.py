@@ -21,6 +21,11 @@ class MullinsLaw(Effect):
     strength = "softening"
 
 
+def lost_below(strain: FloatArray, top: FloatArray, span: float, power: float, growth: float = 1.0) -> FloatArray:
+    """Force lost below the stretch `top`, over that lost at rest after a stretch to `span`, shape (n,)."""
+    return np.minimum((top / span) ** growth, 1 / 0.9) * (1 - np.clip(strain / top, 0.0, 1.0) ** power)
+
+
 class MullinsSoftening(MullinsLaw):
     """Below the largest stretch so far the knit is softer than a virgin one (pseudo-elastic).
 
@@ -74,8 +79,7 @@ class MullinsSofteningPower(MullinsLaw):
         from testbench.knit.kernels import running_max
 
         top = np.maximum(running_max(signals["strain"]), 1e-6)
-        share = np.clip(signals["strain"] / top, 0.0, 1.0)
-        lost = np.minimum((top / self.span) ** self.growth, 1 / 0.9) * (1 - share**self.power)
+        lost = lost_below(signals["strain"], top, self.span, self.power, self.growth)
         return {"force_N": signals["force_N"] * (1 - self.softening * lost)}
 
 
@@ -150,7 +154,7 @@ class MullinsSofteningHealing(MullinsLaw):
 
         strain = np.ascontiguousarray(signals["strain"])
         top = np.maximum(two_way_lowpass(strain, 0.0, np.exp(-dt_s / self.heal_s)), 1e-6)
-        lost = np.minimum(top / self.span, 1 / 0.9) * (1 - np.clip(strain / top, 0.0, 1.0) ** self.power)
+        lost = lost_below(strain, top, self.span, self.power)
         return {"force_N": signals["force_N"] * (1 - self.softening * lost)}
 
 
@@ -182,7 +186,20 @@ class FatigueLaw(Effect):
     strength = "loss"
 
 
-class CyclicFatigue(FatigueLaw):
+class LevellingOff(FatigueLaw):
+    """Base of the laws of a loss that ends: F *= 1 - loss * tired, with `tired` from 0 to 1."""
+
+    loss: float = parameter(0.1, unit="1", low=0, high=0.9, doc="share of the force lost in the end")
+
+    def tired(self, signals: Signals) -> FloatArray:
+        """Share of the loss that has come so far, shape (n,)."""
+        raise NotImplementedError
+
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        return {"force_N": signals["force_N"] * (1 - self.loss * self.tired(signals))}
+
+
+class CyclicFatigue(LevellingOff):
     """The knit loses force with every cycle and levels off.
 
     F *= 1 - loss * (1 - exp(-path / scale)),   path = integral of |de|
@@ -194,14 +211,12 @@ class CyclicFatigue(FatigueLaw):
     name = "cyclic_fatigue"
     look = "the peaks of the force sink from cycle to cycle, not in a hold"
 
-    loss: float = parameter(0.1, unit="1", low=0, high=0.9, doc="share of the force lost in the end")
     scale: float = parameter(
         5.0, unit="1", low=0.1, high=1e5, scale="log", doc="strain path after which 63 % of it is lost"
     )
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        tired = -np.expm1(-cycled_strain(signals) / self.scale)
-        return {"force_N": signals["force_N"] * (1 - self.loss * tired)}
+    def tired(self, signals: Signals) -> FloatArray:
+        return -np.expm1(-cycled_strain(signals) / self.scale)
 
 
 class CyclicFatigueLog(FatigueLaw):
@@ -225,7 +240,7 @@ class CyclicFatigueLog(FatigueLaw):
         return {"force_N": signals["force_N"] * np.maximum(1 - self.per_decade * decades, 0.0)}
 
 
-class CyclicFatigueWeibull(FatigueLaw):
+class CyclicFatigueWeibull(LevellingOff):
     """The knit loses force with the strain path: at once and ever more slowly, or late and then quickly.
 
     F *= 1 - loss * (1 - exp(-(path / scale)^shape)),   path = integral of |de|
@@ -239,7 +254,6 @@ class CyclicFatigueWeibull(FatigueLaw):
     name = "cyclic_fatigue_weibull"
     look = "the peaks of the force sink from cycle to cycle, early or late, not in a hold"
 
-    loss: float = parameter(0.1, unit="1", low=0, high=0.9, doc="share of the force lost in the end")
     scale: float = parameter(
         5.0, unit="1", low=0.1, high=1e5, scale="log", doc="strain path after which 63 % of it is lost"
     )
@@ -248,12 +262,11 @@ class CyclicFatigueWeibull(FatigueLaw):
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         return weibull_points(cycled_strain(signals))
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        tired = weibull(cycled_strain(signals), self.scale, self.shape)
-        return {"force_N": signals["force_N"] * (1 - self.loss * tired)}
+    def tired(self, signals: Signals) -> FloatArray:
+        return weibull(cycled_strain(signals), self.scale, self.shape)
 
 
-class CyclicFatigueSwings(FatigueLaw):
+class CyclicFatigueSwings(LevellingOff):
     """Large swings tire a knit more than many small ones of the same path.
 
     F *= 1 - loss * (1 - exp(-n / scale)),   n = integral of (r / span)^power |de|
@@ -268,7 +281,6 @@ class CyclicFatigueSwings(FatigueLaw):
     name = "cyclic_fatigue_swings"
     look = "the peaks of the force sink after each large cycle, hardly with many small ones"
 
-    loss: float = parameter(0.1, unit="1", low=0, high=0.9, doc="share of the force lost in the end")
     scale: float = parameter(
         2.0, unit="1", low=0.01, high=1e5, scale="log", doc="weighted strain path after which 63 % of it is lost"
     )
@@ -279,9 +291,8 @@ class CyclicFatigueSwings(FatigueLaw):
         whole = {power: max(float(self._damage(signals, power)[-1]), 1e-3) for power in (1.0, 3.0)}
         return [{"power": power, "scale": share * n} for power, n in whole.items() for share in (0.2, 1.0, 5.0)]
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        tired = -np.expm1(-self._damage(signals, self.power) / self.scale)
-        return {"force_N": signals["force_N"] * (1 - self.loss * tired)}
+    def tired(self, signals: Signals) -> FloatArray:
+        return -np.expm1(-self._damage(signals, self.power) / self.scale)
 
     def _damage(self, signals: Signals, power: float) -> FloatArray:
         from testbench.knit.kernels import turns

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 from testbench.knit.filters import lowpass
 
@@ -17,8 +15,25 @@ class ChannelLagLaw(Effect):
     strength = "tau_s"
     nonlinear = True
 
+    def late(self, x: FloatArray, dt_s: float) -> FloatArray:
+        """What is read of a signal, shape (n,)."""
+        raise NotImplementedError
 
-class ChannelLag(ChannelLagLaw):
+    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
+        (signal,) = self.writes
+        return {signal: self.late(signals[signal], dt_s)}
+
+
+class OneFilter(ChannelLagLaw):
+    """Base of the laws of one filter."""
+
+    tau_s: float = parameter(0.2, unit="s", low=0, high=10, typical=0.1, doc="time constant of the filter")
+
+    def late(self, x: FloatArray, dt_s: float) -> FloatArray:
+        return lowpass(x, self.tau_s, dt_s)
+
+
+class ChannelLag(OneFilter):
     """The resistance channel is slower than the force channel: a filter in its way.
 
     tau y' = G - y,   the reading is y
@@ -30,13 +45,8 @@ class ChannelLag(ChannelLagLaw):
     name = "channel_lag"
     look = "conductance comes later than force, so their loop widens with speed"
 
-    tau_s: float = parameter(0.2, unit="s", low=0, high=10, typical=0.1, doc="time constant of the filter")
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        return {"conductance_S": lowpass(signals["conductance_S"], self.tau_s, dt_s)}
-
-
-class ChannelLagResistance(ChannelLagLaw):
+class ChannelLagResistance(OneFilter):
     """The reading of the resistance, not of the conductance, is filtered: steps up and steps down differ.
 
     tau y' = R - y,   the reading is 1 / y
@@ -48,10 +58,8 @@ class ChannelLagResistance(ChannelLagLaw):
     name = "channel_lag_resistance"
     look = "conductance comes later than force, and later when it rises than when it falls"
 
-    tau_s: float = parameter(0.2, unit="s", low=0, high=10, typical=0.1, doc="time constant of the filter")
-
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        return {"conductance_S": 1 / lowpass(1 / signals["conductance_S"], self.tau_s, dt_s)}
+        return {"conductance_S": 1 / self.late(1 / signals["conductance_S"], dt_s)}
 
 
 class TwoFilters(ChannelLagLaw):
@@ -60,7 +68,7 @@ class TwoFilters(ChannelLagLaw):
     tau_s: float = parameter(0.2, unit="s", low=0, high=10, typical=0.1, doc="sum of the two time constants")
     second: float = parameter(0.5, unit="1", low=0.05, high=1, doc="second time constant over the first")
 
-    def filtered(self, x: FloatArray, dt_s: float) -> FloatArray:
+    def late(self, x: FloatArray, dt_s: float) -> FloatArray:
         first_s = self.tau_s / (1 + self.second)
         return lowpass(lowpass(x, first_s, dt_s), self.second * first_s, dt_s)
 
@@ -79,10 +87,10 @@ class ChannelLagTwoFilters(TwoFilters):
     look = "conductance comes later than force, and its turns are rounder"
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        return {"conductance_S": 1 / self.filtered(1 / signals["conductance_S"], dt_s)}
+        return {"conductance_S": 1 / self.late(1 / signals["conductance_S"], dt_s)}
 
 
-class ChannelLagForce(ChannelLagLaw):
+class ChannelLagForce(OneFilter):
     """The force channel is slower than the resistance channel.
 
     tau y' = F - y,   the reading is y
@@ -94,11 +102,6 @@ class ChannelLagForce(ChannelLagLaw):
     name = "channel_lag_force"
     reads, writes = ("force_N",), ("force_N",)
     look = "force comes later than displacement and conductance"
-
-    tau_s: float = parameter(0.2, unit="s", low=0, high=10, typical=0.1, doc="time constant of the filter")
-
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        return {"force_N": lowpass(signals["force_N"], self.tau_s, dt_s)}
 
 
 class ChannelLagForceTwoFilters(TwoFilters):
@@ -114,9 +117,6 @@ class ChannelLagForceTwoFilters(TwoFilters):
     reads, writes = ("force_N",), ("force_N",)
     look = "force comes later than displacement and conductance, and its turns are rounder"
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        return {"force_N": self.filtered(signals["force_N"], dt_s)}
-
 
 class DelayLaw(ChannelLagLaw):
     """Base of the laws of a reading that is late by a fixed time."""
@@ -125,9 +125,10 @@ class DelayLaw(ChannelLagLaw):
 
     delay_s: float = parameter(0.2, unit="s", low=0, high=10, typical=0.1, doc="delay")
 
-    def delayed(self, x: FloatArray, dt_s: float) -> FloatArray:
-        sample = np.arange(len(x))
-        return np.interp(sample - self.delay_s / dt_s, sample, x)
+    def late(self, x: FloatArray, dt_s: float) -> FloatArray:
+        from testbench.knit.memories import delayed
+
+        return delayed(x, self.delay_s, dt_s)
 
 
 class ChannelLagDelay(DelayLaw):
@@ -142,9 +143,6 @@ class ChannelLagDelay(DelayLaw):
     name = "channel_lag_delay"
     look = "conductance is the same curve, later"
 
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        return {"conductance_S": self.delayed(signals["conductance_S"], dt_s)}
-
 
 class ChannelLagForceDelay(DelayLaw):
     """The force channel is late by a fixed time.
@@ -158,6 +156,3 @@ class ChannelLagForceDelay(DelayLaw):
     name = "channel_lag_force_delay"
     reads, writes = ("force_N",), ("force_N",)
     look = "force is the same curve, later"
-
-    def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        return {"force_N": self.delayed(signals["force_N"], dt_s)}
