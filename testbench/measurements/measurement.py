@@ -40,7 +40,7 @@ class Measurement:
     measured : mapping of str to ndarray, each shape (n,)
         ``force`` in N and ``conductance`` as ln S, as far as they were recorded.
     counts : ndarray of bool, shape (n,)
-        Samples that enter fits and errors: after the burn-in, and inside this part of the recording.
+        Samples that enter fits and errors: read, after the burn-in, and inside this part of the recording.
     recording : Recording
         Where it came from, as sampled.
     strain_noise : ndarray, shape (n,)
@@ -153,7 +153,7 @@ def prepare(
     temperature = binned(recording[TEMPERATURE]) if recording.has(TEMPERATURE) else None
     start_s, end_s = span or (0.0, np.inf)
     settled_s = _burn_in_s(time_s, recording.strain)
-    counts = (grid_s >= max(start_s, settled_s)) & (grid_s < end_s)
+    counts = (grid_s >= max(start_s, settled_s)) & (grid_s < end_s) & binned.is_read
     # Times far apart, as in a hold of hours, tell little of the noise between them: the lower estimate is meant.
     read = min(reading_noise(time_s, recording.strain), noise_floor(recording.strain))
     noise = max(read, even_step(recording.strain) / 12**0.5) / np.sqrt(binned.averaged)
@@ -188,6 +188,13 @@ class _Bins:
         self._average = bool(np.mean(self._filled == 0) < 0.2 and len(time_s) > 1.5 * count)
         self.grid_s = (np.arange(count) + (0.5 if self._average else 0.0)) / rate_hz
         self._off_s = self._means(time_s) - self.grid_s if self._average else np.zeros(count)
+
+    @property
+    def is_read(self) -> np.ndarray:
+        """Whether a sample lies within a step of each grid point: what was interpolated over a gap is no reading."""
+        after = np.searchsorted(self._time_s, self.grid_s).clip(1, len(self._time_s) - 1)
+        off_s = np.abs(self._time_s[[after - 1, after]] - self.grid_s).min(axis=0)
+        return np.asarray(off_s <= self.grid_s[1] - self.grid_s[0])
 
     @property
     def averaged(self) -> float:

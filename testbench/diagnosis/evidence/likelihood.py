@@ -169,8 +169,11 @@ def telling(measurement: Measurement) -> Measurement:
     index = np.arange(len(strain))
     still_s = (index - np.maximum.accumulate(np.where(moving, index, 0))) * dt_s
     passed = np.cumsum(dt_s / np.maximum(dt_s, HOLD_STEP * still_s))
-    new = np.diff(np.floor(passed + 1e-9), prepend=-1) > 0
-    return replace(measurement, counts=measurement.counts & new)
+    counting = np.flatnonzero(measurement.counts)
+    new = np.diff(np.floor(passed[counting] + 1e-9), prepend=-1) > 0
+    counts = np.zeros_like(measurement.counts)
+    counts[counting[new]] = True
+    return replace(measurement, counts=counts)
 
 
 def noise_of(measurement: Measurement) -> dict[str, float]:
