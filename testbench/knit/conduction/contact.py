@@ -45,7 +45,7 @@ class Contact(Effect):
         0.2, unit="N", low=1e-3, high=100, scale="log", doc="contact force of the resting knit"
     )
     exponent: float = parameter(
-        0.5, unit="1", low=0.2, high=1.2, scale="log", doc="how steeply contacts improve with force"
+        0.5, unit="1", low=0.2, high=6, scale="log", doc="how steeply contacts improve with force"
     )
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
