@@ -178,6 +178,7 @@ class SlackLaw(Effect):
     """Base of the laws of a knit that hangs through at first."""
 
     mechanism = "slack"
+    bends_a_law = True
     stage = Stage.KINEMATICS
     reads, writes = ("strain",), ("strain",)
     strength = "slack"
