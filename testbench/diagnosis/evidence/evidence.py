@@ -82,59 +82,102 @@ class LogEvidence:
         return np.tril(lower) + np.tril(lower, -1).T
 
 
+@dataclass(frozen=True)
+class _Part:
+    """The normal equations of the coefficients that are not switched off; the others are at their prior means.
+
+    Attributes
+    ----------
+    products : dict of channel to ndarray, shape (m + 1, m + 1)
+        Of what those others leave of the residual, and of the sensitivities that remain.
+    share : float
+        As in `NormalEquations`.
+    count : int
+        m.
+    """
+
+    products: dict[str, FloatArray]
+    share: float
+    count: int
+
+    @classmethod
+    def of(cls, normal: NormalEquations, on: np.ndarray) -> _Part:
+        off, picked = np.r_[1.0, -normal.mean], np.r_[0, on + 1]
+        off[on + 1] = 0.0
+        products = {}
+        for c, gram in normal.products.items():
+            part = gram[np.ix_(picked, picked)]
+            if off[1:].any():
+                left = off @ gram
+                part[0], part[:, 0] = left[picked], left[picked]
+                part[0, 0] = left @ off
+            products[c] = part
+        return cls(products, normal.share, len(on))
+
+    def solved(
+        self, sigma: Mapping[str, float], precision: FloatArray, mean: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Coefficients, shape (m,), and the lower Cholesky factor of their precision matrix, shape (m, m)."""
+        total = np.sum([g * (self.share / sigma[c] ** 2) for c, g in self.products.items()], axis=0)
+        matrix = total[1:, 1:].copy()
+        matrix[np.diag_indices_from(matrix)] += precision
+        chol, failed = lapack.dpotrf(matrix, lower=1)
+        if failed:
+            matrix[np.diag_indices_from(matrix)] *= 1 + 1e-9
+            chol, failed = lapack.dpotrf(matrix, lower=1)
+        return lapack.dpotrs(chol, total[1:, 0] + precision * mean, lower=1)[0], chol
+
+    def left(self, x: FloatArray) -> dict[str, float]:
+        """Squares of what the coefficients leave, per channel."""
+        vector = np.r_[1.0, -x]
+        return {c: max(float(vector @ g @ vector), 1e-300) * self.share for c, g in self.products.items()}
+
+
 def maximised(
     normal: NormalEquations,
-    columns: Sequence[int] | None = None,
     start: LogEvidence | None = None,
     iterations: int = 12,
     scale: FloatArray | None = None,
 ) -> LogEvidence:
     """Maximise ln Z over the scales of the groups and the noise of the channels.
 
-    Parameters
-    ----------
-    columns : sequence of int, optional
-        Coefficients that the model has (indices from 0); default all.
+    A group that is switched off (its scale is `LARGEST`) stays so: its coefficients are what the prior says, and add
+    nothing to ln Z.
     """
-    kept = np.arange(len(normal.mean)) if columns is None else np.asarray(columns)
-    mean, declared, group = normal.mean[kept], normal.precision[kept], normal.group[kept]
-    picked = np.r_[0, kept + 1]
-    gram = {c: values[np.ix_(picked, picked)] for c, values in normal.products.items()}
-    factor = np.ones(int(normal.group.max(initial=-1)) + 1) if scale is None else scale.copy()
-    sigma = (
-        dict(start.sigma) if start else {c: np.sqrt(g[0, 0] * normal.share / normal.count) for c, g in gram.items()}
-    )
+    declared, group = normal.precision, normal.group
+    factor = np.ones(int(group.max(initial=-1)) + 1) if scale is None else scale.copy()
+    sizes = {c: float(np.sqrt(g[0, 0] * normal.share / normal.count)) for c, g in normal.products.items()}
+    sigma = dict(start.sigma) if start else sizes
     members = [np.flatnonzero(group == g) for g in range(len(factor))]
-    value = -np.inf
+    value, part = -np.inf, _Part.of(normal, np.arange(len(group)))
     for _ in range(iterations):
-        precision = declared * np.where(group >= 0, factor[group], 1.0) if len(factor) else declared
-        total = sum(g * (normal.share / sigma[c] ** 2) for c, g in gram.items())
-        matrix = total[1:, 1:].copy()
-        matrix[np.diag_indices_from(matrix)] += precision
-        goal = total[1:, 0] + precision * mean
-        chol, failed = lapack.dpotrf(matrix, lower=1)
-        if failed:
-            matrix[np.diag_indices_from(matrix)] *= 1 + 1e-9
-            chol, failed = lapack.dpotrf(matrix, lower=1)
-        x = lapack.dpotrs(chol, goal, lower=1)[0]
-        vector = np.r_[1.0, -x]
-        left = {c: max(float(vector @ g @ vector), 1e-300) * normal.share for c, g in gram.items()}
-        squares = {c: max(one, normal.count * normal.least[c] ** 2) for c, one in left.items()}
+        scaled = declared * np.where(group >= 0, factor[group], 1.0) if len(factor) else declared
+        on = np.flatnonzero((group < 0) | (factor[group] < LARGEST)) if len(factor) else np.arange(len(group))
+        if len(on) != part.count:
+            part = _Part.of(normal, on)
+        precision, mean = scaled[on], normal.mean[on]
+        x, chol = part.solved(sigma, precision, mean)
+        squares = {c: max(one, normal.count * normal.least[c] ** 2) for c, one in part.left(x).items()}
         inverse, _ = lapack.dtrtri(chol, lower=1)
-        variance = np.einsum("ki,ki->i", inverse, inverse)
-        known = [len(where) - float(precision[where] @ variance[where]) for where in members]
+        variance = 1 / scaled
+        variance[on] = np.einsum("ki,ki->i", inverse, inverse)
+        known = [len(where) - float(scaled[where] @ variance[where]) for where in members]
         before, value = value, _value(squares, sigma, normal.count, x, mean, precision, chol)
         value -= sum(float(np.log1p(1 / factor[g])) for g in normal.typical)
         value -= _found_scales(known, normal.typical)
         sigma = {c: np.sqrt(one / normal.count) for c, one in squares.items()}
+        everywhere = normal.mean.copy()
+        everywhere[on] = x
         for g, where in enumerate(members):
             if len(where):
-                size = float(declared[where] @ (x[where] - mean[where]) ** 2)
+                size = float(declared[where] @ (everywhere[where] - normal.mean[where]) ** 2)
                 more = 2 / (1 + factor[g]) if g in normal.typical else 0.0
                 factor[g] = np.clip(max(known[g] + more, 1e-3) / max(size, 1e-12), SMALLEST, LARGEST)
         if abs(value - before) < 0.05:
             break
-    return LogEvidence(float(value), x, sigma, factor, chol)
+    whole = np.diag(np.sqrt(scaled))
+    whole[np.ix_(on, on)] = chol
+    return LogEvidence(float(value), everywhere, sigma, factor, whole)
 
 
 def opened(scale: FloatArray) -> FloatArray:

@@ -13,6 +13,7 @@ from testbench.knit.shapes.waves import harmonics_parameter, wave_of
 TURN_STRAIN = 2e-4  # that the motion comes back by for a turn to count
 MOST_TURNS, PITCHES = 40.0, 4  # turns of a screw within the motion; pitches to begin at
 BEND_TURNS = 3.0  # fewer turns of a screw within the motion are a bend of the knit's own law
+SEEN_END = 1.0  # spread of the lengths of yarns over their mean, below which one sees where they are straight
 TAKEN_UP = (0.03, 0.1, 0.3, 0.6, 0.85)  # of the longest stretch
 JOINTS = np.linspace(-1, 1, 5)  # relative gaps of a drive whose play closes little by little
 
@@ -178,7 +179,6 @@ class SlackLaw(Effect):
     """Base of the laws of a knit that hangs through at first."""
 
     mechanism = "slack"
-    bends_a_law = True
     stage = Stage.KINEMATICS
     reads, writes = ("strain",), ("strain",)
     strength = "slack"
@@ -224,6 +224,10 @@ class SlackGradual(SlackLaw):
     spread: float = parameter(
         0.2, unit="1", low=0.02, high=2, scale="log", doc="width of the distribution of the lengths over the slack"
     )
+
+    def is_a_bend(self, signals: Signals) -> bool:
+        """Yarns of all lengths get straight all along, as in the elasticity of any knit: no end of it is seen."""
+        return self.spread > SEEN_END
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         strain = signals["strain"]

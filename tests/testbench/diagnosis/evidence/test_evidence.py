@@ -87,7 +87,10 @@ def test_what_is_nearer_than_the_least_is_no_merit():
 @settings(max_examples=6, deadline=None)
 def test_the_order_of_the_columns_does_not_matter(order):
     _, _, normal = linear(3)
-    one, other = maximised(normal), maximised(normal, columns=list(order))
+    picked = np.r_[0, np.array(order) + 1]
+    changed = {c: gram[np.ix_(picked, picked)] for c, gram in normal.products.items()}
+    moved = {key: getattr(normal, key)[list(order)] for key in ("mean", "precision", "group")}
+    one, other = maximised(normal), maximised(replace(normal, products=changed, **moved))
     assert other.value == pytest.approx(one.value, abs=1e-8)
     np.testing.assert_allclose(other.coefficients, one.coefficients[list(order)], atol=1e-8)
 
@@ -105,6 +108,27 @@ def test_a_column_that_changes_nothing_costs_nothing():
     one, other = maximised(normal), maximised(padded)
     assert other.value == pytest.approx(one.value, abs=1e-8)
     assert other.coefficients[-1] == pytest.approx(0.4)
+
+
+@pytest.mark.parametrize("mean", [0.0, 0.4])
+def test_a_group_that_is_switched_off_costs_nothing_and_stays_at_its_prior_mean(mean):
+    residuals, designs, normal = linear(5)
+    idle = np.random.default_rng(1).standard_normal((2, COUNT))
+    more = {c: np.vstack([residuals[c], designs[c], idle]) for c in SIGMA}
+    less = {c: np.vstack([residuals[c] - mean * idle.sum(axis=0), designs[c]]) for c in SIGMA}
+    padded = replace(
+        normal,
+        products={c: rows @ rows.T for c, rows in more.items()},
+        mean=np.r_[normal.mean, mean, mean],
+        precision=np.r_[normal.precision, 1.0, 1.0],
+        group=np.r_[normal.group, 0, 0],
+    )
+    without = replace(normal, products={c: rows @ rows.T for c, rows in less.items()})
+    one = maximised(without, known_scales(), iterations=1)
+    other = maximised(padded, known_scales(), iterations=1, scale=np.array([LARGEST]))
+    assert other.value == pytest.approx(one.value, abs=1e-8)
+    np.testing.assert_allclose(other.coefficients, np.r_[one.coefficients, mean, mean], atol=1e-8)
+    np.testing.assert_allclose(np.diag(other.covariance)[-2:], 1 / LARGEST)
 
 
 def test_the_scale_of_a_group_is_found_by_the_evidence():

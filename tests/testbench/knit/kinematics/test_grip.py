@@ -58,6 +58,13 @@ def test_a_ripple_of_any_form_holds_a_saw_tooth() -> None:
     np.testing.assert_allclose(strain - UP, 0.01 * (series - series[0]), atol=1e-15)
 
 
+def test_yarns_that_get_straight_all_along_are_a_bend_and_those_with_an_end_are_not() -> None:
+    motion = {"strain": np.linspace(0, 0.3, 50)}
+    assert SlackGradual(spread=1.4).is_a_bend(motion)
+    assert not SlackGradual(spread=0.4).is_a_bend(motion)
+    assert not Slack().is_a_bend(motion)
+
+
 def test_a_ripple_of_two_turns_within_the_motion_is_a_bend() -> None:
     motion = {"strain": np.linspace(0.0, 0.3, 100)}
     assert LeadscrewRipple(pitch=0.15).is_a_bend(motion)
