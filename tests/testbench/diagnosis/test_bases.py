@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
+from testbench.diagnosis.evidence.likelihood import FINEST
 from testbench.diagnosis.search import Search
 from testbench.fitting.baseline import kinds_of_conduction, starting_baseline
 from testbench.knit.catalogue import load_catalogue
 from testbench.measurements.measurement import Measurement, prepare
+from testbench.measurements.noise_level import spread
 from tests.testbench.builders import NOISE_LN, record, truth
 
 CATALOGUE = load_catalogue()
@@ -47,9 +50,21 @@ def test_without_a_force_there_are_no_contacts_under_it():
     assert "piezoresistance" in only
 
 
+def without_noise() -> Search:
+    return Search(prepare(record(truth(), 60, 10.0, 1, BOTH, noise=0.0)), CATALOGUE, lambda _text: None)
+
+
 def test_a_simulation_without_noise_is_no_more_exact_than_a_converter():
-    search = Search(prepare(record(truth(), 60, 10.0, 1, BOTH, noise=0.0)), CATALOGUE, lambda _text: None)
-    assert search.run()[1] == []
+    search = without_noise()
+    for channel, noise in search.noise.items():
+        assert noise >= 0.9 * FINEST * spread(search.measurement.measured[channel])
+    bent, _ = search.bases()
+    assert np.isfinite(bent[0].log_z)
+
+
+@pytest.mark.slow
+def test_in_a_simulation_without_noise_nothing_is_missing():
+    assert without_noise().run()[1] == []
 
 
 def test_a_base_of_either_kind_is_completed_and_the_better_comes_first():

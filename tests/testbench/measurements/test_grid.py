@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from testbench.comparing.model_errors import noise_floors
+from testbench.diagnosis.evidence.likelihood import HOLD_STEP, telling
 from testbench.measurements import measurement as measurements
 from testbench.measurements.measurement import coarser, prepare
 from testbench.recordings.channels import DISPLACEMENT, FORCE
@@ -35,6 +36,27 @@ def test_samples_at_even_times_and_their_turns_are_kept():
 
 def test_where_bins_are_averaged_the_grid_lies_in_their_middle():
     assert prepare(triangles(100.0)).grid_s[0] == pytest.approx(0.02)
+
+
+@pytest.mark.parametrize("rate_hz", [12.0, 100.0])
+def test_what_was_interpolated_over_a_gap_does_not_count(rate_hz):
+    whole = triangles(rate_hz)
+    kept = (whole.time_s < 101.3) | (whole.time_s > 104.1)
+    measurement = prepare(Recording(whole.time_s[kept], {k: v[kept] for k, v in whole.channels.items()}, 100.0))
+    gap = (measurement.grid_s > 101.4) & (measurement.grid_s < 104.0)
+    assert not measurement.counts[gap].any()
+    assert measurement.counts[(measurement.grid_s > 10) & ((measurement.grid_s < 101.2) | (measurement.grid_s > 104.2))].all()
+
+
+def test_in_a_hold_that_is_sampled_rarely_samples_count_and_nothing_between_them():
+    time_s = np.r_[np.arange(0, 60, 0.1), np.arange(60, 3600, 30.0)]
+    strain = np.minimum(time_s / 50, 1.0)
+    force_N = strain + 1e-3 * np.random.default_rng(0).standard_normal(len(time_s))
+    measurement = telling(prepare(Recording(time_s, {DISPLACEMENT: 30 * strain, FORCE: force_N}, GAUGE_LENGTH_MM)))
+    held_s = measurement.grid_s[measurement.counts & (measurement.grid_s > 200)]
+    np.testing.assert_allclose(held_s[:30], np.arange(210, 1110, 30), atol=measurement.dt_s)
+    np.testing.assert_allclose(held_s, 30 * np.round(held_s / 30), atol=measurement.dt_s)
+    assert np.diff(held_s).max() < 30 + HOLD_STEP * 3600
 
 
 @pytest.mark.parametrize("rate_hz", [12.0, 50.0])
