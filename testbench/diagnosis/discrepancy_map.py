@@ -35,9 +35,10 @@ class Map:
     def __init__(self, hypothesis: Hypothesis, likelihood: Likelihood) -> None:
         names, groups, values = _features(likelihood.measurement)
         channels = list(hypothesis.columns)
-        base = {c: columns * hypothesis.robust[c] for c, columns in hypothesis.columns.items()}
+        directions = hypothesis.directions
+        base = {c: directions.rows(rows) for c, rows in hypothesis.weighted.items()}
         picked = values[:, likelihood.rows]
-        count, size = len(values), len(hypothesis.priors.mean)
+        count, size = len(values), len(directions.group)
         rows = {c: np.zeros((count * len(channels), len(likelihood.rows))) for c in channels}
         precision: list[float] = []
         group: list[int] = []
@@ -47,7 +48,8 @@ class Map:
             rows[c][part] = picked * (likelihood.weight[c] * hypothesis.robust[c])
             precision += [hypothesis.evidence.sigma[c] ** -2.0] * count
             group += [first + place * len(names) + g for g in groups]
-        normal = extended(hypothesis.pinned, base, rows, [0.0] * len(precision), precision, group)
+        plain = directions.equations(hypothesis.pinned, base)
+        normal = extended(plain, base, rows, [0.0] * len(precision), precision, group)
         normal = replace(normal, least=likelihood.misfit)  # a closer fit earns a map nothing, either
         scale = np.r_[opened(hypothesis.evidence.scale), np.full(len(names) * len(channels), 10.0)]
         found = maximised(normal, scale=scale, iterations=12, start=hypothesis.evidence)

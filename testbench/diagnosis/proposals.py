@@ -106,10 +106,11 @@ class Screen:
     """First-order evidence of laws beside a fitted model, all of whose parameters may move to make room."""
 
     def __init__(self, hypothesis: Hypothesis, likelihood: Likelihood) -> None:
-        self.hypothesis, self.likelihood = hypothesis, likelihood
-        self.plain = maximised(hypothesis.normal, scale=hypothesis.evidence.scale, start=hypothesis.evidence)
+        self.hypothesis, self.directions = hypothesis, hypothesis.directions
+        self.base = {c: self.directions.rows(rows) for c, rows in hypothesis.weighted.items()}
+        self.normal = self.directions.equations(hypothesis.normal, self.base)
+        self.plain = maximised(self.normal, scale=hypothesis.evidence.scale, start=hypothesis.evidence)
         self.scales = shape_scales(likelihood.measurement)
-        self.base = {c: rows * hypothesis.robust[c] for c, rows in hypothesis.columns.items()}
 
     def proposals(self, laws: Sequence[Law]) -> list[Proposal]:
         """Every law at its best point, best first."""
@@ -126,9 +127,9 @@ class Screen:
 
     def _first_order(self, tried: Sequence[Candidate], rows: Rows) -> tuple[FloatArray, FloatArray]:
         """Gains at the scales of the model as it is, and coefficients of the traces, both of shape (m,)."""
-        evidence, normal = self.plain, self.hypothesis.normal
+        evidence, normal = self.plain, self.normal
         share = {c: normal.share / evidence.sigma[c] ** 2 for c in rows}
-        with_base = sum((rows[c] @ self.base[c].T) * share[c] for c in rows)
+        with_base = np.sum([(rows[c] @ self.base[c].T) * share[c] for c in rows], axis=0)
         size = sum(np.einsum("ij,ij->i", rows[c], rows[c]) * share[c] for c in rows)
         inner = with_base[:, 1:]
         goal = with_base[:, 0] - inner @ evidence.coefficients
@@ -154,7 +155,7 @@ class Screen:
             found = self.evidence({c: values[index : index + 1] for c, values in rows.items()}, mean, precision, -1)
             amount, gain = float(found.coefficients[-1]), found.value - self.plain.value
             gain += float(tail_evidence(typically, off)) if has_tails else 0.0
-            step = found.coefficients[:-1]
+            step = self.step(found, 1)
             if amount <= 0 and not two_signed(type(candidate.effect)):
                 gain = -1.0
         else:
@@ -176,7 +177,11 @@ class Screen:
         weights = tuple(float(a) * first.strength for a in found.coefficients[-count:])
         effect = first.effect.near(**{first.effect.strength: weights})
         gain = found.value - self.plain.value
-        return Proposal(law.mechanism, first.law, effect, gain, found.coefficients[:-count])
+        return Proposal(law.mechanism, first.law, effect, gain, self.step(found, count))
+
+    def step(self, found: LogEvidence, more: int) -> FloatArray:
+        """By which the model's own parameters move, shape (p,), where `more` columns were added to them."""
+        return self.directions.full(found.coefficients[:-more])
 
     def evidence(
         self, rows: Rows, mean: float, precision: float, group: int, iterations: int = 6, typical: bool = False
@@ -193,9 +198,7 @@ class Screen:
         count = len(next(iter(rows.values())))
         start = self.plain
         number = -1 if group < 0 else len(start.scale)
-        bigger = extended(
-            self.hypothesis.normal, self.base, rows, [mean] * count, [precision] * count, [number] * count
-        )
+        bigger = extended(self.normal, self.base, rows, [mean] * count, [precision] * count, [number] * count)
         if typical:
             bigger = replace(bigger, typical=bigger.typical | {number})
         scale = start.scale if group < 0 else np.r_[opened(start.scale), 1.0]

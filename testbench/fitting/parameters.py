@@ -117,6 +117,8 @@ def with_values(model: KnitModel, parameters: Iterable[FreeParameter], vector: F
         change = changes.setdefault(effect, {})
         if index < 0:
             change[key] = p.to_physical(coordinate)
-        else:
-            change.setdefault(key, list(getattr(model[effect], key)))[index] = p.to_physical(coordinate)
+            continue
+        if key not in change:
+            change[key] = list(getattr(model[effect], key))
+        change[key][index] = p.to_physical(coordinate)
     return model.changed(changes)

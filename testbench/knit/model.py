@@ -142,8 +142,10 @@ class KnitModel:
             change = changes.setdefault(effect_name, {})
             if index < 0:
                 change[key] = value
-            else:
-                change.setdefault(key, list(getattr(self[effect_name], key)))[index] = value
+                continue
+            if key not in change:
+                change[key] = list(getattr(self[effect_name], key))
+            change[key][index] = value
         return self.changed(changes)
 
     def changed(self, changes: Mapping[str, Mapping[str, Any]]) -> KnitModel:

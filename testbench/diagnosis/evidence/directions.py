@@ -7,10 +7,12 @@ of their normal equations a rich shape changes nothing that is above the noise: 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
+from testbench.diagnosis.evidence.evidence import NormalEquations
 from testbench.diagnosis.evidence.priors import Priors
 from testbench.knit.effect import FloatArray
 
@@ -63,6 +65,11 @@ class Directions:
             group.append(np.full(part.shape[1], g))
         return cls(np.hstack(parts), np.concatenate(group), priors.group)
 
+    @cached_property
+    def own(self) -> np.ndarray:
+        """A parameter of each direction, shape (q,): members of a group have one precision."""
+        return np.argmax(self.basis != 0, axis=0)
+
     def rows(self, columns: FloatArray) -> FloatArray:
         """Residual and what each direction changes, shape (q + 1, k)."""
         found = np.empty((1 + len(self.group), columns.shape[1]))
@@ -76,6 +83,16 @@ class Directions:
     def along(self, vector: FloatArray) -> FloatArray:
         """Coordinates of a vector of all parameters, shape (q,)."""
         return self.basis.T @ vector
+
+    def equations(self, normal: NormalEquations, rows: Mapping[str, FloatArray]) -> NormalEquations:
+        """Normal equations of all parameters along the directions; `rows` as from `rows`, weighted."""
+        return replace(
+            normal,
+            products={c: one @ one.T for c, one in rows.items()},
+            mean=self.along(normal.mean),
+            precision=normal.precision[self.own],
+            group=self.group,
+        )
 
     def full(self, coordinates: FloatArray) -> FloatArray:
         """All parameters from coordinates, shape (p,)."""

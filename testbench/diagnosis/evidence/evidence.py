@@ -88,7 +88,7 @@ class _Part:
 
     Attributes
     ----------
-    products : dict of channel to ndarray, shape (m + 1, m + 1)
+    products : mapping of channel to ndarray, shape (m + 1, m + 1)
         Of what those others leave of the residual, and of the sensitivities that remain.
     share : float
         As in `NormalEquations`.
@@ -96,12 +96,14 @@ class _Part:
         m.
     """
 
-    products: dict[str, FloatArray]
+    products: Mapping[str, FloatArray]
     share: float
     count: int
 
     @classmethod
     def of(cls, normal: NormalEquations, on: np.ndarray) -> _Part:
+        if len(on) == len(normal.mean):
+            return cls(normal.products, normal.share, len(on))
         off, picked = np.r_[1.0, -normal.mean], np.r_[0, on + 1]
         off[on + 1] = 0.0
         products = {}
@@ -118,7 +120,9 @@ class _Part:
         self, sigma: Mapping[str, float], precision: FloatArray, mean: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
         """Coefficients, shape (m,), and the lower Cholesky factor of their precision matrix, shape (m, m)."""
-        total = np.sum([g * (self.share / sigma[c] ** 2) for c, g in self.products.items()], axis=0)
+        total = np.zeros((self.count + 1, self.count + 1))
+        for c, gram in self.products.items():
+            total += gram * (self.share / sigma[c] ** 2)
         matrix = total[1:, 1:].copy()
         matrix[np.diag_indices_from(matrix)] += precision
         chol, failed = lapack.dpotrf(matrix, lower=1)

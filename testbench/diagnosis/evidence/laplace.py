@@ -227,9 +227,10 @@ class _PosteriorFit:
             self.rows = {c: self.directions.rows(rows) for c, rows in self.columns.items()}
             self.stale = False
         robust, group = self.robust(self.rows), self.directions.group
-        own = np.argmax(self.directions.basis != 0, axis=0)  # members of a group have one precision
         mean, precision = self.believed()
-        return self.equations(self.rows, robust, self.directions.along(mean), precision[own], group), robust
+        return self.equations(
+            self.rows, robust, self.directions.along(mean), precision[self.directions.own], group
+        ), robust
 
     def robust(self, rows: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
         """Square roots of the Huber weights."""
@@ -270,7 +271,7 @@ class _PosteriorFit:
     def room(self) -> tuple[FloatArray, FloatArray]:
         """How far a step may go along each direction: for a parameter to its bounds, for weights anywhere."""
         own = self.directions.group < 0
-        which = np.argmax(self.directions.basis != 0, axis=0)
+        which = self.directions.own
         low = np.where(own, (self.priors.low - self.x)[which], -np.inf)
         high = np.where(own, (self.priors.high - self.x)[which], np.inf)
         return np.minimum(low, 0.0), np.maximum(high, 0.0)
