@@ -159,29 +159,34 @@ def maximised(
         on = np.flatnonzero((group < 0) | (factor[group] < LARGEST)) if len(factor) else np.arange(len(group))
         if len(on) != part.count:
             part = _Part.of(normal, on)
-        precision, mean = scaled[on], normal.mean[on]
-        x, chol = part.solved(sigma, precision, mean)
+        x, chol = part.solved(sigma, scaled[on], normal.mean[on])
         squares = {c: max(one, normal.count * normal.least[c] ** 2) for c, one in part.left(x).items()}
-        inverse, _ = lapack.dtrtri(chol, lower=1)
-        variance = 1 / scaled
-        variance[on] = np.einsum("ki,ki->i", inverse, inverse)
-        known = [len(where) - float(scaled[where] @ variance[where]) for where in members]
-        before, value = value, _value(squares, sigma, normal.count, x, mean, precision, chol)
+        known = _known(members, scaled, on, chol)
+        before, value = value, _value(squares, sigma, normal.count, x, normal.mean[on], scaled[on], chol)
         value -= sum(float(np.log1p(1 / factor[g])) for g in normal.typical)
         value -= _found_scales(known, normal.typical)
         sigma = {c: np.sqrt(one / normal.count) for c, one in squares.items()}
-        everywhere = normal.mean.copy()
-        everywhere[on] = x
+        coefficients = normal.mean.copy()
+        coefficients[on] = x
+        square = declared * (coefficients - normal.mean) ** 2
         for g, where in enumerate(members):
             if len(where):
-                size = float(declared[where] @ (everywhere[where] - normal.mean[where]) ** 2)
                 more = 2 / (1 + factor[g]) if g in normal.typical else 0.0
-                factor[g] = np.clip(max(known[g] + more, 1e-3) / max(size, 1e-12), SMALLEST, LARGEST)
+                size = max(float(square[where].sum()), 1e-12)
+                factor[g] = np.clip(max(known[g] + more, 1e-3) / size, SMALLEST, LARGEST)
         if abs(value - before) < 0.05:
             break
     whole = np.diag(np.sqrt(scaled))
     whole[np.ix_(on, on)] = chol
-    return LogEvidence(float(value), everywhere, sigma, factor, whole)
+    return LogEvidence(float(value), coefficients, sigma, factor, whole)
+
+
+def _known(members: Sequence[np.ndarray], precision: FloatArray, on: np.ndarray, chol: FloatArray) -> list[float]:
+    """Coefficients of each group that the data determine; none of a group that is switched off."""
+    inverse, _ = lapack.dtrtri(chol, lower=1)
+    variance = 1 / precision
+    variance[on] = np.einsum("ki,ki->i", inverse, inverse)
+    return [len(where) - float(precision[where] @ variance[where]) for where in members]
 
 
 def opened(scale: FloatArray) -> FloatArray:
