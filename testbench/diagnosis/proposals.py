@@ -133,7 +133,9 @@ class Screen:
         size = sum(np.einsum("ij,ij->i", rows[c], rows[c]) * share[c] for c in rows)
         inner = with_base[:, 1:]
         goal = with_base[:, 0] - inner @ evidence.coefficients
-        left = size - np.einsum("ij,ij->i", inner @ evidence.covariance, inner)
+        on = np.flatnonzero(evidence.is_on(normal.group))
+        makes_room, covariance = inner[:, on], evidence.covariance[np.ix_(on, on)]
+        left = size - np.einsum("ij,ij->i", makes_room @ covariance, makes_room)
         left = np.maximum(left, 1e-9 * size)
         mean, precision = np.array([amplitude_prior(one, self.scales) for one in tried]).T
         declared, tails = precision, mean == 0

@@ -81,60 +81,9 @@ class LogEvidence:
         lower, _ = lapack.dpotri(self.factor, lower=1)
         return np.tril(lower) + np.tril(lower, -1).T
 
-
-@dataclass(frozen=True)
-class _Part:
-    """The normal equations of the coefficients that are not switched off; the others are at their prior means.
-
-    Attributes
-    ----------
-    products : mapping of channel to ndarray, shape (m + 1, m + 1)
-        Of what those others leave of the residual, and of the sensitivities that remain.
-    share : float
-        As in `NormalEquations`.
-    count : int
-        m.
-    """
-
-    products: Mapping[str, FloatArray]
-    share: float
-    count: int
-
-    @classmethod
-    def of(cls, normal: NormalEquations, on: np.ndarray) -> _Part:
-        if len(on) == len(normal.mean):
-            return cls(normal.products, normal.share, len(on))
-        off, picked = np.r_[1.0, -normal.mean], np.r_[0, on + 1]
-        off[on + 1] = 0.0
-        products = {}
-        for c, gram in normal.products.items():
-            part = gram[np.ix_(picked, picked)]
-            if off[1:].any():
-                left = off @ gram
-                part[0], part[:, 0] = left[picked], left[picked]
-                part[0, 0] = left @ off
-            products[c] = part
-        return cls(products, normal.share, len(on))
-
-    def solved(
-        self, sigma: Mapping[str, float], precision: FloatArray, mean: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
-        """Coefficients, shape (m,), and the lower Cholesky factor of their precision matrix, shape (m, m)."""
-        total = np.zeros((self.count + 1, self.count + 1))
-        for c, gram in self.products.items():
-            total += gram * (self.share / sigma[c] ** 2)
-        matrix = total[1:, 1:].copy()
-        matrix[np.diag_indices_from(matrix)] += precision
-        chol, failed = lapack.dpotrf(matrix, lower=1)
-        if failed:
-            matrix[np.diag_indices_from(matrix)] *= 1 + 1e-9
-            chol, failed = lapack.dpotrf(matrix, lower=1)
-        return lapack.dpotrs(chol, total[1:, 0] + precision * mean, lower=1)[0], chol
-
-    def left(self, x: FloatArray) -> dict[str, float]:
-        """Squares of what the coefficients leave, per channel."""
-        vector = np.r_[1.0, -x]
-        return {c: max(float(vector @ g @ vector), 1e-300) * self.share for c, g in self.products.items()}
+    def is_on(self, group: np.ndarray) -> np.ndarray:
+        """Whether each coefficient, of these groups, is free, shape (q - 1,): the others are at their prior means."""
+        return _is_on(group, self.scale)
 
 
 def maximised(
@@ -145,48 +94,77 @@ def maximised(
 ) -> LogEvidence:
     """Maximise ln Z over the scales of the groups and the noise of the channels.
 
-    A group that is switched off (its scale is `LARGEST`) stays so: its coefficients are what the prior says, and add
-    nothing to ln Z.
+    A group that is switched off (its scale is `LARGEST`) is left out of the algebra and costs nothing; it comes back
+    where the data pull at it hard enough.
     """
-    declared, group = normal.precision, normal.group
+    declared, group, mean = normal.precision, normal.group, normal.mean
     factor = np.ones(int(group.max(initial=-1)) + 1) if scale is None else scale.copy()
     sizes = {c: float(np.sqrt(g[0, 0] * normal.share / normal.count)) for c, g in normal.products.items()}
     sigma = dict(start.sigma) if start else sizes
     members = [np.flatnonzero(group == g) for g in range(len(factor))]
-    value, part = -np.inf, _Part.of(normal, np.arange(len(group)))
+    value = -np.inf
     for _ in range(iterations):
-        scaled = declared * np.where(group >= 0, factor[group], 1.0) if len(factor) else declared
-        on = np.flatnonzero((group < 0) | (factor[group] < LARGEST)) if len(factor) else np.arange(len(group))
-        if len(on) != part.count:
-            part = _Part.of(normal, on)
-        x, chol = part.solved(sigma, scaled[on], normal.mean[on])
-        squares = {c: max(one, normal.count * normal.least[c] ** 2) for c, one in part.left(x).items()}
-        known = _known(members, scaled, on, chol)
-        before, value = value, _value(squares, sigma, normal.count, x, normal.mean[on], scaled[on], chol)
+        is_on = _is_on(group, factor)
+        precision = declared * np.where(group >= 0, factor[group], 1.0) if len(factor) else declared
+        total = np.zeros((len(mean) + 1, len(mean) + 1))
+        for c, gram in normal.products.items():
+            total += gram * (normal.share / sigma[c] ** 2)
+        moved, known, chol = _solved(total, precision, mean, is_on)
+        x = mean + np.where(is_on, moved, 0.0)
+        vector = np.r_[1.0, -x]
+        left = {c: max(float(vector @ g @ vector), 1e-300) * normal.share for c, g in normal.products.items()}
+        squares = {c: max(one, normal.count * normal.least[c] ** 2) for c, one in left.items()}
+        before, value = value, _value(squares, sigma, normal.count, x, mean, precision, chol)
         value -= sum(float(np.log1p(1 / factor[g])) for g in normal.typical)
-        value -= _found_scales(known, normal.typical)
+        value -= _found_scales([float(known[where] @ is_on[where]) for where in members], normal.typical)
         sigma = {c: np.sqrt(one / normal.count) for c, one in squares.items()}
-        coefficients = normal.mean.copy()
-        coefficients[on] = x
-        square = declared * (coefficients - normal.mean) ** 2
         for g, where in enumerate(members):
             if len(where):
                 more = 2 / (1 + factor[g]) if g in normal.typical else 0.0
-                size = max(float(square[where].sum()), 1e-12)
-                factor[g] = np.clip(max(known[g] + more, 1e-3) / size, SMALLEST, LARGEST)
+                size = max(float(declared[where] @ moved[where] ** 2), 1e-12)
+                factor[g] = np.clip(max(float(known[where].sum()) + more, 1e-3) / size, SMALLEST, LARGEST)
         if abs(value - before) < 0.05:
             break
-    whole = np.diag(np.sqrt(scaled))
-    whole[np.ix_(on, on)] = chol
-    return LogEvidence(float(value), coefficients, sigma, factor, whole)
+    return LogEvidence(float(value), x, sigma, factor, chol)
 
 
-def _known(members: Sequence[np.ndarray], precision: FloatArray, on: np.ndarray, chol: FloatArray) -> list[float]:
-    """Coefficients of each group that the data determine; none of a group that is switched off."""
+def _is_on(group: np.ndarray, factor: FloatArray) -> np.ndarray:
+    return (group < 0) | (factor[group] < LARGEST) if len(factor) else np.ones(len(group), bool)
+
+
+def _solved(
+    total: FloatArray, precision: FloatArray, mean: FloatArray, is_on: np.ndarray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Coefficients of the linear model, less their prior means; those that are off, as if each were alone.
+
+    Parameters
+    ----------
+    total : ndarray, shape (q, q)
+        Inner products over the variance of the noise, of all channels.
+
+    Returns
+    -------
+    moved, known : ndarray, shape (q - 1,)
+        The coefficients, and how far the data determine each: 1, or nothing: 0.
+    factor : ndarray, shape (q - 1, q - 1)
+        Lower Cholesky factor of their precision matrix.
+    """
+    on = np.flatnonzero(is_on)
+    pull = total[1:, 0] - total[1:, 1:] @ mean
+    matrix = total[np.ix_(on + 1, on + 1)]
+    matrix[np.diag_indices_from(matrix)] += precision[on]
+    chol, failed = lapack.dpotrf(matrix, lower=1)
+    if failed:
+        matrix[np.diag_indices_from(matrix)] *= 1 + 1e-9
+        chol, failed = lapack.dpotrf(matrix, lower=1)
+    step = lapack.dpotrs(chol, pull[on], lower=1)[0]
     inverse, _ = lapack.dtrtri(chol, lower=1)
-    variance = 1 / precision
-    variance[on] = np.einsum("ki,ki->i", inverse, inverse)
-    return [len(where) - float(precision[where] @ variance[where]) for where in members]
+    moved = (pull - total[1:, on + 1] @ step) / precision
+    known = np.diag(total)[1:] / precision
+    moved[on], known[on] = step, 1 - precision[on] * np.einsum("ki,ki->i", inverse, inverse)
+    factor = np.diag(np.sqrt(precision))
+    factor[np.ix_(on, on)] = chol
+    return moved, known, factor
 
 
 def opened(scale: FloatArray) -> FloatArray:
