@@ -6,10 +6,13 @@ import pytest
 
 from testbench.comparing.model_errors import rms_errors
 from testbench.diagnosis import constants
+from testbench.diagnosis.candidates import is_vector
 from testbench.diagnosis.evidence.hypothesis import Hypothesis
 from testbench.diagnosis.evidence.laplace import fitted
 from testbench.diagnosis.evidence.likelihood import likelihood_of, noise_of
+from testbench.diagnosis.proposals import Screen, laws_of
 from testbench.fitting.baseline import SHAPES, with_shapes
+from testbench.knit.catalogue import load_catalogue
 from testbench.measurements.measurement import Measurement, coarser, prepare
 from tests.testbench.builders import CATALOGUE, record, truth
 
@@ -36,3 +39,17 @@ def test_a_drift_without_weights_is_in_use_while_it_has_a_slope(bent):
     h, _ = bent
     assert h.model["drift_shape"].slope_per_ks == pytest.approx(SLOPE_PER_KS, rel=0.2)
     assert [name for name in SHAPES if name in h.model_in_use] == ["drift_shape"]
+
+
+def test_what_is_switched_off_makes_no_law_look_better(bent):
+    """A law is worth the same beside a model with idle shapes as beside the same model without them."""
+    h, measurement = bent
+    likelihood = likelihood_of(h.model, measurement, noise_of(measurement)).in_pieces
+    without = fitted(h.model_in_use, likelihood, truth().without("drift"), iterations=0)
+    with_idle, bare = (
+        {p.law: float(p.gain) for p in Screen(one, likelihood).proposals(laws_of(one, likelihood, load_catalogue()))}
+        for one in (h, without)
+    )
+    scalars = [law for law in bare if not is_vector(CATALOGUE[law], CATALOGUE[law].strength)]
+    assert len(scalars) > 60
+    assert max(abs(with_idle[law] - bare[law]) for law in scalars) < 1.0
