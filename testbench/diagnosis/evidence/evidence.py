@@ -94,8 +94,8 @@ def maximised(
 ) -> LogEvidence:
     """Maximise ln Z over the scales of the groups and the noise of the channels.
 
-    A group that is switched off (its scale is `LARGEST`) is left out of the algebra and costs nothing; it comes back
-    where the data pull at it hard enough.
+    Groups that are switched off (their scale is `LARGEST`) are taken to first order, each coefficient by itself: they
+    come back where the data pull at them hard enough.
     """
     declared, group, mean = normal.precision, normal.group, normal.mean
     factor = np.ones(int(group.max(initial=-1)) + 1) if scale is None else scale.copy()
@@ -116,13 +116,14 @@ def maximised(
         squares = {c: max(one, normal.count * normal.least[c] ** 2) for c, one in left.items()}
         before, value = value, _value(squares, sigma, normal.count, x, mean, precision, chol)
         value -= sum(float(np.log1p(1 / factor[g])) for g in normal.typical)
-        value -= _found_scales([float(known[where] @ is_on[where]) for where in members], normal.typical)
+        determined = [float(known[where].sum()) for where in members]
+        value -= _found_scales(determined, normal.typical)
         sigma = {c: np.sqrt(one / normal.count) for c, one in squares.items()}
         for g, where in enumerate(members):
             if len(where):
                 more = 2 / (1 + factor[g]) if g in normal.typical else 0.0
                 size = max(float(declared[where] @ moved[where] ** 2), 1e-12)
-                factor[g] = np.clip(max(float(known[where].sum()) + more, 1e-3) / size, SMALLEST, LARGEST)
+                factor[g] = np.clip(max(determined[g] + more, 1e-3) / size, SMALLEST, LARGEST)
         if abs(value - before) < 0.05:
             break
     return LogEvidence(float(value), x, sigma, factor, chol)
@@ -135,7 +136,7 @@ def _is_on(group: np.ndarray, factor: FloatArray) -> np.ndarray:
 def _solved(
     total: FloatArray, precision: FloatArray, mean: FloatArray, is_on: np.ndarray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Coefficients of the linear model, less their prior means; those that are off, as if each were alone.
+    """Coefficients of the linear model, less their prior means; those that are off each beside the others alone.
 
     Parameters
     ----------
@@ -149,7 +150,7 @@ def _solved(
     factor : ndarray, shape (q - 1, q - 1)
         Lower Cholesky factor of their precision matrix.
     """
-    on = np.flatnonzero(is_on)
+    on, off = np.flatnonzero(is_on), np.flatnonzero(~is_on)
     pull = total[1:, 0] - total[1:, 1:] @ mean
     matrix = total[np.ix_(on + 1, on + 1)]
     matrix[np.diag_indices_from(matrix)] += precision[on]
@@ -158,12 +159,13 @@ def _solved(
         matrix[np.diag_indices_from(matrix)] *= 1 + 1e-9
         chol, failed = lapack.dpotrf(matrix, lower=1)
     step = lapack.dpotrs(chol, pull[on], lower=1)[0]
-    inverse, _ = lapack.dtrtri(chol, lower=1)
-    moved = (pull - total[1:, on + 1] @ step) / precision
-    known = np.diag(total)[1:] / precision
+    inverse = np.tril(lapack.dtrtri(chol, lower=1)[0])
+    cross = total[np.ix_(on + 1, off + 1)]
+    alone = np.maximum(np.diag(total)[off + 1] - np.sum((inverse @ cross) ** 2, axis=0), 0.0) + precision[off]
+    moved, known, factor = np.zeros(len(mean)), np.zeros(len(mean)), np.zeros((len(mean), len(mean)))
     moved[on], known[on] = step, 1 - precision[on] * np.einsum("ki,ki->i", inverse, inverse)
-    factor = np.diag(np.sqrt(precision))
-    factor[np.ix_(on, on)] = chol
+    moved[off], known[off] = (pull[off] - step @ cross) / alone, 1 - precision[off] / alone
+    factor[np.ix_(on, on)], factor[off, off] = chol, np.sqrt(alone)
     return moved, known, factor
 
 
