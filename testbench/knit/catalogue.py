@@ -27,8 +27,6 @@ BUILT_IN = {
     "elasticity_gent": "testbench.knit.mechanics.elasticity:ElasticityGent",
     "hysteresis_on_tension": "testbench.knit.mechanics.hysteresis:HysteresisOnTension",
     "hysteresis_bouc_wen": "testbench.knit.mechanics.hysteresis:HysteresisBoucWen",
-    "hysteresis_endochronic": "testbench.knit.mechanics.hysteresis:HysteresisEndochronic",
-    "hysteresis_lugre": "testbench.knit.mechanics.hysteresis:HysteresisLuGre",
     "drift_exponential": "testbench.knit.conduction.electrical:DriftExponential",
     "drift_power": "testbench.knit.conduction.electrical:DriftPower",
     "coating_wear": "testbench.knit.conduction.electrical:CoatingWear",

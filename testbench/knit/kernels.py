@@ -111,25 +111,6 @@ def bouc_wen_of_exponent_1(x: FloatArray, threshold: float, skew: float) -> Floa
     return _bouc_wen(x, threshold, skew, 1.0, True)
 
 
-@njit("float64[:](float64[:], float64, float64, float64)", cache=True, nogil=True)
-def lugre(x: FloatArray, threshold: float, excess: float, stribeck: float) -> FloatArray:
-    """Deflection of the bristles of LuGre friction over what it is in quick motion, shape (n,); 0 in the beginning.
-
-    Each step is exact for a motion of one speed. `stribeck` is the step of `x` at which the excess has fallen to 1/e.
-    """
-    out = np.empty_like(x)
-    z = 0.0
-    out[0] = z
-    for i in range(1, len(x)):
-        step = x[i] - x[i - 1]
-        if step != 0.0:
-            most = 1.0 + excess * np.exp(-((step / stribeck) ** 2))
-            slipping = most if step > 0 else -most
-            z = slipping + (z - slipping) * np.exp(-abs(step) / (threshold * most))
-        out[i] = z
-    return out
-
-
 @njit("float64[:](float64[:], float64)", cache=True, nogil=True)
 def travelled(x: FloatArray, dead_band: float) -> FloatArray:
     """Path length of `x` so far, not counting wiggles within +-`dead_band` (noise would add up for ever)."""

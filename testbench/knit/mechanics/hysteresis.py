@@ -1,4 +1,4 @@
-"""Memory of the yarn-to-yarn friction."""
+"""Rate-independent memory of the yarn-to-yarn friction."""
 
 from __future__ import annotations
 
@@ -79,13 +79,9 @@ class PressedFriction(FrictionLaw):
         """z, in [-1, 1], shape (n,): what part of the friction acts, and which way."""
         raise NotImplementedError
 
-    def friction_at(self, signals: Signals) -> FloatArray:
-        """Friction force when it slips, under the tension at each sample (N), shape (n,)."""
-        load = np.maximum(signals["force_N"], 0.0) / self.tension_N
-        return self.friction_N * (1 - self.pressed + self.pressed * load)
-
     def change(self, signals: Signals, dt_s: float) -> FloatArray:
-        return self.friction_at(signals) * self.deflection(signals["strain"])
+        load = np.maximum(signals["force_N"], 0.0) / self.tension_N
+        return self.friction_N * (1 - self.pressed + self.pressed * load) * self.deflection(signals["strain"])
 
 
 class HysteresisOnTension(PressedFriction):
@@ -136,57 +132,3 @@ class HysteresisBoucWen(PressedFriction):
         from testbench.knit.kernels import bouc_wen
 
         return bouc_wen(e, self.threshold, self.skew, self.exponent)
-
-
-class HysteresisEndochronic(PressedFriction):
-    """Friction that grows with the tension and remembers over the path: two memories, a short one and a long one.
-
-    F += friction * (1 - pressed + pressed * max(F, 0) / tension) * (share z_1 + (1 - share) z_2)
-    dz_k/de = (1 - z_k sgn(de)) / length_k,   length_1 = threshold, length_2 = ratio * threshold
-
-    Every turn begins steeply, however small, and the force goes on rising long after: loops without any corner.
-
-    Source: Valanis, Arch. Mech. 23 (1971) 517 (endochronic theory, two exponential kernels); each is Dahl's friction;
-    the tension as in `PressedFriction`.
-    Valid: slow, rate-independent friction.
-    """
-
-    name = "hysteresis_endochronic"
-    look = "force is higher while stretching than while releasing, steeply after a turn and slowly for long"
-
-    share: float = parameter(0.5, unit="1", low=0, high=1, doc="share of the friction with the short memory")
-    ratio: float = parameter(5.0, unit="1", low=1, high=50, scale="log", doc="long memory over the short one")
-
-    def deflection(self, e: FloatArray) -> FloatArray:
-        from testbench.knit.kernels import bouc_wen_of_exponent_1
-
-        short, long = (bouc_wen_of_exponent_1(e, self.threshold * one, 0.0) for one in (1.0, self.ratio))
-        return self.share * short + (1 - self.share) * long
-
-
-class HysteresisLuGre(PressedFriction):
-    """Friction that grows with the tension and is larger at rest than in motion: yarns stick, then slip.
-
-    F += friction * (1 - pressed + pressed * max(F, 0) / tension) * z
-    dz/de = (1 - z sgn(de) / g) / threshold,   g = 1 + excess * exp(-(de/dt / stribeck)^2)
-
-    Source: Canudas de Wit et al., IEEE Trans. Autom. Control 40 (1995) 419 (LuGre), without its viscous terms; the
-    tension as in `PressedFriction`.
-    Valid: motions that are slow beside `stribeck_per_s` at some times and quick at others.
-    """
-
-    name = "hysteresis_lugre"
-    look = "force is higher while stretching than while releasing, the more the slower"
-
-    excess: float = parameter(
-        0.1, unit="1", low=0, high=2, doc="by how much friction at rest is above that in motion"
-    )
-    stribeck_per_s: float = parameter(
-        0.02, unit="1/s", low=1e-4, high=1, scale="log", doc="rate of the strain at which that excess has gone"
-    )
-
-    def change(self, signals: Signals, dt_s: float) -> FloatArray:
-        from testbench.knit.kernels import lugre
-
-        e = signals["strain"]
-        return self.friction_at(signals) * lugre(e, self.threshold, self.excess, self.stribeck_per_s * dt_s)

@@ -6,16 +6,9 @@ import numpy as np
 import pytest
 
 from testbench.knit.catalogue import baseline
-from testbench.knit.kernels import bouc_wen, bouc_wen_of_exponent_1, lugre, play
+from testbench.knit.kernels import bouc_wen, bouc_wen_of_exponent_1, play
 from testbench.knit.kinematics.grip import ActuatorBacklash
-from testbench.knit.mechanics.hysteresis import (
-    Hysteresis,
-    HysteresisBoucWen,
-    HysteresisEndochronic,
-    HysteresisLuGre,
-    HysteresisOnTension,
-    mean_slip,
-)
+from testbench.knit.mechanics.hysteresis import Hysteresis, HysteresisBoucWen, HysteresisOnTension, mean_slip
 
 # 0 -> 1 -> -1 -> 1
 LOOP = np.concatenate([np.linspace(0, 1, 501), np.linspace(1, -1, 1001)[1:], np.linspace(-1, 1, 1001)[1:]])
@@ -48,14 +41,10 @@ LAWS = [
     Hysteresis(friction_N=0.4, threshold=0.01),
     HysteresisOnTension(friction_N=0.4, pressed=0.0, threshold=0.01),
     HysteresisBoucWen(friction_N=0.4, pressed=0.0),
-    HysteresisEndochronic(friction_N=0.4, pressed=0.0, threshold=0.01),
-    HysteresisLuGre(friction_N=0.4, pressed=0.0, stribeck_per_s=1e-3),
 ]
 ON_TENSION = [
     HysteresisOnTension(friction_N=0.4, pressed=0.75, tension_N=2.0, threshold=0.01),
     HysteresisBoucWen(friction_N=0.4, pressed=0.75, tension_N=2.0),
-    HysteresisEndochronic(friction_N=0.4, pressed=0.75, tension_N=2.0, threshold=0.01),
-    HysteresisLuGre(friction_N=0.4, pressed=0.75, tension_N=2.0, stribeck_per_s=1e-3),
 ]
 
 
@@ -127,23 +116,3 @@ def test_the_larger_the_exponent_the_sharper_the_corner_between_sticking_and_sli
     half_way, sharp = (bouc_wen(LOOP, 0.1, 0.0, exponent)[50] for exponent in (1.0, 5.0))
     assert half_way == pytest.approx(1 - np.exp(-1), abs=0.01)
     assert sharp > 0.85
-
-
-def test_endochronic_friction_is_two_of_dahls() -> None:
-    law = HysteresisEndochronic(friction_N=0.4, pressed=0.0, threshold=0.02, share=0.3, ratio=10.0)
-    force = law.apply({"strain": LOOP, "force_N": np.zeros_like(LOOP)}, 0.05)["force_N"]
-    out = LOOP[:501]
-    expected = 0.4 * (0.3 * (1 - np.exp(-out / 0.02)) + 0.7 * (1 - np.exp(-out / 0.2)))
-    np.testing.assert_allclose(force[:501], expected, atol=1e-12)
-
-
-@pytest.mark.parametrize(("rate_per_s", "slipping"), [(0.002, 1.3), (0.1, 1 + 0.3 * np.exp(-1)), (1.0, 1.0)])
-def test_lugre_friction_falls_with_the_rate_from_that_at_rest(rate_per_s, slipping) -> None:
-    law = HysteresisLuGre(friction_N=0.4, pressed=0.0, threshold=0.01, excess=0.3, stribeck_per_s=0.1)
-    force = law.apply({"strain": LOOP, "force_N": np.zeros_like(LOOP)}, (LOOP[1] - LOOP[0]) / rate_per_s)["force_N"]
-    assert force[500] == pytest.approx(0.4 * slipping, rel=1e-3)
-    assert force[1500] == pytest.approx(-0.4 * slipping, rel=1e-3)
-
-
-def test_lugre_friction_without_excess_is_dahls() -> None:
-    np.testing.assert_allclose(lugre(LOOP, 0.05, 0.0, 1e-3), bouc_wen_of_exponent_1(LOOP, 0.05, 0.0), atol=1e-12)
