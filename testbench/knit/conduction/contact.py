@@ -19,12 +19,9 @@ class Contact(Effect):
     R_c = rho/2 sqrt(pi H / (n P)) = contact_resistance / (P / 1 N)^exponent,   G = parallel + 1 / (series + R_c)
 
     P = preload + contact force. `contact_resistance` gathers resistivity rho, hardness H and number n of contacts.
-    The exponent is 1/2 for plastic spots, 1/3 for elastic ones; 1.3 to 2 where paths percolate through loops that
-    close one after the other; still larger where barriers between them are tunnelled through, as the conductance
-    then grows nearly exponentially. With yarn in series the steep laws are sigmoids.
+    The exponent is 1/2 for plastic spots, 1/3 for elastic ones, larger where their number grows as the loops close.
 
-    Source: Holm, Electric Contacts (1967); Kirkpatrick, Rev. Mod. Phys. 45 (1973) 574 (percolation); Simmons, J.
-    Appl. Phys. 34 (1963) 1793 (tunnelling); that contacts rule the first stretch of weft-knitted sensors: J. Eng.
+    Source: Holm, Electric Contacts (1967); that contacts rule the first stretch of weft-knitted sensors: J. Eng.
     Fibers Fabr. 15 (2020), doi:10.1177/1558925020969475.
     Valid: conductance rises with stretch.
     """
@@ -36,7 +33,7 @@ class Contact(Effect):
     look = "conductance rises with force, fast at first"
 
     contact_resistance_ohm: float = parameter(
-        4e5, unit="ohm", low=1e-6, high=1e14, scale="log", doc="contact resistance at 1 N"
+        4e5, unit="ohm", low=1e-3, high=1e10, scale="log", doc="contact resistance at 1 N"
     )
     parallel_S: float = parameter(
         1e-7, unit="S", low=1e-12, high=1e2, scale="log", doc="conductance of the path that needs no contact"
@@ -48,7 +45,7 @@ class Contact(Effect):
         0.2, unit="N", low=1e-3, high=100, scale="log", doc="contact force of the resting knit"
     )
     exponent: float = parameter(
-        0.5, unit="1", low=0.2, high=10, scale="log", doc="how steeply contacts improve with force"
+        0.5, unit="1", low=0.2, high=1.2, scale="log", doc="how steeply contacts improve with force"
     )
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
