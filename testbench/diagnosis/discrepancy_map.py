@@ -48,7 +48,7 @@ class Map:
             rows[c][part] = picked * (likelihood.weight[c] * hypothesis.robust[c])
             precision += [hypothesis.evidence.sigma[c] ** -2.0] * count
             group += [first + place * len(names) + g for g in groups]
-        plain = directions.equations(hypothesis.pinned, base)
+        plain = directions.equations(hypothesis.pinned)
         normal = extended(plain, base, rows, [0.0] * len(precision), precision, group)
         normal = replace(normal, least=likelihood.misfit)  # a closer fit earns a map nothing, either
         scale = np.r_[opened(hypothesis.evidence.scale), np.full(len(names) * len(channels), 10.0)]

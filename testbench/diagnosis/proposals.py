@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from testbench.diagnosis.candidates import Candidate, candidate_mechanisms, expand, is_vector, two_signed
-from testbench.diagnosis.evidence.evidence import LogEvidence, NormalEquations, maximised, opened
+from testbench.diagnosis.evidence.evidence import LogEvidence, NormalEquations, is_on, maximised, opened
 from testbench.diagnosis.evidence.hypothesis import Hypothesis
 from testbench.diagnosis.evidence.likelihood import Likelihood
 from testbench.diagnosis.evidence.priors import declared_size, tail_evidence, typical, with_tails
@@ -108,7 +108,7 @@ class Screen:
     def __init__(self, hypothesis: Hypothesis, likelihood: Likelihood) -> None:
         self.hypothesis, self.directions = hypothesis, hypothesis.directions
         self.base = {c: self.directions.rows(rows) for c, rows in hypothesis.weighted.items()}
-        self.normal = self.directions.equations(hypothesis.normal, self.base)
+        self.normal = self.directions.equations(hypothesis.normal)
         self.plain = maximised(self.normal, scale=hypothesis.evidence.scale, start=hypothesis.evidence)
         self.scales = shape_scales(likelihood.measurement)
 
@@ -133,7 +133,7 @@ class Screen:
         size = sum(np.einsum("ij,ij->i", rows[c], rows[c]) * share[c] for c in rows)
         inner = with_base[:, 1:]
         goal = with_base[:, 0] - inner @ evidence.coefficients
-        on = np.flatnonzero(evidence.is_on(normal.group))
+        on = np.flatnonzero(is_on(normal.group, evidence.scale))
         makes_room, covariance = inner[:, on], evidence.covariance[np.ix_(on, on)]
         left = size - np.einsum("ij,ij->i", makes_room @ covariance, makes_room)
         left = np.maximum(left, 1e-9 * size)

@@ -111,14 +111,5 @@ def value_of(model: KnitModel, parameter: FreeParameter) -> float:
 
 def with_values(model: KnitModel, parameters: Iterable[FreeParameter], vector: FloatArray) -> KnitModel:
     """The model at a point of the fit's coordinates, within the bounds."""
-    changes: dict[str, dict[str, Any]] = {}
-    for p, coordinate in zip(parameters, vector.tolist(), strict=True):
-        effect, key, index = p.place
-        change = changes.setdefault(effect, {})
-        if index < 0:
-            change[key] = p.to_physical(coordinate)
-            continue
-        if key not in change:
-            change[key] = list(getattr(model[effect], key))
-        change[key][index] = p.to_physical(coordinate)
-    return model.changed(changes)
+    coordinates = zip(parameters, vector.tolist(), strict=True)
+    return model.with_places((p.place, p.to_physical(coordinate)) for p, coordinate in coordinates)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -136,20 +136,19 @@ class KnitModel:
         UserError
             If there is no such effect or parameter, or a value lies outside its bounds.
         """
+        return self.with_places((parts_of(address), value) for address, value in values.items())
+
+    def with_places(self, values: Iterable[tuple[tuple[str, str, int], Any]]) -> KnitModel:
+        """A model with parameters changed, by their places; see `parts_of`."""
         changes: dict[str, dict[str, Any]] = {}
-        for address, value in values.items():
-            effect_name, key, index = parts_of(address)
-            change = changes.setdefault(effect_name, {})
+        for (effect, key, index), value in values:
+            change = changes.setdefault(effect, {})
             if index < 0:
                 change[key] = value
                 continue
             if key not in change:
-                change[key] = list(getattr(self[effect_name], key))
+                change[key] = list(getattr(self[effect], key))
             change[key][index] = value
-        return self.changed(changes)
-
-    def changed(self, changes: Mapping[str, Mapping[str, Any]]) -> KnitModel:
-        """A model with parameters changed, by effect and parameter; vectors as a whole."""
         effects = dict(self.effects)
         for name, change in changes.items():
             whole = {key: tuple(value) if isinstance(value, list) else value for key, value in change.items()}

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from testbench.diagnosis.evidence.evidence import NormalEquations
 from testbench.diagnosis.evidence.priors import Priors
@@ -84,15 +85,16 @@ class Directions:
         """Coordinates of a vector of all parameters, shape (q,)."""
         return self.basis.T @ vector
 
-    def equations(self, normal: NormalEquations, rows: Mapping[str, FloatArray]) -> NormalEquations:
-        """Normal equations of all parameters along the directions; `rows` as from `rows`, weighted."""
-        return replace(
-            normal,
-            products={c: one @ one.T for c, one in rows.items()},
-            mean=self.along(normal.mean),
-            precision=normal.precision[self.own],
-            group=self.group,
-        )
+    def priors(self, mean: FloatArray, precision: FloatArray) -> tuple[FloatArray, FloatArray, np.ndarray]:
+        """Prior mean, precision and group of each direction, all of shape (q,), from those of all parameters."""
+        return self.along(mean), precision[self.own], self.group
+
+    def equations(self, normal: NormalEquations) -> NormalEquations:
+        """The normal equations of all parameters, along the directions."""
+        whole = block_diag(1.0, self.basis)
+        products = {c: whole.T @ gram @ whole for c, gram in normal.products.items()}
+        mean, precision, group = self.priors(normal.mean, normal.precision)
+        return replace(normal, products=products, mean=mean, precision=precision, group=group)
 
     def full(self, coordinates: FloatArray) -> FloatArray:
         """All parameters from coordinates, shape (p,)."""

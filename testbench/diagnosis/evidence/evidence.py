@@ -81,10 +81,6 @@ class LogEvidence:
         lower, _ = lapack.dpotri(self.factor, lower=1)
         return np.tril(lower) + np.tril(lower, -1).T
 
-    def is_on(self, group: np.ndarray) -> np.ndarray:
-        """Whether each coefficient, of these groups, is free, shape (q - 1,): the others are at their prior means."""
-        return _is_on(group, self.scale)
-
 
 def maximised(
     normal: NormalEquations,
@@ -104,13 +100,13 @@ def maximised(
     members = [np.flatnonzero(group == g) for g in range(len(factor))]
     value = -np.inf
     for _ in range(iterations):
-        is_on = _is_on(group, factor)
+        free = is_on(group, factor)
         precision = declared * np.where(group >= 0, factor[group], 1.0) if len(factor) else declared
         total = np.zeros((len(mean) + 1, len(mean) + 1))
         for c, gram in normal.products.items():
             total += gram * (normal.share / sigma[c] ** 2)
-        moved, known, chol = _solved(total, precision, mean, is_on)
-        x = mean + np.where(is_on, moved, 0.0)
+        moved, known, chol = _solved(total, precision, mean, free)
+        x = mean + np.where(free, moved, 0.0)
         vector = np.r_[1.0, -x]
         left = {c: max(float(vector @ g @ vector), 1e-300) * normal.share for c, g in normal.products.items()}
         squares = {c: max(one, normal.count * normal.least[c] ** 2) for c, one in left.items()}
@@ -129,12 +125,13 @@ def maximised(
     return LogEvidence(float(value), x, sigma, factor, chol)
 
 
-def _is_on(group: np.ndarray, factor: FloatArray) -> np.ndarray:
-    return (group < 0) | (factor[group] < LARGEST) if len(factor) else np.ones(len(group), bool)
+def is_on(group: np.ndarray, scale: FloatArray) -> np.ndarray:
+    """Whether each coefficient, of these groups, is free, shape (q - 1,): the others are at their prior means."""
+    return (group < 0) | (scale[group] < LARGEST) if len(scale) else np.ones(len(group), bool)
 
 
 def _solved(
-    total: FloatArray, precision: FloatArray, mean: FloatArray, is_on: np.ndarray
+    total: FloatArray, precision: FloatArray, mean: FloatArray, free: np.ndarray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Coefficients of the linear model, less their prior means; those that are off each beside the others alone.
 
@@ -150,7 +147,7 @@ def _solved(
     factor : ndarray, shape (q - 1, q - 1)
         Lower Cholesky factor of their precision matrix.
     """
-    on, off = np.flatnonzero(is_on), np.flatnonzero(~is_on)
+    on, off = np.flatnonzero(free), np.flatnonzero(~free)
     pull = total[1:, 0] - total[1:, 1:] @ mean
     matrix = total[np.ix_(on + 1, on + 1)]
     matrix[np.diag_indices_from(matrix)] += precision[on]

@@ -226,11 +226,8 @@ class _PosteriorFit:
             self.directions = Directions.seen(self.columns, share, self.priors, np.minimum(self.scale, NARROWEST))
             self.rows = {c: self.directions.rows(rows) for c, rows in self.columns.items()}
             self.stale = False
-        robust, group = self.robust(self.rows), self.directions.group
-        mean, precision = self.believed()
-        return self.equations(
-            self.rows, robust, self.directions.along(mean), precision[self.directions.own], group
-        ), robust
+        robust = self.robust(self.rows)
+        return self.equations(self.rows, robust, *self.directions.priors(*self.believed())), robust
 
     def robust(self, rows: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
         """Square roots of the Huber weights."""
