@@ -121,6 +121,7 @@ BUILT_IN = {
     "shoulder_peak": "testbench.knit.conduction.transient:ShoulderPeak",
     "shoulder_peak_anywhere": "testbench.knit.conduction.transient:ShoulderPeakAnywhere",
     "shoulder_peak_after_turn": "testbench.knit.conduction.transient:ShoulderPeakAfterTurn",
+    "shoulder_peak_way_back": "testbench.knit.conduction.transient:ShoulderPeakWayBack",
     "rate_resistance": "testbench.knit.conduction.transient:RateResistance",
     "rate_resistance_magnitude": "testbench.knit.conduction.transient:RateResistanceMagnitude",
     "self_heating": "testbench.knit.conduction.heat:SelfHeating",

@@ -136,10 +136,12 @@ class KnitModel:
         UserError
             If there is no such effect or parameter, or a value lies outside its bounds.
         """
-        return self.with_places((parts_of(address), value) for address, value in values.items())
+        places = {parts_of(address): value for address, value in values.items()}
+        changed = self.with_places(places.items()).effects
+        return KnitModel({**changed, **{name: changed[name].replaced() for name, _, _ in places}})
 
     def with_places(self, values: Iterable[tuple[tuple[str, str, int], Any]]) -> KnitModel:
-        """A model with parameters changed, by their places; see `parts_of`."""
+        """A model with parameters changed, by their places (see `parts_of`), to values that are allowed."""
         changes: dict[str, dict[str, Any]] = {}
         for (effect, key, index), value in values:
             change = changes.setdefault(effect, {})
@@ -152,7 +154,7 @@ class KnitModel:
         effects = dict(self.effects)
         for name, change in changes.items():
             whole = {key: tuple(value) if isinstance(value, list) else value for key, value in change.items()}
-            effects[name] = self[name].replaced(**whole)
+            effects[name] = self[name].model_copy(update=whole)
         return KnitModel(effects)
 
     def simulate(self, signals: Signals, dt_s: float, cache: SimulationCache | None = None) -> dict[str, FloatArray]:

@@ -160,69 +160,102 @@ class ShoulderPeak(ShoulderLaw):
         return self.gain * lag
 
 
-class ShoulderPeakAnywhere(ShoulderLaw):
-    """Peaks of the resistance at some strains on the way back, none on the way out.
+class ShoulderBumps(ShoulderLaw):
+    """Base of the laws of peaks of the resistance at some places of the way back, none on the way out.
 
-    ln G += b(z) * sum_j w_j B_j(e / span),   dz/de = (sgn(de) - z) / (travel * span)
+    ln G += b(z) * sum_j w_j B_j(place),   dz/de = (sgn(de) - z) / (travel * span)
     b = max((1 - z) / 2 - late, 0) / (1 - late)
 
     Source: Flandin, Hiltner & Baer, Polymer 42 (2001) 827; penalised splines, Eilers & Marx, Statist. Sci. 11 (1996)
-    89. Valid: inside the strain seen in the fit.
+    89.
+    """
+
+    strength = "weights"
+
+    weights: tuple[float, ...] = parameter(
+        (0.0,) * 14, unit="1", low=-5, high=5, doc="height of each bump over the places"
+    )
+    travel: float = parameter(
+        0.06, unit="1", low=1e-3, high=1, scale="log", doc="strain until a turn is forgotten, over the span"
+    )
+    late: float = parameter(0.0, unit="1", low=0, high=0.9, doc="share of a turn after which a way back begins")
+    span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="largest strain")
+
+    def places(self, e: FloatArray) -> FloatArray:
+        """Where on its way back the knit is, shape (n,): what lies beyond 0 to 1 has no bumps of its own."""
+        raise NotImplementedError
+
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
+        from testbench.knit.shapes.splines import bspline
+
+        e = np.ascontiguousarray(signals["strain"])
+        bumps = bspline(self.places(e), np.array(self.weights))
+        return on_the_way_back(e, self.travel * self.span, self.late) * bumps
+
+
+class ShoulderPeakAnywhere(ShoulderBumps):
+    """Peaks of the resistance at some strains on the way back, none on the way out.
+
+    place = e / span;   else as `ShoulderBumps`
+
+    Source: as `ShoulderBumps`.
+    Valid: inside the strain seen in the fit.
     """
 
     name = "shoulder_peak_anywhere"
-    strength = "weights"
     look = "a second peak of the resistance at one strain on the way back, at any speed"
 
-    weights: tuple[float, ...] = parameter(
-        (0.0,) * 14, unit="1", low=-5, high=5, doc="height of each bump over strain"
-    )
-    travel: float = parameter(
-        0.06, unit="1", low=1e-3, high=1, scale="log", doc="strain until a turn is forgotten, over the span"
-    )
-    late: float = parameter(0.0, unit="1", low=0, high=0.9, doc="share of a turn after which a way back begins")
-    span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain covered by the bumps")
-
-    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        from testbench.knit.shapes.splines import bspline
-
-        e = signals["strain"]
-        return on_the_way_back(e, self.travel * self.span, self.late) * bspline(e / self.span, np.array(self.weights))
+    def places(self, e: FloatArray) -> FloatArray:
+        return e / self.span
 
 
-class ShoulderPeakAfterTurn(ShoulderLaw):
+class ShoulderPeakAfterTurn(ShoulderBumps):
     """Peaks of the resistance on the way back, at some shares of the stretch from which the knit came back.
 
-    ln G += b(z) * sum_j w_j B_j(e / e_turn),   dz/de = (sgn(de) - z) / (travel * span)
-    b = max((1 - z) / 2 - late, 0) / (1 - late)
+    place = e / e_turn;   else as `ShoulderBumps`
 
     e_turn is the strain of the last turn.
 
-    Source: Flandin, Hiltner & Baer, Polymer 42 (2001) 827; penalised splines, Eilers & Marx, Statist. Sci. 11 (1996)
-    89. Valid: turns far above the rest length.
+    Source: as `ShoulderBumps`.
+    Valid: turns far above the rest length.
     """
 
     name = "shoulder_peak_after_turn"
-    strength = "weights"
     look = "a second peak of the resistance on the way back, later after a higher turn, at any speed"
 
-    weights: tuple[float, ...] = parameter(
-        (0.0,) * 14, unit="1", low=-5, high=5, doc="height of each bump over the share of the last turn"
-    )
-    travel: float = parameter(
-        0.06, unit="1", low=1e-3, high=1, scale="log", doc="strain until a turn is forgotten, over the span"
-    )
-    late: float = parameter(0.0, unit="1", low=0, high=0.9, doc="share of a turn after which a way back begins")
-    span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="strain at the end of the stroke")
+    def places(self, e: FloatArray) -> FloatArray:
+        from testbench.knit.kernels import turns
+
+        turned = e[turns(e, SMALLEST_TURN * self.span)[0].astype(int)]
+        return e / np.maximum(turned, SMALLEST_TURN * self.span)
+
+
+class ShoulderPeakWayBack(ShoulderBumps):
+    """Peaks of the resistance once the knit has come back by some way, the higher the further out it comes from.
+
+    place = (e_top - e) / span;   as `ShoulderBumps`, times e_top / span
+
+    e_top is where the knit last turned, or is, if it has gone beyond that.
+
+    Source: as `ShoulderBumps`; that friction gives way after a fixed way back: Al-Bender, Lampaert & Swevers, Chaos
+    14 (2004) 446.
+    Valid: ways back longer than a hundredth of the span.
+    """
+
+    name = "shoulder_peak_way_back"
+    look = "a second peak of the resistance once the knit has come back by a certain way, from wherever"
+
+    def places(self, e: FloatArray) -> FloatArray:
+        return self._top(e) - e / self.span
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        from testbench.knit.kernels import turns
-        from testbench.knit.shapes.splines import bspline
+        return self._top(np.ascontiguousarray(signals["strain"])) * super().log_change(signals, dt_s)
 
-        e = signals["strain"]
-        turned = e[turns(e, SMALLEST_TURN * self.span)[0].astype(int)]
-        share = e / np.maximum(turned, SMALLEST_TURN * self.span)
-        return on_the_way_back(e, self.travel * self.span, self.late) * bspline(share, np.array(self.weights))
+    def _top(self, e: FloatArray) -> FloatArray:
+        """e_top / span."""
+        from testbench.knit.memories import last_top
+
+        return last_top(e, SMALLEST_TURN * self.span) / self.span
 
 
 def on_the_way_back(strain: FloatArray, travel: float, late: float) -> FloatArray:

@@ -95,16 +95,19 @@ class ActuatorBacklashCompensated(BacklashLaw):
     look = "after each reversal, also of the shortest stroke, force and conductance jump by the same displacement"
 
     gap: float = parameter(0.004, unit="1", low=-0.2, high=0.2, doc="motion lost at each turn, as strain")
-    travel: float = parameter(0.004, unit="1", low=2e-4, high=0.02, scale="log", doc="strain over which it is")
+    travel: float = parameter(0.004, unit="1", low=1e-5, high=0.02, scale="log", doc="strain over which it is")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         from testbench.knit.kernels import turns
 
         e = np.ascontiguousarray(signals["strain"])
-        at = turns(e, TURN_STRAIN)[0].astype(int)
-        since = e - e[at]
-        swing = np.where(at > 0, 2.0, 1.0)  # before the first turn the drive rests in the middle
-        wound = np.sign(since) * (1 - swing * np.exp(-np.abs(since) / self.travel))
+        # A stroke begins at its turn, not where that became known.
+        begins = np.unique(turns(e, TURN_STRAIN)[0].astype(int))
+        lengths, ends = np.diff(begins, append=len(e)), np.append(begins[1:], len(e) - 1)
+        heading = np.repeat(np.sign(e[ends] - e[begins]), lengths)
+        way = np.abs(e - np.repeat(e[begins], lengths))
+        swing = np.where(np.arange(len(e)) < ends[0], 1.0, 2.0)  # before the first turn the drive rests in the middle
+        wound = heading * (1 - swing * np.exp(-way / self.travel))
         return {"strain": e - 0.5 * self.gap * wound}
 
 

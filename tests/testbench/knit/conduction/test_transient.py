@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -10,6 +12,9 @@ from testbench.knit.conduction.transient import (
     ElectricalOvershootMagnitude,
     RateResistance,
     ShoulderPeak,
+    ShoulderPeakAfterTurn,
+    ShoulderPeakAnywhere,
+    ShoulderPeakWayBack,
     on_the_way_back,
 )
 from testbench.knit.conduction.turning import ElectricalOvershootAnew, ElectricalOvershootReversal
@@ -62,6 +67,27 @@ def test_a_late_way_back_begins_after_its_share_of_the_turn() -> None:
     turned = 1 - 2 * np.exp((back - 1) / 0.1)  # z of Dahl's law, from -1 (out) to 1 (back)
     np.testing.assert_allclose(at_once[2001:], 0.5 * (1 + turned), atol=1e-3)
     np.testing.assert_allclose(late[2001:], np.maximum(turned, 0.0), atol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("law", "place"),
+    [
+        (ShoulderPeakAnywhere, lambda e, top: e),
+        (ShoulderPeakAfterTurn, lambda e, top: e / top),
+        (ShoulderPeakWayBack, lambda e, top: top - e),
+    ],
+)
+def test_a_bump_of_the_way_back_lies_where_its_law_says(law, place) -> None:
+    """At one strain, at one share of the stretch, or one way behind the turn: of a high stroke and of a low one."""
+    weights = np.zeros(14)
+    weights[6] = 1.0  # the sixth bump of eleven cells is highest at (6 - 1) / 11
+    strokes = [0.0, 1.0, 0.05, 0.7, 0.05]
+    e = np.concatenate([np.linspace(a, b, 500) for a, b in pairwise(strokes)])
+    change = log_change(law(weights=tuple(weights), travel=1e-3, span=1.0), e)
+    for start, top in ((500, 1.0), (1500, 0.7)):
+        assert np.max(np.abs(change[start - 500 : start])) < 1e-2  # none on the way out
+        highest = start + np.argmax(change[start : start + 500])
+        assert place(e[highest], top) == pytest.approx(5 / 11, abs=3e-3)
 
 
 def test_rate_shift_is_gone_when_the_motion_stops() -> None:

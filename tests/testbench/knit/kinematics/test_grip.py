@@ -102,6 +102,10 @@ def test_a_wrongly_compensated_backlash_jumps_by_the_same_motion_at_every_turn()
     assert np.max(lost[1200:1300]) > 3 * short  # after which the whole of it is made up for all the same
     made_up = ActuatorBacklashCompensated(gap=-0.01, travel=0.004).apply({"strain": e}, 0.1)["strain"]
     np.testing.assert_allclose(made_up - e, lost, atol=1e-15)
+    at_once = ActuatorBacklashCompensated(gap=0.01, travel=1e-5).apply({"strain": e}, 0.1)["strain"]
+    # The sample behind a turn has jumped, though so short a way back might still be a wobble.
+    np.testing.assert_allclose((e - at_once)[[400, 401, 800, 840]], [0.005, -0.005, -0.005, 0.005], rtol=1e-3)
+    np.testing.assert_array_less(np.abs(np.diff(lost[:1200])), 2e-3)  # what is wound up gradually does not jump
 
 
 @pytest.mark.parametrize(("turns", "phase_rad"), [(3.0, 0.5), (7.5, -2.0), (12.0, 3.0)])
