@@ -14,6 +14,7 @@ import numpy as np
 from gcode.support.errors import UserError
 from testbench.design.information import Prediction
 from testbench.diagnosis.constants import ALIKE_S
+from testbench.diagnosis.evidence.evidence import scaled
 from testbench.diagnosis.evidence.priors import priors_of
 from testbench.fitting.sensitivity import sensitivities
 from testbench.knit.cache import SimulationCache
@@ -79,7 +80,7 @@ class Forecaster:
         self.likely, self.reading = likely, reading
         priors = priors_of(likely.model, measurement, likely.model, {})
         scale = np.array([likely.scales.get(name, 1.0) for name in priors.groups])
-        factor = np.where(priors.group >= 0, scale[priors.group], 1.0) if len(scale) else np.ones(len(priors.mean))
+        factor = scaled(np.ones(len(priors.mean)), priors.group, scale)
         kept = np.flatnonzero(factor < SWITCHED_OFF)
         self._parameters = [priors.parameters[k] for k in kept]
         width = (priors.precision[kept] * factor[kept]) ** -0.5

@@ -146,36 +146,16 @@ def seconds_near(x: FloatArray, width: float, dt_s: float) -> FloatArray:
     return out
 
 
-@njit("float64[:](float64[:], float64)", cache=True, nogil=True)
 def upper_turn(x: FloatArray, back: float) -> FloatArray:
     """Where `x` last turned downwards, known once it has come back by `back`; its start before that."""
-    out = np.empty_like(x)
-    heading, extreme, last = 1.0, x[0], x[0]
-    for i in range(len(x)):
-        if (x[i] - extreme) * heading > 0.0:
-            extreme = x[i]
-        elif (extreme - x[i]) * heading > back:
-            if heading > 0.0:
-                last = extreme
-            heading, extreme = -heading, x[i]
-        out[i] = last
-    return out
+    turned = turns(x, back)[0].astype(int)
+    return x[np.maximum.accumulate(np.where(x < x[turned], turned, 0))]
 
 
-@njit("float64[:](float64[:], float64)", cache=True, nogil=True)
 def swung(x: FloatArray, back: float) -> FloatArray:
     """Summed size of the swings of `x` that are over: a swing is, once `x` has come back by `back`."""
-    out = np.empty_like(x)
-    heading, extreme, last, total = 1.0, x[0], x[0], 0.0
-    for i in range(len(x)):
-        if (x[i] - extreme) * heading > 0.0:
-            extreme = x[i]
-        elif (extreme - x[i]) * heading > back:
-            total += abs(extreme - last)
-            last = extreme
-            heading, extreme = -heading, x[i]
-        out[i] = total
-    return out
+    turned = x[turns(x, back)[0].astype(int)]
+    return np.cumsum(np.abs(np.diff(turned, prepend=x[0])))
 
 
 def turning(x: FloatArray, back: float, dt_s: float) -> FloatArray:

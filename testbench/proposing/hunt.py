@@ -34,7 +34,7 @@ FINALISTS, OF_ONE_PLACE, OF_ONE_FAMILY, SETTLED = 5, 3, 2, 2
 
 
 @dataclass(frozen=True, eq=False)
-class NullModel:
+class ProjectedBase:
     """A model without the law that is sought, and laws to first order beside it.
 
     Attributes
@@ -99,12 +99,12 @@ class Hunt:
         sought beside one that has not bent yet as well. The third time the base is where the best law so far,
         refitted with it, has taken it to.
         """
-        nulls = (self.null_model(current), self.null_model(self.about_to_bend(current)))
+        nulls = (self.projected(current), self.projected(self.unbent(current)))
         trials = [one for null in nulls for one in self.look(null, name)]
         if not trials:
             return None
         first = self.fitter.settled(max(trials, key=evidence_of))
-        null = self.null_model(first.hypothesis, without=first.name)
+        null = self.projected(first.hypothesis, without=first.name)
         trials = _best_of_each([first, *trials, *self.look(null, name)])
         trials = _best_of_each([*self.pool.map(self.carried, trials[:SETTLED]), *trials])
         holds, wins = stability(current, [t.hypothesis for t in trials], self.likelihood)
@@ -120,30 +120,30 @@ class Hunt:
         option = replace(options[best], law=won.law, log_evidence=won.log_z - current.log_z)
         return Step(option, rest, tied, self.dependence(won)), won.hypothesis
 
-    def about_to_bend(self, h: Hypothesis) -> Hypothesis:
+    def unbent(self, h: Hypothesis) -> Hypothesis:
         """A model whose base laws were fitted without their shapes, and may bend now."""
         stiff = fitted(without_shapes(h.model), self.likelihood, self.search.reference, h)
         return fitted(self.search.bent(stiff.model), self.likelihood, self.search.reference, stiff, iterations=0)
 
-    def null_model(self, h: Hypothesis, without: str = "") -> NullModel:
+    def projected(self, h: Hypothesis, without: str = "") -> ProjectedBase:
         """Where laws are sought: beside a fitted model, or beside it without one of its effects."""
         base = h.model.without(without) if without else h.model
-        return NullModel(h, base, Projector(h, self.likelihood, OpenChain(base, self.measurement)))
+        return ProjectedBase(h, base, Projector(h, self.likelihood, OpenChain(base, self.measurement)))
 
-    def look(self, null: NullModel, name: str) -> list[Trial]:
+    def look(self, null: ProjectedBase, name: str) -> list[Trial]:
         """The best laws beside a base, refitted with it, quickly."""
         beam = Beam(null.projector, self.grid_for(null.base), self.tell, self.pool)
         found = beam.run()
         chosen = finalists([one for one in found if one.gain > LEAST_GAIN / 2])
         return self.pool.map(lambda one: self.refitted(one.law, null, name), chosen)
 
-    def refitted(self, law: Law, null: NullModel, name: str) -> Trial:
+    def refitted(self, law: Law, null: ProjectedBase, name: str) -> Trial:
         """A law refitted with its base, quickly."""
         self.tell(f"refitting with {law.key}")
         prior_sd = null.projector.law_prior_sd(law)
         return self.fitter.tried(law, name, null.hypothesis, prior_sd, null.base)
 
-    def simpler(self, trial: Trial, null: NullModel) -> Trial:
+    def simpler(self, trial: Trial, null: ProjectedBase) -> Trial:
         """A law without those of its pieces that the evidence does not ask for."""
         best = trial
         for at in reversed(range(len(trial.law.term.operators))):

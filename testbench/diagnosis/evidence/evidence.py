@@ -101,7 +101,7 @@ def maximised(
     value = -np.inf
     for _ in range(iterations):
         free = is_on(group, factor)
-        precision = declared * np.where(group >= 0, factor[group], 1.0) if len(factor) else declared
+        precision = scaled(declared, group, factor)
         total = np.zeros((len(mean) + 1, len(mean) + 1))
         for c, gram in normal.products.items():
             total += gram * (normal.share / sigma[c] ** 2)
@@ -123,6 +123,11 @@ def maximised(
         if abs(value - before) < 0.05:
             break
     return LogEvidence(float(value), x, sigma, factor, chol)
+
+
+def scaled(precision: FloatArray, group: np.ndarray, scale: FloatArray) -> FloatArray:
+    """Declared precisions times the scales of their groups, each shape (q - 1,)."""
+    return precision * np.where(group >= 0, scale[group], 1.0) if len(scale) else precision
 
 
 def is_on(group: np.ndarray, scale: FloatArray) -> np.ndarray:

@@ -10,7 +10,7 @@ import numpy as np
 
 from testbench.diagnosis import constants
 from testbench.diagnosis.evidence.directions import Directions
-from testbench.diagnosis.evidence.evidence import LogEvidence, NormalEquations, maximised, opened
+from testbench.diagnosis.evidence.evidence import LogEvidence, NormalEquations, maximised, opened, scaled
 from testbench.diagnosis.evidence.hypothesis import Hypothesis, pinned, rms, tail
 from testbench.diagnosis.evidence.likelihood import Likelihood
 from testbench.diagnosis.evidence.priors import priors_of
@@ -253,8 +253,7 @@ class _PosteriorFit:
         """A step of all parameters, within their bounds."""
         information = {c: normal.share / self.sigma[c] ** 2 for c in normal.products}
         total = np.sum([g * information[c] for c, g in normal.products.items()], axis=0)
-        factor = np.where(normal.group >= 0, self.scale[normal.group], 1.0) if len(self.scale) else 1.0
-        precision = normal.precision * factor
+        precision = scaled(normal.precision, normal.group, self.scale)
         matrix, gradient = total[1:, 1:] + np.diag(precision), total[1:, 0] + precision * normal.mean
         push = self.directions.full(gradient)
         self.held = ((self.x <= self.priors.low) & (push < 0)) | ((self.x >= self.priors.high) & (push > 0))

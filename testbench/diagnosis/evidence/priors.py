@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from testbench.diagnosis.evidence.evidence import scaled
 from testbench.fitting.fit import shape_scales
 from testbench.fitting.parameters import FreeParameter, free_parameters, value_of
 from testbench.knit.effect import Effect, FloatArray, bounds_of
@@ -57,7 +58,7 @@ class Priors:
 
     def scaled(self, factor: FloatArray) -> FloatArray:
         """Precisions with the scales of the groups, shape (p,)."""
-        return self.precision * np.where(self.group >= 0, factor[self.group], 1.0) if len(factor) else self.precision
+        return scaled(self.precision, self.group, factor)
 
     def cost(self, x: FloatArray, factor: FloatArray) -> FloatArray:
         """How much less likely each parameter is than its mean, in nats, shape (p,)."""
