@@ -68,6 +68,8 @@ class Round:
     laws : mapping of mechanism to int
         Laws that speak for it.
     likelihood : Likelihood
+    put_in : mapping of channel to float
+        Standard deviation of what the laws explain that were put in before; empty in the first round.
     """
 
     before: Entry
@@ -75,6 +77,7 @@ class Round:
     proposals: tuple[Proposal, ...]
     laws: Mapping[str, int]
     likelihood: Likelihood
+    put_in: Mapping[str, float] = field(default_factory=dict)
 
     @cached_property
     def prior(self) -> dict[str, float]:
@@ -86,9 +89,25 @@ class Round:
         """Log evidence that nothing is missing: what is left is then noise, whose size is known.
 
         The laws of the base are those of the sensor, or one of them is bent as an effect would bend it, as likely.
+        The laws that were put in are not quite those of the sensor either.
         """
         bent = [self._log_z_bent(e) for e in self.entries]
-        return float(np.logaddexp(self.log_z_alone(self.before), logsumexp([-np.inf, *bent])) - np.log(2))
+        base = np.logaddexp(self.log_z_alone(self.before), logsumexp([-np.inf, *bent])) - np.log(2)
+        erring = [self.log_prior_error(e) + e.log_z + self._complete(e, everywhere=True) for e in self.entries]
+        return float(np.logaddexp(base, logsumexp([-np.inf, *erring])))
+
+    def log_prior_error(self, e: Entry) -> float:
+        """Log probability that the laws put in before err by what an entry explains, so that no more is missing.
+
+        Laws err by `LAW_ERROR` of what they explain, or by the least misfit, as any law of the catalogue would, all
+        alike.
+        """
+        if not self.put_in:
+            return -np.inf
+        least = self.likelihood.least_misfit
+        error = {c: np.hypot(constants.LAW_ERROR * some, least[c]) for c, some in self.put_in.items()}
+        size = sum((some / error[c]) ** 2 for c, some in self.by_law(e).items())
+        return float(-0.5 * size - np.log(sum(self.laws.values()))) - self.luck
 
     def _log_z_bent(self, e: Entry) -> float:
         return self._log_prior_bend(e) + e.log_z + self._complete(e, everywhere=True)
@@ -97,15 +116,21 @@ class Round:
         """Of a base that is bent as an entry would bend it, less what laws summed owe to luck."""
         return e.log_prior_bend - self.luck
 
+    def by_law(self, entry: Entry) -> dict[str, float]:
+        """Standard deviation of what a law explains, per channel.
+
+        That is what the error falls by, or more where the base has bent to do the same.
+        """
+        fall = explained(self.before.hypothesis, entry.hypothesis)
+        return {c: max(some, entry.own_part.get(c, 0.0)) for c, some in fall.items()}
+
     def _complete(self, entry: Entry, everywhere: bool = False) -> float:
         """How much likelier what an entry leaves is if no more is missing.
 
-        A law errs in proportion to what it does. That is what the error falls by, or more where the base has bent to
-        do the same. It is asked for the channels that it changes: the others may lack something else. That nothing is
-        missing is asked of all.
+        A law errs in proportion to what it does. It is asked for the channels that it changes: the others may lack
+        something else. That nothing is missing is asked of all.
         """
-        fall, sigma = explained(self.before.hypothesis, entry.hypothesis), entry.hypothesis.evidence.sigma
-        by_law = {c: max(some, entry.own_part.get(c, 0.0)) for c, some in fall.items()}
+        by_law, sigma = self.by_law(entry), entry.hypothesis.evidence.sigma
         least = self.likelihood.least_misfit
         asked = [c for c, some in by_law.items() if some > least[c] or everywhere] or list(sigma)
         return self.likelihood.noise_log_prior({c: sigma[c] for c in asked}, by_law)
