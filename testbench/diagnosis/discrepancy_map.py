@@ -35,10 +35,9 @@ class Map:
     def __init__(self, hypothesis: Hypothesis, likelihood: Likelihood) -> None:
         names, groups, values = _features(likelihood.measurement)
         channels = list(hypothesis.columns)
-        directions = hypothesis.directions
-        base = {c: directions.rows(rows) for c, rows in hypothesis.weighted.items()}
+        base = hypothesis.weighted
         picked = values[:, likelihood.rows]
-        count, size = len(values), len(directions.group)
+        count, size = len(values), len(hypothesis.priors.mean)
         rows = {c: np.zeros((count * len(channels), len(likelihood.rows))) for c in channels}
         precision: list[float] = []
         group: list[int] = []
@@ -48,8 +47,7 @@ class Map:
             rows[c][part] = picked * (likelihood.weight[c] * hypothesis.robust[c])
             precision += [hypothesis.evidence.sigma[c] ** -2.0] * count
             group += [first + place * len(names) + g for g in groups]
-        plain = directions.equations(hypothesis.pinned)
-        normal = extended(plain, base, rows, [0.0] * len(precision), precision, group)
+        normal = extended(hypothesis.pinned, base, rows, [0.0] * len(precision), precision, group)
         normal = replace(normal, least=likelihood.misfit)  # a closer fit earns a map nothing, either
         scale = np.r_[opened(hypothesis.evidence.scale), np.full(len(names) * len(channels), 10.0)]
         found = maximised(normal, scale=scale, iterations=12, start=hypothesis.evidence)

@@ -106,9 +106,7 @@ class Screen:
     """First-order evidence of laws beside a fitted model, all of whose parameters may move to make room."""
 
     def __init__(self, hypothesis: Hypothesis, likelihood: Likelihood) -> None:
-        self.hypothesis, self.directions = hypothesis, hypothesis.directions
-        self.base = {c: self.directions.rows(rows) for c, rows in hypothesis.weighted.items()}
-        self.normal = self.directions.equations(hypothesis.normal)
+        self.hypothesis, self.normal, self.base = hypothesis, hypothesis.normal, hypothesis.weighted
         self.plain = maximised(self.normal, scale=hypothesis.evidence.scale, start=hypothesis.evidence)
         self.scales = shape_scales(likelihood.measurement)
 
@@ -157,7 +155,7 @@ class Screen:
             found = self.evidence({c: values[index : index + 1] for c, values in rows.items()}, mean, precision, -1)
             amount, gain = float(found.coefficients[-1]), found.value - self.plain.value
             gain += float(tail_evidence(typically, off)) if has_tails else 0.0
-            step = self.step(found, 1)
+            step = found.coefficients[:-1]
             if amount <= 0 and not two_signed(type(candidate.effect)):
                 gain = -1.0
         else:
@@ -179,11 +177,7 @@ class Screen:
         weights = tuple(float(a) * first.strength for a in found.coefficients[-count:])
         effect = first.effect.near(**{first.effect.strength: weights})
         gain = found.value - self.plain.value
-        return Proposal(law.mechanism, first.law, effect, gain, self.step(found, count))
-
-    def step(self, found: LogEvidence, more: int) -> FloatArray:
-        """By which the model's own parameters move, shape (p,), where `more` columns were added to them."""
-        return self.directions.full(found.coefficients[:-more])
+        return Proposal(law.mechanism, first.law, effect, gain, found.coefficients[:-count])
 
     def evidence(
         self, rows: Rows, mean: float, precision: float, group: int, iterations: int = 6, typical: bool = False

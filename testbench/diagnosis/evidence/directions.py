@@ -7,13 +7,11 @@ of their normal equations a rich shape changes nothing that is above the noise: 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import block_diag
 
-from testbench.diagnosis.evidence.evidence import NormalEquations
 from testbench.diagnosis.evidence.priors import Priors
 from testbench.knit.effect import FloatArray
 
@@ -88,13 +86,6 @@ class Directions:
     def priors(self, mean: FloatArray, precision: FloatArray) -> tuple[FloatArray, FloatArray, np.ndarray]:
         """Prior mean, precision and group of each direction, all of shape (q,), from those of all parameters."""
         return self.along(mean), precision[self.own], self.group
-
-    def equations(self, normal: NormalEquations) -> NormalEquations:
-        """The normal equations of all parameters, along the directions."""
-        whole = block_diag(1.0, self.basis)
-        products = {c: whole.T @ gram @ whole for c, gram in normal.products.items()}
-        mean, precision, group = self.priors(normal.mean, normal.precision)
-        return replace(normal, products=products, mean=mean, precision=precision, group=group)
 
     def full(self, coordinates: FloatArray) -> FloatArray:
         """All parameters from coordinates, shape (p,)."""

@@ -9,8 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from testbench.diagnosis.evidence.directions import Directions
-from testbench.diagnosis.evidence.evidence import LogEvidence, NormalEquations, maximised, opened
+from testbench.diagnosis.evidence.evidence import LogEvidence, NormalEquations, maximised
 from testbench.diagnosis.evidence.likelihood import Likelihood
 from testbench.diagnosis.evidence.priors import Priors
 from testbench.fitting.baseline import SHAPES, without_shapes
@@ -86,12 +85,6 @@ class Hypothesis:
     def weighted(self) -> dict[str, FloatArray]:
         """`columns`, weighted robustly."""
         return {c: rows * self.robust[c] for c, rows in self.columns.items()}
-
-    @cached_property
-    def directions(self) -> Directions:
-        """What the data see of its weights, with every scale as it may be needed in another model."""
-        information = {c: self.normal.share / sigma**2 for c, sigma in self.evidence.sigma.items()}
-        return Directions.seen(self.weighted, information, self.priors, opened(self.evidence.scale))
 
     @property
     def vector(self) -> FloatArray:
