@@ -84,9 +84,9 @@ def test_the_held_out_error_falls_to_the_noise():
 
 def test_a_base_that_has_made_room_for_a_law_is_not_bent_again_without_it():
     hunt = Hunt(Search(split(*pair())[0], CATALOGUE, lambda text: None), "my_effect")
-    bent = hunt.null_model(hunt.base)
+    bent = hunt.projected(hunt.base)
     trial = hunt.fitter.settled(hunt.refitted(found().steps[0].option.law, bent, "my_effect"))
-    roomy = hunt.null_model(trial.hypothesis, without="my_effect")
+    roomy = hunt.projected(trial.hypothesis, without="my_effect")
     left = {null: np.std(hunt.measurement.residual(null.base)["conductance"]) for null in (bent, roomy)}
     assert left[roomy] > 1.3 * left[bent]  # all of the law, not what a base leaves that bends to it
     assert roomy.projector.of_law(trial.law).strength == pytest.approx(trial.law.strength, rel=0.05)
