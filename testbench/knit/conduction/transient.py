@@ -239,7 +239,7 @@ class ShoulderPeakWayBack(ShoulderBumps):
 
     Source: as `ShoulderBumps`; that friction gives way after a fixed way back: Al-Bender, Lampaert & Swevers, Chaos
     14 (2004) 446.
-    Valid: ways back longer than a hundredth of the span.
+    Valid: ways back longer than a fiftieth of the span.
     """
 
     name = "shoulder_peak_way_back"

@@ -106,7 +106,7 @@ class ActuatorBacklashCompensated(BacklashLaw):
         lengths, ends = np.diff(begins, append=len(e)), np.append(begins[1:], len(e) - 1)
         heading = np.repeat(np.sign(e[ends] - e[begins]), lengths)
         way = np.abs(e - np.repeat(e[begins], lengths))
-        swing = np.where(np.arange(len(e)) < ends[0], 1.0, 2.0)  # before the first turn the drive rests in the middle
+        swing = np.repeat(np.where(begins > 0, 2.0, 1.0), lengths)  # before the first turn it rests in the middle
         wound = heading * (1 - swing * np.exp(-way / self.travel))
         return {"strain": e - 0.5 * self.gap * wound}
 

@@ -105,6 +105,8 @@ def test_a_wrongly_compensated_backlash_jumps_by_the_same_motion_at_every_turn()
     at_once = ActuatorBacklashCompensated(gap=0.01, travel=1e-5).apply({"strain": e}, 0.1)["strain"]
     # The sample behind a turn has jumped, though so short a way back might still be a wobble.
     np.testing.assert_allclose((e - at_once)[[400, 401, 800, 840]], [0.005, -0.005, -0.005, 0.005], rtol=1e-3)
+    ramp = np.linspace(0.0, 0.2, 400)
+    np.testing.assert_allclose((ramp - effect.apply({"strain": ramp}, 0.1)["strain"])[-2:], 0.005, rtol=1e-6)
     np.testing.assert_array_less(np.abs(np.diff(lost[:1200])), 2e-3)  # what is wound up gradually does not jump
 
 
