@@ -106,8 +106,8 @@ class Screen:
     """First-order evidence of laws beside a fitted model, all of whose parameters may move to make room."""
 
     def __init__(self, hypothesis: Hypothesis, likelihood: Likelihood) -> None:
-        self.hypothesis, self.normal, self.base = hypothesis, hypothesis.normal, hypothesis.weighted
-        self.plain = maximised(self.normal, scale=hypothesis.evidence.scale, start=hypothesis.evidence)
+        self.hypothesis, self.base = hypothesis, hypothesis.weighted
+        self.plain = maximised(hypothesis.normal, scale=hypothesis.evidence.scale, start=hypothesis.evidence)
         self.scales = shape_scales(likelihood.measurement)
 
     def proposals(self, laws: Sequence[Law]) -> list[Proposal]:
@@ -125,7 +125,7 @@ class Screen:
 
     def _first_order(self, tried: Sequence[Candidate], rows: Rows) -> tuple[FloatArray, FloatArray]:
         """Gains at the scales of the model as it is, and coefficients of the traces, both of shape (m,)."""
-        evidence, normal = self.plain, self.normal
+        evidence, normal = self.plain, self.hypothesis.normal
         share = {c: normal.share / evidence.sigma[c] ** 2 for c in rows}
         with_base = np.sum([(rows[c] @ self.base[c].T) * share[c] for c in rows], axis=0)
         size = sum(np.einsum("ij,ij->i", rows[c], rows[c]) * share[c] for c in rows)
@@ -194,7 +194,8 @@ class Screen:
         count = len(next(iter(rows.values())))
         start = self.plain
         number = -1 if group < 0 else len(start.scale)
-        bigger = extended(self.normal, self.base, rows, [mean] * count, [precision] * count, [number] * count)
+        priors = [mean] * count, [precision] * count, [number] * count
+        bigger = extended(self.hypothesis.normal, self.base, rows, *priors)
         if typical:
             bigger = replace(bigger, typical=bigger.typical | {number})
         scale = start.scale if group < 0 else np.r_[opened(start.scale), 1.0]

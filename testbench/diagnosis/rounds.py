@@ -68,7 +68,7 @@ class Round:
     laws : mapping of mechanism to int
         Laws that speak for it.
     likelihood : Likelihood
-    put_in : mapping of channel to float
+    explained_before : mapping of channel to float
         Standard deviation of what the laws explain that were put in before; empty in the first round.
     """
 
@@ -77,7 +77,7 @@ class Round:
     proposals: tuple[Proposal, ...]
     laws: Mapping[str, int]
     likelihood: Likelihood
-    put_in: Mapping[str, float] = field(default_factory=dict)
+    explained_before: Mapping[str, float] = field(default_factory=dict)
 
     @cached_property
     def prior(self) -> dict[str, float]:
@@ -92,25 +92,27 @@ class Round:
         The laws that were put in are not quite those of the sensor either.
         """
         bent = [self._log_z_bent(e) for e in self.entries]
-        base = np.logaddexp(self.log_z_alone(self.before), logsumexp([-np.inf, *bent])) - np.log(2)
-        erring = [self.log_prior_error(e) + e.log_z + self._complete(e, everywhere=True) for e in self.entries]
-        return float(np.logaddexp(base, logsumexp([-np.inf, *erring])))
+        base = logsumexp([self.log_z_alone(self.before), *bent]) - np.log(2)
+        erring = [self._log_prior_error(e) + self._log_z_everywhere(e) for e in self.entries]
+        return float(logsumexp([base, *erring]))
 
-    def log_prior_error(self, e: Entry) -> float:
+    def _log_prior_error(self, e: Entry) -> float:
         """Log probability that the laws put in before err by what an entry explains, so that no more is missing.
 
-        Laws err by `LAW_ERROR` of what they explain, or by the least misfit, as any law of the catalogue would, all
-        alike.
+        They err as any law of the catalogue would, all alike.
         """
-        if not self.put_in:
+        if not self.explained_before:
             return -np.inf
-        least = self.likelihood.least_misfit
-        error = {c: np.hypot(constants.LAW_ERROR * some, least[c]) for c, some in self.put_in.items()}
+        error = self.likelihood.expected(self.explained_before)
         size = sum((some / error[c]) ** 2 for c, some in self.by_law(e).items())
         return float(-0.5 * size - np.log(sum(self.laws.values()))) - self.luck
 
     def _log_z_bent(self, e: Entry) -> float:
-        return self._log_prior_bend(e) + e.log_z + self._complete(e, everywhere=True)
+        return self._log_prior_bend(e) + self._log_z_everywhere(e)
+
+    def _log_z_everywhere(self, e: Entry) -> float:
+        """Log evidence of an entry beside which nothing is missing in any channel."""
+        return e.log_z + self._complete(e, everywhere=True)
 
     def _log_prior_bend(self, e: Entry) -> float:
         """Of a base that is bent as an entry would bend it, less what laws summed owe to luck."""
@@ -181,7 +183,7 @@ class Round:
         """
         alike = [self.log_prior_alike(e.mechanism) + e.log_z for e in self.entries]
         alike += [whole.log_prior_alike + whole.log_z] if whole else []
-        return float(np.logaddexp(self.before.log_z, logsumexp([-np.inf, *alike])) - np.log(2))
+        return float(logsumexp([self.before.log_z, *alike]) - np.log(2))
 
     def log_prior_alike(self, mechanism: str) -> float:
         """Of one law of a mechanism, if it is one of the catalogue."""

@@ -46,16 +46,16 @@ class Search(Fits):
         """
         rounds: list[Round] = []
         found: list[Entry] = []
-        put_in: dict[str, float] = {}
+        so_far: dict[str, float] = {}
         bent, stiff = self.bases()
         while len(rounds) < most:
-            step = self.round(bent, stiff, put_in)
+            step = self.round(bent, stiff, so_far)
             rounds.append(step)
             best = step.goes_in or (None if found else step.bend)
             if best is None or (found and not step.is_named()):
                 break
             found.append(best)
-            put_in = {c: float(np.hypot(put_in.get(c, 0.0), some)) for c, some in step.by_law(best).items()}
+            so_far = {c: float(np.hypot(so_far.get(c, 0.0), some)) for c, some in step.by_law(best).items()}
             bent = [best.hypothesis]
             if step.is_enough(best) and (step.is_named() or best is step.bend):
                 break
@@ -109,7 +109,7 @@ class Search(Fits):
         kind = set(self.reference) - set(self.start)
         return {n: law for n, law in there.items() if n in kind or (n in before and law != before[n].name)}
 
-    def round(self, bent: Sequence[Hypothesis], stiff: Sequence[Hypothesis], put_in: Mapping[str, float]) -> Round:
+    def round(self, bent: Sequence[Hypothesis], stiff: Sequence[Hypothesis], so_far: Mapping[str, float]) -> Round:
         """One step.
 
         Parameters
@@ -118,8 +118,8 @@ class Search(Fits):
             The model so far, at its best; the same with other bases, beside which effects are proposed, too.
         stiff : sequence of Hypothesis
             The same with bases none of whose laws bends.
-        put_in : mapping of channel to float
-            What the laws explain that were put in before; see `Round`.
+        so_far : mapping of channel to float
+            What the laws explain that were put in before; see `Round.explained_before`.
         """
         self.tell("screening the catalogue")
         likelihood = self.compared
@@ -141,7 +141,7 @@ class Search(Fits):
             likelihood = replace(likelihood, explained=explained(current, entries[0].hypothesis))
         bare = max((self.judged(Entry("", "", "", h, h.log_z), likelihood) for h in before), key=lambda e: e.log_z)
         entries = self.all_judged(entries, likelihood)
-        return Round(bare, tuple(entries), tuple(proposals), counted, likelihood, put_in)
+        return Round(bare, tuple(entries), tuple(proposals), counted, likelihood, so_far)
 
     def proposals(self, h: Hypothesis) -> tuple[Proposal, ...]:
         """What each law of the catalogue promises beside a model, the best first."""

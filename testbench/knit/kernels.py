@@ -214,3 +214,8 @@ def turns(x: FloatArray, back: float) -> tuple[FloatArray, FloatArray, FloatArra
             heading, extreme, at = -heading, x[i], i
         turned[i], known[i], count[i] = last_turned, last_known, so_far
     return turned, known, count
+
+
+def last_turn(x: FloatArray, back: float) -> np.ndarray:
+    """Sample at which `x` last turned, as far as that is known by then, shape (n,); the first before any turn."""
+    return turns(np.ascontiguousarray(x), back)[0].astype(int)

@@ -14,7 +14,7 @@ from numba import njit
 from testbench.knit import spectra
 from testbench.knit.effect import FloatArray
 from testbench.knit.filters import memory, rate
-from testbench.knit.kernels import running_max, travelled, turns
+from testbench.knit.kernels import last_turn, running_max, travelled, turns
 from testbench.knit.lags import two_way_lowpass
 
 BACK = 0.02  # of the span: a turn is known once the strain has come back so far
@@ -148,19 +148,19 @@ def seconds_near(x: FloatArray, width: float, dt_s: float) -> FloatArray:
 
 def upper_turn(x: FloatArray, back: float) -> FloatArray:
     """Where `x` last turned downwards, known once it has come back by `back`; its start before that."""
-    turned = turns(x, back)[0].astype(int)
+    turned = last_turn(x, back)
     return x[np.maximum.accumulate(np.where(x < x[turned], turned, 0))]
 
 
 def swung(x: FloatArray, back: float) -> FloatArray:
     """Summed size of the swings of `x` that are over: a swing is, once `x` has come back by `back`."""
-    turned = x[turns(x, back)[0].astype(int)]
+    turned = x[last_turn(x, back)]
     return np.cumsum(np.abs(np.diff(turned, prepend=x[0])))
 
 
 def turning(x: FloatArray, back: float, dt_s: float) -> FloatArray:
     """Size of the swing that is over at each turn of `x`, over the time of the step in which the turn is known."""
-    return np.diff(swung(np.ascontiguousarray(x), back), prepend=0.0) / dt_s
+    return np.diff(swung(x, back), prepend=0.0) / dt_s
 
 
 def moving(x: FloatArray, dt_s: float) -> FloatArray:
@@ -179,8 +179,7 @@ def heading(x: FloatArray, span: float) -> FloatArray:
 
 def since_turn(x: FloatArray, span: float, dt_s: float) -> FloatArray:
     """Seconds since `x` last turned by more than `BACK` of the span."""
-    turned, _, _ = turns(np.ascontiguousarray(x), BACK * span)
-    return (np.arange(len(x)) - turned) * dt_s
+    return (np.arange(len(x)) - last_turn(x, BACK * span)) * dt_s
 
 
 def turns_so_far(x: FloatArray, span: float) -> FloatArray:
@@ -190,7 +189,7 @@ def turns_so_far(x: FloatArray, span: float) -> FloatArray:
 
 def last_top(x: FloatArray, back: float) -> FloatArray:
     """Where `x` last turned downwards, or where it is once it has passed that: beyond, the old top is forgotten."""
-    return np.maximum(upper_turn(np.ascontiguousarray(x), back), x)
+    return np.maximum(upper_turn(x, back), x)
 
 
 def largest(x: FloatArray) -> FloatArray:

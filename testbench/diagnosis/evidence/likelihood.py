@@ -85,6 +85,11 @@ class Likelihood:
         inexact = {channel: constants.INEXACT * self.explained.get(channel, 0.0) for channel in self.floor}
         return {c: float(np.hypot(least, inexact[c])) for c, least in self.least_misfit.items()}
 
+    def expected(self, explained: Mapping[str, float]) -> dict[str, float]:
+        """What a complete model leaves where laws that explain so much err as usual; both standard deviations."""
+        least = self.least_misfit
+        return {c: float(np.hypot(least[c], constants.LAW_ERROR * explained.get(c, 0.0))) for c in least}
+
     def noise_log_prior(self, sigma: Mapping[str, float], explained: Mapping[str, float]) -> float:
         """Log density of what a model leaves, if nothing else is missing, over the same if anything is.
 
@@ -97,20 +102,19 @@ class Likelihood:
         sigma, explained : mapping of channel to float
             Standard deviations of what the model leaves, and of what its last law explains.
         """
-        complete = np.array([self._log_complete(left / self.floor[c], c, explained) for c, left in sigma.items()])
+        complete = np.array([self._log_complete(left, c, explained) for c, left in sigma.items()])
         changed = -np.log(np.log(constants.MOST_LEFT))
         either = float(np.sum(np.logaddexp(complete, changed)))
         none = float(np.sum(complete))
         some = either + np.log(-np.expm1(none - either)) - np.log(2 ** len(complete) - 1)
         return float(none - some)
 
-    def _log_complete(self, floors: float, channel: str, explained: Mapping[str, float]) -> float:
+    def _log_complete(self, left: float, channel: str, explained: Mapping[str, float]) -> float:
         """Log density of ln(what is left in a channel) where the model is complete."""
-        by_law = (constants.LAW_ERROR * explained.get(channel, 0.0) / self.floor[channel]) ** 2
-        expected = constants.LEAST_MISFIT**2 + by_law
-        share = by_law / expected
+        expected = self.expected(explained)[channel]
+        share = 1 - (self.least_misfit[channel] / expected) ** 2  # of the error that is the law's
         spread = np.hypot((1 - share) * constants.NOISE_SPREAD, share * constants.LAW_SPREAD)
-        over = 0.5 * np.log(max(floors**2 / expected, 1.0))
+        over = np.log(max(left / expected, 1.0))
         return float(np.log(np.sqrt(2 / np.pi) / spread) - 0.5 * (over / spread) ** 2)
 
     @property

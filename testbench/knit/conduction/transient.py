@@ -181,16 +181,19 @@ class ShoulderBumps(ShoulderLaw):
     late: float = parameter(0.0, unit="1", low=0, high=0.9, doc="share of a turn after which a way back begins")
     span: float = parameter(0.3, unit="1", low=1e-3, high=5, doc="largest strain")
 
-    def places(self, e: FloatArray) -> FloatArray:
-        """Where on its way back the knit is, shape (n,): what lies beyond 0 to 1 has no bumps of its own."""
+    def bumps(self, e: FloatArray) -> FloatArray:
+        """What a way back would add to ln G, were it known at once, shape (n,)."""
         raise NotImplementedError
 
-    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
+    def over(self, place: FloatArray) -> FloatArray:
+        """The bumps at places of the way back, shape (n,): what lies beyond 0 to 1 has none of its own."""
         from testbench.knit.shapes.splines import bspline
 
-        e = np.ascontiguousarray(signals["strain"])
-        bumps = bspline(self.places(e), np.array(self.weights))
-        return on_the_way_back(e, self.travel * self.span, self.late) * bumps
+        return bspline(place, np.array(self.weights))
+
+    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
+        e = signals["strain"]
+        return on_the_way_back(e, self.travel * self.span, self.late) * self.bumps(e)
 
 
 class ShoulderPeakAnywhere(ShoulderBumps):
@@ -205,8 +208,8 @@ class ShoulderPeakAnywhere(ShoulderBumps):
     name = "shoulder_peak_anywhere"
     look = "a second peak of the resistance at one strain on the way back, at any speed"
 
-    def places(self, e: FloatArray) -> FloatArray:
-        return e / self.span
+    def bumps(self, e: FloatArray) -> FloatArray:
+        return self.over(e / self.span)
 
 
 class ShoulderPeakAfterTurn(ShoulderBumps):
@@ -223,11 +226,11 @@ class ShoulderPeakAfterTurn(ShoulderBumps):
     name = "shoulder_peak_after_turn"
     look = "a second peak of the resistance on the way back, later after a higher turn, at any speed"
 
-    def places(self, e: FloatArray) -> FloatArray:
-        from testbench.knit.kernels import turns
+    def bumps(self, e: FloatArray) -> FloatArray:
+        from testbench.knit.kernels import last_turn
 
-        turned = e[turns(e, SMALLEST_TURN * self.span)[0].astype(int)]
-        return e / np.maximum(turned, SMALLEST_TURN * self.span)
+        smallest = SMALLEST_TURN * self.span
+        return self.over(e / np.maximum(e[last_turn(e, smallest)], smallest))
 
 
 class ShoulderPeakWayBack(ShoulderBumps):
@@ -245,17 +248,11 @@ class ShoulderPeakWayBack(ShoulderBumps):
     name = "shoulder_peak_way_back"
     look = "a second peak of the resistance once the knit has come back by a certain way, from wherever"
 
-    def places(self, e: FloatArray) -> FloatArray:
-        return self._top(e) - e / self.span
-
-    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        return self._top(np.ascontiguousarray(signals["strain"])) * super().log_change(signals, dt_s)
-
-    def _top(self, e: FloatArray) -> FloatArray:
-        """e_top / span."""
+    def bumps(self, e: FloatArray) -> FloatArray:
         from testbench.knit.memories import last_top
 
-        return last_top(e, SMALLEST_TURN * self.span) / self.span
+        top = last_top(e, SMALLEST_TURN * self.span) / self.span
+        return top * self.over(top - e / self.span)
 
 
 def on_the_way_back(strain: FloatArray, travel: float, late: float) -> FloatArray:

@@ -98,11 +98,11 @@ class ActuatorBacklashCompensated(BacklashLaw):
     travel: float = parameter(0.004, unit="1", low=1e-5, high=0.02, scale="log", doc="strain over which it is")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
-        from testbench.knit.kernels import turns
+        from testbench.knit.kernels import last_turn
 
-        e = np.ascontiguousarray(signals["strain"])
+        e = signals["strain"]
         # A stroke begins at its turn, not where that became known.
-        begins = np.unique(turns(e, TURN_STRAIN)[0].astype(int))
+        begins = np.unique(last_turn(e, TURN_STRAIN))
         lengths, ends = np.diff(begins, append=len(e)), np.append(begins[1:], len(e) - 1)
         heading = np.repeat(np.sign(e[ends] - e[begins]), lengths)
         way = np.abs(e - np.repeat(e[begins], lengths))

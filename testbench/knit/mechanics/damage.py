@@ -295,9 +295,9 @@ class CyclicFatigueSwings(LevellingOff):
         return -np.expm1(-self._damage(signals, self.power) / self.scale)
 
     def _damage(self, signals: Signals, power: float) -> FloatArray:
-        from testbench.knit.kernels import turns
+        from testbench.knit.kernels import last_turn
 
         strain = signals["strain"]
-        turned = strain[turns(strain, DEAD_BAND_STRAIN)[0].astype(int)]
+        turned = strain[last_turn(strain, DEAD_BAND_STRAIN)]
         away = np.abs(strain - turned) / self.span
         return np.cumsum(np.diff(cycled_strain(signals), prepend=0.0) * away**power)

@@ -37,9 +37,9 @@ def entry(mechanism: str, floors: float, log_z: float) -> Entry:
     return Entry(mechanism, mechanism, mechanism, hypothesis, log_z)  # type: ignore[arg-type]
 
 
-def a_round(before: Entry, *entries: Entry, put_in: Mapping[str, float] | None = None) -> Round:
+def a_round(before: Entry, *entries: Entry, so_far: Mapping[str, float] | None = None) -> Round:
     likelihood = Likelihood(SimpleNamespace(), np.arange(10), {}, FLOOR, 1.0)  # type: ignore[arg-type]
-    return Round(before, entries, (), LAWS, likelihood, put_in or {})
+    return Round(before, entries, (), LAWS, likelihood, so_far or {})
 
 
 def test_a_law_that_leaves_noise_is_named():
@@ -223,10 +223,10 @@ def test_a_law_is_asked_for_the_channels_that_it_changes():
     ],
 )
 def test_what_the_laws_put_in_may_err_by_is_no_second_effect(explained, verdict):
-    put_in = {c: floors * FLOOR[c] for c, floors in explained.items()}
+    so_far = {c: floors * FLOOR[c] for c, floors in explained.items()}
     second = entry("clamp_slip", 1.25, 60.0)
     assert a_round(entry("", BARE, 0.0), second).verdict() == "missing"
-    assert a_round(entry("", BARE, 0.0), second, put_in=put_in).verdict() == verdict
+    assert a_round(entry("", BARE, 0.0), second, so_far=so_far).verdict() == verdict
 
 
 def a_bend(floors: float = 1.25, conductance: float = 1.25, log_prior_bend: float = 0.0) -> Entry:
@@ -257,7 +257,7 @@ def searched(*steps: Round) -> tuple[list[Round], list[Entry]]:
     """A search whose rounds are these, whatever it goes on from."""
     search, left = Search.__new__(Search), iter(steps)
     search.bases = lambda: ([], [])  # type: ignore[method-assign]
-    search.round = lambda bent, stiff, put_in: next(left)  # type: ignore[method-assign]
+    search.round = lambda bent, stiff, so_far: next(left)  # type: ignore[method-assign]
     search.compare = lambda model: None  # type: ignore[method-assign, assignment, return-value]
     return search.run()
 
