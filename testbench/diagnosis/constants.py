@@ -30,3 +30,4 @@ SETTLED_LAWS = 3  # of each of the best two of those, carried to their end; of t
 ITERATIONS = 14  # steps of a refit at most
 REFITS = 3  # at most, one after the other, where a law is carried to its end
 ROUNDS = 4  # effects at most
+BEAM = 2  # first steps from which a search goes on, where the first cannot be named

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Literal
 from zlib import crc32
@@ -14,6 +14,7 @@ from scipy.special import logsumexp
 from testbench.diagnosis import constants
 from testbench.diagnosis.evidence.hypothesis import Hypothesis, changed
 from testbench.diagnosis.evidence.likelihood import Likelihood
+from testbench.diagnosis.fits import best_first, first_of_each
 from testbench.diagnosis.proposals import Proposal
 from testbench.knit.model import KnitModel
 
@@ -237,6 +238,23 @@ class Round:
         return max(self.entries, key=self.added)
 
     @cached_property
+    def begins(self) -> list[Entry]:
+        """The first steps that a search may begin with, what goes in first.
+
+        Where none can be named, and nothing is not what is missing, that is any mechanism, in order of what it adds.
+        """
+        first = self.goes_in or self.bend
+        if self.verdict() != "unknown" or first is not self.goes_in:
+            return [first] if first else []
+        adding = sorted((e for e in self.entries if self.added(e) > 0), key=self.added, reverse=True)
+        return first_of_each(adding, lambda e: e.mechanism)
+
+    def with_entry(self, better: Entry) -> Round:
+        """The same with a law that was fitted better meanwhile."""
+        entries = (better if e.law == better.law else e for e in self.entries)
+        return replace(self, entries=tuple(best_first(entries)))
+
+    @cached_property
     def candidate(self) -> Entry | None:
         """The best law of the most probable mechanism, if it is more probable than nothing."""
         if not self.entries:
@@ -319,6 +337,12 @@ def leading(together: Hypothesis, without: Sequence[Hypothesis], likelihood: Lik
         The same model without each of them, at its best.
     """
     return int(np.argmax([squared(changed(one, together), likelihood) for one in without]))
+
+
+def probability_of(walk: tuple[Sequence[Round], Sequence[Entry]]) -> float:
+    """Log prior and evidence of what a search put in; minus infinity if that is nothing."""
+    whole = whole_of(*walk)
+    return whole.log_posterior if whole else -np.inf
 
 
 def best_set(rounds: Sequence[Round], put_in: Sequence[Entry]) -> list[Entry]:

@@ -18,7 +18,7 @@ from testbench.diagnosis.evidence.likelihood import Likelihood
 from testbench.diagnosis.fits import Fits, Progress, best_first, evidence_of, first_of_each, law_names, newest
 from testbench.diagnosis.proposals import Law, Proposal, Screen, laws_of
 from testbench.diagnosis.refits import NullModel, Refits, promising
-from testbench.diagnosis.rounds import Entry, Round, best_set, explained
+from testbench.diagnosis.rounds import Entry, Round, best_set, explained, probability_of, whole_of
 from testbench.diagnosis.starts import drawn_anew
 from testbench.fitting.baseline import SHAPES, laws_that_may_act, without_shapes
 from testbench.knit.catalogue import Catalogue
@@ -39,30 +39,48 @@ class Search(Fits):
     def run(self, most: int = constants.ROUNDS) -> tuple[list[Round], list[Entry]]:
         """Rounds of the search, and what was put in, one a round.
 
+        Where no first step can be named, the search goes on from each of the best; what comes of it decides.
+        """
+        first = self.round(*self.bases(), {})
+        walks = []
+        for begin in first.begins[: constants.BEAM]:
+            walks.append(self.walk(first, begin, most))
+            rounds, put_in = walks[-1]
+            if rounds[0].is_named(whole_of(rounds, put_in)):
+                break
+        return max(walks, key=probability_of, default=([first], []))
+
+    def walk(self, first: Round, begin: Entry, most: int) -> tuple[list[Round], list[Entry]]:
+        """Rounds, and what was put in, from one first step on.
+
         Two effects of one size leave each other's part unexplained, so that neither can be named alone: what adds
         most evidence is put in even where it leaves more than it explains, and stays if the second explains the
         rest. A law that only bends the base is put in as well; if anything is found beside it, that is what is
         missing.
         """
-        rounds: list[Round] = []
-        found: list[Entry] = []
+        rounds, found = [first], [begin]
         so_far: dict[str, float] = {}
-        bent, stiff = self.bases()
-        while len(rounds) < most:
-            step = self.round(bent, stiff, so_far)
-            rounds.append(step)
-            best = step.goes_in or (None if found else step.bend)
-            if best is None or (found and not step.is_named()):
+        while len(rounds) < most and not self.is_all(rounds[-1], found[-1]):
+            last = found[-1]
+            so_far = {c: float(np.hypot(so_far.get(c, 0.0), some)) for c, some in rounds[-1].by_law(last).items()}
+            bent = [last.hypothesis]
+            rounds.append(self.round(bent, [self.compare(without_shapes(bent[0].model))], so_far))
+            # Beside what goes in next, what went in last may have left a wrong valley.
+            later = self.judged(replace(last, hypothesis=rounds[-1].before.hypothesis), rounds[-2].likelihood)
+            if later.log_z > last.log_z:
+                found[-1], rounds[-2] = later, rounds[-2].with_entry(later)
+            best = rounds[-1].goes_in
+            if best is None or not rounds[-1].is_named():
                 break
             found.append(best)
-            so_far = {c: float(np.hypot(so_far.get(c, 0.0), some)) for c, some in step.by_law(best).items()}
-            bent = [best.hypothesis]
-            if step.is_enough(best) and (step.is_named() or best is step.bend):
-                break
-            stiff = [self.compare(without_shapes(bent[0].model))]
         while len(found) > 1 and found[0] is rounds[0].bend:
             del rounds[0], found[0]
         return rounds, best_set(rounds, found)
+
+    @staticmethod
+    def is_all(step: Round, put_in: Entry) -> bool:
+        """Whether what was put in in a step leaves nothing to look for."""
+        return step.is_enough(put_in) and (step.is_named() or put_in is step.bend)
 
     def bases(self) -> tuple[list[Hypothesis], list[Hypothesis]]:
         """Bases whose laws bend, the best first; and the best two of those whose laws do not.

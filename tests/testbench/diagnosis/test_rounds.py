@@ -259,6 +259,7 @@ def searched(*steps: Round) -> tuple[list[Round], list[Entry]]:
     search.bases = lambda: ([], [])  # type: ignore[method-assign]
     search.round = lambda bent, stiff, so_far: next(left)  # type: ignore[method-assign]
     search.compare = lambda model: None  # type: ignore[method-assign, assignment, return-value]
+    search.judged = lambda e, likelihood: replace(e, log_z=e.hypothesis.log_z)  # type: ignore[method-assign]
     return search.run()
 
 
@@ -279,3 +280,48 @@ def test_a_bend_and_nothing_beside_it_is_nothing_missing():
     assert rounds[0] is first
     assert found == []
     assert first.verdict() == "nothing_missing"
+
+
+def in_a_model(mechanism: str, floors: float, log_z: float) -> Entry:
+    """A law that a search can go on from."""
+    e = entry(mechanism, floors, log_z)
+    e.hypothesis.model = KnitModel.of()
+    return e
+
+
+def test_where_what_adds_most_leads_nowhere_the_search_begins_with_the_second():
+    base, most, second = (
+        entry("", BARE, 0.0),
+        in_a_model("clamp_slip", 4.0, 60.0),
+        in_a_model("self_heating", 6.0, 40.0),
+    )
+    first, rest = a_round(base, most, second), in_a_model("stress_relaxation", 1.25, 120.0)
+    assert first.begins == [most, second]
+    dead_end = a_round(most, in_a_model("stress_relaxation", 4.0, 61.0))
+    done = a_round(rest)
+    rounds, found = searched(first, dead_end, a_round(second, rest), done)
+    assert [e.mechanism for e in found] == ["self_heating", "stress_relaxation"]
+    assert first.is_named(whole_of(rounds, found))
+
+
+def test_the_search_begins_once_where_a_law_explains_all_or_nothing_is_missing():
+    good, more = entry("stress_relaxation", 1.3, 100.0), entry("clamp_slip", 0.7 * BARE, 101.0)
+    assert a_round(entry("", BARE, 50.0), more, good).begins == [good]
+    assert a_round(entry("", 1.25, 50.0), entry("stress_relaxation", 1.25, 51.0)).begins == []
+
+
+def test_where_nothing_would_be_said_of_a_poor_base_the_search_begins_with_what_adds_anything():
+    some, none = entry("clamp_slip", 6.0, 5.0), entry("self_heating", BARE, -1.0)
+    first = a_round(replace(entry("", BARE, 0.0), log_z=90.0), some, none)
+    assert (first.candidate, first.verdict()) == (None, "unknown")
+    assert first.begins == [some]
+
+
+def test_what_went_in_is_told_as_the_next_step_left_it():
+    """Two rivals may share a valley that neither finds alone."""
+    rough, fine = in_a_model("clamp_slip", 4.0, 60.0), in_a_model("clamp_slip", 1.25, 100.0)
+    rounds, found = searched(
+        a_round(entry("", BARE, 0.0), rough), a_round(fine, in_a_model("self_heating", 1.25, 99.0))
+    )
+    assert found[0].hypothesis is fine.hypothesis
+    assert rounds[0].verdict() == "missing"
