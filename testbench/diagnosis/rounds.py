@@ -71,6 +71,8 @@ class Round:
     likelihood : Likelihood
     explained_before : mapping of channel to float
         Standard deviation of what the laws explain that were put in before; empty in the first round.
+    dead_ends : set of str
+        Mechanisms from which the search has gone on already, and come to less.
     """
 
     before: Entry
@@ -79,6 +81,7 @@ class Round:
     laws: Mapping[str, int]
     likelihood: Likelihood
     explained_before: Mapping[str, float] = field(default_factory=dict)
+    dead_ends: frozenset[str] = frozenset()
 
     @cached_property
     def prior(self) -> dict[str, float]:
@@ -171,7 +174,8 @@ class Round:
             # In company none need explain all: in place of the first each is less probable by what it adds less.
             weighed = self._log_posterior if self.is_named() else self._log_in_part
             company = whole.log_posterior - weighed(whole.first)
-            logs = {m: float(np.logaddexp(value, weighed(m) + company)) for m, value in logs.items()}
+            for m in logs.keys() - self.dead_ends:
+                logs[m] = float(np.logaddexp(logs[m], weighed(m) + company))
         logs[NOTHING] = np.log(self.prior[NOTHING]) + self.log_z_nothing
         logs[UNKNOWN] = np.log(self.prior[UNKNOWN]) + self._log_z_of_any(whole)
         total = logsumexp(list(logs.values()))

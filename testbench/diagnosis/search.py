@@ -48,6 +48,7 @@ class Search(Fits):
             rounds, put_in = walks[-1]
             if rounds[0].is_named(whole_of(rounds, put_in)):
                 break
+            first = replace(first, dead_ends=first.dead_ends | {begin.mechanism})
         return max(walks, key=probability_of, default=([first], []))
 
     def walk(self, first: Round, begin: Entry, most: int) -> tuple[list[Round], list[Entry]]:
@@ -166,11 +167,11 @@ class Search(Fits):
         laws = laws_of(h, self.compared, self.catalogue)
         found = Screen(h, self.compared).proposals(laws)
         if not any(name in SHAPES for name in h.model):
-            found += [self.anew(h, law) for law in laws if law.candidates[0].from_data]
+            found += [self.anew(h, law) for law in laws if law.is_of_strain and law.candidates[0].from_data]
         return tuple(first_of_each(sorted(found, key=lambda p: -p.gain), lambda p: p.law))
 
     def anew(self, h: Hypothesis, law: Law) -> Proposal:
-        """A law whose size was seen in the data, refitted beside a stiff base: a curve that bends takes its place."""
+        """A law of the strain beside a stiff base that is drawn to the data anew, refitted."""
         there = fitted(drawn_anew(h, law, self.compared), self.compared, self.reference, h)
         effect = there.model[newest(there.model, h.model)]
         size = abs(getattr(effect, effect.strength))

@@ -36,17 +36,15 @@ def best_start(h: Hypothesis, p: Proposal, likelihood: Likelihood) -> KnitModel:
 
 
 def drawn_anew(h: Hypothesis, law: Law, likelihood: Likelihood) -> KnitModel:
-    """The model with a law whose size was seen in the data, at whichever of its points fits best.
+    """The model with a law that changes the strain, and its base drawn anew to the data over what is left of that.
 
-    No small step leads there. Beside a law that changes the strain the base is drawn anew to the data over what is left
-    of that: where much of a stretch only takes up slack, the knit is many times as stiff over the rest.
+    Of all points of the law the one that fits best. Where much of a stretch only takes up slack, the knit is many
+    times as stiff over the rest: no small step leads there.
     """
     measurement = likelihood.measurement
 
     def drawn(effect: Effect) -> KnitModel:
         model = h.model.plus(effect)
-        if not law.is_of_strain:
-            return model
         strain = model.simulate(measurement.signals, measurement.dt_s)["strain"]
         for name in h.model:
             if not model[name].strength:

@@ -7,13 +7,11 @@ import pytest
 
 from testbench.diagnosis.evidence.laplace import fitted
 from testbench.diagnosis.evidence.likelihood import likelihood_of, noise_of
-from testbench.diagnosis.proposals import Proposal, Screen, laws_of
-from testbench.diagnosis.search import Search
+from testbench.diagnosis.proposals import Proposal, laws_of
 from testbench.diagnosis.starts import best_start, drawn_anew
 from testbench.fitting.baseline import starting_baseline, with_shapes
-from testbench.knit.catalogue import Catalogue, load_catalogue
+from testbench.knit.catalogue import Catalogue
 from testbench.knit.kinematics.grip import Slack
-from testbench.knit.readout.adc_saturation import AdcSaturation
 from testbench.knit.readout.interference import PeriodicInterferenceForce
 from testbench.measurements.measurement import prepare
 from tests.testbench.builders import record, truth
@@ -41,20 +39,3 @@ def test_a_base_is_drawn_anew_over_what_slack_leaves_of_the_stretch():
     assert model["slack"].slack == pytest.approx(0.18, abs=0.02)
     left, before = (measurement.residual(one)["force"].std() for one in (model, h.model.plus(model["slack"])))
     assert left < 0.5 * before
-
-
-def test_a_reading_cut_off_for_half_of_the_time_is_refitted_beside_a_stiff_base():
-    """To first order it gains little there: the base has been drawn through the plateau."""
-    motion = record(truth(), 60, 10.0, 1)
-    floor_ohm = float(np.median(motion.channels["resistance_ohm"]))
-    measurement = prepare(record(truth().plus(AdcSaturation(floor_ohm=floor_ohm)), 60, 10.0, 1))
-    search = Search(measurement, load_catalogue(), lambda _text: None)
-    h = search.compare(search.start)
-    (law,) = laws_of(h, search.compared, Catalogue({"adc_saturation": AdcSaturation}))
-    (to_first_order,) = Screen(h, search.compared).proposals([law])
-    refitted = search.anew(h, law)
-    assert refitted.gain > to_first_order.gain + 5.0
-    (told,) = [p for p in search.proposals(h) if p.law == law.candidates[0].law]
-    assert told.gain == refitted.gain
-    assert told.model is not None
-    assert refitted.effect.floor_ohm == pytest.approx(floor_ohm, rel=0.01)
