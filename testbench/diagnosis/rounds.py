@@ -243,9 +243,9 @@ class Round:
 
     @cached_property
     def begins(self) -> list[Entry]:
-        """The first steps that a search may begin with, what goes in first.
+        """The laws that a search may begin with, the most promising first.
 
-        Where none can be named, and nothing is not what is missing, that is any mechanism, in order of what it adds.
+        Where the verdict would be *unknown*, that is the best law of every mechanism, in order of what it adds.
         """
         first = self.goes_in or self.bend
         if self.verdict() != "unknown" or first is not self.goes_in:
