@@ -155,10 +155,11 @@ class Round:
         by_laws = sum(squared(e.own_part, self.likelihood) for e in put_in)
         return float(np.sqrt(max(left - 1.0, 0.0) / max(before, by_laws, 1.0)))
 
-    def is_enough(self, entry: Entry) -> bool:
-        """Whether an entry leaves no more than a law is expected to leave."""
-        misfit = self.likelihood.misfit
-        return all(sigma < 1.001 * misfit[c] for c, sigma in entry.hypothesis.evidence.sigma.items())
+    def is_all(self, put_in: Entry) -> bool:
+        """Whether what was put in leaves nothing to look for: no more than a law is expected to leave."""
+        misfit, sigma = self.likelihood.misfit, put_in.hypothesis.evidence.sigma
+        is_enough = all(left < 1.001 * misfit[c] for c, left in sigma.items())
+        return is_enough and (self.is_named() or put_in is self.bend)
 
     def probabilities(self, whole: Whole | None = None) -> dict[str, float]:
         """Of nothing, of unknown and of each mechanism to be what is missing most; they sum to 1.

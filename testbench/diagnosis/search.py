@@ -61,7 +61,7 @@ class Search(Fits):
         """
         rounds, found = [first], [begin]
         so_far: dict[str, float] = {}
-        while len(rounds) < most and not self.is_all(rounds[-1], found[-1]):
+        while len(rounds) < most and not rounds[-1].is_all(found[-1]):
             last = found[-1]
             so_far = {c: float(np.hypot(so_far.get(c, 0.0), some)) for c, some in rounds[-1].by_law(last).items()}
             bent = [last.hypothesis]
@@ -77,11 +77,6 @@ class Search(Fits):
         while len(found) > 1 and found[0] is rounds[0].bend:
             del rounds[0], found[0]
         return rounds, best_set(rounds, found)
-
-    @staticmethod
-    def is_all(step: Round, put_in: Entry) -> bool:
-        """Whether what was put in in a step leaves nothing to look for."""
-        return step.is_enough(put_in) and (step.is_named() or put_in is step.bend)
 
     def bases(self) -> tuple[list[Hypothesis], list[Hypothesis]]:
         """Bases whose laws bend, the best first; and the best two of those whose laws do not.
