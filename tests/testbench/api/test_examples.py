@@ -28,9 +28,12 @@ def told() -> dict[str, object]:
 
 
 OURS = told()
+LONG = {"testbench.investigate"}  # minutes of diagnosis
 
 
-@pytest.mark.parametrize("name", sorted(OURS.keys() - ELSEWHERE))
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=pytest.mark.slow) if n in LONG else n for n in sorted(OURS.keys() - ELSEWHERE)]
+)
 def test_what_is_public_has_an_example_that_runs(name):
     assert after_examples(name, OURS[name])
 

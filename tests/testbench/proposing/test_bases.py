@@ -50,6 +50,7 @@ def test_laws_that_the_user_gave_are_kept():
     assert hunt.stiff is search().start
 
 
+@pytest.mark.slow
 def test_the_law_is_found_beside_the_knee_and_the_ladder_says_what_was_exchanged():
     proposed = propose_law(*recordings(), name="my_effect", catalogue=CATALOGUE, most=1)
     steps = [step["step"] for step in proposed.after.history]
