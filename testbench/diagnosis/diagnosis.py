@@ -279,7 +279,7 @@ def concluded(
         put_in = []
     whole = whole_of(rounds, put_in)
     left = whole.left if whole else 1.0
-    lead = _leading(search, rounds, put_in)
+    lead = leading(put_in, rounds[-1].likelihood)
     most, beside = rounds[lead], whole_of(rounds[lead:], put_in[lead:])
     after = _ladder(search, bare, put_in, before, calibration, held)
     other_laws = search.other_laws(before.model, after.model)
@@ -304,15 +304,6 @@ def concluded(
         after.history[-1]["errors"]["held_out"],
         noise_floors(held),
     )
-
-
-def _leading(search: Search, rounds: Sequence[Round], put_in: Sequence[Entry]) -> int:
-    """Which of what was put in changes most."""
-    if len(put_in) < 2:
-        return 0
-    together = put_in[-1].hypothesis
-    without = search.pool.map(search.without, [together] * len(put_in), [e.name for e in put_in])
-    return leading(together, without, rounds[-1].likelihood)
 
 
 def _found(rounds: Sequence[Round], put_in: Sequence[Entry]) -> Found:

@@ -37,6 +37,8 @@ class Entry:
         What the law changes that the base's laws could not; see `hypothesis.own_part`.
     log_prior_bend : float
         Log probability that a law of the base is unlike the sensor's in just this way, so that nothing is missing.
+    without : Entry, optional
+        All else that was put in, at its best, where that is anything.
     """
 
     mechanism: str
@@ -47,6 +49,7 @@ class Entry:
     is_settled: bool = False
     own_part: Mapping[str, float] = field(default_factory=dict)
     log_prior_bend: float = -np.inf
+    without: Entry | None = None
 
     @property
     def base(self) -> KnitModel:
@@ -172,11 +175,13 @@ class Round:
         """
         logs = {mechanism: self._log_posterior(mechanism) for mechanism in self.laws}
         if whole and whole.first:
-            # In company none need explain all: in place of the first each is less probable by what it adds less.
+            # In company none need explain all: in place of the first each is less probable by what it adds less, alone
+            # or beside the others.
             weighed = self._log_posterior if self.is_named() else self._log_in_part
-            company = whole.log_posterior - weighed(whole.first)
-            for m in logs.keys() - self.dead_ends:
-                logs[m] = float(np.logaddexp(logs[m], weighed(m) + company))
+            adds = max(weighed(whole.first), self.log_prior(whole.first) + whole.first_adds)
+            for m in logs.keys() - self.dead_ends - {whole.first}:
+                logs[m] = float(np.logaddexp(logs[m], weighed(m) - adds + whole.log_posterior))
+            logs[whole.first] = float(np.logaddexp(logs[whole.first], whole.log_posterior))
         logs[NOTHING] = np.log(self.prior[NOTHING]) + self.log_z_nothing
         logs[UNKNOWN] = np.log(self.prior[UNKNOWN]) + self._log_z_of_any(whole)
         total = logsumexp(list(logs.values()))
@@ -313,6 +318,8 @@ class Whole:
         Share of what they should explain that they leave.
     first : str
         The mechanism that was put in first, if it has company.
+    first_adds : float
+        Log evidence that it adds beside the others.
     """
 
     log_posterior: float
@@ -320,6 +327,7 @@ class Whole:
     log_prior_alike: float
     left: float
     first: str = ""
+    first_adds: float = 0.0
 
 
 def whole_of(rounds: Sequence[Round], put_in: Sequence[Entry]) -> Whole | None:
@@ -329,19 +337,18 @@ def whole_of(rounds: Sequence[Round], put_in: Sequence[Entry]) -> Whole | None:
     steps, last = rounds[: len(put_in)], put_in[-1]
     prior = sum(step.log_prior(e.mechanism) for step, e in zip(steps, put_in, strict=True))
     alike = sum(step.log_prior_alike(e.mechanism) for step, e in zip(steps, put_in, strict=True))
-    first = put_in[0].mechanism if len(put_in) > 1 else ""
-    return Whole(prior + steps[-1].log_z_alone(last), last.log_z, alike, steps[0].left(*put_in), first)
+    told = prior + steps[-1].log_z_alone(last), last.log_z, alike, steps[0].left(*put_in)
+    if len(put_in) < 2:
+        return Whole(*told)
+    rest = put_in[0].without
+    return Whole(*told, put_in[0].mechanism, last.log_z - rest.log_z if rest else 0.0)
 
 
-def leading(together: Hypothesis, without: Sequence[Hypothesis], likelihood: Likelihood) -> int:
-    """Which of several effects changes most, all in one model: the first to be found need not be it.
-
-    Parameters
-    ----------
-    without : sequence of Hypothesis
-        The same model without each of them, at its best.
-    """
-    return int(np.argmax([squared(changed(one, together), likelihood) for one in without]))
+def leading(put_in: Sequence[Entry], likelihood: Likelihood) -> int:
+    """Which of several effects changes most, all in one model: the first to be found need not be it."""
+    together = put_in[-1].hypothesis
+    changes = [squared(changed(e.without.hypothesis, together), likelihood) for e in put_in if e.without]
+    return int(np.argmax(changes)) if changes else 0
 
 
 def probability_of(walk: tuple[Sequence[Round], Sequence[Entry]]) -> float:

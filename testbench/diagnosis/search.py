@@ -76,7 +76,19 @@ class Search(Fits):
             found.append(best)
         while len(found) > 1 and found[0] is rounds[0].bend:
             del rounds[0], found[0]
-        return rounds, best_set(rounds, found)
+        put_in = best_set(rounds, found)
+        return rounds, self.each_left_out(put_in, rounds[len(put_in) - 1].likelihood)
+
+    def each_left_out(self, put_in: Sequence[Entry], likelihood: Likelihood) -> list[Entry]:
+        """What was put in, each with all the others, if there are any, at their best without it."""
+        if len(put_in) < 2:
+            return list(put_in)
+
+        def rest(e: Entry) -> Entry:
+            h = self.without(put_in[-1].hypothesis, e.name)
+            return self.judged(Entry("", "", "", h, h.log_z), likelihood)
+
+        return [replace(e, without=one) for e, one in zip(put_in, self.pool.map(rest, put_in), strict=True)]
 
     def bases(self) -> tuple[list[Hypothesis], list[Hypothesis]]:
         """Bases whose laws bend, the best first; and the best two of those whose laws do not.

@@ -141,10 +141,26 @@ def test_in_company_the_first_is_as_likely_as_what_it_adds():
 def test_what_changes_most_leads_whichever_was_found_first():
     """Without it the same model leaves most."""
     left = [SimpleNamespace(columns={c: np.full((1, 50), n * FLOOR[c]) for c in FLOOR}) for n in (1, 3, 7)]
-    together, without = left[0], left[1:]
+    both = replace(entry("stress_relaxation", 1.3, 100.0), hypothesis=left[0])  # type: ignore[arg-type]
+    put_in = [replace(both, without=replace(both, hypothesis=one)) for one in left[1:]]  # type: ignore[arg-type]
     likelihood = a_round(entry("", BARE, 50.0)).likelihood
-    assert leading(together, without, likelihood) == 1  # type: ignore[arg-type]
-    assert leading(together, without[::-1], likelihood) == 0  # type: ignore[arg-type]
+    assert leading(put_in, likelihood) == 1
+    assert leading(put_in[::-1], likelihood) == 0
+    assert leading([both], likelihood) == 0
+
+
+def test_what_adds_nothing_keeps_no_company_for_what_adds_only_beside_others():
+    """The first added next to nothing alone, and is needed beside the second; an idle one is not."""
+    first, second = entry("stress_relaxation", 0.9 * BARE, 51.0), entry("clamp_slip", 1.3, 160.0)
+    rounds = [a_round(entry("", BARE, 50.0), first, entry("self_heating", BARE, 50.0)), a_round(first, second)]
+    idle = {}
+    for adds in (0.0, 30.0):
+        rest = entry("", BARE, second.log_z - adds)
+        whole = whole_of(rounds, [replace(first, without=rest), second])
+        chances = rounds[0].probabilities(whole)
+        idle[adds] = chances["self_heating"] / chances["stress_relaxation"]
+    assert idle[0.0] > 0.1
+    assert idle[30.0] < 1e-6
 
 
 def test_what_was_named_alone_gets_no_other_name_in_company():
@@ -260,6 +276,7 @@ def searched(*steps: Round) -> tuple[list[Round], list[Entry]]:
     search.round = lambda bent, stiff, so_far: next(left)  # type: ignore[method-assign]
     search.compare = lambda model: None  # type: ignore[method-assign, assignment, return-value]
     search.judged = lambda e, likelihood: replace(e, log_z=e.hypothesis.log_z)  # type: ignore[method-assign]
+    search.each_left_out = lambda put_in, likelihood: list(put_in)  # type: ignore[method-assign]
     return search.run()
 
 
