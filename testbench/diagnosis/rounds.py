@@ -175,8 +175,8 @@ class Round:
         """
         logs = {mechanism: self._log_posterior(mechanism) for mechanism in self.laws}
         if whole and whole.first:
-            # In company none need explain all: in place of the first each is less probable by what it adds less, alone
-            # or beside the others.
+            # In company none need explain all: in place of the first each is less probable by what it adds less,
+            # alone or beside the others.
             weighed = self._log_posterior if self.is_named() else self._log_in_part
             adds = max(weighed(whole.first), self.log_prior(whole.first) + whole.first_adds)
             for m in logs.keys() - self.dead_ends - {whole.first}:
