@@ -124,6 +124,7 @@ BUILT_IN = {
     "shoulder_peak_way_back": "testbench.knit.conduction.transient:ShoulderPeakWayBack",
     "rate_resistance": "testbench.knit.conduction.transient:RateResistance",
     "rate_resistance_magnitude": "testbench.knit.conduction.transient:RateResistanceMagnitude",
+    "rate_resistance_two_ways": "testbench.knit.conduction.transient:RateResistanceTwoWays",
     "self_heating": "testbench.knit.conduction.heat:SelfHeating",
     "self_heating_two_masses": "testbench.knit.conduction.heat:SelfHeatingTwoMasses",
     "self_heating_prony": "testbench.knit.conduction.heat:SelfHeatingProny",
