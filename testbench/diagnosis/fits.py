@@ -6,7 +6,10 @@ from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from functools import cached_property
 from typing import Protocol, TypeVar
 
+import numpy as np
+
 from testbench.comparing.ladder import drawn_to_data
+from testbench.comparing.model_errors import rms_errors
 from testbench.diagnosis import constants
 from testbench.diagnosis.evidence.hypothesis import Hypothesis
 from testbench.diagnosis.evidence.laplace import fitted
@@ -147,9 +150,18 @@ class Fits:
         finest = self.finest
 
         def last(h: Hypothesis) -> Hypothesis:
-            return fitted(h.model, finest, self.reference, h if finest is self.likelihood else None)
+            return fitted(self.unfolded(h.model), finest, self.reference, h if finest is self.likelihood else None)
 
         return self.pool.map(last, chosen)
+
+    def unfolded(self, model: KnitModel) -> KnitModel:
+        """The model with frequencies as the whole recording has them: the grid of the search may have folded them."""
+        for name, effect in model.effects.items():
+            others = effect.unfolded(1 / self.measurement.dt_s, 0.5 / self.whole.dt_s)
+            models = [model, *(model.replacing(name, one) for one in others)]
+            if others:
+                model = min(models, key=lambda one: sum(np.log(list(rms_errors(one, self.whole, True).values()))))
+        return model
 
     @cached_property
     def finest(self) -> Likelihood:

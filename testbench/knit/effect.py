@@ -197,6 +197,13 @@ class Effect(BaseModel):
         """
         return []
 
+    def unfolded(self, grid_Hz: float, highest_Hz: float) -> list[Effect]:
+        """The same at the frequencies, up to a highest one, that a grid of samples folds to its own; default: none.
+
+        Samples that are left out may hide that a disturbance is quicker than they are (Shannon's sampling theorem).
+        """
+        return []
+
     def started(self, signals: Signals, residual: Signals) -> Effect:
         """The effect at the first of its `starts`, or as it is where it has none; arguments as there."""
         points = self.starts(signals, residual)

@@ -313,7 +313,7 @@ class RateResistanceTwoWays(OvershootLaw):
     name = "rate_resistance_two_ways"
     look = "conductance is shifted while the knit moves, by more in one direction, and is back at once when it stops"
 
-    gain: float = parameter(0.02, unit="1", low=-1, high=1, doc="change of ln G per e-fold of the rate, on the way out")
+    gain: float = parameter(0.02, unit="1", low=-1, high=1, doc="change of ln G per e-fold of the rate, way out")
     back: float = parameter(0.3, unit="1", low=-1, high=1, doc="share of it on the way back")
     rate0_per_s: float = parameter(0.01, unit="1/s", low=1e-5, high=1, scale="log", doc="rate where it sets in")
 

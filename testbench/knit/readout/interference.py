@@ -24,6 +24,9 @@ class InterferenceLaw(Effect):
     per_recording = ("phase_rad",)
     channel: ClassVar[str] = "conductance"  # of the residual
 
+    frequency_Hz: float = parameter(1.0, unit="Hz", low=0.02, high=20, scale="log", doc="frequency as sampled")
+    phase_rad: float = parameter(0.0, unit="rad", low=-6.3, high=6.3, doc="phase at the start")
+
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
         """The sharpest lines of the residual, in and out of phase: together they reach any phase."""
         if self.channel not in residual:
@@ -31,6 +34,13 @@ class InterferenceLaw(Effect):
         lines_Hz = sharpest_lines_Hz(residual[self.channel], step_s(signals), LINES)
         phases = (-np.pi / 2, 0.0, np.pi / 2, np.pi)
         return [{"frequency_Hz": frequency, "phase_rad": phase} for frequency in lines_Hz for phase in phases]
+
+    def unfolded(self, grid_Hz: float, highest_Hz: float) -> list[Effect]:
+        """Its aliases, each at the phases of an eighth of a turn."""
+        folds = np.arange(1, int(highest_Hz / grid_Hz) + 2) * grid_Hz
+        aliases = [f for f in np.r_[folds - self.frequency_Hz, folds + self.frequency_Hz] if 0 < f < highest_Hz]
+        phases = np.linspace(-np.pi, np.pi, 8, endpoint=False)
+        return [self.near(frequency_Hz=float(f), phase_rad=float(phase)) for f in aliases for phase in phases]
 
 
 class PeriodicInterference(InterferenceLaw):
@@ -46,8 +56,6 @@ class PeriodicInterference(InterferenceLaw):
     look = "a sine rides on the conductance, in holds too; a sharp line in the spectrum"
 
     amplitude: float = parameter(0.01, unit="1", low=0, high=0.5, doc="relative amplitude")
-    frequency_Hz: float = parameter(1.0, unit="Hz", low=0.02, high=20, scale="log", doc="frequency as sampled")
-    phase_rad: float = parameter(0.0, unit="rad", low=-6.3, high=6.3, doc="phase at the start")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         wave = np.sin(2 * np.pi * self.frequency_Hz * signals["time_s"] + self.phase_rad)
@@ -91,8 +99,6 @@ class PeriodicInterferenceForce(InterferenceLaw):
     look = "a sine rides on the force, in holds too; a sharp line in the spectrum"
 
     amplitude_N: float = parameter(0.02, unit="N", low=0, high=50, doc="amplitude")
-    frequency_Hz: float = parameter(1.0, unit="Hz", low=0.02, high=20, scale="log", doc="frequency as sampled")
-    phase_rad: float = parameter(0.0, unit="rad", low=-6.3, high=6.3, doc="phase at the start")
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         wave = np.sin(2 * np.pi * self.frequency_Hz * signals["time_s"] + self.phase_rad)

@@ -146,7 +146,7 @@ def test_what_changes_most_leads_whichever_was_found_first():
     likelihood = a_round(entry("", BARE, 50.0)).likelihood
     assert leading(put_in, likelihood) == 1
     assert leading(put_in[::-1], likelihood) == 0
-    assert leading([both], likelihood) == 0
+    assert leading([both], likelihood) == leading([], likelihood) == 0
 
 
 def test_what_adds_nothing_keeps_no_company_for_what_adds_only_beside_others():

@@ -113,3 +113,16 @@ def test_the_line_in_the_spectrum_is_found() -> None:
     signal = np.cumsum(rng.normal(0, 0.02, len(T))) + 0.1 * np.sin(2 * np.pi * 3.3 * T)
     started = PeriodicInterference().started({"time_s": T}, {"conductance": signal})
     assert started.model_dump()["frequency_Hz"] == pytest.approx(3.3, abs=0.02)
+
+
+def test_a_hum_looks_on_a_coarse_grid_as_one_of_those_that_it_is_unfolded_to() -> None:
+    hidden = PeriodicInterference(amplitude=0.1, frequency_Hz=7.5, phase_rad=0.3)
+    others = hidden.replaced(frequency_Hz=1 / (2 * DT_S) - 7.5).unfolded(1 / (2 * DT_S), 1 / (2 * DT_S))
+    assert {round(one.frequency_Hz, 9) for one in others} == {7.5}
+
+    def read(effect, time_s):
+        return effect.apply({"time_s": time_s, "conductance_S": np.ones_like(time_s)}, DT_S)["conductance_S"]
+
+    best = min(others, key=lambda one: np.std(read(one, T) - read(hidden, T)))
+    assert np.std(read(best, T) - read(hidden, T)) < 0.4 * np.std(read(hidden, T))
+    assert np.std(read(best, T[::2]) - read(hidden, T[::2])) < 0.4 * np.std(read(hidden, T[::2]))
