@@ -346,9 +346,7 @@ def whole_of(rounds: Sequence[Round], put_in: Sequence[Entry]) -> Whole | None:
 
 def leading(put_in: Sequence[Entry], likelihood: Likelihood) -> int:
     """Which of several effects changes most, all in one model: the first to be found need not be it."""
-    changes = [
-        squared(changed(e.without.hypothesis, put_in[-1].hypothesis), likelihood) for e in put_in if e.without
-    ]
+    changes = [squared(changed(e.without.hypothesis, put_in[-1].hypothesis), likelihood) for e in put_in if e.without]
     return int(np.argmax(changes)) if changes else 0
 
 
