@@ -6,17 +6,11 @@ import doctest
 from functools import cache
 from typing import Any
 
-import pytest
-
 import testbench as tb
 from gcode.support.lazy import lazy_exports
 from testbench.api.missing.diagnosing import DiagnosisResult
 from testbench.api.models.fitting import FitResult
-from testbench.diagnosis import diagnose
 from testbench.recordings.recording import Recording
-from tests.testbench.asked_once import answered_once
-
-once = answered_once(diagnose)
 
 
 @cache
@@ -24,9 +18,7 @@ def after_examples(name: str, told: object) -> dict[str, Any]:
     """Run the examples in the documentation of an object; the names that they leave, empty without examples."""
     runner, left = doctest.DocTestRunner(), {}
     for test in doctest.DocTestFinder(recurse=False).find(told, name, globs={"lazy_exports": lazy_exports}):
-        with pytest.MonkeyPatch.context() as patch:
-            patch.setattr("testbench.diagnosis.diagnose", once)  # examples ask what others have asked
-            result = runner.run(test, clear_globs=False)
+        result = runner.run(test, clear_globs=False)
         assert result.failed == 0, f"{name}: {result.failed} examples fail; see the captured output"
         left |= test.globs if result.attempted else {}
     return left
