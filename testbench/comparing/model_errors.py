@@ -44,6 +44,11 @@ def rms_errors(model: KnitModel, measurement: Measurement, free_offset: bool = F
     return errors
 
 
+def log_error(model: KnitModel, measurement: Measurement, free_offset: bool = False) -> float:
+    """ln of the errors of all channels, summed, to rank models whatever the units; arguments as in `rms_errors`."""
+    return float(sum(np.log(error) for error in rms_errors(model, measurement, free_offset).values()))
+
+
 def noise_floors(measurement: Measurement) -> dict[str, float]:
     """Estimated standard deviation of the sample noise, per channel: force in N, conductance in ln S."""
     return {channel: float(noise_floor(sampled(measurement, channel)[1])) for channel in measurement.channels}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from testbench.comparing.clamping import moved, zero_of
-from testbench.comparing.model_errors import rms_errors
+from testbench.comparing.model_errors import log_error, rms_errors
 from testbench.fitting.baseline import without_zeros
 from testbench.fitting.fit import fit
 from testbench.knit.effect import bounds_of
@@ -60,4 +60,4 @@ def _best_of_turn(model: KnitModel, address: str, measurement: Measurement) -> K
     if extra["unit"] != "rad":
         return model
     turns = [model.with_parameters({address: phase}) for phase in np.linspace(-np.pi, np.pi, 8, endpoint=False)]
-    return min(turns, key=lambda turned: sum(np.log(value) for value in rms_errors(turned, measurement).values()))
+    return min(turns, key=lambda turned: log_error(turned, measurement))

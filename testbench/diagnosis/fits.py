@@ -6,10 +6,8 @@ from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from functools import cached_property
 from typing import Protocol, TypeVar
 
-import numpy as np
-
 from testbench.comparing.ladder import drawn_to_data
-from testbench.comparing.model_errors import rms_errors
+from testbench.comparing.model_errors import log_error
 from testbench.diagnosis import constants
 from testbench.diagnosis.evidence.hypothesis import Hypothesis
 from testbench.diagnosis.evidence.laplace import fitted
@@ -160,7 +158,7 @@ class Fits:
             others = effect.unfolded(1 / self.measurement.dt_s, 0.5 / self.whole.dt_s)
             models = [model, *(model.replacing(name, one) for one in others)]
             if others:
-                model = min(models, key=lambda one: sum(np.log(list(rms_errors(one, self.whole, True).values()))))
+                model = min(models, key=lambda one: log_error(one, self.whole, free_offset=True))
         return model
 
     @cached_property

@@ -301,7 +301,7 @@ class RateResistanceMagnitude(OvershootLaw):
         return self.gain * decades
 
 
-class RateResistanceTwoWays(OvershootLaw):
+class RateResistanceTwoWays(RateResistanceMagnitude):
     """The conductance depends on how fast the knit moves, on the way back by another share.
 
     ln G += gain * h * ln(1 + |e'| / rate0),   h = 1 on the way out, back on the way back
@@ -313,11 +313,8 @@ class RateResistanceTwoWays(OvershootLaw):
     name = "rate_resistance_two_ways"
     look = "conductance is shifted while the knit moves, by more in one direction, and is back at once when it stops"
 
-    gain: float = parameter(0.02, unit="1", low=-1, high=1, doc="change of ln G per e-fold of the rate, way out")
     back: float = parameter(0.3, unit="1", low=-1, high=1, doc="share of it on the way back")
-    rate0_per_s: float = parameter(0.01, unit="1/s", low=1e-5, high=1, scale="log", doc="rate where it sets in")
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        speed = rate(signals["strain"], dt_s)
-        share = np.where(speed >= 0, 1.0, self.back)
-        return self.gain * share * np.log1p(np.abs(speed) / self.rate0_per_s)
+        share = np.where(rate(signals["strain"], dt_s) >= 0, 1.0, self.back)
+        return share * super().log_change(signals, dt_s)
