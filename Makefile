@@ -49,7 +49,7 @@ test: $(VENV)/.dev ## the default tests
 	@$(PYTEST) -n 2 --dist loadfile --no-loadscope-reorder $(ARGS)
 
 test-slow: $(VENV)/.dev ## the long tests
-	@$(PYTEST) -n 2 -m slow $(ARGS)
+	@$(PYTEST) -n 2 --maxschedchunk 1 -m slow $(ARGS)
 
 lint: $(VENV)/.dev ## ruff, mypy, import-linter
 	@$(BIN)/ruff check . && $(BIN)/ruff format --check . && $(BIN)/mypy && PYTHONPATH=benchmarks $(BIN)/lint-imports
