@@ -285,7 +285,7 @@ def concluded(
     other_laws = search.other_laws(before.model, after.model)
     known = {*before.model, *other_laws, *(entry.name for entry in put_in)}
     weighed = dict.fromkeys(name for step in rounds[: lead + 1] for name in step.laws)
-    meant = over_errors(most.probabilities(beside))
+    meant = over_errors(most.evidences(beside))
     chances = mixed_with_prior(meant, prior_of(weighed), constants.MISLED)
     explained = Map(put_in[-1].hypothesis if put_in else bare, rounds[-1].likelihood).gains
     return Diagnosis(

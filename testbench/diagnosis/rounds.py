@@ -19,8 +19,11 @@ from testbench.diagnosis.proposals import Proposal
 from testbench.knit.model import KnitModel
 
 NOTHING, UNKNOWN = "nothing", "unknown"
+SO_FAR = ""  # the source that is the model so far
 DRAWS = 10_000  # of the errors of the evidences: a mean is then known within half a percent
 Verdict = Literal["missing", "nothing_missing", "unknown"]
+# Log prior and evidence of each hypothesis, by source: the model so far, or that with a law of some mechanism.
+Evidences = Mapping[str, Mapping[str, float]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,15 +96,20 @@ class Round:
 
     @property
     def log_z_nothing(self) -> float:
-        """Log evidence that nothing is missing: what is left is then noise, whose size is known.
+        """Log evidence that nothing is missing; see `_nothing`."""
+        return float(logsumexp(list(self._nothing().values())))
+
+    def _nothing(self) -> dict[str, float]:
+        """Log evidence that nothing is missing, by source: what is left is then noise, whose size is known.
 
         The laws of the base are those of the sensor, or one of them is bent as an effect would bend it, as likely.
         The laws that were put in are not quite those of the sensor either.
         """
-        bent = [self._log_z_bent(e) for e in self.entries]
-        base = logsumexp([self.log_z_alone(self.before), *bent]) - np.log(2)
-        erring = [self._log_prior_error(e) + self._log_z_everywhere(e) for e in self.entries]
-        return float(logsumexp([base, *erring]))
+        found = {SO_FAR: self.log_z_alone(self.before) - np.log(2)}
+        for e in self.entries:
+            each = self._log_z_bent(e) - np.log(2), self._log_prior_error(e) + self._log_z_everywhere(e)
+            found[e.mechanism] = float(np.logaddexp(found.get(e.mechanism, -np.inf), np.logaddexp(*each)))
+        return found
 
     def _log_prior_error(self, e: Entry) -> float:
         """Log probability that the laws put in before err by what an entry explains, so that no more is missing.
@@ -167,6 +175,15 @@ class Round:
     def probabilities(self, whole: Whole | None = None) -> dict[str, float]:
         """Of nothing, of unknown and of each mechanism to be what is missing most; they sum to 1.
 
+        `whole` as in `evidences`.
+        """
+        logs = {name: logsumexp(list(parts.values())) for name, parts in self.evidences(whole).items()}
+        total = logsumexp(list(logs.values()))
+        return {name: float(np.exp(value - total)) for name, value in logs.items()}
+
+    def evidences(self, whole: Whole | None = None) -> Evidences:
+        """Log prior and evidence of each hypothesis about what is missing most.
+
         Parameters
         ----------
         whole : Whole, optional
@@ -174,7 +191,7 @@ class Round:
             either alone is worse than a free-form map; together they are not.
         """
         logs = {mechanism: self._log_posterior(mechanism) for mechanism in self.laws}
-        if whole and whole.first:
+        if whole and whole.first_adds is not None:
             # In company none need explain all: in place of the first each is less probable by what it adds less,
             # alone or beside the others.
             weighed = self._log_posterior if self.is_named() else self._log_in_part
@@ -182,19 +199,22 @@ class Round:
             for m in logs.keys() - self.dead_ends - {whole.first}:
                 logs[m] = float(np.logaddexp(logs[m], weighed(m) - adds + whole.log_posterior))
             logs[whole.first] = float(np.logaddexp(logs[whole.first], whole.log_posterior))
-        logs[NOTHING] = np.log(self.prior[NOTHING]) + self.log_z_nothing
-        logs[UNKNOWN] = np.log(self.prior[UNKNOWN]) + self._log_z_of_any(whole)
-        total = logsumexp(list(logs.values()))
-        return {name: float(np.exp(value - total)) for name, value in logs.items()}
+        parts = {mechanism: {mechanism: log} for mechanism, log in logs.items()}
+        parts[NOTHING] = {source: log + np.log(self.prior[NOTHING]) for source, log in self._nothing().items()}
+        parts[UNKNOWN] = {source: log + np.log(self.prior[UNKNOWN]) for source, log in self._of_any(whole).items()}
+        return parts
 
-    def _log_z_of_any(self, whole: Whole | None) -> float:
-        """Log evidence of an effect of no catalogue: unlike every law, or in part like some law, as likely.
+    def _of_any(self, whole: Whole | None) -> dict[str, float]:
+        """Log evidence of an effect of no catalogue, by source: unlike every law, or in part like one, as likely.
 
         A law that resembles it is worth as much as if it were what is missing. What is left may be of any size.
         """
-        alike = [self.log_prior_alike(e.mechanism) + e.log_z for e in self.entries]
-        alike += [whole.log_prior_alike + whole.log_z] if whole else []
-        return float(logsumexp([self.before.log_z, *alike]) - np.log(2))
+        found = {SO_FAR: self.before.log_z}
+        alike = [(e.mechanism, self.log_prior_alike(e.mechanism) + e.log_z) for e in self.entries]
+        alike += [(whole.first, whole.log_prior_alike + whole.log_z)] if whole else []
+        for mechanism, log in alike:
+            found[mechanism] = float(np.logaddexp(found.get(mechanism, -np.inf), log))
+        return {source: log - float(np.log(2)) for source, log in found.items()}
 
     def log_prior_alike(self, mechanism: str) -> float:
         """Of one law of a mechanism, if it is one of the catalogue."""
@@ -202,7 +222,7 @@ class Round:
 
     def doubted(self, whole: Whole | None = None) -> dict[str, float]:
         """The probabilities as they are told; `whole` as in `probabilities`."""
-        return mixed_with_prior(over_errors(self.probabilities(whole)), self.prior, constants.MISLED)
+        return mixed_with_prior(over_errors(self.evidences(whole)), self.prior, constants.MISLED)
 
     def log_prior(self, mechanism: str) -> float:
         """Of one law of a mechanism, less what laws summed owe to luck."""
@@ -317,17 +337,17 @@ class Whole:
     left : float
         Share of what they should explain that they leave.
     first : str
-        The mechanism that was put in first, if it has company.
-    first_adds : float
-        Log evidence that it adds beside the others.
+        The mechanism that was put in first.
+    first_adds : float, optional
+        Log evidence that it adds beside the others, if there are any.
     """
 
     log_posterior: float
     log_z: float
     log_prior_alike: float
     left: float
-    first: str = ""
-    first_adds: float = 0.0
+    first: str
+    first_adds: float | None
 
 
 def whole_of(rounds: Sequence[Round], put_in: Sequence[Entry]) -> Whole | None:
@@ -337,11 +357,12 @@ def whole_of(rounds: Sequence[Round], put_in: Sequence[Entry]) -> Whole | None:
     steps, last = rounds[: len(put_in)], put_in[-1]
     prior = sum(step.log_prior(e.mechanism) for step, e in zip(steps, put_in, strict=True))
     alike = sum(step.log_prior_alike(e.mechanism) for step, e in zip(steps, put_in, strict=True))
-    told = prior + steps[-1].log_z_alone(last), last.log_z, alike, steps[0].left(*put_in)
-    if len(put_in) < 2:
-        return Whole(*told)
-    rest = put_in[0].without
-    return Whole(*told, put_in[0].mechanism, last.log_z - rest.log_z if rest else 0.0)
+    adds = None
+    if len(put_in) > 1:
+        rest = put_in[0].without
+        adds = last.log_z - rest.log_z if rest else 0.0
+    log_posterior = prior + steps[-1].log_z_alone(last)
+    return Whole(log_posterior, last.log_z, alike, steps[0].left(*put_in), put_in[0].mechanism, adds)
 
 
 def leading(put_in: Sequence[Entry], likelihood: Likelihood) -> int:
@@ -373,15 +394,21 @@ def prior_of(mechanisms: Collection[str]) -> dict[str, float]:
     return {**shared, NOTHING: 1 - missing, UNKNOWN: missing * unknown}
 
 
-def over_errors(chances: Mapping[str, float]) -> dict[str, float]:
+def over_errors(evidences: Evidences) -> dict[str, float]:
     """Probabilities, in the mean over the errors of the evidences: what is a few nats apart is nearly a tie.
 
-    Each hypothesis draws errors of its own, the same in whatever order they come.
+    Each source draws errors of its own, the same in whatever order they come. What a model with some law predicts is
+    wrong alike for all hypotheses that it speaks for: that this law is missing, and that something like it is.
     """
-    names, logs = list(chances), np.log(np.maximum(list(chances.values()), 1e-300))
-    errors = [np.random.default_rng(crc32(name.encode())).normal(size=DRAWS) for name in names]
-    each = logs[:, None] + constants.EVIDENCE_ERROR * np.array(errors)
-    return dict(zip(names, np.exp(each - logsumexp(each, axis=0)).mean(axis=1).tolist(), strict=True))
+    sources = list(dict.fromkeys(source for parts in evidences.values() for source in parts))
+    errors = {
+        s: constants.EVIDENCE_ERROR * np.random.default_rng(crc32(s.encode())).normal(size=DRAWS) for s in sources
+    }
+    each = [
+        logsumexp([log + errors[source] for source, log in parts.items()], axis=0) for parts in evidences.values()
+    ]
+    told = np.exp(each - logsumexp(each, axis=0)).mean(axis=1)
+    return dict(zip(evidences, told.tolist(), strict=True))
 
 
 def mixed_with_prior(chances: Mapping[str, float], prior: Mapping[str, float], misled: float) -> dict[str, float]:

@@ -55,7 +55,9 @@ class FreeParameter:
     def to_physical(self, coordinate: float) -> float:
         """Back to the physical value, within its bounds."""
         value = math.exp(min(coordinate, LARGEST_LOG)) if self.log else coordinate
-        return min(max(value, self.low), self.high)
+        if value < self.low:
+            return self.low
+        return self.high if value > self.high else value
 
 
 def free_parameters(

@@ -81,7 +81,7 @@ def belief_after(
     first = rounds[0]
     whole = whole_of(rounds, put_in)
     verdict = first.verdict(whole)
-    probabilities = over_errors(first.probabilities(whole if verdict == "missing" else None))
+    probabilities = over_errors(first.evidences(whole if verdict == "missing" else None))
     return Belief(
         probabilities, verdict, _likely(first, probabilities), Reading(_noise(first), constants.INDEPENDENT)
     )

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import lapack
+from scipy.linalg import blas, lapack
 
 from testbench.knit.effect import FloatArray
 
@@ -153,18 +153,20 @@ def _solved(
         Lower Cholesky factor of their precision matrix.
     """
     on, off = np.flatnonzero(free), np.flatnonzero(~free)
-    pull = total[1:, 0] - total[1:, 1:] @ mean
-    matrix = total[np.ix_(on + 1, on + 1)]
+    inner = total[1:, 1:]
+    pull = total[1:, 0] - inner @ mean
+    matrix = inner[on][:, on]
     matrix[np.diag_indices_from(matrix)] += precision[on]
     chol, failed = lapack.dpotrf(matrix, lower=1)
     if failed:
         matrix[np.diag_indices_from(matrix)] *= 1 + 1e-9
         chol, failed = lapack.dpotrf(matrix, lower=1)
     step = lapack.dpotrs(chol, pull[on], lower=1)[0]
-    inverse = np.tril(lapack.dtrtri(chol, lower=1)[0])
-    cross = total[np.ix_(on + 1, off + 1)]
-    alone = np.maximum(np.diag(total)[off + 1] - np.sum((inverse @ cross) ** 2, axis=0), 0.0) + precision[off]
-    moved, known, factor = np.zeros(len(mean)), np.zeros(len(mean)), np.zeros((len(mean), len(mean)))
+    inverse = lapack.dtrtri(chol, lower=1)[0]  # above the diagonal, zeros as in `chol`
+    cross = inner[on][:, off]
+    taken = blas.dtrmm(1.0, inverse, cross, lower=1) if len(off) else cross
+    alone = np.maximum(np.diag(inner)[off] - np.einsum("ki,ki->i", taken, taken), 0.0) + precision[off]
+    moved, known, factor = np.zeros(len(mean)), np.zeros(len(mean)), np.zeros(inner.shape)
     moved[on], known[on] = step, 1 - precision[on] * np.einsum("ki,ki->i", inverse, inverse)
     moved[off], known[off] = (pull[off] - step @ cross) / alone, 1 - precision[off] / alone
     factor[np.ix_(on, on)], factor[off, off] = chol, np.sqrt(alone)
