@@ -28,8 +28,8 @@ class Judged:
     measurement : Measurement
         Its displacement counts from `zero`.
     elsewhere : bool
-        The model was not fitted on these samples. Force zero, conductance gain and what an effect declares as
-        ``per_recording`` are free then: they belong to the mounting, and to that recording.
+        The model was not fitted on these samples. Force zero, conductance gain and what of an effect belongs to one
+        recording are free then.
     zero : Zero, optional
         Where the sensor was clamped anew.
     from_s : float, optional

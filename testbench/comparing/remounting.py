@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from testbench.comparing.clamping import moved, zero_of
@@ -16,7 +18,7 @@ from testbench.measurements.measurement import Measurement
 def held_errors(model: KnitModel, held: Measurement) -> dict[str, float]:
     """Errors on held-out samples; what belongs to the mounting or to one recording is free.
 
-    That is force zero and conductance gain, an effect's own `per_recording` parameters (the phase of a hum), and the
+    That is force zero and conductance gain, what of an effect is `of_one_recording` (the phase of a hum), and the
     zero of displacement where the sensor was clamped anew.
     """
     model, held = brought_together(model, held)
@@ -33,24 +35,25 @@ def brought_together(model: KnitModel, held: Measurement) -> tuple[KnitModel, Me
 
 def remounted(model: KnitModel, measurement: Measurement) -> KnitModel:
     """The model with the parameters that belong to one recording fitted to this one."""
-    free = {f"{name}.{key}" for name, effect in model.effects.items() for key in effect.per_recording}
+    own = {name: effect.of_one_recording(measurement.signals) for name, effect in model.effects.items()}
+    free = {f"{name}.{key}" for name, keys in own.items() for key in keys}
     if not free:
         return model
-    for name, effect in model.effects.items():
-        if effect.per_recording:
-            model = _placed(model, name, measurement)
+    for name, keys in own.items():
+        if keys:
+            model = _placed(model, name, keys, measurement)
     for address in sorted(free):
         model = _best_of_turn(model, address, measurement)
     return fit(model, [measurement], max_iterations=8, addresses=lambda a: a.partition("[")[0] in free).model
 
 
-def _placed(model: KnitModel, name: str, measurement: Measurement) -> KnitModel:
+def _placed(model: KnitModel, name: str, keys: Sequence[str], measurement: Measurement) -> KnitModel:
     """The model with an effect's events where the misfit of the rest has them in this recording."""
     base = model.without(name)
     state = base.simulate(measurement.signals, measurement.dt_s)
     effect = model[name]
     there = next(iter(effect.starts(state, measurement.residual(base))), {})
-    return model.replacing(name, effect.near(**{key: there[key] for key in effect.per_recording if key in there}))
+    return model.replacing(name, effect.near(**{key: there[key] for key in keys if key in there}))
 
 
 def _best_of_turn(model: KnitModel, address: str, measurement: Measurement) -> KnitModel:

@@ -134,7 +134,7 @@ class Diagnosis:
         The user's model as it is, or the baseline; and with what was found put in and refitted.
     error_before, error_after, noise_floor : mapping of channel to float
         Held-out RMS in N and in ln S. Nothing was selected on these samples; free in them are the zero of force, the
-        gain of the conductance, and what an effect declares as `per_recording`.
+        gain of the conductance, and what of an effect belongs to one recording.
     """
 
     verdict: Verdict

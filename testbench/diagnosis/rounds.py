@@ -16,6 +16,7 @@ from testbench.diagnosis.evidence.hypothesis import Hypothesis, changed
 from testbench.diagnosis.evidence.likelihood import Likelihood
 from testbench.diagnosis.fits import best_first, first_of_each
 from testbench.diagnosis.proposals import Proposal
+from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
 
 NOTHING, UNKNOWN = "nothing", "unknown"
@@ -400,15 +401,14 @@ def over_errors(evidences: Evidences) -> dict[str, float]:
     Each source draws errors of its own, the same in whatever order they come. What a model with some law predicts is
     wrong alike for all hypotheses that it speaks for: that this law is missing, and that something like it is.
     """
-    sources = list(dict.fromkeys(source for parts in evidences.values() for source in parts))
-    errors = {
-        s: constants.EVIDENCE_ERROR * np.random.default_rng(crc32(s.encode())).normal(size=DRAWS) for s in sources
-    }
-    each = [
-        logsumexp([log + errors[source] for source, log in parts.items()], axis=0) for parts in evidences.values()
-    ]
+    errors = {source: _errors_of(source) for parts in evidences.values() for source in parts}
+    each = [logsumexp([log + errors[s] for s, log in parts.items()], axis=0) for parts in evidences.values()]
     told = np.exp(each - logsumexp(each, axis=0)).mean(axis=1)
     return dict(zip(evidences, told.tolist(), strict=True))
+
+
+def _errors_of(source: str) -> FloatArray:
+    return constants.EVIDENCE_ERROR * np.random.default_rng(crc32(source.encode())).normal(size=DRAWS)
 
 
 def mixed_with_prior(chances: Mapping[str, float], prior: Mapping[str, float], misled: float) -> dict[str, float]:

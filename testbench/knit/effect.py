@@ -179,6 +179,10 @@ class Effect(BaseModel):
         """
         raise NotImplementedError
 
+    def of_one_recording(self, signals: Signals) -> tuple[str, ...]:
+        """Parameters that belong to the recording with these signals, not to the sensor; default: `per_recording`."""
+        return self.per_recording
+
     def is_a_bend(self, signals: Signals) -> bool:
         """Whether a law of the base that is not quite the sensor's would look the same in this motion."""
         return self.bends_a_law

@@ -195,6 +195,9 @@ class TemperatureDrift(RoomLaw):
     period_s: float = _period()
     phase_rad: float = _phase()
 
+    def of_one_recording(self, signals: Signals) -> tuple[str, ...]:
+        return _of_an_unmeasured_room(self, signals)
+
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         return self.coefficient_per_K * _room_K(signals, self.lag_s, self.period_s, self.phase_rad, dt_s)
 
@@ -269,6 +272,9 @@ class ThermalSoftening(Effect):
     period_s: float = _period()
     phase_rad: float = _phase()
 
+    def of_one_recording(self, signals: Signals) -> tuple[str, ...]:
+        return _of_an_unmeasured_room(self, signals)
+
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         warmer_K = _room_K(signals, self.lag_s, self.period_s, self.phase_rad, dt_s)
         return {"force_N": signals["force_N"] * np.maximum(1 - self.softening_per_K * warmer_K, 0.0)}
@@ -298,6 +304,11 @@ class ThermalSofteningWander(Effect):
 
     def apply(self, signals: Signals, dt_s: float) -> dict[str, FloatArray]:
         return {"force_N": signals["force_N"] * np.exp(_wander(signals["time_s"], self.weights, dt_s))}
+
+
+def _of_an_unmeasured_room(effect: Effect, signals: Signals) -> tuple[str, ...]:
+    """When a room swings, and how far, is another matter on each day; how the sensor follows a known one is not."""
+    return () if "temperature_C" in signals else (*effect.per_recording, effect.strength)
 
 
 def _room_K(signals: Signals, lag_s: float, period_s: float, phase_rad: float, dt_s: float) -> FloatArray:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from testbench.comparing.remounting import held_errors, remounted
 from testbench.fitting.fit import fit
+from testbench.knit.conduction.heat import TemperatureDrift, ThermalSoftening
 from testbench.knit.readout.interference import PeriodicInterference
 from testbench.measurements.measurement import prepare
 from tests.testbench.builders import NOISE_LN, record, truth
@@ -19,3 +22,23 @@ def test_a_hum_of_another_phase_leaves_nothing_to_be_explained():
     fitted = fit(truth().plus(PeriodicInterference(amplitude=0.04, frequency_Hz=0.7, phase_rad=0.4)), [calibration])
     assert held_errors(fitted.model, held)["conductance"] < 1.2 * NOISE_LN
     assert abs(remounted(fitted.model, held)["periodic_interference"].phase_rad - 2.5) < 0.1
+
+
+def in_a_room(swing_K: float, phase_rad: float, seed: int, coefficient_per_K: float = 0.02):
+    """A sensor beside whose recording the temperature was not measured."""
+    room = TemperatureDrift(coefficient_per_K=coefficient_per_K * swing_K, period_s=300.0, phase_rad=phase_rad)
+    return prepare(record(truth().plus(room), 400, seed=seed))
+
+
+def test_an_unmeasured_room_swings_as_far_as_it_likes_in_each_recording():
+    calibration, held = in_a_room(1.0, 0.5, 1), in_a_room(4.0, 2.5, 2)
+    start = truth().plus(TemperatureDrift(coefficient_per_K=0.02, period_s=300.0, phase_rad=0.5))
+    fitted = fit(start, [calibration])
+    assert held_errors(fitted.model, held)["conductance"] < 1.2 * NOISE_LN
+
+
+def test_how_a_sensor_follows_a_measured_temperature_is_its_own_in_all_recordings():
+    warm = {"strain": np.zeros(3), "temperature_C": np.array([20.0, 21.0, 22.0])}
+    for effect in (TemperatureDrift(), ThermalSoftening()):
+        assert effect.of_one_recording(warm) == ()
+        assert effect.strength in effect.of_one_recording({"strain": np.zeros(3)})
