@@ -307,8 +307,8 @@ class ThermalSofteningWander(Effect):
 
 
 def _of_an_unmeasured_room(effect: Effect, signals: Signals) -> tuple[str, ...]:
-    """When a room swings, and how far, is another matter on each day; how the sensor follows a known one is not."""
-    return () if "temperature_C" in signals else (*effect.per_recording, effect.strength)
+    """When a room swings, how far and how fast is another matter on each day; how the sensor follows it is not."""
+    return () if "temperature_C" in signals else (*effect.per_recording, effect.strength, "period_s")
 
 
 def _room_K(signals: Signals, lag_s: float, period_s: float, phase_rad: float, dt_s: float) -> FloatArray:
