@@ -16,7 +16,7 @@ MOST_LEFT = 100.0  # least misfits that a model leaves at most, if something els
 PRIOR_NOTHING = 0.5  # before seeing data, that nothing is missing
 PRIOR_UNKNOWN = 0.25  # before seeing data, that what is missing, if anything is, is in no catalogue
 EVIDENCE_ERROR = 2.0  # nats, standard deviation: of an integral by its peak, and of where a fit ends
-MISLED = 0.1  # of sensors that nobody here simulated: evidence that seemed sure spoke for the wrong mechanism
+MISLED = 0.15  # of sensors that nobody here simulated: evidence that seemed sure spoke for the wrong mechanism
 
 # What is spent
 GRID_HZ = 12.5  # grid of the comparison: quicker than the motion, slower than most samplings
