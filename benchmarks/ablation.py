@@ -24,7 +24,8 @@ from diagnosis_score import Row, at_a_glance, goals, markdown
 
 from testbench.diagnosis import constants
 from testbench.diagnosis.diagnosis import concluded
-from testbench.diagnosis.rounds import NOTHING, UNKNOWN, Entry, Round, whole_of
+from testbench.diagnosis.probabilities import NOTHING, UNKNOWN
+from testbench.diagnosis.rounds import Entry, Round, whole_of
 from testbench.diagnosis.search import Search, searched
 from testbench.measurements.measurement import split
 

@@ -15,19 +15,9 @@ from testbench.diagnosis import constants
 from testbench.diagnosis.discrepancy_map import Map
 from testbench.diagnosis.evidence.hypothesis import Hypothesis
 from testbench.diagnosis.held_out import Interval, block_energies, gain_interval
+from testbench.diagnosis.probabilities import NOTHING, UNKNOWN, mixed_with_prior, over_errors, prior_of
 from testbench.diagnosis.proposals import Proposal
-from testbench.diagnosis.rounds import (
-    NOTHING,
-    UNKNOWN,
-    Entry,
-    Round,
-    Verdict,
-    leading,
-    mixed_with_prior,
-    over_errors,
-    prior_of,
-    whole_of,
-)
+from testbench.diagnosis.rounds import Entry, Round, Verdict, leading, whole_of
 from testbench.diagnosis.search import Progress, Search, searched
 from testbench.fitting.baseline import SHAPES
 from testbench.fitting.fit import Fit

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Literal
-from zlib import crc32
 
 import numpy as np
 from scipy.special import logsumexp
@@ -15,16 +14,20 @@ from testbench.diagnosis import constants
 from testbench.diagnosis.evidence.hypothesis import Hypothesis, changed
 from testbench.diagnosis.evidence.likelihood import Likelihood
 from testbench.diagnosis.fits import best_first, first_of_each
+from testbench.diagnosis.probabilities import (
+    NOTHING,
+    SO_FAR,
+    UNKNOWN,
+    Evidences,
+    mixed_with_prior,
+    normalised,
+    over_errors,
+    prior_of,
+)
 from testbench.diagnosis.proposals import Proposal
-from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
 
-NOTHING, UNKNOWN = "nothing", "unknown"
-SO_FAR = ""  # the source that is the model so far
-DRAWS = 10_000  # of the errors of the evidences: a mean is then known within half a percent
 Verdict = Literal["missing", "nothing_missing", "unknown"]
-# Log prior and evidence of each hypothesis, by source: the model so far, or that with a law of some mechanism.
-Evidences = Mapping[str, Mapping[str, float]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,9 +181,7 @@ class Round:
 
         `whole` as in `evidences`.
         """
-        logs = {name: logsumexp(list(parts.values())) for name, parts in self.evidences(whole).items()}
-        total = logsumexp(list(logs.values()))
-        return {name: float(np.exp(value - total)) for name, value in logs.items()}
+        return normalised(self.evidences(whole))
 
     def evidences(self, whole: Whole | None = None) -> Evidences:
         """Log prior and evidence of each hypothesis about what is missing most.
@@ -386,45 +387,6 @@ def best_set(rounds: Sequence[Round], put_in: Sequence[Entry]) -> list[Entry]:
     whole, single = whole_of(rounds, put_in), whole_of(rounds[:1], [alone])
     in_company = len(put_in) > 1 and whole and single and whole.log_posterior > single.log_posterior
     return list(put_in) if in_company else [alone]
-
-
-def prior_of(mechanisms: Collection[str]) -> dict[str, float]:
-    """Prior probabilities of nothing, of unknown and of each mechanism, all of which are alike; they sum to 1."""
-    missing, unknown = 1 - constants.PRIOR_NOTHING, constants.PRIOR_UNKNOWN
-    shared = dict.fromkeys(mechanisms, missing * (1 - unknown) / max(len(mechanisms), 1))
-    return {**shared, NOTHING: 1 - missing, UNKNOWN: missing * unknown}
-
-
-def over_errors(evidences: Evidences) -> dict[str, float]:
-    """Probabilities, in the mean over the errors of the evidences: what is a few nats apart is nearly a tie.
-
-    Each source draws errors of its own, the same in whatever order they come. What a model with some law predicts is
-    wrong alike for all hypotheses that it speaks for: that this law is missing, and that something like it is.
-    """
-    errors = {source: _errors_of(source) for parts in evidences.values() for source in parts}
-    each = [logsumexp([log + errors[s] for s, log in parts.items()], axis=0) for parts in evidences.values()]
-    told = np.exp(each - logsumexp(each, axis=0)).mean(axis=1)
-    return dict(zip(evidences, told.tolist(), strict=True))
-
-
-def _errors_of(source: str) -> FloatArray:
-    return constants.EVIDENCE_ERROR * np.random.default_rng(crc32(source.encode())).normal(size=DRAWS)
-
-
-def mixed_with_prior(chances: Mapping[str, float], prior: Mapping[str, float], misled: float) -> dict[str, float]:
-    """Probabilities as they are told: no evidence is surer than the laws that it was found with.
-
-    In some sensors all laws of the right mechanism are so far from its own that another does better, however long
-    the recording; what was believed before is all that is left then.
-
-    Parameters
-    ----------
-    prior : mapping
-        May have mechanisms that were not weighed, for they are in the model already.
-    misled : float
-        Probability that this is such a sensor.
-    """
-    return {name: (1 - misled) * chances.get(name, 0.0) + misled * one for name, one in prior.items()}
 
 
 def explained(without: Hypothesis, with_it: Hypothesis) -> dict[str, float]:

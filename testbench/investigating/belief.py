@@ -11,16 +11,8 @@ from scipy.special import logsumexp
 from testbench.design.forecast import Likely, Reading
 from testbench.diagnosis import constants
 from testbench.diagnosis.evidence.hypothesis import Hypothesis
-from testbench.diagnosis.rounds import (
-    NOTHING,
-    UNKNOWN,
-    Round,
-    Verdict,
-    mixed_with_prior,
-    over_errors,
-    prior_of,
-    whole_of,
-)
+from testbench.diagnosis.probabilities import NOTHING, UNKNOWN, mixed_with_prior, over_errors, prior_of
+from testbench.diagnosis.rounds import Round, Verdict, whole_of
 from testbench.diagnosis.search import searched
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.model import KnitModel

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from testbench.comparing.words import percent
-from testbench.diagnosis.rounds import NOTHING, UNKNOWN
+from testbench.diagnosis.probabilities import NOTHING, UNKNOWN
 from testbench.investigating.state import SURE, Investigation, RunState
 
 SHOWN = 4

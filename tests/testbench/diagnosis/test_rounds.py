@@ -11,17 +11,8 @@ import pytest
 
 from testbench.diagnosis import constants
 from testbench.diagnosis.evidence.likelihood import Likelihood
-from testbench.diagnosis.rounds import (
-    NOTHING,
-    UNKNOWN,
-    Entry,
-    Round,
-    best_set,
-    leading,
-    mixed_with_prior,
-    over_errors,
-    whole_of,
-)
+from testbench.diagnosis.probabilities import NOTHING, UNKNOWN, mixed_with_prior, over_errors
+from testbench.diagnosis.rounds import Entry, Round, best_set, leading, whole_of
 from testbench.diagnosis.search import Search
 from testbench.knit.model import KnitModel
 
@@ -188,35 +179,10 @@ def test_probabilities_and_what_is_told_of_them_sum_to_one():
         assert set(chances) == {*LAWS, NOTHING, UNKNOWN}
 
 
-def each_of_its_own(**chances: float) -> dict[str, dict[str, float]]:
-    """Hypotheses each of which has a model of its own."""
-    return {name: {name: float(np.log(chance))} for name, chance in chances.items()}
-
-
-def test_a_few_nats_are_nearly_a_tie_and_thirty_are_none():
-    """The difference of two evidences has an error of 2 sqrt(2) nats: the mean of a logistic normal is 0.81."""
-    near = over_errors(each_of_its_own(a=0.95, b=0.05))
-    assert near["a"] == pytest.approx(0.81, abs=0.02)
-    assert over_errors(each_of_its_own(a=1 - 1e-13, b=1e-13))["a"] == pytest.approx(1.0, abs=1e-6)
-    assert over_errors(each_of_its_own(a=0.5, b=0.5))["a"] == pytest.approx(0.5, abs=0.02)
-
-
-def test_the_error_of_one_evidence_is_that_of_all_hypotheses_that_it_speaks_for():
-    shared = {"stress_relaxation": {"stress_relaxation": np.log(0.95)}, UNKNOWN: {"stress_relaxation": np.log(0.05)}}
-    assert over_errors(shared)[UNKNOWN] == pytest.approx(0.05)
-
-
 def test_that_something_like_a_law_is_missing_is_as_sure_as_that_law():
     """What a perfect law leaves speaks for the law, whatever the error of its evidence."""
     found = a_round(entry("", BARE, 50.0), entry("stress_relaxation", 1.25, 100.0))
     assert over_errors(found.evidences())[UNKNOWN] == pytest.approx(found.probabilities()[UNKNOWN], rel=0.1)
-
-
-def test_the_errors_of_the_evidences_do_not_depend_on_the_order():
-    evidences = each_of_its_own(a=0.7, b=0.2, c=0.1)
-    turned = over_errors(dict(reversed(evidences.items())))
-    assert over_errors(evidences) == pytest.approx(turned)
-    assert sum(turned.values()) == pytest.approx(1.0)
 
 
 def test_the_best_of_many_laws_needs_a_few_nats_more_than_a_single_one():

@@ -1,0 +1,64 @@
+"""Probabilities of hypotheses about what is missing: before the data, after them, and as they are told."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from zlib import crc32
+
+import numpy as np
+from scipy.special import logsumexp
+
+from testbench.diagnosis import constants
+from testbench.knit.effect import FloatArray
+
+NOTHING, UNKNOWN = "nothing", "unknown"
+SO_FAR = ""  # the source that is the model so far
+DRAWS = 10_000  # of the errors of the evidences: a mean is then known within half a percent
+# Log prior and evidence of each hypothesis, by source: the model so far, or that with a law of some mechanism.
+Evidences = Mapping[str, Mapping[str, float]]
+
+
+def normalised(evidences: Evidences) -> dict[str, float]:
+    """Probabilities of the hypotheses; they sum to 1."""
+    logs = {name: logsumexp(list(parts.values())) for name, parts in evidences.items()}
+    total = logsumexp(list(logs.values()))
+    return {name: float(np.exp(value - total)) for name, value in logs.items()}
+
+
+def prior_of(mechanisms: Collection[str]) -> dict[str, float]:
+    """Prior probabilities of nothing, of unknown and of each mechanism, all of which are alike; they sum to 1."""
+    missing, unknown = 1 - constants.PRIOR_NOTHING, constants.PRIOR_UNKNOWN
+    shared = dict.fromkeys(mechanisms, missing * (1 - unknown) / max(len(mechanisms), 1))
+    return {**shared, NOTHING: 1 - missing, UNKNOWN: missing * unknown}
+
+
+def over_errors(evidences: Evidences) -> dict[str, float]:
+    """Probabilities, in the mean over the errors of the evidences: what is a few nats apart is nearly a tie.
+
+    Each source draws errors of its own, the same in whatever order they come. What a model with some law predicts is
+    wrong alike for all hypotheses that it speaks for: that this law is missing, and that something like it is.
+    """
+    errors = {source: _errors_of(source) for parts in evidences.values() for source in parts}
+    each = [logsumexp([log + errors[s] for s, log in parts.items()], axis=0) for parts in evidences.values()]
+    told = np.exp(each - logsumexp(each, axis=0)).mean(axis=1)
+    return dict(zip(evidences, told.tolist(), strict=True))
+
+
+def _errors_of(source: str) -> FloatArray:
+    return constants.EVIDENCE_ERROR * np.random.default_rng(crc32(source.encode())).normal(size=DRAWS)
+
+
+def mixed_with_prior(chances: Mapping[str, float], prior: Mapping[str, float], misled: float) -> dict[str, float]:
+    """Probabilities as they are told: no evidence is surer than the laws that it was found with.
+
+    In some sensors all laws of the right mechanism are so far from its own that another does better, however long
+    the recording; what was believed before is all that is left then.
+
+    Parameters
+    ----------
+    prior : mapping
+        May have mechanisms that were not weighed, for they are in the model already.
+    misled : float
+        Probability that this is such a sensor.
+    """
+    return {name: (1 - misled) * chances.get(name, 0.0) + misled * one for name, one in prior.items()}
