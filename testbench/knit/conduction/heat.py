@@ -217,6 +217,9 @@ class TemperatureDriftTrend(RoomLaw):
 
     coefficient_per_h: float = parameter(0.02, unit="1/h", low=-2, high=2, doc="change of ln G per hour")
 
+    def of_one_recording(self, signals: Signals) -> tuple[str, ...]:
+        return (self.strength,)
+
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
         hours = signals["time_s"] / 3600
         return self.coefficient_per_h * hours

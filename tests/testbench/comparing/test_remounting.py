@@ -6,7 +6,7 @@ import numpy as np
 
 from testbench.comparing.remounting import held_errors, remounted
 from testbench.fitting.fit import fit
-from testbench.knit.conduction.heat import TemperatureDrift, ThermalSoftening
+from testbench.knit.conduction.heat import TemperatureDrift, TemperatureDriftTrend, ThermalSoftening
 from testbench.knit.readout.interference import PeriodicInterference
 from testbench.measurements.measurement import prepare
 from tests.testbench.builders import NOISE_LN, record, truth
@@ -42,3 +42,9 @@ def test_how_a_sensor_follows_a_measured_temperature_is_its_own_in_all_recording
     for effect in (TemperatureDrift(), ThermalSoftening()):
         assert effect.of_one_recording(warm) == ()
         assert effect.strength in effect.of_one_recording({"strain": np.zeros(3)})
+
+
+def test_a_room_that_warmed_once_need_not_warm_again():
+    warming, held = (truth().plus(TemperatureDriftTrend(coefficient_per_h=pace)) for pace in (1.0, -1.5))
+    fitted = fit(warming, [prepare(record(warming, 300, seed=1))])
+    assert held_errors(fitted.model, prepare(record(held, 300, seed=2)))["conductance"] < 1.2 * NOISE_LN
