@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from zlib import crc32
 
 import numpy as np
@@ -16,6 +16,14 @@ SO_FAR = ""  # the source that is the model so far
 DRAWS = 10_000  # of the errors of the evidences: a mean is then known within half a percent
 # Log prior and evidence of each hypothesis, by source: the model so far, or that with a law of some mechanism.
 Evidences = Mapping[str, Mapping[str, float]]
+
+
+def by_source(logs: Iterable[tuple[str, float]]) -> dict[str, float]:
+    """Numbers, as logarithms, with their sources; those of one source are summed."""
+    found: dict[str, float] = {}
+    for source, log in logs:
+        found[source] = float(np.logaddexp(found.get(source, -np.inf), log))
+    return found
 
 
 def normalised(evidences: Evidences) -> dict[str, float]:

@@ -19,6 +19,7 @@ from testbench.diagnosis.probabilities import (
     SO_FAR,
     UNKNOWN,
     Evidences,
+    by_source,
     mixed_with_prior,
     normalised,
     over_errors,
@@ -109,11 +110,10 @@ class Round:
         The laws of the base are those of the sensor, or one of them is bent as an effect would bend it, as likely.
         The laws that were put in are not quite those of the sensor either.
         """
-        found = {SO_FAR: self.log_z_alone(self.before) - np.log(2)}
-        for e in self.entries:
-            each = self._log_z_bent(e) - np.log(2), self._log_prior_error(e) + self._log_z_everywhere(e)
-            found[e.mechanism] = float(np.logaddexp(found.get(e.mechanism, -np.inf), np.logaddexp(*each)))
-        return found
+        either = -float(np.log(2))
+        bent = [(e.mechanism, self._log_z_bent(e) + either) for e in self.entries]
+        erring = [(e.mechanism, self._log_prior_error(e) + self._log_z_everywhere(e)) for e in self.entries]
+        return by_source([(SO_FAR, self.log_z_alone(self.before) + either), *bent, *erring])
 
     def _log_prior_error(self, e: Entry) -> float:
         """Log probability that the laws put in before err by what an entry explains, so that no more is missing.
@@ -211,12 +211,10 @@ class Round:
 
         A law that resembles it is worth as much as if it were what is missing. What is left may be of any size.
         """
-        found = {SO_FAR: self.before.log_z}
-        alike = [(e.mechanism, self.log_prior_alike(e.mechanism) + e.log_z) for e in self.entries]
-        alike += [(whole.first, whole.log_prior_alike + whole.log_z)] if whole else []
-        for mechanism, log in alike:
-            found[mechanism] = float(np.logaddexp(found.get(mechanism, -np.inf), log))
-        return {source: log - float(np.log(2)) for source, log in found.items()}
+        either = -float(np.log(2))
+        alike = [(e.mechanism, self.log_prior_alike(e.mechanism) + e.log_z + either) for e in self.entries]
+        alike += [(whole.first, whole.log_prior_alike + whole.log_z + either)] if whole else []
+        return by_source([(SO_FAR, self.before.log_z + either), *alike])
 
     def log_prior_alike(self, mechanism: str) -> float:
         """Of one law of a mechanism, if it is one of the catalogue."""
