@@ -15,7 +15,7 @@ from testbench.diagnosis import constants
 from testbench.diagnosis.discrepancy_map import Map
 from testbench.diagnosis.evidence.hypothesis import Hypothesis
 from testbench.diagnosis.held_out import Interval, block_energies, gain_interval
-from testbench.diagnosis.probabilities import NOTHING, UNKNOWN, mixed_with_prior, over_errors, prior_of
+from testbench.diagnosis.probabilities import NOTHING, UNKNOWN, mixed_with_prior, prior_of
 from testbench.diagnosis.proposals import Proposal
 from testbench.diagnosis.rounds import Entry, Round, Verdict, leading, whole_of
 from testbench.diagnosis.search import Progress, Search, searched
@@ -275,7 +275,7 @@ def concluded(
     other_laws = search.other_laws(before.model, after.model)
     known = {*before.model, *other_laws, *(entry.name for entry in put_in)}
     weighed = dict.fromkeys(name for step in rounds[: lead + 1] for name in step.laws)
-    meant = over_errors(most.evidences(beside))
+    meant = most.probabilities(beside)
     chances = mixed_with_prior(meant, prior_of(weighed), constants.MISLED)
     explained = Map(put_in[-1].hypothesis if put_in else bare, rounds[-1].likelihood).gains
     return Diagnosis(

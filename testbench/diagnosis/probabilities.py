@@ -26,13 +26,6 @@ def by_source(logs: Iterable[tuple[str, float]]) -> dict[str, float]:
     return found
 
 
-def normalised(evidences: Evidences) -> dict[str, float]:
-    """Probabilities of the hypotheses; they sum to 1."""
-    logs = {name: logsumexp(list(parts.values())) for name, parts in evidences.items()}
-    total = logsumexp(list(logs.values()))
-    return {name: float(np.exp(value - total)) for name, value in logs.items()}
-
-
 def prior_of(mechanisms: Collection[str]) -> dict[str, float]:
     """Prior probabilities of nothing, of unknown and of each mechanism, all of which are alike; they sum to 1."""
     missing, unknown = 1 - constants.PRIOR_NOTHING, constants.PRIOR_UNKNOWN

@@ -21,7 +21,6 @@ from testbench.diagnosis.probabilities import (
     Evidences,
     by_source,
     mixed_with_prior,
-    normalised,
     over_errors,
     prior_of,
 )
@@ -179,9 +178,9 @@ class Round:
     def probabilities(self, whole: Whole | None = None) -> dict[str, float]:
         """Of nothing, of unknown and of each mechanism to be what is missing most; they sum to 1.
 
-        `whole` as in `evidences`.
+        In the mean over the errors of the evidences; `whole` as in `evidences`.
         """
-        return normalised(self.evidences(whole))
+        return over_errors(self.evidences(whole))
 
     def evidences(self, whole: Whole | None = None) -> Evidences:
         """Log prior and evidence of each hypothesis about what is missing most.
@@ -213,7 +212,8 @@ class Round:
         """
         either = -float(np.log(2))
         alike = [(e.mechanism, self.log_prior_alike(e.mechanism) + e.log_z + either) for e in self.entries]
-        alike += [(whole.first, whole.log_prior_alike + whole.log_z + either)] if whole else []
+        if whole and whole.first_adds is not None:  # a single law is among the entries
+            alike.append((whole.first, whole.log_prior_alike + whole.log_z + either))
         return by_source([(SO_FAR, self.before.log_z + either), *alike])
 
     def log_prior_alike(self, mechanism: str) -> float:
@@ -222,7 +222,7 @@ class Round:
 
     def doubted(self, whole: Whole | None = None) -> dict[str, float]:
         """The probabilities as they are told; `whole` as in `probabilities`."""
-        return mixed_with_prior(over_errors(self.evidences(whole)), self.prior, constants.MISLED)
+        return mixed_with_prior(self.probabilities(whole), self.prior, constants.MISLED)
 
     def log_prior(self, mechanism: str) -> float:
         """Of one law of a mechanism, less what laws summed owe to luck."""

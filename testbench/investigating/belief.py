@@ -11,7 +11,7 @@ from scipy.special import logsumexp
 from testbench.design.forecast import Likely, Reading
 from testbench.diagnosis import constants
 from testbench.diagnosis.evidence.hypothesis import Hypothesis
-from testbench.diagnosis.probabilities import NOTHING, UNKNOWN, mixed_with_prior, over_errors, prior_of
+from testbench.diagnosis.probabilities import NOTHING, UNKNOWN, mixed_with_prior, prior_of
 from testbench.diagnosis.rounds import Round, Verdict, whole_of
 from testbench.diagnosis.search import searched
 from testbench.knit.catalogue import Catalogue
@@ -73,7 +73,7 @@ def belief_after(
     first = rounds[0]
     whole = whole_of(rounds, put_in)
     verdict = first.verdict(whole)
-    probabilities = over_errors(first.evidences(whole if verdict == "missing" else None))
+    probabilities = first.probabilities(whole if verdict == "missing" else None)
     return Belief(
         probabilities, verdict, _likely(first, probabilities), Reading(_noise(first), constants.INDEPENDENT)
     )

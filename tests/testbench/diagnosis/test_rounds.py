@@ -11,7 +11,7 @@ import pytest
 
 from testbench.diagnosis import constants
 from testbench.diagnosis.evidence.likelihood import Likelihood
-from testbench.diagnosis.probabilities import NOTHING, UNKNOWN, mixed_with_prior, over_errors
+from testbench.diagnosis.probabilities import NOTHING, UNKNOWN, mixed_with_prior
 from testbench.diagnosis.rounds import Entry, Round, best_set, leading, whole_of
 from testbench.diagnosis.search import Search
 from testbench.knit.model import KnitModel
@@ -126,7 +126,14 @@ def test_in_company_the_first_is_as_likely_as_what_it_adds():
     alone = rounds[0].probabilities()
     together = rounds[0].probabilities(whole_of(rounds, [first, second]))
     assert alone["stress_relaxation"] < 0.1
-    assert together["stress_relaxation"] > 0.9 > 1e3 * together["self_heating"]
+    assert together["stress_relaxation"] > 0.9 > 100 * together["self_heating"]
+
+
+def test_a_single_law_is_weighed_once():
+    """What was put in alone is among the entries already: it must not speak twice for *something like it*."""
+    found = entry("stress_relaxation", 2.0, 100.0)
+    only = a_round(entry("", BARE, 50.0), found)
+    assert only.probabilities(whole_of([only], [found])) == only.probabilities()
 
 
 def test_what_changes_most_leads_whichever_was_found_first():
@@ -167,7 +174,7 @@ def test_what_a_round_does_not_weigh_is_told_as_it_was_believed_before():
     found = a_round(entry("", BARE, 5.0), entry("stress_relaxation", 2.0, 10.0))
     half = found.prior["clamp_slip"] / 2
     prior = {**found.prior, "clamp_slip": half, "mullins_softening": half}
-    told = mixed_with_prior(over_errors(found.evidences()), prior, constants.MISLED)
+    told = mixed_with_prior(found.probabilities(), prior, constants.MISLED)
     assert told["mullins_softening"] == pytest.approx(constants.MISLED * half)
     assert set(told) == set(prior)
 
@@ -182,7 +189,9 @@ def test_probabilities_and_what_is_told_of_them_sum_to_one():
 def test_that_something_like_a_law_is_missing_is_as_sure_as_that_law():
     """What a perfect law leaves speaks for the law, whatever the error of its evidence."""
     found = a_round(entry("", BARE, 50.0), entry("stress_relaxation", 1.25, 100.0))
-    assert over_errors(found.evidences())[UNKNOWN] == pytest.approx(found.probabilities()[UNKNOWN], rel=0.1)
+    law, like_it = (found.evidences()[name]["stress_relaxation"] for name in ("stress_relaxation", UNKNOWN))
+    told = found.probabilities()
+    assert told[UNKNOWN] / told["stress_relaxation"] == pytest.approx(np.exp(like_it - law), rel=0.1)
 
 
 def test_the_best_of_many_laws_needs_a_few_nats_more_than_a_single_one():
@@ -193,9 +202,9 @@ def test_the_best_of_many_laws_needs_a_few_nats_more_than_a_single_one():
         found = a_round(base, entry("mechanism_0", 1.25, nats))
         return replace(found, laws=laws).probabilities()["mechanism_0"]
 
-    assert chance(many, 4.0) < 0.2
+    assert chance(many, 4.0) < 0.3
     assert chance(many, 12.0) > 0.9
-    assert chance({"mechanism_0": 1}, 4.0) > 0.8, "alone it was not chosen"
+    assert chance({"mechanism_0": 1}, 4.0) > 0.7, "alone it was not chosen"
 
 
 def test_a_law_is_asked_for_the_channels_that_it_changes():
