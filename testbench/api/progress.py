@@ -70,13 +70,14 @@ def clear_line() -> None:
 
 
 class _NotebookLine:
-    """One line of a notebook's output, written over."""
+    """One line of a notebook's output, written over; only the kernel itself has a wire to the notebook, no fork of it."""
 
     def __init__(self, display: Callable[..., Any]) -> None:
-        self._handle = display(_Html(""), display_id=True)
+        self._handle, self._kernel = display(_Html(""), display_id=True), os.getpid()
 
     def __call__(self, text: str) -> None:
-        self._handle.update(_Html(escape(text)))
+        if os.getpid() == self._kernel:
+            self._handle.update(_Html(escape(text)))
 
 
 class _Html:

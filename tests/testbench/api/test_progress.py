@@ -6,7 +6,7 @@ import json
 import sys
 from types import SimpleNamespace
 
-from testbench.api.progress import Telling, telling
+from testbench.api.progress import Telling, _NotebookLine, telling
 
 
 class Terminal:
@@ -65,3 +65,13 @@ def test_a_notebook_sees_one_line_written_over(monkeypatch):
     with telling(None) as tell:
         tell("<one>")
     assert shown == ["<small>&lt;one&gt;</small>", "<small></small>"]
+
+
+def test_a_fork_of_a_kernel_says_nothing_in_the_notebook(monkeypatch):
+    """It has no wire to the notebook: Jupyter would warn of each word."""
+    said = []
+    line = _NotebookLine(lambda shown, display_id: SimpleNamespace(update=lambda html: said.append(html._text)))
+    line("screening the catalogue")
+    monkeypatch.setattr("os.getpid", lambda: -1)
+    line("refitting with stress_relaxation")
+    assert said == ["screening the catalogue"]
