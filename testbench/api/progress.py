@@ -70,7 +70,7 @@ def clear_line() -> None:
 
 
 class _NotebookLine:
-    """One line of a notebook's output, written over; only the kernel itself has a wire to the notebook, no fork of it."""
+    """One line of a notebook's output, written over; a fork of the kernel has no wire to the notebook."""
 
     def __init__(self, display: Callable[..., Any]) -> None:
         self._handle, self._kernel = display(_Html(""), display_id=True), os.getpid()
