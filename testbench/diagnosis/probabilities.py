@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
+from functools import cache
 from zlib import crc32
 
 import numpy as np
@@ -39,14 +40,17 @@ def over_errors(evidences: Evidences) -> dict[str, float]:
     Each source draws errors of its own, the same in whatever order they come. What a model with some law predicts is
     wrong alike for all hypotheses that it speaks for: that this law is missing, and that something like it is.
     """
-    errors = {source: _errors_of(source) for parts in evidences.values() for source in parts}
+    sources = {source for parts in evidences.values() for source in parts}
+    errors = {source: constants.EVIDENCE_ERROR * _draws_of(source) for source in sources}
     each = [logsumexp([log + errors[s] for s, log in parts.items()], axis=0) for parts in evidences.values()]
     told = np.exp(each - logsumexp(each, axis=0)).mean(axis=1)
     return dict(zip(evidences, told.tolist(), strict=True))
 
 
-def _errors_of(source: str) -> FloatArray:
-    return constants.EVIDENCE_ERROR * np.random.default_rng(crc32(source.encode())).normal(size=DRAWS)
+@cache
+def _draws_of(source: str) -> FloatArray:
+    """Standard normal numbers, shape (DRAWS,), the same whenever a source is asked for."""
+    return np.random.default_rng(crc32(source.encode())).normal(size=DRAWS)
 
 
 def mixed_with_prior(chances: Mapping[str, float], prior: Mapping[str, float], misled: float) -> dict[str, float]:

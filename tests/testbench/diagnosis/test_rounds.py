@@ -8,10 +8,11 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.special import logsumexp
 
 from testbench.diagnosis import constants
 from testbench.diagnosis.evidence.likelihood import Likelihood
-from testbench.diagnosis.probabilities import NOTHING, UNKNOWN, mixed_with_prior
+from testbench.diagnosis.probabilities import NOTHING, UNKNOWN, Evidences, mixed_with_prior
 from testbench.diagnosis.rounds import Entry, Round, best_set, leading, whole_of
 from testbench.diagnosis.search import Search
 from testbench.knit.model import KnitModel
@@ -31,6 +32,12 @@ def entry(mechanism: str, floors: float, log_z: float) -> Entry:
 def a_round(before: Entry, *entries: Entry, so_far: Mapping[str, float] | None = None) -> Round:
     likelihood = Likelihood(SimpleNamespace(), np.arange(10), {}, FLOOR, 1.0)  # type: ignore[arg-type]
     return Round(before, entries, (), LAWS, likelihood, so_far or {})
+
+
+def if_exact(evidences: Evidences) -> dict[str, float]:
+    """Probabilities if evidences had no errors."""
+    logs = {name: logsumexp(list(parts.values())) for name, parts in evidences.items()}
+    return {name: float(np.exp(log - logsumexp(list(logs.values())))) for name, log in logs.items()}
 
 
 def test_a_law_that_leaves_noise_is_named():
@@ -124,9 +131,9 @@ def test_in_company_the_first_is_as_likely_as_what_it_adds():
     second = entry("clamp_slip", 1.3, 160.0)
     rounds = [a_round(entry("", BARE, 50.0), first, other), a_round(first, second)]
     alone = rounds[0].probabilities()
-    together = rounds[0].probabilities(whole_of(rounds, [first, second]))
+    together = if_exact(rounds[0].evidences(whole_of(rounds, [first, second])))
     assert alone["stress_relaxation"] < 0.1
-    assert together["stress_relaxation"] > 0.9 > 100 * together["self_heating"]
+    assert together["stress_relaxation"] > 0.9 > 1e3 * together["self_heating"]
 
 
 def test_a_single_law_is_weighed_once():
@@ -200,11 +207,11 @@ def test_the_best_of_many_laws_needs_a_few_nats_more_than_a_single_one():
 
     def chance(laws: dict[str, int], nats: float) -> float:
         found = a_round(base, entry("mechanism_0", 1.25, nats))
-        return replace(found, laws=laws).probabilities()["mechanism_0"]
+        return if_exact(replace(found, laws=laws).evidences())["mechanism_0"]
 
-    assert chance(many, 4.0) < 0.3
+    assert chance(many, 4.0) < 0.2
     assert chance(many, 12.0) > 0.9
-    assert chance({"mechanism_0": 1}, 4.0) > 0.7, "alone it was not chosen"
+    assert chance({"mechanism_0": 1}, 4.0) > 0.8, "alone it was not chosen"
 
 
 def test_a_law_is_asked_for_the_channels_that_it_changes():
