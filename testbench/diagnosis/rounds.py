@@ -27,6 +27,7 @@ from testbench.diagnosis.probabilities import (
 from testbench.diagnosis.proposals import Proposal
 from testbench.knit.model import KnitModel
 
+EITHER = -float(np.log(2))  # log prior of each of two that are as likely
 Verdict = Literal["missing", "nothing_missing", "unknown"]
 
 
@@ -109,10 +110,9 @@ class Round:
         The laws of the base are those of the sensor, or one of them is bent as an effect would bend it, as likely.
         The laws that were put in are not quite those of the sensor either.
         """
-        either = -float(np.log(2))
-        bent = [(e.mechanism, self._log_z_bent(e) + either) for e in self.entries]
+        bent = [(e.mechanism, self._log_z_bent(e) + EITHER) for e in self.entries]
         erring = [(e.mechanism, self._log_prior_error(e) + self._log_z_everywhere(e)) for e in self.entries]
-        return by_source([(SO_FAR, self.log_z_alone(self.before) + either), *bent, *erring])
+        return by_source([(SO_FAR, self.log_z_alone(self.before) + EITHER), *bent, *erring])
 
     def _log_prior_error(self, e: Entry) -> float:
         """Log probability that the laws put in before err by what an entry explains, so that no more is missing.
@@ -210,11 +210,10 @@ class Round:
 
         A law that resembles it is worth as much as if it were what is missing. What is left may be of any size.
         """
-        either = -float(np.log(2))
-        alike = [(e.mechanism, self.log_prior_alike(e.mechanism) + e.log_z + either) for e in self.entries]
+        alike = [(e.mechanism, self.log_prior_alike(e.mechanism) + e.log_z + EITHER) for e in self.entries]
         if whole and whole.first_adds is not None:  # a single law is among the entries
-            alike.append((whole.first, whole.log_prior_alike + whole.log_z + either))
-        return by_source([(SO_FAR, self.before.log_z + either), *alike])
+            alike.append((whole.first, whole.log_prior_alike + whole.log_z + EITHER))
+        return by_source([(SO_FAR, self.before.log_z + EITHER), *alike])
 
     def log_prior_alike(self, mechanism: str) -> float:
         """Of one law of a mechanism, if it is one of the catalogue."""
@@ -304,7 +303,7 @@ class Round:
 
     def is_bend(self, e: Entry) -> bool:
         """Whether an entry rather says that a law of the base is bent than that an effect is missing."""
-        return self._log_prior_bend(e) - np.log(2) > self.log_prior(e.mechanism)
+        return self._log_prior_bend(e) + EITHER > self.log_prior(e.mechanism)
 
     def verdict(self, whole: Whole | None = None) -> Verdict:
         """What is said of the model before this round; `whole` as in `probabilities`."""
