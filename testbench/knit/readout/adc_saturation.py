@@ -10,6 +10,7 @@ from testbench.knit.effect import Effect, FloatArray, Signals, Stage, parameter
 
 WEAK_CLIPS = (0.97, 0.99)  # quantiles at which a read-out may clip so rarely that nothing piles up
 PILE = 0.04  # share of the samples that makes a pile
+BEYOND = 6.0  # standard deviations of the noise by which readings may lie beyond a rail
 
 
 def _measured_ln(signals: Signals, residual: Signals) -> FloatArray:
@@ -28,6 +29,13 @@ def _levels(values: FloatArray, side: float) -> list[float]:
     first = int(np.argmin(outer[count - 1 :] - outer[: len(outer) - count + 1]))
     pile = float(np.median(outer[first : first + count]))
     return [side * level for level in (pile, *(float(np.quantile(ordered, q)) for q in WEAK_CLIPS))]
+
+
+def _rails(values: FloatArray, side: float) -> list[float]:
+    """Of the levels those that no reading is beyond, but for its noise: a rail lets nothing pass."""
+    noise = float(np.median(np.abs(np.diff(values, 2)))) / (0.6745 * 6**0.5)
+    farthest = float(np.max(side * values))
+    return [level for level in _levels(values, side) if farthest - side * level <= BEYOND * noise]
 
 
 class SaturationLaw(Effect):
@@ -60,7 +68,7 @@ class AdcSaturation(SaturationLaw):
         return {"conductance_S": np.minimum(signals["conductance_S"], top_S)}
 
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
-        return [{"floor_ohm": float(np.exp(-level))} for level in _levels(_measured_ln(signals, residual), 1.0)]
+        return [{"floor_ohm": float(np.exp(-level))} for level in _rails(_measured_ln(signals, residual), 1.0)]
 
 
 class AdcSaturationHigh(SaturationLaw):
@@ -82,7 +90,7 @@ class AdcSaturationHigh(SaturationLaw):
         return {"conductance_S": np.maximum(signals["conductance_S"], self.floor_S)}
 
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
-        return [{"floor_S": float(np.exp(level))} for level in _levels(_measured_ln(signals, residual), -1.0)]
+        return [{"floor_S": float(np.exp(level))} for level in _rails(_measured_ln(signals, residual), -1.0)]
 
 
 class AdcSaturationSoft(SaturationLaw):
@@ -133,5 +141,5 @@ class AdcSaturationForce(SaturationLaw):
         return {"force_N": np.minimum(signals["force_N"], top_N)}
 
     def starts(self, signals: Signals, residual: Signals) -> list[dict[str, Any]]:
-        tops_N = _levels(signals["force_N"] + residual.get("force", 0.0), 1.0)
+        tops_N = _rails(signals["force_N"] + residual.get("force", 0.0), 1.0)
         return [{"inverse_range_per_N": 1 / top_N} for top_N in tops_N if top_N > 1e-3]

@@ -78,6 +78,16 @@ def test_clipping_starts_a_fit_where_the_readings_pile_up() -> None:
     assert 1 / AdcSaturationForce().starts(measured, {})[0]["inverse_range_per_N"] == pytest.approx(3.3)
 
 
+def test_a_level_that_readings_go_beyond_is_no_rail():
+    """A knit pulled to 2 N again and again, and once to 3 N: what piles up at 2 N was not cut off there."""
+    triangles = 2.0 * np.abs((T % 20.0) / 10.0 - 1.0)
+    held = np.minimum(triangles, 1.8)
+    rail, beyond = held, np.where(T > 0.95 * T[-1], 3.0 * triangles / 2.0, held)
+    assert [1 / point["inverse_range_per_N"] for point in AdcSaturationForce().starts({"force_N": rail}, {})] != []
+    tops_N = [1 / point["inverse_range_per_N"] for point in AdcSaturationForce().starts({"force_N": beyond}, {})]
+    assert all(top_N > 1.9 for top_N in tops_N)
+
+
 def test_creeping_reading_ends_at_its_fraction_and_zero_drift_at_its_shift() -> None:
     t = np.arange(0, 1000, 0.5)
     crept = LoadCellCreep(fraction=0.05, tau_s=20).apply({"force_N": np.minimum(t, 2.0)}, 0.5)["force_N"]
