@@ -15,7 +15,7 @@ from testbench.diagnosis.fits import Fits, best_first, evidence_of, first_of_eac
 from testbench.diagnosis.proposals import Proposal
 from testbench.diagnosis.rounds import Entry
 from testbench.diagnosis.starts import best_start
-from testbench.fitting.baseline import framed
+from testbench.fitting.baseline import framed, without_shapes
 from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel, parts_of
 
@@ -64,7 +64,8 @@ class Refits:
         likeliest = list(dict.fromkeys(e.mechanism for e in entries))[:3]
         left = [[one for one in chances[m] if one[1].law not in tried] for m in likeliest]
         more = self.entered([one for own in left for one in own[:3]])
-        return self.best_of_each(self.on_better_bases([*entries, *more, *self.swapped(entries[0])]))
+        more += self.on_other_bases(entries[0], nulls) + self.swapped(entries[0])
+        return self.best_of_each(self.on_better_bases([*entries, *more]))
 
     def chances(self, nulls: Sequence[NullModel], mechanism: str) -> list[tuple[NullModel, Proposal]]:
         """Where a mechanism is refitted: its best law beside the first null model, then all its laws, the best first.
@@ -99,6 +100,24 @@ class Refits:
         model = self.fits.bent(before)
         h = self.fits.quickly(model, null.like, believed)
         return Entry(p.mechanism, p.law, name, h, h.log_z)
+
+    def on_other_bases(self, e: Entry, nulls: Sequence[NullModel]) -> list[Entry]:
+        """A law beside each stiff base of other laws, first stiff, then with shapes, refitted quickly.
+
+        It need not be at its best where it was found.
+        """
+        effect, known = e.hypothesis.model[e.name], e.hypothesis.priors.believed
+        believed = {address: prior for address, prior in known.items() if parts_of(address)[0] == e.name}
+
+        def entry(null: NullModel) -> Entry:
+            model = null.hypothesis.model.plus(effect, e.name)
+            stiff = fitted(model, self.compared, self.fits.reference, null.hypothesis, believed=believed)
+            h = self.fits.quickly(self.fits.bent(stiff.model), null.like, believed)
+            return replace(e, hypothesis=h, log_z=h.log_z, is_settled=False)
+
+        own = law_names(without_shapes(e.base).effects)
+        others = [null for null in nulls if not null.bends and law_names(null.hypothesis.model.effects) != own]
+        return self.pool.map(entry, others)
 
     def on_better_bases(self, entries: Sequence[Entry]) -> list[Entry]:
         """All entries; those beside other laws of the base than the best one also beside its laws.
