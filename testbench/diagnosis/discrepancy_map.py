@@ -47,10 +47,13 @@ class Map:
             rows[c][part] = picked * (likelihood.weight[c] * hypothesis.robust[c])
             precision += [hypothesis.evidence.sigma[c] ** -2.0] * count
             group += [first + place * len(names) + g for g in groups]
-        normal = extended(hypothesis.pinned, base, rows, [0.0] * len(precision), precision, group)
-        normal = replace(normal, least=likelihood.misfit)  # a closer fit earns a map nothing, either
-        scale = np.r_[opened(hypothesis.evidence.scale), np.full(len(names) * len(channels), 10.0)]
-        found = maximised(normal, scale=scale, iterations=12, start=hypothesis.evidence)
+        own, sigma = hypothesis.evidence.scale, hypothesis.evidence.sigma
+        # Parameters of laws move along with the map, so that it is told from what they would do without it.
+        plain = replace(hypothesis.pinned, least=likelihood.misfit)  # a closer fit earns a map nothing, either
+        without = maximised(plain, scale=own, sigma=sigma)
+        normal = extended(plain, base, rows, [0.0] * len(precision), precision, group)
+        scale = np.r_[opened(own), np.full(len(names) * len(channels), 10.0)]
+        found = maximised(normal, scale=scale, sigma=sigma)
         self.left, self.gains, tails = {}, {}, 0.0
         for place, c in enumerate(channels):
             amounts = found.coefficients[size:]
@@ -58,10 +61,12 @@ class Map:
             self.left[c] = residual - amounts @ rows[c]
             robust = hypothesis.robust[c]
             tails += tail(self.left[c] / robust / found.sigma[c], robust, likelihood.share)
+            bare = base[c][0] - without.coefficients @ base[c][1:]
+            tails -= tail(bare / robust / without.sigma[c], robust, likelihood.share)
             for g, name in enumerate(names):
                 inside = np.flatnonzero(np.asarray(groups) == g) + place * count
                 self.gains[c, name] = float(np.mean((amounts[inside] @ rows[c][inside]) ** 2) / np.mean(residual**2))
-        self.log_z = found.value + tails - hypothesis.unlikely
+        self.log_z = hypothesis.log_z + found.value - without.value + tails
 
 
 def log_z_with_map(hypothesis: Hypothesis, likelihood: Likelihood) -> float:

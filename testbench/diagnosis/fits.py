@@ -116,7 +116,7 @@ class Fits:
 
         Shapes that were fitted beside another law hold what is in the way of this one.
         """
-        best = max(self.compare(h.model, h.opened), h, key=evidence_of)
+        best = max(fitted(h.model, self.compared, self.reference, h.opened), h, key=evidence_of)
         for _ in range(constants.REFITS):
             better = self.compare(best.model, best)
             if better.log_z < best.log_z + constants.EVIDENCE_ERROR:

@@ -107,7 +107,7 @@ class Screen:
 
     def __init__(self, hypothesis: Hypothesis, likelihood: Likelihood) -> None:
         self.hypothesis, self.base = hypothesis, hypothesis.weighted
-        self.plain = maximised(hypothesis.normal, scale=hypothesis.evidence.scale, start=hypothesis.evidence)
+        self.plain = maximised(hypothesis.normal, scale=hypothesis.evidence.scale, sigma=hypothesis.evidence.sigma)
         self.scales = shape_scales(likelihood.measurement)
 
     def proposals(self, laws: Sequence[Law]) -> list[Proposal]:
@@ -199,7 +199,7 @@ class Screen:
         if typical:
             bigger = replace(bigger, typical=bigger.typical | {number})
         scale = start.scale if group < 0 else np.r_[opened(start.scale), 1.0]
-        return maximised(bigger, scale=scale, iterations=iterations, start=start)
+        return maximised(bigger, scale=scale, iterations=iterations, sigma=start.sigma)
 
 
 def extended(normal: NormalEquations, base: Rows, rows: Rows, mean, precision, group) -> NormalEquations:

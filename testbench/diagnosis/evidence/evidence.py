@@ -7,7 +7,7 @@ MacKay's update, as have the sigma_c. Source: MacKay, Neural Computation 4 (1992
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -41,6 +41,8 @@ class NormalEquations:
     typical : frozenset of int
         Groups whose declared width is a typical size: their standard deviation has Cauchy's prior of that scale. The
         size of the others is for the data to say.
+    still : ndarray of int
+        Coefficients that stay zero. What the data tell of them counts, as if they were best there.
     """
 
     products: Mapping[str, FloatArray]
@@ -51,6 +53,7 @@ class NormalEquations:
     precision: FloatArray
     group: np.ndarray
     typical: frozenset[int] = frozenset()
+    still: np.ndarray = field(default_factory=lambda: np.zeros(0, int))
 
 
 @dataclass(frozen=True)
@@ -84,7 +87,7 @@ class LogEvidence:
 
 def maximised(
     normal: NormalEquations,
-    start: LogEvidence | None = None,
+    sigma: Mapping[str, float] | None = None,
     iterations: int = 12,
     scale: FloatArray | None = None,
 ) -> LogEvidence:
@@ -92,11 +95,20 @@ def maximised(
 
     Groups that are switched off (their scale is `LARGEST`) are taken to first order, each coefficient by itself: they
     come back where the data pull at them hard enough.
+
+    Parameters
+    ----------
+    sigma : mapping of channel to float, optional
+        Noise to start from, standard deviation.
+    iterations : int
+        At most; one judges with the noise and the scales as they are given.
+    scale : ndarray, optional
+        Factor on the precision of each group to start from.
     """
     declared, group, mean = normal.precision, normal.group, normal.mean
     factor = np.ones(int(group.max(initial=-1)) + 1) if scale is None else scale.copy()
     sizes = {c: float(np.sqrt(g[0, 0] * normal.share / normal.count)) for c, g in normal.products.items()}
-    sigma = dict(start.sigma) if start else sizes
+    sigma = dict(sigma or sizes)
     members = [np.flatnonzero(group == g) for g in range(len(factor))]
     value = -np.inf
     for _ in range(iterations):
@@ -105,7 +117,7 @@ def maximised(
         total = np.zeros((len(mean) + 1, len(mean) + 1))
         for c, gram in normal.products.items():
             total += gram * (normal.share / sigma[c] ** 2)
-        moved, known, chol = _solved(total, precision, mean, free)
+        moved, known, chol = _solved(total, precision, mean, free, normal.still)
         x = mean + np.where(free, moved, 0.0)
         vector = np.r_[1.0, -x]
         left = {c: max(float(vector @ g @ vector), 1e-300) * normal.share for c, g in normal.products.items()}
@@ -136,7 +148,7 @@ def is_on(group: np.ndarray, scale: FloatArray) -> np.ndarray:
 
 
 def _solved(
-    total: FloatArray, precision: FloatArray, mean: FloatArray, free: np.ndarray
+    total: FloatArray, precision: FloatArray, mean: FloatArray, free: np.ndarray, still: np.ndarray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Coefficients of the linear model, less their prior means; those that are off each beside the others alone.
 
@@ -161,7 +173,7 @@ def _solved(
     if failed:
         matrix[np.diag_indices_from(matrix)] *= 1 + 1e-9
         chol, failed = lapack.dpotrf(matrix, lower=1)
-    step = lapack.dpotrs(chol, pull[on], lower=1)[0]
+    step = lapack.dpotrs(chol, pull[on], lower=1)[0] if not len(still) else _beside(matrix, pull, mean, on, still)
     inverse = lapack.dtrtri(chol, lower=1)[0]  # above the diagonal, zeros as in `chol`
     cross = inner[on][:, off]
     taken = blas.dtrmm(1.0, inverse, cross, lower=1) if len(off) else cross
@@ -171,6 +183,16 @@ def _solved(
     moved[off], known[off] = (pull[off] - step @ cross) / alone, 1 - precision[off] / alone
     factor[np.ix_(on, on)], factor[off, off] = chol, np.sqrt(alone)
     return moved, known, factor
+
+
+def _beside(matrix: FloatArray, pull: FloatArray, mean: FloatArray, on: np.ndarray, still: np.ndarray) -> FloatArray:
+    """Coefficients that are on, less their prior means, where some of them stay zero; shape (len(on),)."""
+    stays = np.isin(on, still)
+    moves, step = ~stays, np.where(stays, -mean[on], 0.0)
+    goal = pull[on][moves] - matrix[np.ix_(moves, stays)] @ step[stays]
+    if len(goal):
+        step[moves] = lapack.dposv(matrix[np.ix_(moves, moves)], goal, lower=1)[1]
+    return step
 
 
 def opened(scale: FloatArray) -> FloatArray:

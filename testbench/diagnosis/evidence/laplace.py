@@ -10,8 +10,8 @@ import numpy as np
 
 from testbench.diagnosis import constants
 from testbench.diagnosis.evidence.directions import Directions
-from testbench.diagnosis.evidence.evidence import LogEvidence, NormalEquations, maximised, opened, scaled
-from testbench.diagnosis.evidence.hypothesis import Hypothesis, pinned, rms, tail
+from testbench.diagnosis.evidence.evidence import NormalEquations, maximised, opened, scaled
+from testbench.diagnosis.evidence.hypothesis import Hypothesis, at_rest, pinned, rms, tail
 from testbench.diagnosis.evidence.likelihood import Likelihood
 from testbench.diagnosis.evidence.priors import priors_of
 from testbench.fitting.downhill import downhill, huber, huber_weight, within
@@ -96,9 +96,21 @@ class _PosteriorFit:
         self.sigma = {c: max(trimmed_rms(rows[0]), likelihood.least[c]) for c, rows in self.columns.items()}
 
     def run(self, iterations: int) -> Hypothesis:
+        self.search(iterations)
+        at_bound, own = self.held, self.priors.group < 0
+        held = at_bound | (own & np.array([p.place[0] in self.base for p in self.priors.parameters]))
+        self.held = held
+        for _ in range(FINAL_WEIGHTS):
+            if not self.settle():
+                break
+        self.held = at_bound
+        return self.ended(held)
+
+    def search(self, iterations: int) -> None:
+        """Steps of all parameters until they gain nothing; the scales of the shapes follow them."""
         damping, quiet, fresh = 1.0, False, self.exact
         for _ in range(iterations):
-            normal, robust = self.normal()
+            normal = self.normal()
             evidence = maximised(normal, iterations=3, scale=self.scale)
             if quiet:
                 # What was switched off on the way may be needed where the search has come to.
@@ -121,43 +133,43 @@ class _PosteriorFit:
             self.linearise(self.all if rest else self.curved)
         if not fresh:
             self.linearise(self.all)
-        at_bound, own = self.held, self.priors.group < 0
-        self.held = at_bound | (own & np.array([p.place[0] in self.base for p in self.priors.parameters]))
-        for last in range(FINAL_WEIGHTS):  # until the weights of outliers and the noise agree
-            normal, robust = self.normal()
-            starts = (self.scale,) if last else (self.scale, opened(self.scale))
-            evidence = max((maximised(normal, scale=one) for one in starts), key=lambda one: one.value)
-            self.scale, self.sigma = evidence.scale, dict(evidence.sigma)
-            self.settle(evidence)
-        held, self.held = self.held, at_bound
-        for _ in range(FINAL_WEIGHTS):
+
+    def ended(self, held: np.ndarray) -> Hypothesis:
+        """The point as a hypothesis whose parameters of these are held."""
+        for _ in range(FINAL_WEIGHTS):  # until the weights of outliers and the noise agree
             robust = self.robust(self.columns)
             before, self.sigma = self.sigma, rms(self.columns, robust, self.likelihood.least)
             if all(abs(np.log(self.sigma[c] / before[c])) < AGREED for c in before):
                 break
         normal = self.all_normal(robust)
-        there = maximised(
-            pinned(normal, held), start=replace(evidence, sigma=self.sigma), scale=self.scale, iterations=1
-        )
+        there = maximised(at_rest(pinned(normal, held)), self.sigma, scale=self.scale, iterations=1)
         evidence = replace(there, sigma=self.sigma, scale=self.scale)
         tails = self.tails(robust, evidence.sigma)
         weight = self.likelihood.weight
         return Hypothesis(self.model, self.priors, normal, held, evidence, tails, self.columns, robust, weight)
 
-    def settle(self, evidence: LogEvidence) -> None:
-        """Take the step that the evidence counts on: of the weights the whole, of the rest what lowers the cost.
+    def settle(self) -> bool:
+        """Find the scales where the parameters of laws stay, and go to the weights that are best there.
 
-        Parameters that are held stay.
+        Returns
+        -------
+        bool
+            Whether that lowered the cost; otherwise all is as it was.
         """
+        self.stale = True  # with less noise more is seen
+        evidence = maximised(at_rest(self.normal()), scale=self.scale)
+        before = self.scale, self.sigma
+        self.scale, self.sigma = evidence.scale, dict(evidence.sigma)
         step = np.where(self.held, 0.0, self.directions.full(evidence.coefficients))
         now = self.cost_here()
         for part in PARTS:
-            whole = np.where(self.priors.group >= 0, step, part * step)
-            x = np.clip(self.x + whole, self.priors.low, self.priors.high)
+            x = np.clip(self.x + part * step, self.priors.low, self.priors.high)
             if self.cost_at(x) < now:
                 self.go(x)
                 self.linearise(np.flatnonzero(~self.held & (self.priors.group < 0)))
-                return
+                return True
+        self.scale, self.sigma = before
+        return False
 
     def move(self, normal: NormalEquations, damping: float):
         cost = self.cost_here()
@@ -219,15 +231,14 @@ class _PosteriorFit:
             rows[0] = self.columns[c][0]
             rows[1 : 1 + len(own)] = self.columns[c][own + 1]
 
-    def normal(self) -> tuple[NormalEquations, dict[str, FloatArray]]:
-        """Along the directions that the data see, and the square roots of the Huber weights."""
+    def normal(self) -> NormalEquations:
+        """Along the directions that the data see, weighted robustly."""
         if self.stale:
             share = {c: self.likelihood.share / self.sigma[c] ** 2 for c in self.columns}
             self.directions = Directions.seen(self.columns, share, self.priors, np.minimum(self.scale, NARROWEST))
             self.rows = {c: self.directions.rows(rows) for c, rows in self.columns.items()}
             self.stale = False
-        robust = self.robust(self.rows)
-        return self.equations(self.rows, robust, *self.directions.priors(*self.believed())), robust
+        return self.equations(self.rows, self.robust(self.rows), *self.directions.priors(*self.believed()))
 
     def robust(self, rows: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
         """Square roots of the Huber weights."""

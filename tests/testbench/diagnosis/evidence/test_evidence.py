@@ -36,17 +36,12 @@ def linear(seed: int) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray], Nor
     return residuals, designs, normal
 
 
-def known_scales() -> LogEvidence:
-    """Where the noise is known: one iteration judges with it."""
-    return LogEvidence(0.0, np.zeros(WEIGHTS), SIGMA, np.empty(0), np.zeros((WEIGHTS, WEIGHTS)))
-
-
 @settings(max_examples=25, deadline=None)
 @given(st.integers(0, 10_000))
 def test_log_evidence_is_that_of_the_gaussian_marginal(seed):
     """ln Z = ln N(r; J m, J P^-1 J' + sigma^2), but for the constant that all models share."""
     residuals, designs, normal = linear(seed)
-    found = maximised(normal, start=known_scales(), iterations=1)
+    found = maximised(normal, sigma=SIGMA, iterations=1)
     design = np.hstack(list(designs.values()))
     noise = np.concatenate([np.full(COUNT, SIGMA[c] ** 2) for c in SIGMA])
     covariance = design.T @ np.diag(1 / normal.precision) @ design + np.diag(noise)
@@ -60,11 +55,31 @@ def test_log_evidence_is_that_of_the_gaussian_marginal(seed):
 def test_the_posterior_is_that_of_the_textbook(seed):
     """Bishop, Pattern Recognition and Machine Learning (2006), eq. 3.50 and 3.51."""
     residuals, designs, normal = linear(seed)
-    found = maximised(normal, start=known_scales(), iterations=1)
+    found = maximised(normal, sigma=SIGMA, iterations=1)
     precision = np.diag(normal.precision) + sum(designs[c] @ designs[c].T / SIGMA[c] ** 2 for c in SIGMA)
     goal = normal.precision * normal.mean + sum(designs[c] @ residuals[c] / SIGMA[c] ** 2 for c in SIGMA)
     np.testing.assert_allclose(found.coefficients, np.linalg.solve(precision, goal), rtol=1e-8, atol=1e-10)
     np.testing.assert_allclose(found.covariance, np.linalg.inv(precision), rtol=1e-8, atol=1e-10)
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.integers(0, 10_000), st.sets(st.integers(0, WEIGHTS - 1)))
+def test_coefficients_that_stay_are_integrated_over_as_if_they_were_best_there(seed, still):
+    """The log posterior where it is largest with these at zero, and the volume of its Gaussian there."""
+    residuals, designs, normal = linear(seed)
+    found = maximised(replace(normal, still=np.array(sorted(still), int)), sigma=SIGMA, iterations=1)
+    moves = [i for i in range(WEIGHTS) if i not in still]
+    curvature = np.diag(normal.precision) + sum(designs[c] @ designs[c].T / SIGMA[c] ** 2 for c in SIGMA)
+    goal = normal.precision * normal.mean + sum(designs[c] @ residuals[c] / SIGMA[c] ** 2 for c in SIGMA)
+    x = np.zeros(WEIGHTS)
+    x[moves] = np.linalg.solve(curvature[np.ix_(moves, moves)], goal[moves])
+    misfit = sum(np.sum((residuals[c] - x @ designs[c]) ** 2) / SIGMA[c] ** 2 for c in SIGMA)
+    density = -0.5 * misfit - COUNT * sum(np.log(sigma) for sigma in SIGMA.values())
+    prior = -0.5 * np.sum(normal.precision * (x - normal.mean) ** 2 - np.log(normal.precision))
+    expected = density + prior - 0.5 * np.linalg.slogdet(curvature)[1]
+    np.testing.assert_allclose(found.coefficients, x, rtol=1e-8, atol=1e-10)
+    assert found.value == pytest.approx(expected, abs=1e-8)
+    assert found.value <= maximised(normal, sigma=SIGMA, iterations=1).value + 1e-8
 
 
 def test_what_is_nearer_than_the_least_is_no_merit():
@@ -124,8 +139,8 @@ def test_a_group_that_is_switched_off_costs_next_to_nothing_and_stays_at_its_pri
         group=np.r_[normal.group, 0, 0],
     )
     without = replace(normal, products={c: rows @ rows.T for c, rows in less.items()})
-    one = maximised(without, known_scales(), iterations=1)
-    other = maximised(padded, known_scales(), iterations=1, scale=np.array([LARGEST]))
+    one = maximised(without, SIGMA, iterations=1)
+    other = maximised(padded, SIGMA, iterations=1, scale=np.array([LARGEST]))
     assert other.value == pytest.approx(one.value, abs=0.05)
     np.testing.assert_allclose(other.coefficients, np.r_[one.coefficients, mean, mean], atol=1e-5)
     np.testing.assert_allclose(np.diag(other.covariance)[-2:], 1 / LARGEST, rtol=1e-5)
@@ -141,8 +156,7 @@ def test_the_scale_of_a_group_is_found_by_the_evidence():
     normal = NormalEquations(
         {"force": rows @ rows.T}, 1000.0, 1.0, {"force": 1e-3}, np.zeros(count), np.ones(count), np.zeros(count, int)
     )
-    start = LogEvidence(0.0, np.zeros(count), {"force": 1e-3}, np.ones(1), np.eye(count))
-    found = maximised(normal, start=start, iterations=40, scale=np.ones(1))
+    found = maximised(normal, sigma={"force": 1e-3}, iterations=40, scale=np.ones(1))
     assert found.scale[0] ** -0.5 == pytest.approx(size, rel=0.05)
 
 
@@ -155,7 +169,7 @@ def grouped(seed: int) -> NormalEquations:
 def with_known_scale(normal: NormalEquations, noise: LogEvidence, factor: float) -> float:
     """ln Z where the scale is known as well as the noise."""
     known = replace(normal, precision=factor * normal.precision, group=np.full(WEIGHTS, -1))
-    return maximised(known, start=noise, iterations=1).value
+    return maximised(known, sigma=noise.sigma, iterations=1).value
 
 
 def test_the_scale_of_a_group_of_a_typical_size_is_the_maximum_with_cauchys_prior():
