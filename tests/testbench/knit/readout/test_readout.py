@@ -63,14 +63,16 @@ def test_converters_clip_at_their_ends() -> None:
     np.testing.assert_allclose([top, bottom, force], [[1, 2, 2], [2.5, 2.5, 3], [1, 2, 2]])
 
 
-def test_clipping_starts_a_fit_near_the_ends_of_the_data() -> None:
-    measured = {"conductance_S": np.linspace(1, 2, 101), "force_N": np.linspace(0, 4, 101)}
+def test_clipping_starts_a_fit_near_the_ends_of_noisy_data() -> None:
+    n = np.arange(101)
+    noise = np.where((n > 20) & (n < 80), 0.01 * (-1.0) ** n, 0.0)
+    measured = {"conductance_S": np.linspace(1, 2, 101) + noise, "force_N": np.linspace(0, 4, 101) + 4 * noise}
     tops_S = [1 / point["floor_ohm"] for point in AdcSaturation().starts(measured, {})]
     bottoms_S = [point["floor_S"] for point in AdcSaturationHigh().starts(measured, {})]
     tops_N = [1 / point["inverse_range_per_N"] for point in AdcSaturationForce().starts(measured, {})]
-    assert tops_S[1:] == pytest.approx([1.97, 1.99], rel=1e-3)
-    assert bottoms_S[1:] == pytest.approx([1.03, 1.01], rel=1e-3)
-    assert tops_N[1:] == pytest.approx([3.88, 3.96], rel=1e-3)
+    assert tops_S[-2:] == pytest.approx([1.97, 1.99], rel=1e-3)
+    assert bottoms_S[-2:] == pytest.approx([1.03, 1.01], rel=1e-3)
+    assert tops_N[-2:] == pytest.approx([3.88, 3.96], rel=1e-3)
 
 
 def test_clipping_starts_a_fit_where_the_readings_pile_up() -> None:
@@ -82,10 +84,14 @@ def test_a_level_that_readings_go_beyond_is_no_rail():
     """A knit pulled to 2 N again and again, and once to 3 N: what piles up at 2 N was not cut off there."""
     triangles = 2.0 * np.abs((T % 20.0) / 10.0 - 1.0)
     held = np.minimum(triangles, 1.8)
-    rail, beyond = held, np.where(T > 0.95 * T[-1], 3.0 * triangles / 2.0, held)
-    assert [1 / point["inverse_range_per_N"] for point in AdcSaturationForce().starts({"force_N": rail}, {})] != []
-    tops_N = [1 / point["inverse_range_per_N"] for point in AdcSaturationForce().starts({"force_N": beyond}, {})]
-    assert all(top_N > 1.9 for top_N in tops_N)
+    beyond = np.where(0.95 * T[-1] < T, 1.5 * triangles, held)
+    rails, none = (
+        [1 / p["inverse_range_per_N"] for p in AdcSaturationForce().starts({"force_N": x}, {})]
+        for x in (held, beyond)
+    )
+    assert rails
+    assert rails == pytest.approx([1.8] * len(rails))
+    assert all(top_N > 1.9 for top_N in none)
 
 
 def test_creeping_reading_ends_at_its_fraction_and_zero_drift_at_its_shift() -> None:
