@@ -32,8 +32,11 @@ def _levels(values: FloatArray, side: float) -> list[float]:
 
 
 def _rails(values: FloatArray, side: float) -> list[float]:
-    """Of the levels those that no reading is beyond, but for its noise: a rail lets nothing pass."""
-    noise = float(np.median(np.abs(np.diff(values, 2)))) / (0.6745 * 6**0.5)
+    """Of the levels those that no reading is beyond, but for its noise: a rail lets nothing pass.
+
+    Noise shows in second differences; where most readings are cut off, only the largest of these do.
+    """
+    noise = float(np.quantile(np.abs(np.diff(values, 2)), 0.9)) / (1.645 * 6**0.5)
     farthest = float(np.max(side * values))
     return [level for level in _levels(values, side) if farthest - side * level <= BEYOND * noise]
 
