@@ -108,7 +108,7 @@ class Diagnosis:
     probabilities : mapping
         Of ``nothing``, ``unknown`` and every mechanism: what is missing most. They sum to 1.
     found : tuple of Found
-        The effects that were put in, in turn, but the one that changes most first.
+        The effects that were put in, in turn, but the one that the model misses most without it first.
     ranking : tuple of Ranked
         Every mechanism, the most probable first.
     tied : tuple of str
@@ -269,7 +269,7 @@ def concluded(
         put_in = []
     whole = whole_of(rounds, put_in)
     left = whole.left if whole else 1.0
-    lead = leading(put_in, rounds[-1].likelihood)
+    lead = leading(put_in)
     most, beside = rounds[lead], whole_of(rounds[lead:], put_in[lead:])
     after = _ladder(search, bare, put_in, before, calibration, held)
     other_laws = search.other_laws(before.model, after.model)

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.special import logsumexp
 
 from testbench.diagnosis import constants
-from testbench.diagnosis.evidence.hypothesis import Hypothesis, changed
+from testbench.diagnosis.evidence.hypothesis import Hypothesis
 from testbench.diagnosis.evidence.likelihood import Likelihood
 from testbench.diagnosis.fits import best_first, first_of_each
 from testbench.diagnosis.probabilities import (
@@ -364,10 +364,10 @@ def whole_of(rounds: Sequence[Round], put_in: Sequence[Entry]) -> Whole | None:
     return Whole(log_posterior, last.log_z, alike, steps[0].left(*put_in), put_in[0].mechanism, adds)
 
 
-def leading(put_in: Sequence[Entry], likelihood: Likelihood) -> int:
-    """Which of several effects changes most, all in one model: the first to be found need not be it."""
-    changes = [squared(changed(e.without.hypothesis, put_in[-1].hypothesis), likelihood) for e in put_in if e.without]
-    return int(np.argmax(changes)) if changes else 0
+def leading(put_in: Sequence[Entry]) -> int:
+    """Which of several effects the model misses most without it: the first to be found need not be it."""
+    without = [e.without.log_z for e in put_in if e.without]
+    return int(np.argmin(without)) if without else 0
 
 
 def probability_of(walk: tuple[Sequence[Round], Sequence[Entry]]) -> float:

@@ -166,14 +166,6 @@ def imitated(change: FloatArray, laws: FloatArray, shapes: FloatArray, believed:
     return design[:, : len(change)].T @ np.linalg.lstsq(design.T, target, rcond=1e-6)[0]
 
 
-def changed(without: Hypothesis, with_it: Hypothesis) -> dict[str, float]:
-    """Standard deviation of what an effect changes: between two models at their best, one with it and one without.
-
-    Over the relative noise of the samples that count, per channel, in N and ln S.
-    """
-    return {c: trimmed_rms(rows[0] - with_it.columns[c][0]) for c, rows in without.columns.items()}
-
-
 def tail(z: FloatArray, robust: FloatArray, share: float) -> float:
     """What a Huber density says more of outliers than the weighted squares in ln Z."""
     z = np.abs(z)

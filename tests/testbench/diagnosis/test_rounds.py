@@ -143,15 +143,12 @@ def test_a_single_law_is_weighed_once():
     assert only.probabilities(whole_of([only], [found])) == only.probabilities()
 
 
-def test_what_changes_most_leads_whichever_was_found_first():
-    """Without it the same model leaves most."""
-    left = [SimpleNamespace(columns={c: np.full((1, 50), n * FLOOR[c]) for c in FLOOR}) for n in (1, 3, 7)]
-    both = replace(entry("stress_relaxation", 1.3, 100.0), hypothesis=left[0])  # type: ignore[arg-type]
-    put_in = [replace(both, without=replace(both, hypothesis=one)) for one in left[1:]]  # type: ignore[arg-type]
-    likelihood = a_round(entry("", BARE, 50.0)).likelihood
-    assert leading(put_in, likelihood) == 1
-    assert leading(put_in[::-1], likelihood) == 0
-    assert leading([both], likelihood) == leading([], likelihood) == 0
+def test_what_the_last_model_misses_most_leads_whichever_was_found_first():
+    found = [entry("stress_relaxation", 1.3, 160.0), entry("self_heating", 1.3, 160.0)]
+    put_in = [replace(e, without=entry("", 2.0, log_z)) for e, log_z in zip(found, (150.0, 90.0), strict=True)]
+    assert leading(put_in) == 1
+    assert leading(put_in[::-1]) == 0
+    assert leading(found[:1]) == leading([]) == 0
 
 
 def test_what_adds_nothing_keeps_no_company_for_what_adds_only_beside_others():
