@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from testbench.diagnosis.fits import Fits
-from testbench.diagnosis.refits import Refits, acts_on_force
+from testbench.diagnosis.refits import NullModel, Refits, acts_on_force
 from testbench.diagnosis.rounds import Entry
 from testbench.knit.catalogue import load_catalogue
 from testbench.knit.model import KnitModel
@@ -69,3 +69,16 @@ def test_laws_of_different_channels_do_not_take_each_others_base():
     assert not acts_on_force(heat)
     entries, found = on_better_bases(relaxation, heat)
     assert found == entries
+
+
+def test_the_best_law_is_tried_on_each_stiff_base_of_other_laws():
+    fits = fits_of(truth(), ("force_N", "resistance_ohm"))
+    base = fits.start
+    gent = fits.started_like(base["elasticity"], CATALOGUE["elasticity_gent"], base)
+    stiff = [fits.compare(one) for one in (base, base.replacing("elasticity", gent))]
+    nulls = [NullModel(h, fits.compare(fits.bent(h.model)), ()) for h in stiff]
+    heat = CATALOGUE["self_heating"](coefficient=0.01)
+    (moved,) = Refits(fits).on_other_bases(entry(fits, base, heat), nulls)
+    model = moved.hypothesis.model
+    assert model["elasticity"].name == "elasticity_gent"
+    assert {"self_heating", "elasticity_shape"} <= set(model)
