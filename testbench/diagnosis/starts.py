@@ -29,7 +29,7 @@ def best_start(h: Hypothesis, p: Proposal, likelihood: Likelihood) -> KnitModel:
     """
     low, high = h.priors.low, h.priors.high
     tried = [h.model.plus(p.first), h.model.plus(p.effect)]
-    for part in PARTS:
+    for part in (*PARTS, 0.0):
         step = np.where(h.priors.group >= 0, p.step, part * p.step)
         tried.append(with_values(h.model, h.priors.parameters, np.clip(h.vector + step, low, high)).plus(p.effect))
     return min(tried, key=lambda one: _misfit(one, h, likelihood))

@@ -120,7 +120,7 @@ def under(h: Hypothesis, likelihood: Likelihood) -> Hypothesis:
     # A shape that only fits what no law is asked to reach is switched off.
     left = rms(h.columns, h.robust, normal.least)
     least = {c: max(sigma, likelihood.misfit[c]) for c, sigma in left.items()}
-    known = replace(at_rest(pinned(normal, h.held)), least=least)
+    known = replace(laws_still(pinned(normal, h.held)), least=least)
     evidence = maximised(known, scale=h.evidence.scale, iterations=15)
     tails = sum(tail(rows[0] / evidence.sigma[c], h.robust[c], likelihood.share) for c, rows in h.columns.items())
     return replace(h, normal=normal, evidence=evidence, tails=tails)
@@ -178,7 +178,7 @@ def pinned(normal: NormalEquations, held: np.ndarray) -> NormalEquations:
     return replace(normal, mean=mean, precision=precision)
 
 
-def at_rest(normal: NormalEquations) -> NormalEquations:
+def laws_still(normal: NormalEquations) -> NormalEquations:
     """The same without further steps of the parameters of laws, whose search has ended.
 
     Where a law jumps, the linear model promises steps that no search can find.

@@ -11,7 +11,7 @@ import numpy as np
 from testbench.diagnosis import constants
 from testbench.diagnosis.evidence.directions import Directions
 from testbench.diagnosis.evidence.evidence import NormalEquations, maximised, opened, scaled
-from testbench.diagnosis.evidence.hypothesis import Hypothesis, at_rest, pinned, rms, tail
+from testbench.diagnosis.evidence.hypothesis import Hypothesis, laws_still, pinned, rms, tail
 from testbench.diagnosis.evidence.likelihood import Likelihood
 from testbench.diagnosis.evidence.priors import priors_of
 from testbench.fitting.downhill import downhill, huber, huber_weight, within
@@ -24,7 +24,7 @@ from testbench.measurements.noise_level import trimmed_rms
 
 FINAL_WEIGHTS = 3
 AGREED = 0.02  # relative change of the noise from one of these to the next, below which they agree
-PARTS = (1.0, 0.3, 0.0)  # shares of a promised step, tried in turn
+PARTS = (1.0, 0.3)  # shares of a promised step, tried in turn
 NARROWEST = 1e3  # largest factor on a group's precision when directions are chosen: a wider prior may show them
 AT_REST = 0.05  # nats: a search whose step gains less is at rest; along a valley steps gain little
 
@@ -142,7 +142,7 @@ class _PosteriorFit:
             if all(abs(np.log(self.sigma[c] / before[c])) < AGREED for c in before):
                 break
         normal = self.all_normal(robust)
-        there = maximised(at_rest(pinned(normal, held)), self.sigma, scale=self.scale, iterations=1)
+        there = maximised(laws_still(pinned(normal, held)), self.sigma, scale=self.scale, iterations=1)
         evidence = replace(there, sigma=self.sigma, scale=self.scale)
         tails = self.tails(robust, evidence.sigma)
         weight = self.likelihood.weight
@@ -157,7 +157,7 @@ class _PosteriorFit:
             Whether that lowered the cost; otherwise all is as it was.
         """
         self.stale = True  # with less noise more is seen
-        evidence = maximised(at_rest(self.normal()), scale=self.scale)
+        evidence = maximised(laws_still(self.normal()), scale=self.scale)
         before = self.scale, self.sigma
         self.scale, self.sigma = evidence.scale, dict(evidence.sigma)
         step = np.where(self.held, 0.0, self.directions.full(evidence.coefficients))
