@@ -119,7 +119,8 @@ def record(
     Returns
     -------
     Status
-        How it ended. Whatever that is, the files hold every accepted sample and the manifest says how it ended.
+        How it ended, as the manifest says, too. The files hold every accepted sample but those that a full disk never
+        took (`unwritten`).
 
     Raises
     ------

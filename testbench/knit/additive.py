@@ -53,7 +53,7 @@ class ConductanceLaw(AdditiveLaw):
         raise NotImplementedError
 
     def change(self, signals: Signals, dt_s: float) -> FloatArray:
-        """Factor on the conductance."""
+        """Factor on the conductance, exp(`log_change`): a law says that, and not this."""
         return factor_of(self.log_change(signals, dt_s))
 
     def put(self, signals: Signals, change: FloatArray) -> dict[str, FloatArray]:

@@ -184,7 +184,9 @@ class Catalogue:
         try:
             return self.effects[name]
         except KeyError:
-            raise UserError(f"no effect called {name}; `testbench effects` lists them all") from None
+            raise UserError(
+                f"no effect called {name}; `testbench effects` lists them all; your own need --effects FILE"
+            ) from None
 
     def without(self, mechanism: str) -> Catalogue:
         """The catalogue without any law of a mechanism."""
@@ -275,7 +277,9 @@ def model_from_dict(data: Any, catalogue: Catalogue, source: str = "model") -> K
 
 
 def baseline() -> KnitModel:
-    """The model that every diagnosis starts from, with default parameters.
+    """A plain sensor: elasticity, hysteresis, contact and drift, with default parameters.
+
+    A diagnosis starts from these and a few more, drawn to its data (`testbench fit`).
 
     Returns
     -------

@@ -19,8 +19,8 @@ ELECTRICAL  what happens to the conductance afterwards                     ``con
 READOUT     what the instruments make of it                                ``force_N``, ``conductance_S``
 =========== ============================================================== =========================
 
-Always there to be read: ``time_s``, ``strain_nominal`` (displacement / gauge length) and, where it was
-measured, ``temperature_C``.
+Always there to be read: ``time_s`` and ``strain_nominal`` (displacement / gauge length). ``temperature_C`` is there
+only where it was measured: it belongs into `optional_reads`.
 """
 
 from __future__ import annotations
@@ -72,15 +72,15 @@ def parameter(
     unit : str
         SI symbol; ``"1"`` for dimensionless.
     low, high : float
-        Inclusive bounds. A fit stays within; a value outside is refused. The prior is as wide as half of them.
+        Inclusive bounds. A fit stays within; a value outside is refused.
     scale : {"linear", "log"}
         How a fit should step; ``"log"`` needs ``low > 0``.
     doc : str
         What it means.
     typical : float, optional
         Of a strength: its usual size, the width of its prior around zero; in N, as a share of the range of the force.
-        Default: `default`, or a tenth of that range. Of another linear parameter: the width of its prior around
-        `default`; else a quarter of its range.
+        Default: `default`, or a tenth of that range. Of another linear parameter: the standard deviation of its prior
+        around `default`; else that is a quarter of its range (with ``"log"``: of the logarithm's, at least 0.5).
 
     Examples
     --------
@@ -246,7 +246,7 @@ def _allowed(effect: type[Effect], key: str, came: Any) -> str:
 
 
 def bounds_of(field: FieldInfo) -> dict[str, Any]:
-    """Unit, bounds, scale and source as declared by `parameter`."""
+    """Unit, bounds, scale and typical size as declared by `parameter`."""
     extra = field.json_schema_extra
     assert isinstance(extra, dict), "declare effect parameters with parameter(...)"
     return extra

@@ -141,6 +141,20 @@ def stays_finite(effect: Effect) -> str:
     return ""
 
 
+def stays_finite_at_its_bounds(effect: Effect) -> str:
+    """No NaN or infinity where a parameter is as small or as large as it may be, one after the other."""
+    signals = example_signals(0.05)
+    for key, field in type(effect).model_fields.items():
+        if not isinstance(field.default, int | float):
+            continue
+        for side in ("low", "high"):
+            at = effect.replaced(**{key: bounds_of(field)[side]})
+            for signal, values in applied(at, signals, 0.05).items():
+                if not np.all(np.isfinite(values)):
+                    return f"{signal} is not finite with {key} at its bound {bounds_of(field)[side]:g}"
+    return ""
+
+
 def _extreme(signals: Signals) -> dict[str, FloatArray]:
     wild = dict(signals)
     wild["strain"] = wild["strain_nominal"] = 5 * signals["strain"] - 0.5
@@ -301,6 +315,7 @@ RULES: tuple[Rule, ...] = (
     leaves_inputs_alone,
     returns_what_it_declares,
     stays_finite,
+    stays_finite_at_its_bounds,
     is_nothing_at_zero_strength,
     grows_smoothly_from_zero,
     converges,

@@ -26,7 +26,7 @@ class {cls}(Effect):
     """
 
     name = "{name}"
-    # Where in the chain: KINEMATICS strain, MECHANICS force_N, PRESSURE contact_force_N,
+    # Where in the chain: KINEMATICS strain, MECHANICS and TENSION force_N, PRESSURE contact_force_N,
     # CONTACT and ELECTRICAL conductance_S, READOUT force_N and conductance_S.
     stage = Stage.ELECTRICAL
     reads = ("strain", "conductance_S")  # also there: time_s, strain_nominal, force_N, contact_force_N

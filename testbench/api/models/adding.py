@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from gcode.support.errors import UserError
 from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, recordings_for
 from testbench.api.models.fitting import FitResult
 from testbench.api.models.ladder import Ladder
@@ -52,7 +53,7 @@ def add(
     Raises
     ------
     UserError
-        If there is no such effect, or the recordings do not fit the model or each other.
+        If there is no such effect, or it is no name, or the recordings do not fit the model or each other.
 
     Examples
     --------
@@ -62,6 +63,11 @@ def add(
     >>> tb.add(base, "stress_relaxation", recording, progress=False).ladder
     <Ladder baseline + stress_relaxation>
     """
+    if not isinstance(effect, str):
+        raise UserError(
+            f"effect: must be a name such as 'stress_relaxation', got {effect!r}; an object goes into the model: "
+            "tb.fit(recording, model=fit.model + effect)"
+        )
     catalogue = catalogue_of(effects)
     file = model_file_of(model, catalogue)
     first, second, play_mm = recordings_for(model, file, recording, held_out, gauge_length_mm)

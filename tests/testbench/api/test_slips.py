@@ -29,6 +29,10 @@ SLIPS = {
         lambda: tb.baseline() + "stress_relaxation",
         "must be an effect",
     ),
+    "an effect where its name is wanted": (
+        lambda: tb.add(tb.baseline(), tb.effects.StressRelaxation(), "a.csv"),
+        "effect: must be a name such as 'stress_relaxation', got StressRelaxation(",
+    ),
     "effects by their names": (
         lambda: tb.fit("a.csv", effects=["stress_relaxation"]),
         "effects: must be a file, or classes of your own effects, got 'stress_relaxation'",

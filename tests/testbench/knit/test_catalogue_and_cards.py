@@ -142,6 +142,7 @@ class Bad(Effect):
         ('return {"force_N": signals["conductance_S"] * 2}', "but declares"),
         ('return {"conductance_S": signals["conductance_S"][1:] * 2}', "has shape"),
         ('return {"conductance_S": np.log(self.gain * signals["conductance_S"] - 1)}', "not finite"),
+        ('return {"conductance_S": signals["conductance_S"] * np.log(self.gain)}', "with gain at its bound 0"),
         ('return {"conductance_S": signals["conductance_S"] + 1e-6}', "although gain is 0"),
         ('return {"conductance_S": signals["conductance_S"] * (1 + self.gain**2)}', "nonlinear = True"),
         (
@@ -155,7 +156,7 @@ class Bad(Effect):
         ('return {"conductance_S": signals["strain"] * 2}', "KeyError"),
     ],
 )
-@pytest.mark.filterwarnings("ignore:invalid value")
+@pytest.mark.filterwarnings("ignore:invalid value", "ignore:divide by zero")
 def test_a_broken_effect_is_told_which_law_it_breaks(body: str, complaint: str, tmp_path: Path) -> None:
     (tmp_path / "bad.py").write_text(BROKEN.replace("BODY", body), encoding="utf-8")
     problems = check(load_catalogue(tmp_path / "bad.py")["bad"]())
