@@ -56,10 +56,14 @@ class SideBySide:
     def _in_processes(self, fn: Callable[..., Result], calls: list[tuple[Any, ...]]) -> list[Result]:
         context, workers = multiprocessing.get_context("fork"), min(self.count, len(calls))
         processes = ProcessPoolExecutor(workers, context, initializer=_take, initargs=(fn, calls, os.getpid()))
+        came = False
         try:
-            return list(processes.map(_made, range(len(calls))))
+            found = list(processes.map(_made, range(len(calls))))
+            came = True
+            return found
         finally:
-            processes.shutdown(wait=False, cancel_futures=True)  # after an error nobody waits for the rest
+            # After an error nobody waits for the rest; else its threads must have ended before the next fork.
+            processes.shutdown(wait=came, cancel_futures=True)
 
 
 def _take(fn: Callable[..., Any], calls: list[tuple[Any, ...]], parent: int) -> None:
