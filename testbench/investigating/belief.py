@@ -90,13 +90,12 @@ def over_specimens(beliefs: Sequence[Mapping[str, float]]) -> dict[str, float]:
     Specimens share what is missing and nothing else, so their evidence multiplies: the posteriors do, over the prior
     that each of them has in it.
     """
-    names = list(dict.fromkeys(name for one in beliefs for name in one))
-    prior = before_any(names)
-    logs = {
-        name: sum(np.log(max(one.get(name, 0.0), 1e-12)) for one in beliefs)
-        - (len(beliefs) - 1) * np.log(prior[name])
-        for name in names
-    }
+    logs = {name: np.log(chance) for name, chance in before_any(dict.fromkeys(n for b in beliefs for n in b)).items()}
+    for one in beliefs:
+        own = before_any(one)
+        for name in logs:
+            said = name if name in one else NOTHING  # of what cannot act it says what it says of nothing
+            logs[name] += np.log(max(one[said], 1e-12) / own[said])
     total = logsumexp(list(logs.values()))
     return {name: float(np.exp(value - total)) for name, value in logs.items()}
 

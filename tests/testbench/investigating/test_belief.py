@@ -33,6 +33,15 @@ def test_the_odds_of_specimens_multiply():
     assert sum(together.values()) == pytest.approx(1)
 
 
+def test_a_mechanism_that_one_specimen_could_not_show_is_as_likely_as_its_others_say():
+    """Each says by how much: of what it could not show it says what it says of *nothing*."""
+    whole = {"nothing": 0.2, "unknown": 0.1, "clamp_slip": 0.1, "permanent_set": 0.6}
+    part = {"nothing": 0.25, "unknown": 0.05, "permanent_set": 0.7}
+    together = over_specimens([whole, part])
+    odds = together["clamp_slip"] / together["nothing"]
+    assert odds == pytest.approx(whole["clamp_slip"] / whole["nothing"])
+
+
 SLIPS = {"nothing": 0.0, "unknown": 0.0, "clamp_slip": 1.0, "permanent_set": 0.0}
 SETS = {**SLIPS, "clamp_slip": 0.0, "permanent_set": 1.0}
 
