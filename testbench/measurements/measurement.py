@@ -320,7 +320,7 @@ def split(
         cut_s = recording.duration_s * (1 - held_share)
         parts = prepare(recording, (0.0, cut_s)), prepare(recording, (cut_s, np.inf))
         _check_parts(*parts, cut_s)
-        return parts
+        return ended(parts[0]), parts[1]
     check_gauge_length(held_out, recording)
     calibration = prepare(recording)
     held = prepare(held_out, rate_hz=1.0 / calibration.dt_s)
@@ -330,6 +330,18 @@ def split(
             f"{', '.join(calibration.channels)}; both need the same channels"
         )
     return calibration, replace(held, clamp_play_mm=clamp_play_mm)
+
+
+def ended(measurement: Measurement) -> Measurement:
+    """The same up to the last sample that counts: nothing may be started from, or scaled by, what comes after."""
+    last = int(np.flatnonzero(measurement.counts)[-1]) + 1
+    return replace(
+        measurement,
+        signals={name: values[:last] for name, values in measurement.signals.items()},
+        measured={name: values[:last] for name, values in measurement.measured.items()},
+        counts=measurement.counts[:last],
+        strain_noise=measurement.strain_noise[:last],
+    )
 
 
 def check_gauge_length(one: Recording, other: Recording) -> None:

@@ -8,7 +8,7 @@ import pytest
 from testbench.comparing.model_errors import noise_floors
 from testbench.diagnosis.evidence.likelihood import HOLD_STEP, telling
 from testbench.measurements import measurement as measurements
-from testbench.measurements.measurement import coarser, prepare
+from testbench.measurements.measurement import coarser, prepare, split
 from testbench.recordings.channels import DISPLACEMENT, FORCE
 from testbench.recordings.recording import Recording
 
@@ -36,6 +36,17 @@ def test_samples_at_even_times_and_their_turns_are_kept():
 
 def test_where_bins_are_averaged_the_grid_lies_in_their_middle():
     assert prepare(triangles(100.0)).grid_s[0] == pytest.approx(0.02)
+
+
+def test_what_is_held_out_cannot_be_seen_in_what_is_fitted():
+    """With a jump of the force in the last third the calibration is the same to the last bit."""
+    whole = triangles(12.0, 0.01)
+    other = {**whole.channels, FORCE: whole[FORCE] + 5.0 * (whole.time_s > 600)}
+    parts = [split(one)[0] for one in (whole, Recording(whole.time_s, other, GAUGE_LENGTH_MM))]
+    for name in ("signals", "measured"):
+        one, another = (getattr(part, name) for part in parts)
+        assert all(np.array_equal(values, another[key]) for key, values in one.items())
+    assert parts[0].grid_s[-1] < 540
 
 
 @pytest.mark.parametrize("rate_hz", [12.0, 100.0])
