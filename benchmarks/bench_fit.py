@@ -94,9 +94,9 @@ def main() -> None:
     case = make_case("stress_relaxation", strength=5, seed=1, minutes=23, rate_hz=40)
     calibration, held = split(case.calibration, case.held_out)
     start = starting_baseline(calibration)
-    fit(start, [calibration], max_iterations=1)  # compiled kernels are loaded once a session
+    fit(start, calibration, max_iterations=1)  # compiled kernels are loaded once a session
     reference_s, theirs = timed(lambda: with_scipy(start, calibration))
-    fit_s, ours = timed(lambda: fit(starting_baseline(calibration), [calibration]))
+    fit_s, ours = timed(lambda: fit(starting_baseline(calibration), calibration))
     compare_s, _ = timed(lambda: compare(ours.model, held, free_offset=True))
     profile = cProfile.Profile()
     plain_s, result = timed(lambda: diagnose(case.calibration, case.held_out))

@@ -58,7 +58,7 @@ def plausible(model: KnitModel, recording: Recording) -> tuple[KnitModel, ...]:
         ``1 + KIN`` of them.
     """
     measurement = coarser(prepare(recording), FIT_RATE_HZ)
-    best = fit(with_memories(model), [measurement])
+    best = fit(with_memories(model), measurement)
     # The posterior is a Gaussian only near its top: of the draws, those that still explain the measurement are kept.
     kin = sorted(draws(best, DRAWS, seed=0), key=lambda one: _misfit(one, measurement, best))
     return (best.model, *kin[:KIN])

@@ -44,7 +44,7 @@ def fitted_file(
     before : ModelFile, optional
         The ladder so far.
     """
-    return on_the_ladder(fit(model, [calibration], progress=progress), before, step, calibration, held)
+    return on_the_ladder(fit(model, calibration, progress=progress), before, step, calibration, held)
 
 
 def on_the_ladder(
@@ -135,7 +135,7 @@ def idle_effects(file: ModelFile, calibration: Measurement, held: Measurement, o
     idle = []
     for name in optional:
         if name in file.model:
-            without = fit(file.model.without(name), [calibration], max_iterations=6).model
+            without = fit(file.model.without(name), calibration, max_iterations=6).model
             if over_the_floors(held_errors(without, held), floors) < full * (1 + NO_LONGER_PAYS):
                 idle.append(name)
     return sorted(idle)

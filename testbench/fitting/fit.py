@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -98,14 +98,12 @@ def shape_scales(measurement: Measurement) -> dict[str, float]:
 
 def fit(
     model: KnitModel,
-    measurements: Sequence[Measurement],
-    only: Iterable[str] | None = None,
+    measurement: Measurement,
     max_iterations: int = MAX_ITERATIONS,
     progress: Callable[[str], None] | None = None,
-    addresses: Callable[[str], bool] | None = None,
-    scale_by: Callable[[FloatArray], float] = spread,
+    addresses: Callable[[str], bool] = lambda address: True,
 ) -> Fit:
-    """Fit the free parameters of `model` to one or several measurements at once.
+    """Fit the free parameters of `model` to a measurement.
 
     Levenberg-Marquardt on the normal equations (Marquardt, J. SIAM 11 (1963) 431), projected on the bounds, with
     Huber weights (Huber, Robust Statistics (1981), ch. 7) and weak Gaussian priors that keep what the data cannot
@@ -115,95 +113,76 @@ def fit(
     ----------
     model : KnitModel
         Start of the search.
-    measurements : sequence of Measurement
-    only : iterable of str, optional
-        Effects to fit; the others stay as they are.
+    measurement : Measurement
     progress : callable, optional
         Called with a short text after each iteration.
     addresses : callable, optional
         Whether to fit the parameter of this address (``effect.parameter``); default all.
-    scale_by : callable, optional
-        What a channel's residuals are measured by: `spread`, or `robust_sd`, under which what is rare hardly counts.
 
     Raises
     ------
     UserError
         If the model gives NaN on these data.
     """
-    parameters = free_parameters(model, shape_scales(measurements[0]), only)
-    if addresses is not None:
-        parameters = [p for p in parameters if addresses(p.address)]
-    problem = _Problem(model, parameters, measurements, scale_by, progress)
+    parameters = [p for p in free_parameters(model, shape_scales(measurement)) if addresses(p.address)]
+    problem = _Problem(model, parameters, measurement, progress)
     x, here, iterations = minimised(problem, values_of(model, parameters), max_iterations, SMALL_GAIN)
     covariance = np.linalg.pinv(here.matrix, hermitian=True)
     return Fit(problem.model(x), tuple(parameters), x, covariance, problem.scale, iterations)
 
 
 class _Problem:
-    """Residuals, cost and normal equations over all measurements."""
+    """Residuals, cost and normal equations."""
 
     def __init__(
         self,
         start: KnitModel,
         parameters: Sequence[FreeParameter],
-        measurements: Sequence[Measurement],
-        scale_by: Callable[[FloatArray], float],
+        measurement: Measurement,
         progress: Callable[[str], None] | None,
     ) -> None:
-        self.start, self.parameters, self.measurements = start, parameters, measurements
-        self.scale_by, self.progress, self.tried = scale_by, progress, 0
+        self.start, self.parameters, self.measurement = start, parameters, measurement
+        self.progress, self.tried, self.cache = progress, 0, SimulationCache()
         self.scale: dict[str, float] = {}
-        self.caches = [SimulationCache() for _ in measurements]
+        self.share = independent_share(measurement)
         self.low = np.array([p.to_fit(p.low) for p in parameters])
         self.high = np.array([p.to_fit(p.high) for p in parameters])
         self.centre = np.array([p.centre for p in parameters])
         self.precision = np.array([p.width for p in parameters]) ** -2.0
-        self.floor = {
-            channel: noise_floor(values[measurements[0].counts])
-            for channel, values in measurements[0].measured.items()
-        }
+        self.floor = {c: noise_floor(values[measurement.counts]) for c, values in measurement.measured.items()}
 
     def model(self, x: FloatArray) -> KnitModel:
         return with_values(self.start, self.parameters, x)
 
     def cost(self, x: FloatArray) -> float:
-        total = self._cost(self.model(x))
+        total = self._cost(self.model(x), self.residual(self.model(x)))
         self.tried += 1
         if self.progress:
             self.progress(f"iteration {self.tried}: cost {total:.4g}")
         return total
 
-    def _cost(self, model: KnitModel) -> float:
+    def residual(self, model: KnitModel) -> dict[str, FloatArray]:
+        left = self.measurement.residual(model, self.cache)
+        return {c: values[self.measurement.counts] for c, values in left.items()}
+
+    def _cost(self, model: KnitModel, left: Mapping[str, FloatArray]) -> float:
         moved = values_of(model, self.parameters) - self.centre
-        total = 0.5 * float(np.sum(self.precision * moved**2))
-        for measurement, cache in zip(self.measurements, self.caches, strict=True):
-            for channel, values in measurement.residual(model, cache).items():
-                z = np.abs(values[measurement.counts]) / self.scale[channel]
-                total += float(huber(z).sum()) * independent_share(measurement)
+        misfit = sum(float(huber(np.abs(values) / self.scale[c]).sum()) for c, values in left.items())
+        total = 0.5 * float(np.sum(self.precision * moved**2)) + misfit * self.share
         return total if np.isfinite(total) else np.inf
 
     def linearised(self, x: FloatArray) -> Linearised:
         model = self.model(x)
-        self.scale = self._scale_of(model)
-        matrix = np.diag(self.precision)
-        gradient = -self.precision * (x - self.centre)
-        for measurement, cache in zip(self.measurements, self.caches, strict=True):
-            modelled, jacobian = sensitivities(model, self.parameters, measurement, cache)
-            share = independent_share(measurement)
-            for channel, rows in jacobian.items():
-                scale = self.scale[channel]
-                residual = (measurement.measured[channel] - modelled[channel]) / scale
-                weight = huber_weight(np.abs(residual)) * share * measurement.counts
-                columns = rows * (np.sqrt(weight) / scale)
-                matrix = matrix + columns @ columns.T  # of an array with itself: half the work
-                gradient = gradient + rows @ (weight * residual) / scale
+        left = self.residual(model)
+        self.scale = {c: max(spread(values), self.floor[c], 1e-12) for c, values in left.items()}
+        matrix, gradient = np.diag(self.precision), -self.precision * (x - self.centre)
+        _, jacobian = sensitivities(model, self.parameters, self.measurement, self.cache)
+        for channel, values in left.items():
+            residual = values / self.scale[channel]
+            root = np.sqrt(huber_weight(np.abs(residual)) * self.share)
+            columns = jacobian[channel][:, self.measurement.counts] * (root / self.scale[channel])
+            matrix = matrix + columns @ columns.T  # of an array with itself: half the work
+            gradient = gradient + columns @ (root * residual)
         if not np.all(np.isfinite(matrix)):
-            raise UserError(f"the model ({', '.join(model)}) gives NaN on {self.measurements[0].recording.source}")
-        return Linearised(matrix, gradient, self._cost(model))
-
-    def _scale_of(self, model: KnitModel) -> dict[str, float]:
-        residuals: dict[str, list[FloatArray]] = {}
-        for measurement, cache in zip(self.measurements, self.caches, strict=True):
-            for channel, values in measurement.residual(model, cache).items():
-                residuals.setdefault(channel, []).append(values[measurement.counts])
-        return {c: max(self.scale_by(np.concatenate(r)), self.floor[c], 1e-12) for c, r in residuals.items()}
+            raise UserError(f"the model ({', '.join(model)}) gives NaN on {self.measurement.recording.source}")
+        return Linearised(matrix, gradient, self._cost(model, left))

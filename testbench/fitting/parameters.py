@@ -60,9 +60,7 @@ class FreeParameter:
         return self.high if value > self.high else value
 
 
-def free_parameters(
-    model: KnitModel, scales: Mapping[str, float], only: Iterable[str] | None = None
-) -> list[FreeParameter]:
+def free_parameters(model: KnitModel, scales: Mapping[str, float]) -> list[FreeParameter]:
     """List what a fit may move, in the order of the signal chain.
 
     Parameters
@@ -70,14 +68,9 @@ def free_parameters(
     model : KnitModel
     scales : mapping of unit to float
         Typical size of a shape weight by unit (N, 1): the width of its prior.
-    only : iterable of str, optional
-        Effects by their names in the model; default all.
     """
-    chosen = set(model if only is None else only)
     found: list[FreeParameter] = []
     for name, effect in model.effects.items():
-        if name not in chosen:
-            continue
         for key, field in type(effect).model_fields.items():
             if key in FRAME_PARAMETERS:
                 continue

@@ -76,7 +76,7 @@ def test_memories_are_added_once_and_only_where_their_signals_are():
 def test_draws_stay_within_bounds_and_the_best_explain_the_measurement(recordings):
     short = recordings[0].between(0, 60)
     measurement = coarser(prepare(short), twin_models.FIT_RATE_HZ)
-    best = fit(baseline(), [measurement])
+    best = fit(baseline(), measurement)
     drawn = twin_models.draws(best, 4, seed=1)
     assert drawn[0].to_dict() != drawn[1].to_dict()
     assert drawn[0].to_dict() == twin_models.draws(best, 4, seed=1)[0].to_dict()

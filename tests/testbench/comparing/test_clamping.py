@@ -32,7 +32,7 @@ def clamped(recording: Recording, shift_mm: float) -> Recording:
 def fitted() -> tuple[Fit, Measurement, Measurement]:
     """The true model fitted to one recording, and another one of the sensor put in anew."""
     calibration, held = split(record(truth(), 120, seed=1), clamped(record(truth(), 120, seed=2), SHIFT_MM))
-    return fit(truth(), [calibration]), calibration, held
+    return fit(truth(), calibration), calibration, held
 
 
 def test_the_zero_is_found_and_nothing_is_left_to_be_explained(fitted) -> None:

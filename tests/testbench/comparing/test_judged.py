@@ -44,7 +44,7 @@ def anew() -> Recording:
 @pytest.fixture(scope="module")
 def clamped_file(own: Recording, anew: Recording) -> ModelFile:
     calibration, held = split(own, anew, clamp_play_mm=0.5)
-    return on_the_ladder(fit(truth(), [calibration]), None, "baseline", calibration, held)
+    return on_the_ladder(fit(truth(), calibration), None, "baseline", calibration, held)
 
 
 def test_the_held_out_recording_keeps_the_zero_that_the_ladder_found(clamped_file, anew) -> None:

@@ -19,7 +19,7 @@ def hummed(phase_rad: float, seed: int):
 
 def test_a_hum_of_another_phase_leaves_nothing_to_be_explained():
     calibration, held = hummed(0.5, 1), hummed(2.5, 2)
-    fitted = fit(truth().plus(PeriodicInterference(amplitude=0.04, frequency_Hz=0.7, phase_rad=0.4)), [calibration])
+    fitted = fit(truth().plus(PeriodicInterference(amplitude=0.04, frequency_Hz=0.7, phase_rad=0.4)), calibration)
     assert held_errors(fitted.model, held)["conductance"] < 1.2 * NOISE_LN
     assert abs(remounted(fitted.model, held)["periodic_interference"].phase_rad - 2.5) < 0.1
 
@@ -33,7 +33,7 @@ def in_a_room(swing_K: float, phase_rad: float, seed: int, coefficient_per_K: fl
 def test_an_unmeasured_room_swings_as_far_as_it_likes_in_each_recording():
     calibration, held = in_a_room(1.0, 0.5, 1), in_a_room(4.0, 2.5, 2)
     start = truth().plus(TemperatureDrift(coefficient_per_K=0.02, period_s=300.0, phase_rad=0.5))
-    fitted = fit(start, [calibration])
+    fitted = fit(start, calibration)
     assert held_errors(fitted.model, held)["conductance"] < 1.2 * NOISE_LN
 
 

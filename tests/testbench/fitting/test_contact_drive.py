@@ -19,7 +19,7 @@ def sensor(strain_share):
 @pytest.mark.parametrize(("strain_share", "low", "high"), [(0.0, 0.0, 0.1), (1.0, 0.9, 1.0)])
 def test_a_fit_finds_what_the_contacts_feel(strain_share, low, high):
     measurement = prepare(record(sensor(strain_share)))
-    found = fit(starting_baseline(measurement), [measurement]).model["contact_drive"]
+    found = fit(starting_baseline(measurement), measurement).model["contact_drive"]
     assert low <= found.strain_share <= high
 
 

@@ -20,7 +20,7 @@ KNOWN = ("elasticity.stiffness_N", "elasticity.curvature", "hysteresis.friction_
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_known_parameters_come_back_within_their_standard_errors(seed):
     measurement = prepare(record(truth(), seed=seed))
-    result = fit(starting_baseline(measurement), [measurement])
+    result = fit(starting_baseline(measurement), measurement)
     at = {p.address: index for index, p in enumerate(result.parameters)}
     rows = [at[address] for address in KNOWN]
     wanted = values_of(truth(), [result.parameters[row] for row in rows])
@@ -36,7 +36,7 @@ def test_standard_errors_allow_for_autocorrelation():
     found = []
     for seed in range(8):
         measurement = prepare(record(truth(), 120, seed=seed, strain=lambda t: 0.15 - 0.15 * np.cos(t)))
-        result = fit(truth(), [measurement])
+        result = fit(truth(), measurement)
         index = [p.address for p in result.parameters].index("elasticity.stiffness_N")
         found.append((result.vector[index], result.standard_errors[index]))
     values, errors = np.array(found).T
@@ -47,13 +47,13 @@ def test_a_parameter_on_its_bound_is_said():
     source = record(truth(), channels=("force_N",))
     falling = {**source.channels, "force_N": 1 - source["force_N"]}
     measurement = prepare(type(source)(source.time_s, falling, source.gauge_length_mm))
-    result = fit(starting_baseline(measurement), [measurement])
+    result = fit(starting_baseline(measurement), measurement)
     assert "hysteresis.friction_N" in result.at_bound()
 
 
 def test_what_force_alone_cannot_tell_is_said():
     measurement = prepare(record(truth(), channels=("force_N",)))
-    result = fit(truth(), [measurement])
+    result = fit(truth(), measurement)
     assert "contact.contact_resistance_ohm" in result.unidentified()
     assert "elasticity.stiffness_N" not in result.unidentified()
 
@@ -62,7 +62,7 @@ def test_what_force_alone_cannot_tell_is_said():
 @pytest.mark.parametrize("channels", [("force_N",), ("resistance_ohm",), ("force_N", "resistance_ohm")])
 def test_any_channels_at_any_rate_down_to_the_noise(channels, rate_hz):
     measurement = prepare(record(truth(), 120, rate_hz, channels=channels))
-    result = fit(starting_baseline(measurement), [measurement])
+    result = fit(starting_baseline(measurement), measurement)
     residual = measurement.residual(result.model)
     averaged = np.sqrt(min(1.0, 25.0 / rate_hz))
     # Without force the elastic law is only felt through the contacts; the fit comes near the noise but not to it.
@@ -75,7 +75,7 @@ def test_any_channels_at_any_rate_down_to_the_noise(channels, rate_hz):
 def test_a_ramp_and_hold_can_be_fitted():
     source = record(truth(), 300, strain=lambda t: 0.3 * np.minimum(t, 1.0), channels=("force_N",))
     measurement = prepare(source)
-    result = fit(starting_baseline(measurement), [measurement])
+    result = fit(starting_baseline(measurement), measurement)
     assert np.std(measurement.residual(result.model)["force"][measurement.counts]) < 1.2 * NOISE_N
 
 
@@ -84,7 +84,7 @@ def test_outliers_do_not_pull():
     force = clean["force_N"].copy()
     force[::97] += 3.0
     measurement = prepare(type(clean)(clean.time_s, {**clean.channels, "force_N": force}, 25.0))
-    result = fit(starting_baseline(measurement), [measurement])
+    result = fit(starting_baseline(measurement), measurement)
     assert result.model["elasticity"].stiffness_N == pytest.approx(6.0, rel=0.05)
 
 
