@@ -55,7 +55,11 @@ class Directions:
         parts, group = [_unit(len(priors.group), own)], [np.full(len(own), -1)]
         for g in range(len(priors.groups)):
             where = np.flatnonzero(priors.group == g)
-            gram = sum(information[c] * (rows[where + 1] @ rows[where + 1].T) for c, rows in columns.items())
+            gram = np.zeros((len(where), len(where)))
+            for c, rows in columns.items():
+                mine = rows[where[0] + 1 : where[-1] + 2]  # weights of a vector stand in a row
+                if mine.any():
+                    gram += information[c] * (mine @ mine.T)
             value, vector = np.linalg.eigh(gram)
             kept = value > UNSEEN * priors.precision[where[0]] * scale[g]
             part = np.zeros((len(priors.group), int(kept.sum())))
@@ -76,7 +80,8 @@ class Directions:
         found[1:][self.group < 0] = columns[1:][self.member < 0]
         for g in np.unique(self.group[self.group >= 0]):
             mine, along = np.flatnonzero(self.member == g), np.flatnonzero(self.group == g)
-            found[1 + along] = self.basis[np.ix_(mine, along)].T @ columns[1 + mine]
+            rows = columns[1 + mine[0] : 2 + mine[-1]]
+            found[1 + along[0] : 2 + along[-1]] = self.basis[np.ix_(mine, along)].T @ rows if rows.any() else 0.0
         return found
 
     def along(self, vector: FloatArray) -> FloatArray:

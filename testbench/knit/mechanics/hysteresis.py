@@ -6,6 +6,7 @@ import numpy as np
 
 from testbench.knit.additive import ForceLaw
 from testbench.knit.effect import FloatArray, Signals, parameter
+from testbench.knit.shapes.recent import Recent
 
 # Relative break-away strains of the slip elements: a wide, fixed distribution whose scale is a parameter.
 SPREAD = np.geomspace(0.15, 2.5, 6)
@@ -129,6 +130,12 @@ class HysteresisBoucWen(PressedFriction):
     )
 
     def deflection(self, e: FloatArray) -> FloatArray:
-        from testbench.knit.kernels import bouc_wen
+        return kept_bouc_wen(e, self.threshold, self.skew, self.exponent)
 
-        return bouc_wen(e, self.threshold, self.skew, self.exponent)
+
+@Recent
+def kept_bouc_wen(e: FloatArray, threshold: float, skew: float, exponent: float) -> FloatArray:
+    """`bouc_wen` of a strain that stays while other parameters change."""
+    from testbench.knit.kernels import bouc_wen
+
+    return bouc_wen(e, threshold, skew, exponent)
