@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,12 +22,10 @@ MAGNITUDES = (0.05, 0.15, 0.4, 1.0, 2.0)  # of a typical strength, for effects w
 
 @dataclass(frozen=True)
 class Candidate:
-    """One law of one mechanism at one point of its shape parameters.
+    """One law at one point of its shape parameters.
 
     Attributes
     ----------
-    mechanism : str
-        Laws of one mechanism stand together.
     effect : Effect
         With the shape parameters of this point and a small strength.
     strength : float
@@ -36,7 +34,6 @@ class Candidate:
         The strength is a level seen in the data (where a reading is clipped), not to be scaled.
     """
 
-    mechanism: str
     effect: Effect
     strength: float
     from_data: bool = False
@@ -80,34 +77,27 @@ def is_vector(law: type[Effect], key: str) -> bool:
 
 
 def expand(
-    laws: Sequence[type[Effect]],
-    mechanism: str,
-    model: KnitModel,
-    measurement: Measurement,
-    state: Signals,
-    residual: Signals,
+    law: type[Effect], model: KnitModel, measurement: Measurement, state: Signals, residual: Signals
 ) -> Iterator[Candidate]:
-    """Every law at its own starts on these data, or over a coarse grid of its shape parameters."""
-    for law in laws:
-        if not can_act(law, state):
-            continue
-        base = framed(law(), model, measurement)
-        if is_vector(law, law.strength):
-            yield from _unit_vectors(base.started(state, residual), mechanism)
-            continue
-        for values in base.starts(state, residual) or _shape_grid(law, measurement):
-            from_data = law.strength in values
-            for strength in [values[law.strength]] if from_data else _strengths(law):
-                effect = base.near(**values | {law.strength: strength})
-                yield Candidate(mechanism, effect, strength, from_data)
+    """A law at its own starts on these data, or over a coarse grid of its shape parameters."""
+    if not can_act(law, state):
+        return
+    base = framed(law(), model, measurement)
+    if is_vector(law, law.strength):
+        yield from _unit_vectors(base.started(state, residual))
+        return
+    for values in base.starts(state, residual) or _shape_grid(law, measurement):
+        from_data = law.strength in values
+        for strength in [values[law.strength]] if from_data else _strengths(law):
+            yield Candidate(base.near(**values | {law.strength: strength}), strength, from_data)
 
 
-def _unit_vectors(effect: Effect, mechanism: str) -> Iterator[Candidate]:
+def _unit_vectors(effect: Effect) -> Iterator[Candidate]:
     """One candidate for each weight of a vector."""
     count, small = len(getattr(effect, effect.strength)), 0.01
     for index in range(count):
         weights = tuple(small if i == index else 0.0 for i in range(count))
-        yield Candidate(mechanism, effect.replaced(**{effect.strength: weights}), small)
+        yield Candidate(effect.replaced(**{effect.strength: weights}), small)
 
 
 def _shape_grid(law: type[Effect], measurement: Measurement) -> list[dict[str, float]]:

@@ -326,7 +326,7 @@ def _as_fit(h: Hypothesis) -> Fit:
     kept = [i for i, p in enumerate(h.priors.parameters) if p.place[0] in model]
     parameters = tuple(h.priors.parameters[i] for i in kept)
     vector = h.vector[kept]
-    return Fit(model, parameters, vector, h.evidence.covariance[np.ix_(kept, kept)], dict(h.evidence.sigma), 0)
+    return Fit(model, parameters, vector, h.covariance[np.ix_(kept, kept)], dict(h.evidence.sigma), 0)
 
 
 def _ranking(rounds: Sequence[Round], chances: Mapping[str, float], held: Measurement) -> tuple[Ranked, ...]:

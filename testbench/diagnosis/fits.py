@@ -107,7 +107,9 @@ class Fits:
             return found
         return max(found, like, key=evidence_of)
 
-    def quickly(self, model: KnitModel, like: Hypothesis, believed: Mapping[str, tuple[float, float]]) -> Hypothesis:
+    def quickly(
+        self, model: KnitModel, like: Hypothesis, believed: Mapping[str, tuple[float, float]] | None = None
+    ) -> Hypothesis:
         """A model fitted in a few steps, with the sensitivities of a neighbour; see `fitted`."""
         return fitted(model, self.compared, self.reference, like, 6, quick=True, believed=believed)
 

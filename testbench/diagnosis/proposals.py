@@ -56,8 +56,6 @@ class Proposal:
         In ln Z, to first order.
     step : ndarray, shape (p,)
         By which the model's own parameters move to make room for it, to first order, in the fit's coordinates.
-    believed : (mean, standard deviation), optional
-        Of a strength whose scale only the data tell: a threshold, a level.
     model : KnitModel, optional
         With the law in it, where it was refitted beside a stiff base; `gain` is then that of the refit.
     """
@@ -67,14 +65,13 @@ class Proposal:
     effect: Effect
     gain: float
     step: FloatArray
-    believed: tuple[float, float] | None = None
     model: KnitModel | None = None
 
     @property
     def first(self) -> Effect:
         """The law, weak: a start for a fit of a model that has made no room for it yet."""
         strength = getattr(self.effect, self.effect.strength)
-        if self.believed is not None or isinstance(strength, tuple):
+        if self.effect.nonlinear or isinstance(strength, tuple):
             return self.effect
         return self.effect.near(**{self.effect.strength: WEAK * strength})
 
@@ -90,14 +87,14 @@ def laws_of(hypothesis: Hypothesis, likelihood: Likelihood, catalogue: Catalogue
         cache = SimulationCache()
         for law in laws:
             tried, rows = [], []
-            for candidate in expand([law], mechanism, model, measurement, state, residual):
+            for candidate in expand(law, model, measurement, state, residual):
                 changed = measurement.modelled(model.plus(candidate.effect), cache)
                 row = {c: likelihood.picked(changed[c] - plain[c], c) for c in plain}
-                finite = all(np.all(np.isfinite(values)) for values in row.values())
-                if finite and (is_vector(law, law.strength) or any(np.any(values) for values in row.values())):
+                acts = is_vector(law, law.strength) or any(np.any(values) for values in row.values())
+                if acts and all(np.all(np.isfinite(values)) for values in row.values()):
                     tried.append(candidate)
                     rows.append(row)
-            if tried:
+            if any(np.any(values) for row in rows for values in row.values()):
                 found.append(Law(mechanism, tuple(tried), {c: np.stack([row[c] for row in rows]) for c in plain}))
     return found
 
@@ -162,11 +159,7 @@ class Screen:
             amount = 1.0
         # The best of many points looks good by chance alone.
         gain = float(gain) - np.log(len(law.candidates))
-        effect = candidate.at(amount)
-        size = abs(getattr(effect, effect.strength))
-        said = declared_size(type(effect), effect.strength)
-        believed = (size, 0.3 * size) if candidate.from_data or (effect.nonlinear and not said) else None
-        return Proposal(law.mechanism, candidate.law, effect, gain, step, believed)
+        return Proposal(law.mechanism, candidate.law, candidate.at(amount), gain, step)
 
     def _vector(self, law: Law, rows: Rows) -> Proposal:
         """A law with a vector of weights: all its columns at once, their scale found by evidence."""

@@ -85,7 +85,7 @@ class Refits:
         if null.bends or p.model:
             return p
         model = best_start(h, p, self.compared)
-        there = fitted(model, self.compared, self.fits.reference, h, believed=_believed(h, model, p))
+        there = fitted(model, self.compared, self.fits.reference, h)
         return replace(p, gain=there.log_z - h.log_z, model=there.model)
 
     def entered(self, chosen: Sequence[tuple[NullModel, Proposal]]) -> list[Entry]:
@@ -96,23 +96,16 @@ class Refits:
         """A law refitted with shapes; beside a stiff base it was put in its place before they can take it over."""
         self.fits.tell(f"refitting with {p.law}")
         before = p.model or best_start(null.hypothesis, p, self.compared)
-        name, believed = newest(before, null.hypothesis.model), _believed(null.hypothesis, before, p)
-        model = self.fits.bent(before)
-        h = self.fits.quickly(model, null.like, believed)
-        return Entry(p.mechanism, p.law, name, h, h.log_z)
+        h = self.fits.quickly(self.fits.bent(before), null.like)
+        return Entry(p.mechanism, p.law, newest(before, null.hypothesis.model), h, h.log_z)
 
     def on_other_bases(self, e: Entry, nulls: Sequence[NullModel]) -> list[Entry]:
-        """A law beside each stiff base of other laws, first stiff, then with shapes, refitted quickly.
-
-        It need not be at its best where it was found.
-        """
-        effect, known = e.hypothesis.model[e.name], e.hypothesis.priors.believed
-        believed = {address: prior for address, prior in known.items() if parts_of(address)[0] == e.name}
+        """A law beside each stiff base of other laws: it need not be at its best where it was found."""
 
         def entry(null: NullModel) -> Entry:
-            model = null.hypothesis.model.plus(effect, e.name)
-            stiff = fitted(model, self.compared, self.fits.reference, null.hypothesis, believed=believed)
-            h = self.fits.quickly(self.fits.bent(stiff.model), null.like, believed)
+            model = null.hypothesis.model.plus(e.hypothesis.model[e.name], e.name)
+            stiff = fitted(model, self.compared, self.fits.reference, null.hypothesis)
+            h = self.fits.quickly(self.fits.bent(stiff.model), null.like)
             return replace(e, hypothesis=h, log_z=h.log_z, is_settled=False)
 
         own = law_names(without_shapes(e.base).effects)
@@ -148,17 +141,14 @@ class Refits:
     def swapped(self, best: Entry) -> list[Entry]:
         """The other laws of a mechanism in the place of its best one, as strong as that, refitted quickly."""
         here, strength = best.hypothesis, best.hypothesis.model[best.name].strength
-        known = here.priors.believed.get(f"{best.name}.{strength}")
         state = here.model.simulate(self.fits.measurement.signals, self.fits.measurement.dt_s)
         others = [law for law in self.fits.catalogue.mechanisms()[best.mechanism] if law.name != best.law]
         as_strong = [law for law in others if law.strength == strength and not is_vector(law, strength)]
 
         def entry(law: type[Effect]) -> Entry:
             model = best.base.plus(framed(like_another(here.model[best.name], law), best.base, self.fits.measurement))
-            name = newest(model, best.base)
-            believed = {f"{name}.{strength}": known} if known else {}
-            h = self.fits.quickly(model, here, believed)
-            return Entry(best.mechanism, law.name, name, h, h.log_z)
+            h = self.fits.quickly(model, here)
+            return Entry(best.mechanism, law.name, newest(model, best.base), h, h.log_z)
 
         return self.pool.map(entry, [law for law in as_strong if can_act(law, state)])
 
@@ -237,13 +227,6 @@ def acts_on_force(effect: Effect) -> bool:
 def _of_base(e: Entry, whole: bool) -> dict[str, Effect]:
     """The laws of an entry's base, all or those of the force."""
     return {name: effect for name, effect in e.base.effects.items() if whole or acts_on_force(effect)}
-
-
-def _believed(h: Hypothesis, model: KnitModel, p: Proposal) -> dict[str, tuple[float, float]]:
-    """Priors of a law's strength that only the data have a scale for."""
-    if not p.believed or p.believed[0] <= 0:
-        return {}
-    return {f"{newest(model, h.model)}.{p.effect.strength}": p.believed}
 
 
 def _as_good(one: Entry | Hypothesis, best: Entry) -> bool:

@@ -181,13 +181,12 @@ class Search(Fits):
         """A law of the strain beside a stiff base that is drawn to the data anew, refitted."""
         there = fitted(drawn_anew(h, law, self.compared), self.compared, self.reference, h)
         effect = there.model[newest(there.model, h.model)]
-        size = abs(getattr(effect, effect.strength))
         gain = there.log_z - h.log_z - float(np.log(len(law.candidates)))
-        return Proposal(law.mechanism, effect.name, effect, gain, np.zeros(0), (size, 0.3 * size), there.model)
+        return Proposal(law.mechanism, effect.name, effect, gain, np.zeros(0), there.model)
 
     def all_judged(self, entries: Sequence[Entry], likelihood: Likelihood) -> list[Entry]:
         """The best first, which is carried to its end: a map may stand in for what a fit has not reached yet."""
-        found = best_first(self.judged(e, likelihood) for e in entries)
+        found = best_first(self.pool.map(lambda e: self.judged(e, likelihood), entries))
         while found and not found[0].is_settled:
             found = best_first([self.judged(self.refits.settled(found[0]), likelihood), *found[1:]])
         return found

@@ -157,4 +157,4 @@ def _held(file: ModelFile) -> Mapping[str, float]:
 
 def _as_fit(h: Hypothesis) -> Fit:
     """The fit of a hypothesis, as the ladder takes it."""
-    return Fit(h.model, h.priors.parameters, h.vector, h.evidence.covariance, dict(h.evidence.sigma), 0)
+    return Fit(h.model, h.priors.parameters, h.vector, h.covariance, dict(h.evidence.sigma), 0)

@@ -17,7 +17,6 @@ from testbench.knit.effect import FloatArray
 
 SMALLEST, LARGEST = 1e-2, 1e8  # of a group's precision, in that of its declared prior
 ANY_SIZE = float(np.log(LARGEST / SMALLEST))  # width of the prior of ln(precision) where any size is as likely
-TYPICAL_SIZE = 2 * np.pi  # the same width for Cauchy's prior on a standard deviation, at its centre
 OPEN = 1e2  # a start from which MacKay's updates reach either limit; from `LARGEST` they do not come back
 
 
@@ -123,13 +122,12 @@ def maximised(
         left = {c: max(float(vector @ g @ vector), 1e-300) * normal.share for c, g in normal.products.items()}
         squares = {c: max(one, normal.count * normal.least[c] ** 2) for c, one in left.items()}
         before, value = value, _value(squares, sigma, normal.count, x, mean, precision, chol)
-        value -= sum(float(np.log1p(1 / factor[g])) for g in normal.typical)
         determined = [float(known[where].sum()) for where in members]
-        value -= _found_scales(determined, normal.typical)
+        value -= _found_scales(determined, factor, normal.typical)
         sigma = {c: np.sqrt(one / normal.count) for c, one in squares.items()}
         for g, where in enumerate(members):
             if len(where):
-                more = 2 / (1 + factor[g]) if g in normal.typical else 0.0
+                more = (1 - factor[g]) / (1 + factor[g]) if g in normal.typical else 0.0
                 size = max(float(declared[where] @ moved[where] ** 2), 1e-12)
                 factor[g] = np.clip(max(determined[g] + more, 1e-3) / size, SMALLEST, LARGEST)
         if abs(value - before) < 0.05:
@@ -200,13 +198,15 @@ def opened(scale: FloatArray) -> FloatArray:
     return np.minimum(scale, OPEN)
 
 
-def _found_scales(known: Sequence[float], typical: frozenset[int]) -> float:
+def _found_scales(known: Sequence[float], scale: FloatArray, typical: frozenset[int]) -> float:
     """What it costs, in nats, that the scales of the groups were not known but found.
 
     k coefficients that the data determine tell ln(precision) within sqrt(2 / k); a group that is switched off costs
     nothing. Source: MacKay, Neural Computation 4 (1992) 415, section 4.4 (error bars of the regularising constant).
+    A width is one over the prior density of ln(precision): with Cauchy's prior of a standard deviation s in typical
+    sizes, s / (pi (1 + s^2)).
     """
-    widths = (TYPICAL_SIZE if g in typical else ANY_SIZE for g in range(len(known)))
+    widths = (np.pi * (1 + scale[g]) / np.sqrt(scale[g]) if g in typical else ANY_SIZE for g in range(len(known)))
     return sum(
         float(np.log1p(width * np.sqrt(max(k, 0.0) / (4 * np.pi)))) for width, k in zip(widths, known, strict=True)
     )

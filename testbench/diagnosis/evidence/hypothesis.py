@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from scipy.linalg import cho_factor, cho_solve, solve_triangular
+from scipy.special import log_ndtr
 
 from testbench.diagnosis.evidence.evidence import LogEvidence, NormalEquations, maximised
 from testbench.diagnosis.evidence.likelihood import Likelihood
@@ -35,6 +37,8 @@ class Hypothesis:
     held : ndarray of bool, shape (p,)
         Parameters that stay where they are as models are compared: what is at its bound, and those of the base laws,
         which bend less far than their tangents and are covered by their shapes.
+    at_bound : ndarray of bool, shape (p,)
+        Those of them that only their bounds hold.
     evidence : LogEvidence
     log_z : float
         With the tails of the noise.
@@ -50,6 +54,7 @@ class Hypothesis:
     priors: Priors
     normal: NormalEquations
     held: np.ndarray
+    at_bound: np.ndarray
     evidence: LogEvidence
     tails: float
     columns: Mapping[str, FloatArray]
@@ -58,13 +63,34 @@ class Hypothesis:
 
     @property
     def log_z(self) -> float:
-        return self.evidence.value + self.tails - self.unlikely
+        return self.evidence.value + self.tails + self.at_bounds - self.unlikely
 
     @cached_property
     def unlikely(self) -> float:
         """What the priors say against the point, in nats, beyond the Gaussians in the evidence."""
         held = self.priors.cost(self.vector, self.evidence.scale)
         return float(np.sum(np.where(self.held, held, -self.priors.of_tails(self.vector))))
+
+    @cached_property
+    def at_bounds(self) -> float:
+        """What the evidence owes to parameters that the data push against a bound, in nats.
+
+        Each may lie anywhere on the near side: the integral over t > 0 of exp(-slope t - precision t^2 / 2).
+        """
+        information = {c: self.normal.share / sigma**2 for c, sigma in self.evidence.sigma.items()}
+        total = np.sum([gram * information[c] for c, gram in self.normal.products.items()], axis=0)
+        prior = self.priors.precision_at(self.vector)
+        found = 0.0
+        for index in np.flatnonzero(self.at_bound):
+            beside = np.array(total[1:, 1 + index])
+            beside[index] = 0.0
+            taken = solve_triangular(self.evidence.factor, beside, lower=True)
+            told = total[1 + index, 1 + index] - taken @ taken  # by the data, whatever the others are
+            precision = prior[index] + max(told, 0.0)
+            slope = total[1 + index, 0] + prior[index] * (self.priors.mean[index] - self.vector[index])
+            push = abs(slope) / np.sqrt(precision)
+            found += 0.5 * push**2 + float(log_ndtr(-push)) + 0.5 * np.log(prior[index] / precision)
+        return float(found)
 
     @property
     def opened(self) -> Hypothesis:
@@ -80,6 +106,11 @@ class Hypothesis:
     def pinned(self) -> NormalEquations:
         """The normal equations by which the model is compared with others."""
         return pinned(self.normal, self.held)
+
+    @property
+    def covariance(self) -> FloatArray:
+        """Of all parameters, shape (p, p): those of the base laws stay where they are only as models are compared."""
+        return maximised(self.normal, self.evidence.sigma, scale=self.evidence.scale, iterations=1).covariance
 
     @property
     def weighted(self) -> dict[str, FloatArray]:
@@ -158,12 +189,15 @@ def imitated(change: FloatArray, laws: FloatArray, shapes: FloatArray, believed:
     believed : ndarray, shape (q,)
         Noise of a sample over the standard deviation that is believed of a weight.
     """
-    rows = np.vstack((laws, shapes))
-    ridge = np.vstack((np.zeros((len(laws), len(shapes))), np.diag(believed)))
-    size = np.maximum(np.sqrt(np.mean(rows**2, axis=1)), 1e-300)[:, None]
-    design = np.hstack((rows, ridge)) / size
-    target = np.concatenate((change, np.zeros(len(shapes))))
-    return design[:, : len(change)].T @ np.linalg.lstsq(design.T, target, rcond=1e-6)[0]
+    laws, answers = laws[laws.any(axis=1)], shapes.any(axis=1)  # those of the other channel say nothing here
+    laws = laws / np.sqrt(np.mean(laws**2, axis=1, keepdims=True))
+    left = np.vstack((change, laws))
+    if answers.any():
+        weights = shapes[answers] / believed[answers, None]
+        factor = cho_factor(np.eye(len(weights)) + weights @ weights.T)
+        left = left - cho_solve(factor, weights @ left.T).T @ weights  # what likely weights do not follow
+    steps = np.linalg.lstsq(left[1:] @ laws.T, left[1:] @ change, rcond=1e-12)[0]
+    return change - (left[0] - steps @ left[1:])
 
 
 def tail(z: FloatArray, robust: FloatArray, share: float) -> float:

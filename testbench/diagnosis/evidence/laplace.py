@@ -98,13 +98,13 @@ class _PosteriorFit:
     def run(self, iterations: int) -> Hypothesis:
         self.search(iterations)
         at_bound, own = self.held, self.priors.group < 0
-        held = at_bound | (own & np.array([p.place[0] in self.base for p in self.priors.parameters]))
-        self.held = held
+        of_base = own & np.array([p.place[0] in self.base for p in self.priors.parameters])
+        self.held = at_bound | of_base
         for _ in range(FINAL_WEIGHTS):
             if not self.settle():
                 break
         self.held = at_bound
-        return self.ended(held)
+        return self.ended(at_bound | of_base, at_bound & own & ~of_base)
 
     def search(self, iterations: int) -> None:
         """Steps of all parameters until they gain nothing; the scales of the shapes follow them."""
@@ -134,8 +134,8 @@ class _PosteriorFit:
         if not fresh:
             self.linearise(self.all)
 
-    def ended(self, held: np.ndarray) -> Hypothesis:
-        """The point as a hypothesis whose parameters of these are held."""
+    def ended(self, held: np.ndarray, at_bound: np.ndarray) -> Hypothesis:
+        """The point as a hypothesis of which these parameters are held, and these of them by their bounds alone."""
         for _ in range(FINAL_WEIGHTS):  # until the weights of outliers and the noise agree
             robust = self.robust(self.columns)
             before, self.sigma = self.sigma, rms(self.columns, robust, self.likelihood.least)
@@ -146,7 +146,9 @@ class _PosteriorFit:
         evidence = replace(there, sigma=self.sigma, scale=self.scale)
         tails = self.tails(robust, evidence.sigma)
         weight = self.likelihood.weight
-        return Hypothesis(self.model, self.priors, normal, held, evidence, tails, self.columns, robust, weight)
+        return Hypothesis(
+            self.model, self.priors, normal, held, at_bound, evidence, tails, self.columns, robust, weight
+        )
 
     def settle(self) -> bool:
         """Find the scales where the parameters of laws stay, and go to the weights that are best there.
@@ -237,25 +239,31 @@ class _PosteriorFit:
             share = {c: self.likelihood.share / self.sigma[c] ** 2 for c in self.columns}
             self.directions = Directions.seen(self.columns, share, self.priors, np.minimum(self.scale, NARROWEST))
             self.rows = {c: self.directions.rows(rows) for c, rows in self.columns.items()}
+            own = 1 + int(np.sum(self.directions.group < 0))
+            self.products = {c: _ProductsOfShapes(rows[own:]) for c, rows in self.rows.items()}
             self.stale = False
-        return self.equations(self.rows, self.robust(self.rows), *self.directions.priors(*self.believed()))
+        robust = self.robust(self.rows)
+        products = {c: self.products[c].beside(rows, robust[c]) for c, rows in self.rows.items()}
+        # A direction belongs to a whole vector: no weight of it can stay alone.
+        held = self.held & (self.priors.group < 0)
+        return self.equations(products, *self.directions.priors(*self.believed(held)))
 
     def robust(self, rows: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
         """Square roots of the Huber weights."""
         z = {c: np.abs(values[0]) / self.sigma[c] for c, values in rows.items()}
         return {c: np.sqrt(huber_weight(one)) for c, one in z.items()}
 
-    def believed(self) -> tuple[FloatArray, FloatArray]:
+    def believed(self, held: np.ndarray) -> tuple[FloatArray, FloatArray]:
         """Mean and precision of the prior of the step from here; parameters that are held make none."""
-        mean = np.where(self.held, 0.0, self.priors.mean - self.x)
-        return mean, np.where(self.held, HELD, self.priors.precision_at(self.x))
+        mean = np.where(held, 0.0, self.priors.mean - self.x)
+        return mean, np.where(held, HELD, self.priors.precision_at(self.x))
 
     def all_normal(self, robust: Mapping[str, FloatArray]) -> NormalEquations:
         """The normal equations of all parameters, whatever directions the data see."""
-        return self.equations(self.columns, robust, *self.believed(), self.priors.group)
+        products = {c: _gram(rows, robust[c]) for c, rows in self.columns.items()}
+        return self.equations(products, *self.believed(self.held), self.priors.group)
 
-    def equations(self, rows: Mapping[str, FloatArray], robust, mean, precision, group) -> NormalEquations:
-        products = {c: _gram(values, robust[c]) for c, values in rows.items()}
+    def equations(self, products: Mapping[str, FloatArray], mean, precision, group) -> NormalEquations:
         likelihood = self.likelihood
         counts, typical = (likelihood.count, likelihood.share, likelihood.least), self.priors.typical
         return NormalEquations(products, *counts, mean, precision, group, typical)
@@ -301,3 +309,30 @@ def _gram(rows: FloatArray, root_weight: FloatArray) -> FloatArray:
     gram = np.zeros((len(rows), len(rows)))
     gram[np.ix_(answers, answers)] = weighted @ weighted.T
     return gram
+
+
+class _ProductsOfShapes:
+    """Inner products of the directions of the shapes, made once; outliers count less in them from then on.
+
+    Parameters
+    ----------
+    rows : ndarray, shape (q, k)
+        Along the directions.
+    """
+
+    def __init__(self, rows: FloatArray) -> None:
+        self.count, self.answers = len(rows), np.flatnonzero(rows.any(axis=1))
+        self.rows = rows[self.answers]
+        self.unweighted = self.rows @ self.rows.T
+
+    def beside(self, rows: FloatArray, root_weight: FloatArray) -> FloatArray:
+        """Weighted inner products of all rows, of which the last are those of the shapes; shape (p + q, p + q)."""
+        own, gram = len(rows) - self.count, np.zeros((len(rows), len(rows)))
+        place, weighted = own + self.answers, rows[:own] * root_weight**2
+        gram[:own, :own] = weighted @ rows[:own].T
+        gram[:own, place] = weighted @ self.rows.T
+        gram[place, :own] = gram[:own, place].T
+        outliers = np.flatnonzero(root_weight < 1)
+        less = self.rows[:, outliers] * np.sqrt(1 - root_weight[outliers] ** 2)
+        gram[np.ix_(place, place)] = self.unweighted - less @ less.T
+        return gram

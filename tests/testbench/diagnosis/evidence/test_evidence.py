@@ -173,13 +173,35 @@ def with_known_scale(normal: NormalEquations, noise: LogEvidence, factor: float)
 
 
 def test_the_scale_of_a_group_of_a_typical_size_is_the_maximum_with_cauchys_prior():
-    """On a grid of scales: ln Z of the Gaussian marginal minus ln(1 + tau^2), tau in typical sizes."""
+    """On a grid of scales: ln Z of the Gaussian marginal plus ln(tau / (1 + tau^2)), the density of ln(tau)."""
     free = grouped(5)
     said = maximised(replace(free, typical=frozenset({0})), iterations=200, scale=np.ones(1))
     grid = np.geomspace(0.1, 10, 41) * said.scale[0]
-    believed = [with_known_scale(free, said, factor) - np.log1p(1 / factor) for factor in grid]
+    believed = [with_known_scale(free, said, factor) - np.log(factor**-0.5 + factor**0.5) for factor in grid]
     assert grid[np.argmax(believed)] == pytest.approx(said.scale[0], rel=0.13)
     assert maximised(free, iterations=200, scale=np.ones(1)).scale[0] < said.scale[0]
+
+
+@pytest.mark.parametrize("size", [0.0, 0.1, 1.0, 8.0])
+def test_the_evidence_of_a_group_of_a_typical_size_is_the_integral_over_cauchys_prior(size):
+    """Twelve weights of this many typical sizes, the noise known: by the trapezoidal rule over ln(tau)."""
+    rng = np.random.default_rng(0)
+    count, samples, typical = 12, 400, 0.05
+    design = 10 * rng.standard_normal((count, samples))
+    residual = size * typical * rng.standard_normal(count) @ design + rng.standard_normal(samples)
+    rows = np.vstack([residual, design])
+    prior = np.zeros(count), np.full(count, typical**-2), np.zeros(count, int)
+    normal = NormalEquations({"force": rows @ rows.T}, samples, 1.0, {"force": 1e-9}, *prior, frozenset({0}))
+    scale = np.ones(1)
+    for _ in range(200):
+        found = maximised(normal, {"force": 1.0}, iterations=1, scale=scale)
+        scale = found.scale
+    tau = np.geomspace(1e-3, 1e3, 1201)
+    free = replace(normal, group=np.full(count, -1))
+    known = [maximised(replace(free, precision=(t * typical) ** -2 * np.ones(count)), {"force": 1.0}, 1) for t in tau]
+    values = np.array([one.value for one in known]) + np.log(2 / np.pi * tau / (1 + tau**2))
+    whole = values.max() + np.log(np.trapezoid(np.exp(values - values.max()), np.log(tau)))
+    assert found.value == pytest.approx(whole, abs=1.0)
 
 
 @pytest.mark.parametrize("seed", range(4))

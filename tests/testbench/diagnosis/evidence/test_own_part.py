@@ -37,6 +37,19 @@ def test_what_the_base_could_do_is_not():
     assert own(truth(), effect)["conductance"] < 0.5 * changed
 
 
+def test_laws_and_shapes_of_the_other_channel_change_nothing():
+    """A law's own change is followed to its end, whatever stands beside it that says nothing here."""
+    rng = np.random.default_rng(0)
+    laws, shapes = rng.standard_normal((3, 400)), rng.standard_normal((4, 400))
+    silent = np.zeros((2, 400))
+    change = 2 * laws[1] + 0.5 * shapes[0]
+    alone = imitated(change, laws, shapes, np.full(4, 10.0))
+    beside = imitated(change, np.vstack((laws, silent)), np.vstack((shapes, silent)), np.r_[np.full(4, 10.0), 1, 1e4])
+    np.testing.assert_allclose(beside, alone, atol=1e-12)
+    np.testing.assert_allclose(imitated(laws[1], laws, np.vstack((shapes, silent)), np.full(6, 1e4)), laws[1])
+    np.testing.assert_allclose(imitated(laws[1], laws, np.zeros((0, 400)), np.zeros(0)), laws[1])
+
+
 def test_shapes_follow_a_change_as_far_as_their_weights_are_believed():
     """One wave, one weight: of a change of 3 the fit that believes in 1 / 10 takes n / (n + 100)."""
     wave = np.sin(np.linspace(0, 20, 400))
