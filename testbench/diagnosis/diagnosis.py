@@ -12,7 +12,7 @@ from gcode.support.errors import UserError
 from testbench.comparing.ladder import as_a_step, on_the_ladder
 from testbench.comparing.model_errors import noise_floors
 from testbench.diagnosis import constants
-from testbench.diagnosis.discrepancy_map import Map
+from testbench.diagnosis.discrepancy_map import mapped
 from testbench.diagnosis.evidence.hypothesis import Hypothesis
 from testbench.diagnosis.held_out import Interval, block_energies, gain_interval
 from testbench.diagnosis.probabilities import NOTHING, UNKNOWN, mixed_with_prior, prior_of
@@ -277,7 +277,7 @@ def concluded(
     weighed = dict.fromkeys(name for step in rounds[: lead + 1] for name in step.laws)
     meant = most.probabilities(beside)
     chances = mixed_with_prior(meant, prior_of(weighed), constants.MISLED)
-    explained = Map(put_in[-1].hypothesis if put_in else bare, rounds[-1].likelihood).gains
+    explained = mapped(put_in[-1].hypothesis if put_in else bare, rounds[-1].likelihood).gains
     return Diagnosis(
         verdict,
         chances,

@@ -5,7 +5,7 @@ Source: Kennedy & O'Hagan, J. R. Statist. Soc. B 63 (2001) 425 (a model beside i
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -19,6 +19,7 @@ from testbench.knit.effect import FloatArray
 from testbench.measurements.measurement import Measurement
 
 
+@dataclass(frozen=True)
 class Map:
     """The map beside one fitted model.
 
@@ -28,50 +29,45 @@ class Map:
         Log evidence of the model with the map, as models are compared.
     gains : dict of (channel, coordinate) to float
         Share of the residual's squares that the map explains by each group of coordinates.
-    left : dict of channel to ndarray, shape (k,)
-        What model and map leave together, over its relative noise.
     """
 
-    def __init__(self, hypothesis: Hypothesis, likelihood: Likelihood) -> None:
-        names, groups, values = _features(likelihood.measurement)
-        channels = list(hypothesis.columns)
-        base = hypothesis.weighted
-        picked = values[:, likelihood.rows]
-        count, size = len(values), len(hypothesis.priors.mean)
-        rows = {c: np.zeros((count * len(channels), len(likelihood.rows))) for c in channels}
-        precision: list[float] = []
-        group: list[int] = []
-        first = len(hypothesis.evidence.scale)
-        for place, c in enumerate(channels):
-            part = slice(place * count, (place + 1) * count)
-            rows[c][part] = picked * (likelihood.weight[c] * hypothesis.robust[c])
-            precision += [hypothesis.evidence.sigma[c] ** -2.0] * count
-            group += [first + place * len(names) + g for g in groups]
-        own, sigma = hypothesis.evidence.scale, hypothesis.evidence.sigma
-        # Parameters of laws move along with the map, so that it is told from what they would do without it.
-        plain = replace(hypothesis.pinned, least=likelihood.misfit)  # a closer fit earns a map nothing, either
-        without = maximised(plain, scale=own, sigma=sigma)
-        normal = extended(plain, base, rows, [0.0] * len(precision), precision, group)
-        scale = np.r_[opened(own), np.full(len(names) * len(channels), 10.0)]
-        found = maximised(normal, scale=scale, sigma=sigma)
-        self.left, self.gains, tails = {}, {}, 0.0
-        for place, c in enumerate(channels):
-            amounts = found.coefficients[size:]
-            residual = base[c][0] - found.coefficients[:size] @ base[c][1:]
-            self.left[c] = residual - amounts @ rows[c]
-            robust = hypothesis.robust[c]
-            tails += tail(self.left[c] / robust / found.sigma[c], robust, likelihood.share)
-            bare = base[c][0] - without.coefficients @ base[c][1:]
-            tails -= tail(bare / robust / without.sigma[c], robust, likelihood.share)
-            for g, name in enumerate(names):
-                inside = np.flatnonzero(np.asarray(groups) == g) + place * count
-                self.gains[c, name] = float(np.mean((amounts[inside] @ rows[c][inside]) ** 2) / np.mean(residual**2))
-        self.log_z = hypothesis.log_z + found.value - without.value + tails
+    log_z: float
+    gains: dict[tuple[str, str], float]
+
+
+def mapped(h: Hypothesis, likelihood: Likelihood) -> Map:
+    """The map of what a model leaves; parameters of laws move along with it, also in the model without it."""
+    names, groups, values = _features(likelihood.measurement)
+    channels, base, own, sigma = list(h.columns), h.weighted, h.evidence.scale, h.evidence.sigma
+    count, size = len(values), len(h.priors.mean)
+    rows = {c: np.zeros((count * len(channels), len(likelihood.rows))) for c in channels}
+    parts = {c: slice(place * count, (place + 1) * count) for place, c in enumerate(channels)}
+    for c, part in parts.items():
+        rows[c][part] = values[:, likelihood.rows] * (likelihood.weight[c] * h.robust[c])
+    precision = np.repeat([sigma[c] ** -2.0 for c in channels], count)
+    group = len(own) + np.concatenate([np.array(groups) + place * len(names) for place in range(len(channels))])
+    plain = replace(h.pinned, least=likelihood.misfit)  # a closer fit earns a map nothing, either
+    without = maximised(plain, scale=own, sigma=sigma)
+    scale = np.r_[opened(own), np.full(len(names) * len(channels), 10.0)]
+    found = maximised(
+        extended(plain, base, rows, np.zeros(len(precision)), precision, group), scale=scale, sigma=sigma
+    )
+    gains, tails = {}, 0.0
+    for c, part in parts.items():
+        robust, amounts, mine = h.robust[c], found.coefficients[size:][part], rows[c][part]
+        residual = base[c][0] - found.coefficients[:size] @ base[c][1:]
+        bare = base[c][0] - without.coefficients @ base[c][1:]
+        tails += tail((residual - amounts @ mine) / robust / found.sigma[c], robust, likelihood.share)
+        tails -= tail(bare / robust / without.sigma[c], robust, likelihood.share)
+        for g, name in enumerate(names):
+            inside = np.flatnonzero(np.array(groups) == g)
+            gains[c, name] = float(np.mean((amounts[inside] @ mine[inside]) ** 2) / np.mean(residual**2))
+    return Map(h.log_z + found.value - without.value + tails, gains)
 
 
 def log_z_with_map(hypothesis: Hypothesis, likelihood: Likelihood) -> float:
     """Log evidence of a model with its map or without, which are as likely as each other: no law is exact."""
-    return float(np.logaddexp(Map(hypothesis, likelihood).log_z, hypothesis.log_z) - np.log(2))
+    return float(np.logaddexp(mapped(hypothesis, likelihood).log_z, hypothesis.log_z) - np.log(2))
 
 
 @lru_cache(maxsize=2)

@@ -105,8 +105,7 @@ class Refits:
         def entry(null: NullModel) -> Entry:
             model = null.hypothesis.model.plus(e.hypothesis.model[e.name], e.name)
             stiff = fitted(model, self.compared, self.fits.reference, null.hypothesis)
-            h = self.fits.quickly(self.fits.bent(stiff.model), null.like)
-            return replace(e, hypothesis=h, log_z=h.log_z, is_settled=False)
+            return e.refitted(self.fits.quickly(self.fits.bent(stiff.model), null.like))
 
         own = law_names(without_shapes(e.base).effects)
         others = [null for null in nulls if not null.bends and law_names(null.hypothesis.model.effects) != own]
@@ -135,8 +134,7 @@ class Refits:
         rest = {name: own[name] for name in own if name == e.name or not (whole or acts_on_force(own[name]))}
         model = KnitModel(dict(sorted((taken | rest).items(), key=lambda item: item[1].stage)))
         believed = {a: prior for a, prior in best.hypothesis.priors.believed.items() if parts_of(a)[0] in taken}
-        h = self.fits.quickly(model, e.hypothesis, believed)
-        return replace(e, hypothesis=h, log_z=h.log_z, is_settled=False)
+        return e.refitted(self.fits.quickly(model, e.hypothesis, believed))
 
     def swapped(self, best: Entry) -> list[Entry]:
         """The other laws of a mechanism in the place of its best one, as strong as that, refitted quickly."""
@@ -175,8 +173,7 @@ class Refits:
         found = [self.fits.at_rest(h)]
         if acts_on_force(effect) and getattr(h.model.effects.get("contact_drive"), "strain_share", 0.0) > 0.02:
             found.append(self.fits.compare(h.model.with_parameters({"contact_drive.strain_share": 0.0}), h))
-        found_best = max(found, key=evidence_of)
-        return replace(e, hypothesis=found_best, log_z=found_best.log_z, is_settled=True)
+        return e.refitted(max(found, key=evidence_of), is_settled=True)
 
     def on_one_base(self, entries: Sequence[Entry]) -> tuple[Hypothesis, list[Entry]]:
         """The base of the best law, refitted without it; and all laws, where rivals were tried on that base as well.
@@ -194,9 +191,7 @@ class Refits:
     def in_place_of(self, best: Entry, e: Entry) -> Entry:
         """A law on the base of another."""
         h = self.fits.compare(best.base.plus(e.hypothesis.model[e.name], e.name), best.hypothesis)
-        if _as_good(h, best):
-            h = self.fits.at_rest(h)
-        return replace(e, hypothesis=h, log_z=h.log_z, is_settled=True)
+        return e.refitted(self.fits.at_rest(h) if _as_good(h, best) else h, is_settled=True)
 
 
 def promising(nulls: Iterable[NullModel]) -> list[str]:

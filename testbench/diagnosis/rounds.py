@@ -59,6 +59,10 @@ class Entry:
     log_prior_bend: float = -np.inf
     without: Entry | None = None
 
+    def refitted(self, h: Hypothesis, is_settled: bool = False) -> Entry:
+        """The same law in a model that was fitted again."""
+        return replace(self, hypothesis=h, log_z=h.log_z, is_settled=is_settled)
+
     @property
     def base(self) -> KnitModel:
         """The model without the law."""
