@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from compensation.model.compensator import Compensator
+    from compensation.model.compensator import TrainedCompensator
     from testbench.recordings.recording import Recording
 
 PICTURES = (".png", ".pdf", ".svg")
@@ -42,7 +42,7 @@ def read_all(args: argparse.Namespace, target: str) -> list[Recording]:
     return recordings
 
 
-def check_long_enough(source: str, compensator: Compensator, duration_s: float) -> None:
+def check_long_enough(source: str, compensator: TrainedCompensator, duration_s: float) -> None:
     """Refuse a recording shorter than the slowest memory: it is all beginning."""
     from gcode.support.errors import UserError
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from compensation.commands.common import add_gauge_length
 
 if TYPE_CHECKING:
-    from compensation.model.compensator import Compensator
+    from compensation.model.compensator import TrainedCompensator
     from compensation.series.preprocessing import Series
 
 SUMMARY = "correct a compensator for another day or specimen, from a minute of reference"
@@ -49,7 +49,7 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def _reference(args: argparse.Namespace, compensator: Compensator) -> Series:
+def _reference(args: argparse.Namespace, compensator: TrainedCompensator) -> Series:
     """The first seconds of the recording: its own reference, or zero throughout."""
     from compensation.model.prediction import at_rest
     from compensation.series.preprocessing import reference_of

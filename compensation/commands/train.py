@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from compensation.commands.common import add_gauge_length, add_recordings
 
 if TYPE_CHECKING:
-    from compensation.model.compensator import Compensator
+    from compensation.model.compensator import TrainedCompensator
     from compensation.training.options import Options
     from testbench.recordings.recording import Recording
 
@@ -117,7 +117,7 @@ def _check_long_enough(args: argparse.Namespace, options: Options, recordings: l
         )
 
 
-def _networks(compensator: Compensator) -> str:
+def _networks(compensator: TrainedCompensator) -> str:
     """How many of which hidden layers: a stack has several kinds."""
     from collections import Counter
 
@@ -173,7 +173,7 @@ def _check(args: argparse.Namespace) -> None:
         raise UserError(f"--seed must be from 0 to 2147483647, got {args.seed}")
 
 
-def _from_data(args: argparse.Namespace, recordings: list[Recording], options: Options) -> Compensator:
+def _from_data(args: argparse.Namespace, recordings: list[Recording], options: Options) -> TrainedCompensator:
     from compensation.series.preprocessing import series_of
     from compensation.training import auto, tuning
     from compensation.training.training import train
@@ -187,7 +187,7 @@ def _from_data(args: argparse.Namespace, recordings: list[Recording], options: O
     return train(recordings, args.target, options, progress.step, tuned)
 
 
-def _from_twin(args: argparse.Namespace, recordings: list[Recording], options: Options) -> Compensator:
+def _from_twin(args: argparse.Namespace, recordings: list[Recording], options: Options) -> TrainedCompensator:
     from compensation.series.reading import UNKNOWN_LENGTH_MM
     from compensation.training import twin
     from gcode.support.console import Progress

@@ -11,7 +11,7 @@ from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from compensation.memories.ema import PAPER_RATE_HZ, smooth, smoothing_factors
-from compensation.model.compensator import Compensator as Trained
+from compensation.model.compensator import TrainedCompensator
 from compensation.model.streaming import CompensatorStream
 from compensation.series.preprocessing import TARGETS, Series
 from compensation.training.auto import train_automatically
@@ -48,7 +48,7 @@ class Compensator(RegressorMixin, BaseEstimator):
 
     Attributes
     ----------
-    compensator_ : compensation.model.compensator.Compensator or None
+    compensator_ : compensation.model.compensator.TrainedCompensator or None
         What `stream`, `save` and the exports use; None where `ridge` was used.
     n_features_in_ : int
 
@@ -100,7 +100,7 @@ class Compensator(RegressorMixin, BaseEstimator):
         parts = _parts(len(X), groups)
         varies = np.ptp(X[:, 0]) > 0 and np.ptp(y) > 0
         long_enough = len(X) >= FEWEST_ROWS and min(map(len, parts)) > 1
-        self.compensator_: Trained | None = None
+        self.compensator_: TrainedCompensator | None = None
         if self.method != "ridge" and X.shape[1] == 1 and long_enough and varies:
             self.compensator_ = self._trained([self._series(X[rows, 0], y[rows]) for rows in parts])
         else:
@@ -130,7 +130,7 @@ class Compensator(RegressorMixin, BaseEstimator):
 
         save(path, self._whole())
 
-    def _whole(self) -> Trained:
+    def _whole(self) -> TrainedCompensator:
         check_is_fitted(self)
         if self.compensator_ is None:
             raise ValueError(
@@ -142,7 +142,7 @@ class Compensator(RegressorMixin, BaseEstimator):
     def _series(self, conductance_S: FloatArray, truth: FloatArray) -> Series:
         return Series(np.arange(len(truth)) / self.rate_hz, conductance_S, truth, "fit")
 
-    def _trained(self, series: list[Series]) -> Trained:
+    def _trained(self, series: list[Series]) -> TrainedCompensator:
         options = Options(seed=self.seed, rate_hz=self.rate_hz)
         learn = {"auto": train_automatically, "paper": train_on_series, "tuned": tune}[self.method]
         return learn(series, self.target, options)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from compensation.export.export_c_history import constants_bytes, multiplies, state_bytes
-from compensation.model.compensator import Compensator
+from compensation.model.compensator import TrainedCompensator
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Cost:
     multiplies: int
 
 
-def cost(compensator: Compensator) -> Cost:
+def cost(compensator: TrainedCompensator) -> Cost:
     """Count bytes and multiplications."""
     filters = len(compensator.alphas)
     weights = sum(matrix.size for network in compensator.networks for matrix in network.weights)

@@ -11,7 +11,7 @@ from compensation.engines.network import Network
 from compensation.export.chip_cost import cost
 from compensation.export.export_c_history import number, pieces
 from compensation.memories.ema import log_retention, start_samples
-from compensation.model.compensator import Compensator
+from compensation.model.compensator import TrainedCompensator
 from compensation.model.runtime import (
     LARGEST_CONDUCTANCE_S,
     LONGEST_STEP_S,
@@ -27,12 +27,12 @@ from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError
 
 
-def c_header(compensator: Compensator, name: str = "knitbench") -> str:
+def c_header(compensator: TrainedCompensator, name: str = "knitbench") -> str:
     """Write a compensator as one C99 header, to be fed sample by sample; it needs no library and no heap.
 
     Parameters
     ----------
-    compensator : Compensator
+    compensator : TrainedCompensator
         Its scaling of the output, and the mean over its networks, are folded into their last layers.
     name : str
         Prefix of every C name.

@@ -38,7 +38,7 @@ class Scaling:
 
 
 @dataclass(frozen=True)
-class Compensator:
+class TrainedCompensator:
     """Scaler, smoothing bank (and other memories), and one or more networks whose mean is the answer.
 
     Attributes

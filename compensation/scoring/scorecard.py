@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from compensation.model.compensator import Compensator
+from compensation.model.compensator import TrainedCompensator
 from compensation.series import score
 from compensation.series.preprocessing import Series, series_of
 from testbench.recordings.recording import Recording
@@ -21,7 +21,7 @@ ZOOM_POINTS = 600
 ZOOM_S, ZOOMS = 60.0, 3
 
 
-def score_recordings(compensator: Compensator, recordings: Sequence[Recording]) -> dict[str, Any]:
+def score_recordings(compensator: TrainedCompensator, recordings: Sequence[Recording]) -> dict[str, Any]:
     """Score a compensator on recordings.
 
     Returns
@@ -48,7 +48,7 @@ def score_recordings(compensator: Compensator, recordings: Sequence[Recording]) 
     }
 
 
-def _score_one(compensator: Compensator, part: Series) -> dict[str, Any]:
+def _score_one(compensator: TrainedCompensator, part: Series) -> dict[str, Any]:
     prediction = compensator.predict_series(part)
     before = score.r2_before(part.truth, part.conductance_S, compensator.sign)
     after = score.r2(part.truth, prediction)

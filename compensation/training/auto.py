@@ -27,7 +27,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from compensation.model.compensator import Compensator
+from compensation.model.compensator import TrainedCompensator
 from compensation.model.runtime import ready_for_use
 from compensation.series import score
 from compensation.series.preprocessing import Series
@@ -49,7 +49,7 @@ def train_automatically(
     target: str,
     options: Options,
     progress: Callable[[str], None] = lambda note: None,
-) -> Compensator:
+) -> TrainedCompensator:
     """Choose by cross-validation, train the chosen on everything.
 
     Parameters
@@ -64,7 +64,7 @@ def train_automatically(
 
     Returns
     -------
-    Compensator
+    TrainedCompensator
         Its recipe says what was tried, what was taken and what cross-validation promises of it.
     """
     if options.per_recording:
@@ -190,7 +190,7 @@ def _cross_validated(learner: Learner, folds: NDArray[np.int64], progress: Calla
 
 def _trained(
     weights: Mapping[str, float], learners: Mapping[str, Learner], series: Sequence[Series], options: Options
-) -> Compensator:
+) -> TrainedCompensator:
     """The weighted parts, fitted on everything, as networks whose mean is the answer."""
     last = learners[list(weights)[-1]]
     lesson, everything = last.lessons, np.ones(len(last.features), dtype=bool)
