@@ -88,7 +88,7 @@ def scores_of(compensator: TrainedCompensator, tests: Sequence[Series]) -> list[
     return [score.r2(part.truth, compensator.predict_series(part)) for part in tests]
 
 
-def intervals_of(compensator: TrainedCompensator, tests: Sequence[Series]) -> list[tuple[float, float]]:
+def intervals_of(compensator: TrainedCompensator, tests: Sequence[Series]) -> list[list[float] | None]:
     """95 % block-bootstrap interval of r2 on each recording."""
     return [score.block_interval(part.truth, compensator.predict_series(part), part.time_s) for part in tests]
 

@@ -62,7 +62,7 @@ def _score_one(compensator: TrainedCompensator, part: Series) -> dict[str, Any]:
         "r2_after": after,
         "r2_rescaled": score.r2_before(part.truth, prediction),
         "r2_ordinary": score.r2_ordinary(part.truth, prediction),
-        "r2_after_interval": list(score.block_interval(part.truth, prediction, part.time_s)),
+        "r2_after_interval": score.block_interval(part.truth, prediction, part.time_s),
         "rho2_before": score.rho_squared(part.truth, part.conductance_S),
         "gain": after - before,
         "rms_error": float(np.sqrt(np.mean((part.truth - prediction) ** 2))),

@@ -9,9 +9,10 @@ The parts, from the simplest on:
 - *stack*: the last three, each with a weight (stacked regression; Breiman, Machine Learning 24 (1996) 49).
 
 Each predicts every fold from the others and makes all its own choices there, on the training part alone. Folds are
-whole recordings where there are three or more, contiguous fifths of all rows otherwise; each fold is predicted as a
-recording of its own, its memories beginning with its first sample, and again as if it had been slower or quicker:
-what only knows the timing of the training's motion fails there. The stack's weights are those that fit all these
+whole recordings where there are three or more and none outweighs the others (`compensation.training.folds`),
+contiguous fifths of all rows otherwise; each fold is predicted as a recording of its own, its memories beginning with
+its first sample, and again as if it had been slower or quicker: what only knows the timing of the training's motion
+fails there. The stack's weights are those that fit all these
 predictions best, none of them negative; its own figures are of weights that were found without the fold, at the pace
 of the recording. It is taken where it predicts better than the line does; else the line is, and that is said. Of
 methods that one recording cannot tell apart, a pick would be chance; the weights share the risk of another motion or
@@ -31,7 +32,7 @@ from compensation.model.compensator import TrainedCompensator
 from compensation.model.runtime import ready_for_use
 from compensation.series import score
 from compensation.series.preprocessing import Series
-from compensation.training.folds import FOLDS, GROUPS_FROM, folds_of
+from compensation.training.folds import FOLDS, folds_of, whole_recordings
 from compensation.training.intervals import of_another, of_one_recording
 from compensation.training.learners import PACES, Learner, Line, Networks, Paper, Ridge
 from compensation.training.options import Options
@@ -71,7 +72,7 @@ def train_automatically(
         raise UserError(
             "--method auto learns for use, where no recording's own mean is known; leave --per-recording out"
         )
-    folds = folds_of(series)
+    folds, whole = folds_of(series), whole_recordings(series)
     learners: dict[str, Learner] = {}
     for kind in LEARNERS:
         learners[kind.name] = kind(series, target, options, like=next(reversed(learners.values()), None))
@@ -86,13 +87,13 @@ def train_automatically(
     scale = compensator.scaling_out.scale
     tried = {name: figures(truth, values, scale) for name, values in predictions.items()}
     residual = (truth - predictions[chosen]) * scale
-    off = None if len(series) >= GROUPS_FROM else wander(compensator, series)
+    off = None if whole else wander(compensator, series)
     promise: dict[str, Any] = tried[chosen] | {
-        "r2_interval": list(_interval(truth, predictions[chosen], series)),
+        "r2_interval": _interval(truth, predictions[chosen], series),
         "raw_r2": float(np.mean([score.r2_before(p.truth, p.conductance_S, compensator.sign) for p in series])),
         "line_r2": tried["line"]["r2"],
         "folds": int(folds.max()) + 1,
-        "whole_recordings": off is None,
+        "whole_recordings": whole,
         **({} if off is None else {"r2_elsewhere": elsewhere(residual, off, scale)}),
     }
     found = {"chosen": chosen, "weights": weights, "tried": tried, "cross_validated": promise}
@@ -214,9 +215,9 @@ def _trained(
     return ready_for_use(replace(lesson.blank, networks=tuple(networks), recipe=recipe), series)
 
 
-def _interval(truth: FloatArray, prediction: FloatArray, series: Sequence[Series]) -> tuple[float, float]:
-    """95 % of r2: whole recordings drawn again where they are the folds, else blocks of 60 s."""
-    if len(series) < GROUPS_FROM:
+def _interval(truth: FloatArray, prediction: FloatArray, series: Sequence[Series]) -> list[float] | None:
+    """95 % of r2: whole recordings drawn again where they are held out, else `score.block_interval`."""
+    if not whole_recordings(series):
         step_s = sum(part.time_s[-1] - part.time_s[0] for part in series) / len(truth)
         return score.block_interval(truth, prediction, np.arange(len(truth)) * step_s)
     owner = np.repeat(np.arange(len(series)), [len(part) for part in series])
@@ -225,5 +226,4 @@ def _interval(truth: FloatArray, prediction: FloatArray, series: Sequence[Series
     for _ in range(500):
         drawn = np.concatenate([rows[number] for number in rng.integers(len(series), size=len(series))])
         draws.append(score.r2(truth[drawn], prediction[drawn]))
-    low, high = np.quantile(draws, [0.025, 0.975])
-    return float(low), float(high)
+    return np.quantile(draws, [0.025, 0.975]).tolist()

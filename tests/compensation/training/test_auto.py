@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from compensation.cli import main
+from compensation.commands.common import cross_validation_table
 from compensation.memories.ema import smooth
 from compensation.model import files as compensator_files
 from compensation.model.streaming import CompensatorStream
@@ -23,7 +24,7 @@ from compensation.training.auto import (
     train_automatically,
     weights_of,
 )
-from compensation.training.folds import GROUPS_FROM, folds_of
+from compensation.training.folds import folds_of, whole_recordings
 from compensation.training.learners import Ridge, linear
 from compensation.training.least_squares import Sums
 from compensation.training.lessons import features_at_pace
@@ -96,8 +97,7 @@ def test_where_nothing_beats_the_line_the_line_is_taken():
     for seed in range(2):
         part = noisy_line(seed)
         compensator = train_automatically([part], "force", Options())
-        recipe = compensator.recipe
-        assert recipe["tried"][recipe["chosen"]]["rms_error"] < 1.01 * recipe["tried"]["line"]["rms_error"]
+        assert compensator.recipe["chosen"] == "line"
         fresh = noisy_line(seed + 100)
         errors = compensator.predict_series(fresh) - 2e6 * fresh.conductance_S
         assert np.sqrt(np.mean(errors**2)) < 0.1
@@ -168,11 +168,42 @@ def test_versions_of_another_pace_are_those_of_a_slower_recording(series):
 
 
 def test_folds_are_recordings_where_there_are_enough(series):
-    assert len(series) >= GROUPS_FROM
+    assert whole_recordings(series)
     folds = folds_of(series)
     assert [len(np.unique(part)) for part in np.split(folds, np.cumsum([len(p) for p in series])[:-1])] == [1, 1, 1]
     assert folds_of(series[:1]).max() == 4
     assert (np.diff(folds_of(series[:1])) >= 0).all()
+
+
+@pytest.mark.parametrize(
+    ("lengths", "whole"),
+    [([50, 50, 1900], False), ([500, 500, 1000], True), ([500, 500, 1001], False), ([9] * 8, True), ([9, 9], False)],
+)
+def test_no_fold_is_most_of_all_rows(lengths, whole):
+    """A fold that holds most of all is predicted from next to nothing: then folds are parts, as of one recording."""
+    time_s = np.arange(2000) / 20
+    series = [Series(*np.tile(time_s[:length], (3, 1)), "") for length in lengths]
+    assert whole_recordings(series) is whole
+    assert np.bincount(folds_of(series)).max() <= sum(lengths) / 2
+
+
+def test_one_recording_beside_two_scraps_is_predicted_from_its_own_parts(series):
+    """Held out as a whole, the long one would be predicted from 5 s, and a straight line would be what is left."""
+    scraps = [series[1].rows(np.arange(50)), series[2].rows(np.arange(50)), series[0]]
+    promise = train_automatically(scraps, "force", Options()).recipe["cross_validated"]
+    assert not promise["whole_recordings"]
+    assert promise["r2"] > promise["line_r2"] + 0.01
+    assert "recordings of which one outweighs the others cannot show it" in cross_validation_table(
+        {"tried": {}, "chosen": "stack", "trained_on": ["", "", ""], "cross_validated": promise}, "N"
+    )
+
+
+def test_the_table_says_of_what_the_folds_are(trained):
+    promise = trained.recipe["cross_validated"] | {"whole_recordings": True, "folds": 5, "r2_interval": None}
+    for count, words in ((5, "on 5 whole recordings"), (8, "on 5 groups of whole recordings")):
+        table = cross_validation_table(trained.recipe | {"cross_validated": promise, "trained_on": [""] * count}, "N")
+        assert words in table
+        assert f"expect r2 {promise['r2']:.3f} (too short for an interval)" in table
 
 
 def test_no_learner_looks_at_what_is_held_out(series):
