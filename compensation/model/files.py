@@ -88,6 +88,7 @@ class _Recipe(BaseModel):
 
     model_config = ConfigDict(extra="allow", strict=True)
     trained_on: list[str] = []
+    trained_digests: list[str] = []
     cross_validated: _Promise | None = None
 
 

@@ -138,7 +138,7 @@ def _in_order(time_s: FloatArray) -> NDArray[np.bool_]:
 def _run(
     compensator: TrainedCompensator, time_s: FloatArray, conductance_S: FloatArray
 ) -> tuple[FloatArray, NDArray]:
-    running = replace(compensator, irregular=True, start="causal")
+    running = replace(compensator.in_use, irregular=True)
     features = running.features(time_s, conductance_S)
     seen, reading = ranges_of(compensator), compensator.scaling_in.apply(conductance_S)
     status = np.where((reading < seen.low) | (reading > seen.high), int(Status.UNSEEN_READING), 0)

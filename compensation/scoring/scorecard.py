@@ -5,7 +5,8 @@ Its shape is documented in docs/compensation.md; `testbench` reads the file and 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -22,7 +23,7 @@ ZOOM_S, ZOOMS = 60.0, 3
 
 
 def score_recordings(compensator: TrainedCompensator, recordings: Sequence[Recording]) -> dict[str, Any]:
-    """Score a compensator on recordings.
+    """Score a compensator on recordings as it runs in use: its memories begin as a stream's do.
 
     Returns
     -------
@@ -48,14 +49,20 @@ def score_recordings(compensator: TrainedCompensator, recordings: Sequence[Recor
     }
 
 
+def _trained_on(recipe: Mapping[str, Any], part: Series) -> bool:
+    """Whether a recording was learned from, by its content; by its path where an older file says no more."""
+    if "trained_digests" in recipe:
+        return part.digest in recipe["trained_digests"]
+    return Path(part.source).resolve() in [Path(source).resolve() for source in recipe.get("trained_on", [])]
+
+
 def _score_one(compensator: TrainedCompensator, part: Series) -> dict[str, Any]:
-    prediction = compensator.predict_series(part)
+    prediction = compensator.in_use.predict_series(part)
     before = score.r2_before(part.truth, part.conductance_S, compensator.sign)
     after = score.r2(part.truth, prediction)
-    seen = part.source in compensator.recipe.get("trained_on", [])
     return {
         "source": part.source,
-        "role": "training" if seen else "held-out",
+        "role": "training" if _trained_on(compensator.recipe, part) else "held-out",
         "duration_s": float(part.time_s[-1] - part.time_s[0]),
         "samples": len(part),
         "r2_before": before,

@@ -85,7 +85,7 @@ def correction(compensator: TrainedCompensator, part: Series) -> Correction:
     """The likeliest correction, given the reference and the spreads (a posterior mode by least squares)."""
     from scipy.optimize import least_squares
 
-    running = replace(compensator, start="causal")
+    running = compensator.in_use
     late, reference = part.time_s >= part.time_s[0] + WARM_S, _expected(compensator, part.truth)
     # Weights that make as many errors as there are count as independent ones.
     weight = np.sqrt(np.ptp(part.time_s) / APART_S / late.sum()) / (ERROR * compensator.scaling_out.scale)
@@ -133,5 +133,5 @@ def _moved(numbers: FloatArray) -> Correction:
 
 
 def _rms(compensator: TrainedCompensator, part: Series) -> float:
-    error = replace(compensator, start="causal").predict_series(part) - part.truth
+    error = compensator.in_use.predict_series(part) - part.truth
     return float(np.sqrt(np.mean(error**2)))

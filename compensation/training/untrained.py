@@ -51,6 +51,7 @@ def describe(
     return {
         "method": "paper",
         "trained_on": [part.source for part in series],
+        "trained_digests": [part.digest for part in series],
         "samples": len(features),
         "sizes": list(options.sizes),
         "factor": options.factor,

@@ -57,7 +57,7 @@ def test_a_minute_makes_up_for_another_resistance(compensator, test_part, gain):
 
 def test_what_fits_already_is_left_alone(compensator, recordings):
     part = first(series_of(recordings[0], "force", 20.0), 60)
-    own = replace(part, truth=replace(compensator, start="causal").predict_series(part))
+    own = replace(part, truth=compensator.in_use.predict_series(part))
     found = correction(compensator, own)
     assert vars(found) == pytest.approx(vars(Correction()), abs=0.02)
 
@@ -66,8 +66,8 @@ def test_rest_moves_the_zero(compensator, test_part):
     time_s = np.arange(0.0, 30.0, 0.05)
     held = np.ones(len(time_s))
     rest = Series(time_s, held * test_part.conductance_S.mean(), held * 0.0, "rest")
-    before = replace(compensator, start="causal").predict_series(rest)[-1]
-    after = replace(recalibrated(compensator, rest), start="causal").predict_series(rest)[-1]
+    before = compensator.in_use.predict_series(rest)[-1]
+    after = recalibrated(compensator, rest).in_use.predict_series(rest)[-1]
     assert abs(after) < 0.7 * abs(before)
 
 
