@@ -153,6 +153,7 @@ def _options(args: argparse.Namespace) -> Options:
 
 
 def _check(args: argparse.Namespace) -> None:
+    from compensation.training.options import HIGHEST_SEED
     from gcode.support.errors import UserError
 
     chosen = "--twin" if args.twin else f"--method {args.method}" if args.method in ("auto", "tuned") else ""
@@ -169,8 +170,8 @@ def _check(args: argparse.Namespace) -> None:
         raise UserError(f"--restarts must be at least 1, got {args.restarts}")
     if args.l2 is not None and not 0 <= args.l2 < float("inf"):
         raise UserError(f"--l2 must be a number from 0 on, got {args.l2:g}")
-    if not 0 <= args.seed < 2**31:
-        raise UserError(f"--seed must be from 0 to 2147483647, got {args.seed}")
+    if not 0 <= args.seed <= HIGHEST_SEED:
+        raise UserError(f"--seed must be from 0 to {HIGHEST_SEED}, got {args.seed}")
 
 
 def _from_data(args: argparse.Namespace, recordings: list[Recording], options: Options) -> TrainedCompensator:

@@ -31,7 +31,8 @@ LARGEST, SMALLEST = 1e12, 1e-30
 _Number = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
 _Positive = Annotated[float, Field(ge=SMALLEST, le=LARGEST)]
 # A second, and a rate, within six orders of magnitude of one.
-_Human = Annotated[float, Field(ge=1e-6, le=1e6)]
+SMALLEST_RATE_HZ, LARGEST_RATE_HZ = 1e-6, 1e6
+_Human = Annotated[float, Field(ge=SMALLEST_RATE_HZ, le=LARGEST_RATE_HZ)]
 
 
 class _Strict(BaseModel):

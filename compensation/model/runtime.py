@@ -48,9 +48,20 @@ class Status(IntFlag):
 
 
 def check_streams(compensator: TrainedCompensator) -> None:
-    """Refuse a compensator that must know a whole recording before its first sample."""
+    """Refuse a compensator that must know a whole recording before its first sample, or knows no conductance."""
     if compensator.per_recording:
         raise UserError("a compensator trained with --per-recording needs the whole recording; train without it")
+    seen = compensator.seen
+    # Recalibration moves what was seen to where another sensor may never be.
+    if seen is None or "recalibrated" in compensator.recipe:
+        return
+    low, high = (compensator.scaling_in.invert(np.array(end)) for end in (seen.low, seen.high))
+    if not (low >= SMALLEST_CONDUCTANCE_S and high <= LARGEST_CONDUCTANCE_S):
+        raise UserError(
+            f"the compensator was trained on values from {low:.4g} to {high:.4g}; a stream, a file and a chip take "
+            f"conductances in S, from {SMALLEST_CONDUCTANCE_S:.2g} to {LARGEST_CONDUCTANCE_S:.2g}: train on these, "
+            "without a logarithm or a scaler before it"
+        )
 
 
 def limits_of(compensator: TrainedCompensator) -> tuple[float, float]:
