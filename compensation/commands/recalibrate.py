@@ -54,12 +54,12 @@ def _reference(args: argparse.Namespace, compensator: TrainedCompensator) -> Ser
     from compensation.model.prediction import at_rest
     from compensation.series.preprocessing import reference_of
     from compensation.series.reading import check_tared, read_signals
+    from compensation.training.recalibration import reach
 
     if args.rest:
         return at_rest(compensator, args.recording, args.seconds)
     recording = read_signals(args.recording, args.gauge_length_mm)
-    check_tared(recording, compensator.target)
     begin_s = float(recording.time_s[0])
-    return reference_of(
-        recording.between(begin_s, begin_s + args.seconds), compensator.target, compensator.resampling_hz
-    )
+    recording = recording.between(begin_s, begin_s + args.seconds)
+    check_tared(recording, compensator.target, reach(compensator))
+    return reference_of(recording, compensator.target, compensator.resampling_hz)

@@ -24,6 +24,10 @@ from gcode.support.errors import UserError
 SPREADS = np.array([0.3, 0.5, 0.1, 0.2])
 APART_S, ERROR = 8.0, 0.5
 LEAST_S, WARM_S = 5.0, 2.0
+# Of the training's standard deviation: a reference that spreads less stands still, but for the noise of its cell.
+STILL = 0.1
+# Standard deviations from its mean that a training hardly ever leaves.
+FARTHEST = 4.0
 
 
 @dataclass(frozen=True)
@@ -97,6 +101,11 @@ def correction(compensator: TrainedCompensator, part: Series) -> Correction:
     return _moved(least_squares(residual, np.zeros(4), method="lm", diff_step=1e-3, max_nfev=60).x)
 
 
+def reach(compensator: TrainedCompensator) -> float:
+    """How far from zero the target went in training, in its unit."""
+    return abs(compensator.scaling_out.mean) + FARTHEST * compensator.scaling_out.scale
+
+
 def wander(compensator: TrainedCompensator, series: Sequence[Series]) -> FloatArray:
     """By how much the prediction changes where each of the four numbers is one of its `SPREADS` off.
 
@@ -120,9 +129,9 @@ def _expected(compensator: TrainedCompensator, truth: FloatArray) -> FloatArray:
     stands still, at rest at the end of its range, that must not be taken for an error; where it moves, it evens out.
     """
     promise = compensator.recipe.get("cross_validated")
-    if np.ptp(truth) > 0 or promise is None:
+    mean, scale = compensator.scaling_out.mean, compensator.scaling_out.scale
+    if np.std(truth) > STILL * scale or promise is None:
         return truth
-    mean = compensator.scaling_out.mean
     return mean + float(np.clip(promise["r2"], 0.0, 1.0)) * (truth - mean)
 
 

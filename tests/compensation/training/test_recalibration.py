@@ -71,6 +71,19 @@ def test_rest_moves_the_zero(compensator, test_part):
     assert abs(after) < 0.7 * abs(before)
 
 
+@pytest.mark.parametrize("noise", [1e-3, 1e-2])
+def test_a_reference_stands_still_whatever_its_noise(compensator, test_part, noise):
+    """A compensator that falls short at the end of its range does so of a weight, be it read with noise or not."""
+    promised = replace(compensator, recipe={**compensator.recipe, "cross_validated": {"r2": 0.5}})
+    time_s, rng = np.arange(0.0, 30.0, 0.05), np.random.default_rng(0)
+    top = float(test_part.truth.max())
+    weight = Series(time_s, np.full(len(time_s), test_part.conductance_S.max()), np.full(len(time_s), top), "weight")
+    noisy = replace(weight, truth=top + noise * rng.standard_normal(len(time_s)))
+    still, read = (vars(correction(promised, part)) for part in (weight, noisy))
+    assert read == pytest.approx(still, abs=0.01)
+    assert abs(vars(correction(compensator, noisy))["shift_out"] - read["shift_out"]) > 0.05
+
+
 def test_the_command_saves_what_predict_reads(compensator, recordings, tmp_path, capsys):
     compensator_files.save(tmp_path / "c.json", compensator)
     write_recording_csv(tmp_path / "r.csv", recordings[1])
@@ -111,7 +124,11 @@ def test_a_reference_may_stand_still(compensator, recordings, tmp_path, capsys):
     compensator_files.save(tmp_path / "c.json", compensator)
     argv = ["recalibrate", str(tmp_path / "c.json"), str(tmp_path / "r.csv"), "-o", str(tmp_path / "new.json")]
     resistance_ohm = float(recordings[1]["resistance_ohm"].mean())
-    write_recording_csv(tmp_path / "r.csv", still(recordings[1], force_N=0.3, resistance_ohm=resistance_ohm))
+    weight = still(recordings[1], force_N=0.3, resistance_ohm=resistance_ohm)
+    write_recording_csv(tmp_path / "r.csv", weight)
+    assert main(argv) == 0
+    noise = 1e-3 * np.random.default_rng(0).standard_normal(len(weight))
+    write_recording_csv(tmp_path / "r.csv", replace(weight, channels={**weight.channels, "force_N": 0.3 + noise}))
     assert main(argv) == 0
     write_recording_csv(tmp_path / "r.csv", still(recordings[1], force_N=0.0))
     capsys.readouterr()
