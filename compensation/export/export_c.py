@@ -26,6 +26,18 @@ from compensation.model.runtime import (
 from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError
 
+# Of the target's standard deviation: what the header may differ from Python.
+PROMISED = 1e-5
+
+
+def rounding(compensator: TrainedCompensator) -> float:
+    """Error of a conductance in single precision, in standard deviations of the training.
+
+    Where it is above `PROMISED`, the header's value is about as far off: no arithmetic brings back what was not read.
+    """
+    scaling = compensator.scaling_in
+    return float(np.finfo(np.float32).eps) / 2 * abs(scaling.mean) / scaling.scale
+
 
 def c_header(compensator: TrainedCompensator, name: str = "knitbench") -> str:
     """Write a compensator as one C99 header, to be fed sample by sample; it needs no library and no heap.
