@@ -117,7 +117,11 @@ def choose(predictions: Mapping[str, FloatArray], truth: FloatArray) -> str:
 
 
 def weights_of(predictions: Mapping[str, FloatArray], truth: FloatArray) -> dict[str, float]:
-    """Weights of the stack's parts, none negative, together 1; a part without weight is left out.
+    """The weights of the stack's parts that fit best, none negative, together 1; a part without weight is left out.
+
+    With weights that sum to 1 the error of the stack is the weighted sum of the parts' errors. The sum s of weights
+    that minimise ``|errors w|^2 + (1 - sum w)^2`` alone depends on the size of that error, not how they share it out:
+    at shares v the best s leaves ``q / (1 + q)``, which rises with ``q = |errors v|^2``.
 
     Parameters
     ----------
@@ -126,10 +130,9 @@ def weights_of(predictions: Mapping[str, FloatArray], truth: FloatArray) -> dict
     """
     from scipy.optimize import nnls
 
-    columns = np.column_stack([predictions[name].ravel() for name in STACKED])
-    found, _ = nnls(columns, np.tile(truth, len(predictions[STACKED[0]])))
-    if not found.any():
-        return {STACKED[0]: 1.0}
+    errors = np.column_stack([(predictions[name] - truth).ravel() for name in STACKED])
+    ones = np.full(len(STACKED), max(float(np.linalg.norm(errors)), 1e-12))
+    found, _ = nnls(np.vstack([errors, ones]), np.append(np.zeros(len(errors)), ones[0]))
     return {name: float(w) for name, w in zip(STACKED, found / found.sum(), strict=True) if w > 0}
 
 

@@ -120,7 +120,25 @@ def test_the_weights_are_what_each_is_worth():
     assert weights["ridge"] == pytest.approx(0.2, abs=0.02)
     assert weights["networks"] == pytest.approx(0.8, abs=0.02)
     assert "paper" not in weights
-    assert weights_of(dict.fromkeys(STACKED, -truth[None]), truth) == {"ridge": 1.0}
+    assert sum(weights_of(dict.fromkeys(STACKED, -truth[None]), truth).values()) == pytest.approx(1.0)
+
+
+def test_the_weights_are_the_best_that_sum_to_one():
+    """A part that falls short by half of a truth of spread 1 errs as much as two whose noise has a spread of 0.5."""
+    rng = np.random.default_rng(0)
+    truth, first, second = rng.standard_normal((3, 100_000))
+    values = (0.5 * truth, truth + 0.5 * first, truth + 0.5 * second)
+    predictions = {name: value[None] for name, value in zip(STACKED, values, strict=True)}
+    assert list(weights_of(predictions, truth).values()) == pytest.approx([1 / 3] * 3, abs=0.01)
+
+    def error(shares):
+        return np.mean((truth - np.array(list(shares)) @ np.array(values)) ** 2)
+
+    least = error(weights_of(predictions, truth).values())
+    assert all(least <= error(shares) for shares in rng.dirichlet(np.ones(3), 200))
+    # An error that the others' cannot make up for, and one that is none: all weight is where it belongs.
+    exact = predictions | {"paper": truth[None]}
+    assert weights_of(exact, truth)["paper"] == pytest.approx(1.0)
 
 
 def test_a_folds_weights_come_from_the_others():
