@@ -8,7 +8,7 @@ The parts, from the simplest on:
 - *networks*: several small networks on bank, motion and play with strong L2; memories and L2 chosen within.
 - *stack*: the last three, each with a weight (stacked regression; Breiman, Machine Learning 24 (1996) 49).
 
-Each predicts every fold from the others and makes all its own choices there, on the training part alone. Folds are
+Each predicts every fold from the others and makes all its own choices there, scalers and ranges among them. Folds are
 whole recordings where there are three or more and none outweighs the others (`compensation.training.folds`),
 contiguous fifths of all rows otherwise; each fold is predicted as a recording of its own, its memories beginning with
 its first sample, and again as if it had been slower or quicker: what only knows the timing of the training's motion
@@ -28,11 +28,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from compensation.model.compensator import TrainedCompensator
+from compensation.model.compensator import Scaling, TrainedCompensator
 from compensation.model.runtime import ready_for_use
 from compensation.series import score
 from compensation.series.preprocessing import Series
-from compensation.training.folds import FOLDS, folds_of, whole_recordings
+from compensation.training.folds import FOLDS, folds_of, split, whole_recordings
 from compensation.training.intervals import of_another, of_one_recording
 from compensation.training.learners import PACES, Learner, Line, Networks, Paper, Ridge
 from compensation.training.options import Options
@@ -73,18 +73,17 @@ def train_automatically(
             "--method auto learns for use, where no recording's own mean is known; leave --per-recording out"
         )
     folds, whole = folds_of(series), whole_recordings(series)
-    learners: dict[str, Learner] = {}
-    for kind in LEARNERS:
-        learners[kind.name] = kind(series, target, options, like=next(reversed(learners.values()), None))
-    at_all_paces = {name: _cross_validated(learner, folds, progress) for name, learner in learners.items()}
-    truth = learners["line"].lessons.truth
+    truth = np.concatenate([part.truth for part in series])
+    scaling = Scaling.of(truth)
+    truth, scale = scaling.apply(truth), scaling.scale
+    held_out = cross_validated(series, target, options, folds, progress)
+    at_all_paces = {name: scaling.apply(values) for name, values in held_out.items()}
     predictions = {name: values[0] for name, values in at_all_paces.items()}
     predictions[STACK] = stacked(at_all_paces, truth, folds)
     chosen = choose(predictions, truth)
     weights = weights_of(at_all_paces, truth) if chosen == STACK else {"line": 1.0}
-    compensator = _trained(weights, learners, series, options)
+    compensator = _trained(weights, learners_on(series, target, options), series, options)
     progress(f"trained {chosen} on everything")
-    scale = compensator.scaling_out.scale
     tried = {name: figures(truth, values, scale) for name, values in predictions.items()}
     residual = (truth - predictions[chosen]) * scale
     off = None if whole else wander(compensator, series)
@@ -183,13 +182,35 @@ def figures(truth: FloatArray, prediction: FloatArray, scale: float) -> dict[str
     }
 
 
-def _cross_validated(learner: Learner, folds: NDArray[np.int64], progress: Callable[[str], None]) -> FloatArray:
-    prediction = np.empty((len(PACES), len(folds)))
+def learners_on(series: Sequence[Series], target: str, options: Options) -> dict[str, Learner]:
+    """Every method on these recordings, not fitted yet."""
+    learners: dict[str, Learner] = {}
+    for kind in LEARNERS:
+        learners[kind.name] = kind(series, target, options, like=next(reversed(learners.values()), None))
+    return learners
+
+
+def cross_validated(
+    series: Sequence[Series],
+    target: str,
+    options: Options,
+    folds: NDArray[np.int64],
+    progress: Callable[[str], None] = lambda note: None,
+) -> dict[str, FloatArray]:
+    """What each method predicts of each fold, at each pace, having seen nothing of it, not even for its scalers.
+
+    Returns
+    -------
+    dict of ndarray, each shape (paces, n)
+        In the target's unit.
+    """
+    found = {kind.name: np.empty((len(PACES), len(folds))) for kind in LEARNERS}
     for number in range(int(folds.max()) + 1):
-        held_out = folds == number
-        prediction[:, held_out] = learner.predict(learner.fit(~held_out), held_out)
-        progress(f"{learner.name}, fold {number + 1}")
-    return prediction
+        rest, parts = split(series, folds == number)
+        for name, learner in learners_on(rest, target, options).items():
+            found[name][:, folds == number] = learner.predict(learner.fit(), parts)
+            progress(f"{name}, fold {number + 1}")
+    return found
 
 
 def _trained(
@@ -197,8 +218,7 @@ def _trained(
 ) -> TrainedCompensator:
     """The weighted parts, fitted on everything, as networks whose mean is the answer."""
     last = learners[list(weights)[-1]]
-    lesson, everything = last.lessons, np.ones(len(last.features), dtype=bool)
-    parts = {name: learners[name].fit(everything) for name in weights}
+    lesson, parts = last.lessons, {name: learners[name].fit() for name in weights}
     count = sum(len(part.networks) for part in parts.values())
     networks = [
         network.times(count * weights[name] / len(part.networks)).absorbing(lesson.shift, lesson.scale)

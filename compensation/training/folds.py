@@ -37,11 +37,14 @@ def _rows(series: Sequence[Series]) -> int:
     return sum(len(part) for part in series)
 
 
-def cut(series: Sequence[Series], folds: NDArray[np.int64]) -> list[Series]:
-    """The recordings cut where the folds meet: what each fold is predicted from."""
-    found, begin = [], 0
+def split(series: Sequence[Series], held_out: NDArray[np.bool_]) -> tuple[list[Series], list[Series]]:
+    """What is learned from and what is held out: the recordings, or what is left of them on either side of a cut."""
+    rest: list[Series] = []
+    parts: list[Series] = []
+    begin = 0
     for part in series:
-        own = folds[begin : begin + len(part)]
-        found += [part.rows(rows) for rows in np.split(np.arange(len(part)), np.flatnonzero(np.diff(own)) + 1)]
+        own = held_out[begin : begin + len(part)]
+        for rows in np.split(np.arange(len(part)), np.flatnonzero(np.diff(own)) + 1):
+            (parts if own[rows[0]] else rest).append(part.rows(rows))
         begin += len(part)
-    return found
+    return rest, parts

@@ -19,6 +19,7 @@ from compensation.training.auto import (
     LEARNERS,
     STACKED,
     choose,
+    cross_validated,
     stacked,
     steps,
     train_automatically,
@@ -224,16 +225,29 @@ def test_the_table_says_of_what_the_folds_are(trained):
         assert f"expect r2 {promise['r2']:.3f} (too short for an interval)" in table
 
 
-def test_no_learner_looks_at_what_is_held_out(series):
-    """Another target there changes nothing of what is learned."""
-    for kind in LEARNERS:
-        learner = kind(series[:1], "force", Options())
-        kept = np.ones(len(learner.lessons.truth), dtype=bool)
-        kept[1000:2500] = False
-        first = learner.fit(kept)
-        learner.lessons = replace(learner.lessons, truth=np.where(kept, learner.lessons.truth, 99.0))
-        for one, other in zip(first.networks, learner.fit(kept).networks, strict=True):
-            np.testing.assert_array_equal(one.weights[0], other.weights[0])
+@pytest.mark.parametrize("recordings_of", [3, 1], ids=["whole recordings", "parts of one"])
+def test_no_learner_looks_at_what_is_held_out(series, recordings_of):
+    """Another target there, and another conductance from its middle on, change nothing of what is said before that.
+
+    The recordings are altered as they are given: not even a scaler or a range may know of it.
+    """
+    given = [part.rows(np.arange(1500)) for part in series[:recordings_of]]
+    folds = folds_of(given)
+    held_out, number = folds == 1, 1 if recordings_of == 3 else 0
+    own = held_out[len(given[0]) * number :][: len(given[number])]
+    late = own & (np.cumsum(own) > own.sum() / 2)
+    altered = list(given)
+    altered[number] = replace(
+        given[number],
+        truth=np.where(own, 99.0 - given[number].truth, given[number].truth),
+        conductance_S=given[number].conductance_S * np.where(late, 1.7, 1.0),
+    )
+    one, other = (cross_validated(each, "force", Options(), folds) for each in (given, altered))
+    half = held_out.sum() // 2
+    assert set(one) == {kind.name for kind in LEARNERS}
+    for name in one:
+        np.testing.assert_array_equal(one[name][:, held_out][:, :half], other[name][:, held_out][:, :half])
+        assert (one[name][:, held_out] != other[name][:, held_out]).any()
 
 
 def test_ridge_is_scikit_learns(series):
