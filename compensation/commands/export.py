@@ -37,7 +37,10 @@ def run(args: argparse.Namespace) -> int:
     needs, code = cost(compensator), code_bytes(header, args.name)
     shown = f"{code} bytes of code by this machine's gcc -Os" if code else "code size unknown: no gcc here"
     print(f"wrote {args.output}: flash {needs.constants_bytes} bytes of constants + {shown}")
-    print(f"RAM {needs.state_bytes} bytes, {needs.scratch_bytes} of stack; {needs.multiplies} multiplies a sample")
+    print(
+        f"RAM {needs.state_bytes} bytes, {needs.scratch_bytes} of stack; {needs.multiplies} multiplies a sample, "
+        f"{needs.multiplies_any_step} where dt is not exactly {1 / compensator.rate_hz:g} s"
+    )
     if rounding(compensator) > PROMISED:
         print(
             f"warning: the conductance moves by little of its mean, so that single precision is off by "

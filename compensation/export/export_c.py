@@ -176,7 +176,8 @@ TEMPLATE = """\
  * A reading that is not finite or not positive, or a bad dt_s, leaves everything as it was and gives the last value
  * again. No heap, no library.
  * Constants {needs.constants_bytes} bytes of flash, state {needs.state_bytes} bytes of RAM,
- * {needs.scratch_bytes} bytes of stack for values, {needs.multiplies} multiplications a sample.
+ * {needs.scratch_bytes} bytes of stack for values, {needs.multiplies} multiplications a sample of the nominal step,
+ * {needs.multiplies_any_step} of any other.
  */
 #ifndef {NAME}_COMPENSATOR_H
 #define {NAME}_COMPENSATOR_H
@@ -240,8 +241,8 @@ static inline float {name}_gain(float x) {{
             y *= 0.5f;
             halvings++;
         }}
-        y = y * (1.0f + (y / 2.0f) * (1.0f + (y / 3.0f) * (1.0f + (y / 4.0f) * (1.0f + (y / 5.0f) *
-            (1.0f + (y / 6.0f))))));
+        y = y * (1.0f + (y * (0.5f + (y * (1.6666667e-1f + (y * (4.1666667e-2f + (y * (8.3333333e-3f +
+            (y * 1.3888889e-3f))))))))));
         for (; halvings > 0u; halvings--) {{
             y *= y + 2.0f;
         }}

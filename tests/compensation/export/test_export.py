@@ -123,6 +123,8 @@ def test_cost_of_the_papers_network_by_hand(recordings):
     assert needs.constants_bytes == 4 * (51 + 35 + 14 + 4)
     assert needs.state_bytes == 4 * 32
     assert needs.multiplies == 42 + 28 + 1
+    # Each gain takes 7; of the factor 0.4 the exponent is -0.51, which is halved and squared once.
+    assert needs.multiplies_any_step == needs.multiplies + 7 * 7 + 2
 
 
 def test_onnx_step_equals_python(compensator, recordings, tmp_path):
