@@ -6,7 +6,7 @@ import argparse
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from compensation.model.compensator import Compensator
+    from compensation.model.compensator import TrainedCompensator
     from gcode.support.arrays import IntArray
 
 SUMMARY = "apply a compensator to a recording of resistance; no reference is needed"
@@ -71,7 +71,7 @@ def _print_status(status: IntArray) -> None:
         print(NOTHING_KNOWN)
 
 
-def _check_target(args: argparse.Namespace, compensator: Compensator) -> None:
+def _check_target(args: argparse.Namespace, compensator: TrainedCompensator) -> None:
     """Refuse a compensator of what is not asked for."""
     from gcode.support.errors import UserError
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -38,7 +38,7 @@ class Scaling:
 
 
 @dataclass(frozen=True)
-class Compensator:
+class TrainedCompensator:
     """Scaler, smoothing bank (and other memories), and one or more networks whose mean is the answer.
 
     Attributes
@@ -98,6 +98,11 @@ class Compensator:
     def resampling_hz(self) -> float | None:
         """Rate a recording is resampled to before it is fed in; None where it is taken as sampled."""
         return None if self.irregular else self.rate_hz
+
+    @property
+    def in_use(self) -> TrainedCompensator:
+        """The one that runs: it begins as a stream does, unless it is one that must know the whole recording."""
+        return self if self.per_recording else replace(self, start="causal")
 
     @property
     def slowest_s(self) -> float:
