@@ -17,7 +17,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("recording", metavar="RECORDING", help="campaign folder, or CSV with time_s,resistance_ohm")
     parser.add_argument("--compensator", required=True, metavar="FILE", help="file written by `compensation train`")
     parser.add_argument(
-        "-o", "--output", required=True, metavar="CSV", help="time_s, the target with its unit, low, high, status"
+        "-o",
+        "--output",
+        required=True,
+        metavar="CSV",
+        help="time_s, force_N, low_N, high_N (or displacement_mm, ...), status",
     )
     parser.add_argument("--target", choices=("force", "displacement"), help="refuse a compensator of the other")
     parser.add_argument("--unit", choices=("N", "mm"), help="refuse a compensator of another unit")

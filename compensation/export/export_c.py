@@ -11,7 +11,7 @@ from compensation.engines.network import Network
 from compensation.export.chip_cost import cost
 from compensation.export.export_c_history import number, pieces
 from compensation.memories.ema import log_retention, start_samples
-from compensation.model.compensator import TrainedCompensator
+from compensation.model.compensator import Fitted, TrainedCompensator, trained
 from compensation.model.runtime import (
     LARGEST_CONDUCTANCE_S,
     LONGEST_STEP_S,
@@ -39,13 +39,14 @@ def rounding(compensator: TrainedCompensator) -> float:
     return float(np.finfo(np.float32).eps) / 2 * abs(scaling.mean) / scaling.scale
 
 
-def c_header(compensator: TrainedCompensator, name: str = "knitbench") -> str:
+def c_header(compensator: TrainedCompensator | Fitted, name: str = "knitbench") -> str:
     """Write a compensator as one C99 header, to be fed sample by sample; it needs no library and no heap.
 
     Parameters
     ----------
-    compensator : TrainedCompensator
-        Its scaling of the output, and the mean over its networks, are folded into their last layers.
+    compensator : TrainedCompensator or Compensator
+        As loaded, or fitted. Its scaling of the output, and the mean over its networks, are folded into their last
+        layers.
     name : str
         Prefix of every C name.
 
@@ -67,12 +68,13 @@ def c_header(compensator: TrainedCompensator, name: str = "knitbench") -> str:
     >>> from compensation import Compensator, c_header
     >>> recording = tb.example(duration_s=60).resampled(20.0)
     >>> model = Compensator(method="paper").fit(recording.conductance_S[:, None], recording["force_N"])
-    >>> header = c_header(model.compensator_, "knit")
+    >>> header = c_header(model, "knit")
     >>> "float knit_update(knit_state *s, float conductance_S, float dt_s)" in header
     True
     """
     if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", name):
         raise UserError(f"--name must be a C identifier, got {name!r}")
+    compensator = trained(compensator)
     check_streams(compensator)
     needs, lengths = cost(compensator), start_samples(compensator.alphas, compensator.rate_hz)
     seen, begin, limits = ranges_of(compensator), beginning_of(compensator), limits_of(compensator)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from compensation.memories.ema import log_retention, start_samples
-from compensation.model.compensator import TrainedCompensator
+from compensation.model.compensator import Fitted, TrainedCompensator, trained
 from compensation.model.runtime import (
     LARGEST_CONDUCTANCE_S,
     LONGEST_STEP_S,
@@ -27,7 +27,7 @@ from gcode.support.files import atomic_path
 OPSET = 17
 
 
-def write_onnx(compensator: TrainedCompensator, path: str | Path) -> None:
+def write_onnx(compensator: TrainedCompensator | Fitted, path: str | Path) -> None:
     """Write one step of a compensator as an ONNX model in double precision.
 
     Inputs are ``conductance_S``, shape (1,), in S; ``steps``, shape (1,), the time since the last good sample in s,
@@ -42,7 +42,8 @@ def write_onnx(compensator: TrainedCompensator, path: str | Path) -> None:
 
     Parameters
     ----------
-    compensator : TrainedCompensator
+    compensator : TrainedCompensator or Compensator
+        As loaded, or fitted.
     path : path
         File to write; a file that is there is replaced.
 
@@ -61,7 +62,7 @@ def write_onnx(compensator: TrainedCompensator, path: str | Path) -> None:
     >>> recording = tb.example(duration_s=60).resampled(20.0)
     >>> model = Compensator(method="paper").fit(recording.conductance_S[:, None], recording["force_N"])
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_onnx(model.compensator_, f"{folder}/knit.onnx")
+    ...     write_onnx(model, f"{folder}/knit.onnx")
     ...     exported = OnnxStream(f"{folder}/knit.onnx")
     >>> round(exported.update(1.6e-6) - model.stream().update(1.6e-6), 9)
     0.0
@@ -70,6 +71,7 @@ def write_onnx(compensator: TrainedCompensator, path: str | Path) -> None:
         import onnx
     except ImportError:
         raise UserError("ONNX export needs the onnx package: pip install 'knitbench[onnx]'") from None
+    compensator = trained(compensator)
     check_streams(compensator)
     model = _model(compensator)
     onnx.checker.check_model(model)

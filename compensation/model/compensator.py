@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from compensation.memories.history import NO_HISTORY, History
 from compensation.model.ranges import Beginning, Seen
 from compensation.series.preprocessing import TARGETS, Series
 from gcode.support.arrays import FloatArray
+from gcode.support.errors import UserError
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,29 @@ class Scaling:
     def invert(self, values: FloatArray) -> FloatArray:
         """Back to physical units."""
         return values * self.scale + self.mean
+
+
+class Fitted(Protocol):
+    """An estimator that has learned a compensator, or None where it learned something else."""
+
+    compensator_: TrainedCompensator | None
+
+
+def trained(compensator: TrainedCompensator | Fitted) -> TrainedCompensator:
+    """What `compensation.load` gives, as it is; of a fitted `compensation.Compensator` what it has learned.
+
+    Raises
+    ------
+    UserError
+        If it is neither.
+    """
+    found = getattr(compensator, "compensator_", compensator)
+    if not isinstance(found, TrainedCompensator):
+        raise UserError(
+            "compensator: must be what compensation.load gives, or a fitted compensation.Compensator, got "
+            f"{compensator!r}"
+        )
+    return found
 
 
 @dataclass(frozen=True)

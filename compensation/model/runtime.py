@@ -41,7 +41,7 @@ class Status(IntFlag):
 
     GOOD = 0
     BAD_READING = 1  # not finite or not positive: left out, the last value repeated
-    BAD_STEP = 2  # time step not finite, not positive or too long: left out, the last value repeated
+    BAD_STEP = 2  # time step not finite, below about 1 us or above an hour: as above
     UNSEEN_READING = 4  # conductance outside the range of the training
     UNSEEN_HISTORY = 8  # a memory outside the range of the training
     STARTING = 16  # the first samples, from which the memories' start is taken

@@ -137,6 +137,11 @@ def test_onnx_step_equals_python(compensator, recordings, tmp_path):
     np.testing.assert_allclose(got, streamed(compensator, recording), atol=1e-9)
 
 
+def test_what_is_no_compensator_is_refused_by_name():
+    with pytest.raises(UserError, match=r"a fitted compensation\.Compensator, got 'c\.json'"):
+        c_header("c.json")
+
+
 def test_per_recording_scaling_cannot_stream(compensator, tmp_path):
     whole = replace(compensator, per_recording=True)
     for attempt in (
