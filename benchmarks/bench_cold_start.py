@@ -19,7 +19,7 @@ import numpy as np
 from compensator_cases import Case, real, simulated
 from compensator_rivals import seed_of
 
-from compensation.model.compensator import Compensator
+from compensation.model.compensator import TrainedCompensator
 from compensation.series.preprocessing import Series, series_of
 from compensation.training.auto import train_automatically
 from compensation.training.options import Options
@@ -62,7 +62,7 @@ def _ratio(case: Case, target: str) -> Iterator[float]:
     yield cold_over_running(replace(trained, start="causal"), part)
 
 
-def cold_over_running(compensator: Compensator, part: Series) -> float:
+def cold_over_running(compensator: TrainedCompensator, part: Series) -> float:
     """Ratio of the two errors, each a root mean square over the same samples."""
     running = compensator.predict_series(part) - part.truth
     cold, warm = [], []

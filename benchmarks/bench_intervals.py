@@ -24,7 +24,7 @@ import numpy as np
 from compensator_cases import real
 from compensator_rivals import seed_of
 
-from compensation.model.compensator import Compensator
+from compensation.model.compensator import TrainedCompensator
 from compensation.paper.paper_campaigns import TAB, campaigns
 from compensation.series.preprocessing import TARGETS, Series, series_of
 from compensation.training.auto import train_automatically
@@ -122,7 +122,7 @@ def _measured(kind: str, target: str) -> Iterator[tuple[str, list[float]]]:
         yield "one recording", shares
 
 
-def _inside(compensator: Compensator, tests: Sequence[Series]) -> list[float]:
+def _inside(compensator: TrainedCompensator, tests: Sequence[Series]) -> list[float]:
     """Of each recording, the share of samples whose truth lies between `low` and `high`."""
     low, high = compensator.margins or (-np.inf, np.inf)
     errors = [part.truth - compensator.predict_series(part) for part in tests]

@@ -4,8 +4,8 @@
     python benchmarks/bench_investigate.py --cases 14 --results r.jsonl     each side of each pair once; resumes
     python benchmarks/bench_investigate.py --results r.jsonl --report       only the table of what is there
 
-Both arms begin with the same run of random motion. One goes on with the motion that is expected to tell most, the
-other with random motion like the paper's. Sensors are those of `testbench.worlds`: they share nothing with the model.
+One arm begins with a bit of everything and goes on with the motion that is expected to tell most; the other is random
+motion like the paper's. Sensors are those of `testbench.worlds`: they share nothing with the model.
 Strength is what the sensor's own base laws cannot absorb, over the noise floor, in random motion of `--run-minutes`.
 """
 
@@ -34,10 +34,6 @@ from testbench.investigating.benches import Order
 from testbench.investigating.state import (
     Investigation,
     Settings,
-    load_investigation,
-    program_folder,
-    run_folder,
-    save_investigation,
 )
 from testbench.knit.catalogue import load_catalogue
 from testbench.recordings.files import write_recording_csv
@@ -118,8 +114,6 @@ def run_case(effect: str, world: str, seed: int, args: argparse.Namespace, folde
                 effects_at_most=args.repeat,
             )
             loop.begin(place, settings, "hidden")
-            if arm == "perlin":
-                share_first_run(folder / f"{seed}-designed", place)
             ended = loop.proceed(place, bench, catalogue)
             row = row_of(effect, world, seed, arm, answer, ended, time.perf_counter() - start, args)
             rows.append(row | {"reached": sensor.reached})
@@ -128,14 +122,6 @@ def run_case(effect: str, world: str, seed: int, args: argparse.Namespace, folde
             {"key": f"{effect}/{world}/{seed}/error", "effect": effect, "error": f"{type(error).__name__}: {error}"}
         )
     return rows
-
-
-def share_first_run(source: Path, target: Path) -> None:
-    """Both arms begin with the same recording and the same belief."""
-    for folder in (program_folder, run_folder):
-        shutil.copytree(folder(source, 1), folder(target, 1))
-    first = load_investigation(source).runs[0]
-    save_investigation(target, load_investigation(target).with_run(0, first))
 
 
 def row_of(
@@ -196,9 +182,7 @@ def table(rows: Sequence[Row]) -> str:
         share = f"{len(both)} of {len(sure)}"
         lines.append(f"{arm:<10}{len(own):>6}{len(sure):>6}{len(right):>7}{share:>15}{said:>22}")
     first = [row for row in good if row["arm"] == ARMS[0]]
-    lines.append(
-        f"sure after the first, random run already: {sum(row['runs'] == 1 for row in first)} of {len(first)}"
-    )
+    lines.append(f"sure after the first run already: {sum(row['runs'] == 1 for row in first)} of {len(first)}")
     lines.append(f"failed: {len(rows) - len(good)}")
     return "\n".join(lines)
 

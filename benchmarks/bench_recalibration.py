@@ -26,7 +26,7 @@ from compensator_ageing import chain
 from compensator_cases import Case, real
 from compensator_rivals import seed_of
 
-from compensation.model.compensator import Compensator
+from compensation.model.compensator import TrainedCompensator
 from compensation.model.runtime import ready_for_use
 from compensation.series import score
 from compensation.series.preprocessing import TARGETS, Series, series_of
@@ -119,7 +119,7 @@ def _pair(case: Case, target: str, seconds: float) -> np.ndarray | None:
     return np.array([[raw, raw], *scores])
 
 
-def _line(series: Sequence[Series], target: str) -> Compensator:
+def _line(series: Sequence[Series], target: str) -> TrainedCompensator:
     """A straight line through the conductance, as a compensator that can be recalibrated."""
     blank = untrained(series, target, Options(alphas=(1.0,)))
     features, truth = training_arrays(blank, series)
@@ -138,12 +138,12 @@ def _judged(series: dict[int, dict[int, Series]], target: str) -> Iterator[tuple
             yield "another specimen", _scores(compensator, series[other][LATER[0]])
 
 
-def _scores(compensator: Compensator, part: Series) -> list[float]:
+def _scores(compensator: TrainedCompensator, part: Series) -> list[float]:
     references = (None, _at_rest(part), _first(part, 30.0), _first(part, FIRST_S))
     return [_score(compensator if one is None else recalibrated(compensator, one), part) for one in references]
 
 
-def _score(compensator: Compensator, part: Series) -> float:
+def _score(compensator: TrainedCompensator, part: Series) -> float:
     late = part.time_s >= part.time_s[0] + FIRST_S
     return score.r2_ordinary(part.truth[late], compensator.predict_series(part)[late])
 

@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 from joblib import Parallel, delayed
 
-from compensation.model.compensator import Compensator
+from compensation.model.compensator import TrainedCompensator
 from compensation.paper import reproduction as ours
 from compensation.paper.paper_campaigns import TAB, campaigns
 from compensation.series.preprocessing import TARGETS, series_of
@@ -71,7 +71,7 @@ def scores(trial: Trial, target: str) -> list[float]:
     model = fit(starting_baseline(measurement), [coarser(measurement, 10.0)]).model
     own = replace(options, sizes=twin.SIZES, l2=twin.L2, history=twin.HISTORY)
 
-    def from_twin(models: Sequence[KnitModel], share: float = twin.SHARE) -> Compensator:
+    def from_twin(models: Sequence[KnitModel], share: float = twin.SHARE) -> TrainedCompensator:
         lengths = (target, trial.short.gauge_length_mm, trial.amplitude, options.rate_hz)
         return twin.learned(twin.simulated(models, *lengths), measured, target, own, share=share)
 

@@ -15,7 +15,7 @@ import numpy as np
 from sequence_networks import Gru, Tcn, adam
 
 from compensation.memories.history import History
-from compensation.model.compensator import Compensator
+from compensation.model.compensator import TrainedCompensator
 from compensation.series.preprocessing import Series
 from compensation.training.auto import train_automatically
 from compensation.training.lessons import STATE_SHIFT
@@ -166,7 +166,7 @@ def paper(series: Sequence[Series], target: str, seed: int) -> Fitted:
     return _ours(train_on_series(series, target, Options(seed=seed)))
 
 
-def _ours(compensator: Compensator) -> Fitted:
+def _ours(compensator: TrainedCompensator) -> Fitted:
     return Fitted(compensator.predict_series, compensator.parameter_count)
 
 

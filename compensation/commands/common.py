@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from compensation.model.compensator import Compensator
+    from compensation.model.compensator import TrainedCompensator
     from testbench.recordings.recording import Recording
 
 PICTURES = (".png", ".pdf", ".svg")
@@ -42,7 +42,7 @@ def read_all(args: argparse.Namespace, target: str) -> list[Recording]:
     return recordings
 
 
-def check_long_enough(source: str, compensator: Compensator, duration_s: float) -> None:
+def check_long_enough(source: str, compensator: TrainedCompensator, duration_s: float) -> None:
     """Refuse a recording shorter than the slowest memory: it is all beginning."""
     from gcode.support.errors import UserError
 
@@ -68,17 +68,18 @@ def check_places(output: str | None, picture: str | None) -> None:
 
 def score_table(scores: dict[str, Any]) -> str:
     """The table that `train` and `score` print."""
+    from compensation.series.score import interval_text
+
     unit = scores["compensator"]["unit"]
     lines = [
         f"{'recording':40} {'role':9} {'r2 raw':>7} {'rho2':>6} {'r2 after':>8} {'rescaled':>8} {'ordinary':>8} "
         f"{'95 %':>15} {'gain':>6} {unit:>8}"
     ]
     for row in scores["recordings"]:
-        low, high = row["r2_after_interval"]
         lines.append(
             f"{_short(row['source']):40} {row['role']:9} {row['r2_before']:7.3f} {row['rho2_before']:6.3f} "
             f"{row['r2_after']:8.3f} {row['r2_rescaled']:8.3f} {row['r2_ordinary']:8.3f} "
-            f"{f'{low:.3f}..{high:.3f}':>15} {row['gain']:6.3f} {row['rms_error']:8.4f}"
+            f"{interval_text(row['r2_after_interval']):>15} {row['gain']:6.3f} {row['rms_error']:8.4f}"
         )
     return "\n".join([*lines, *_below_the_table(scores)])
 
@@ -92,7 +93,7 @@ def _below_the_table(scores: dict[str, Any]) -> list[str]:
         "r2 raw: conductance and target standardised per recording (the paper's); rho2: the best straight line; "
         "r2 after: the paper's, in physical units; rescaled: scored as raw is, so that gain and zero are given; "
         "ordinary: an error in level counts in full; "
-        f"95 %: bootstrap over 60 s blocks; {scores['compensator']['unit']}: RMS error",
+        f"95 %: bootstrap over blocks of up to 60 s; {scores['compensator']['unit']}: RMS error",
     ]
     lost = summary["r2_rescaled"] - summary["r2_after"]
     if lost > MUCH:
@@ -110,19 +111,28 @@ def _below_the_table(scores: dict[str, Any]) -> list[str]:
 
 def cross_validation_table(recipe: Mapping[str, Any], unit: str) -> str:
     """What cross-validation found of every method, what it took, and what it promises of that."""
-    promise = recipe["cross_validated"]
-    how = "whole recordings" if promise["whole_recordings"] else "contiguous parts of the training"
+    from compensation.training.folds import GROUPS_FROM
+
+    promise, recordings = recipe["cross_validated"], len(recipe["trained_on"])
+    how = "contiguous parts of the training"
+    if promise["whole_recordings"]:
+        how = "whole recordings" if promise["folds"] == recordings else "groups of whole recordings"
     lines = [f"cross-validated on {promise['folds']} {how}: r2, ordinary r2, RMS error in {unit}"]
     for name, row in recipe["tried"].items():
         mark = _taken(recipe, name)
         lines.append(f"  {name:10} {row['r2']:7.3f} {row['r2_ordinary']:7.3f} {row['rms_error']:8.4f}{mark}")
-    low, high = promise["r2_interval"]
-    lines.append(f"  expect r2 {promise['r2']:.3f} ({low:.3f} to {high:.3f}); raw {promise['raw_r2']:.3f}")
+    likely = promise["r2_interval"]
+    span = "{:.3f} to {:.3f}".format(*likely) if likely else "too short for an interval"
+    lines.append(f"  expect r2 {promise['r2']:.3f} ({span}); raw {promise['raw_r2']:.3f}")
     if not promise["whole_recordings"]:
+        few = (
+            "fewer than three recordings"
+            if recordings < GROUPS_FROM
+            else "recordings of which one outweighs the others"
+        )
         lines.append(
             f"  for this motion and day; with the gain and zero of another day or specimen about r2 "
-            f"{promise['r2_elsewhere']:.2f}: fewer than three recordings cannot show it, give more, or "
-            "`compensation recalibrate`"
+            f"{promise['r2_elsewhere']:.2f}: {few} cannot show it, give more, or `compensation recalibrate`"
         )
     if recipe["chosen"] == "line":
         lines.append("  nothing is better than a straight line here, so that is what you get")

@@ -18,7 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     from compensation.commands.common import check_places
     from compensation.export.chip_cost import code_bytes, cost
-    from compensation.export.export_c import c_header
+    from compensation.export.export_c import PROMISED, c_header, rounding
     from compensation.model.files import load
     from gcode.support.files import write_text
 
@@ -37,5 +37,13 @@ def run(args: argparse.Namespace) -> int:
     needs, code = cost(compensator), code_bytes(header, args.name)
     shown = f"{code} bytes of code by this machine's gcc -Os" if code else "code size unknown: no gcc here"
     print(f"wrote {args.output}: flash {needs.constants_bytes} bytes of constants + {shown}")
-    print(f"RAM {needs.state_bytes} bytes, {needs.scratch_bytes} of stack; {needs.multiplies} multiplies a sample")
+    print(
+        f"RAM {needs.state_bytes} bytes, {needs.scratch_bytes} of stack; {needs.multiplies} multiplies a sample, "
+        f"{needs.multiplies_any_step} where dt is not exactly {1 / compensator.rate_hz:g} s"
+    )
+    if rounding(compensator) > PROMISED:
+        print(
+            f"warning: the conductance moves by little of its mean, so that single precision is off by "
+            f"{rounding(compensator):.1g} of its standard deviation; values may differ from Python's by as much"
+        )
     return 0

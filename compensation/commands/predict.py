@@ -6,7 +6,7 @@ import argparse
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from compensation.model.compensator import Compensator
+    from compensation.model.compensator import TrainedCompensator
     from gcode.support.arrays import IntArray
 
 SUMMARY = "apply a compensator to a recording of resistance; no reference is needed"
@@ -17,7 +17,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("recording", metavar="RECORDING", help="campaign folder, or CSV with time_s,resistance_ohm")
     parser.add_argument("--compensator", required=True, metavar="FILE", help="file written by `compensation train`")
     parser.add_argument(
-        "-o", "--output", required=True, metavar="CSV", help="time_s, the target with its unit, low, high, status"
+        "-o",
+        "--output",
+        required=True,
+        metavar="CSV",
+        help="time_s, force_N, low_N, high_N (or displacement_mm, ...), status",
     )
     parser.add_argument("--target", choices=("force", "displacement"), help="refuse a compensator of the other")
     parser.add_argument("--unit", choices=("N", "mm"), help="refuse a compensator of another unit")
@@ -71,7 +75,7 @@ def _print_status(status: IntArray) -> None:
         print(NOTHING_KNOWN)
 
 
-def _check_target(args: argparse.Namespace, compensator: Compensator) -> None:
+def _check_target(args: argparse.Namespace, compensator: TrainedCompensator) -> None:
     """Refuse a compensator of what is not asked for."""
     from gcode.support.errors import UserError
 

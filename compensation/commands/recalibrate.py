@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from compensation.commands.common import add_gauge_length
 
 if TYPE_CHECKING:
-    from compensation.model.compensator import Compensator
+    from compensation.model.compensator import TrainedCompensator
     from compensation.series.preprocessing import Series
 
 SUMMARY = "correct a compensator for another day or specimen, from a minute of reference"
@@ -49,17 +49,17 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def _reference(args: argparse.Namespace, compensator: Compensator) -> Series:
+def _reference(args: argparse.Namespace, compensator: TrainedCompensator) -> Series:
     """The first seconds of the recording: its own reference, or zero throughout."""
     from compensation.model.prediction import at_rest
     from compensation.series.preprocessing import reference_of
     from compensation.series.reading import check_tared, read_signals
+    from compensation.training.recalibration import reach
 
     if args.rest:
         return at_rest(compensator, args.recording, args.seconds)
     recording = read_signals(args.recording, args.gauge_length_mm)
-    check_tared(recording, compensator.target)
     begin_s = float(recording.time_s[0])
-    return reference_of(
-        recording.between(begin_s, begin_s + args.seconds), compensator.target, compensator.resampling_hz
-    )
+    recording = recording.between(begin_s, begin_s + args.seconds)
+    check_tared(recording, compensator.target, reach(compensator))
+    return reference_of(recording, compensator.target, compensator.resampling_hz)

@@ -132,9 +132,9 @@ def _certainty(ranking, agreement: float | None, seeds: int) -> str:
     best = ranking[0]
     if agreement is None:
         return f"{len(ranking)} candidates, {seeds} seed(s): a ranking from one seed is noise; use --seeds 5 or more"
-    rivals = sum(row.rank_low <= best.rank_high for row in ranking)
+    rivals = sum(row.rank_low <= best.rank_high for row in ranking[1:])
     return (
         f"{len(ranking)} candidates, {seeds} seeds: the first is first in {best.chance_first:.0%} of the draws; "
-        f"{rivals} candidates cannot be told from it; even and odd seeds agree to rho = {agreement:.2f}. "
+        f"{rivals} others cannot be told from it; even and odd seeds agree to rho = {agreement:.2f}. "
         "E is taken on A and B, as in the paper: it is a selection on the test set."
     )

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from compensation.commands.common import add_gauge_length, add_recordings
 
 if TYPE_CHECKING:
-    from compensation.model.compensator import Compensator
+    from compensation.model.compensator import TrainedCompensator
     from compensation.training.options import Options
     from testbench.recordings.recording import Recording
 
@@ -117,7 +117,7 @@ def _check_long_enough(args: argparse.Namespace, options: Options, recordings: l
         )
 
 
-def _networks(compensator: Compensator) -> str:
+def _networks(compensator: TrainedCompensator) -> str:
     """How many of which hidden layers: a stack has several kinds."""
     from collections import Counter
 
@@ -153,6 +153,7 @@ def _options(args: argparse.Namespace) -> Options:
 
 
 def _check(args: argparse.Namespace) -> None:
+    from compensation.training.options import HIGHEST_SEED
     from gcode.support.errors import UserError
 
     chosen = "--twin" if args.twin else f"--method {args.method}" if args.method in ("auto", "tuned") else ""
@@ -169,11 +170,11 @@ def _check(args: argparse.Namespace) -> None:
         raise UserError(f"--restarts must be at least 1, got {args.restarts}")
     if args.l2 is not None and not 0 <= args.l2 < float("inf"):
         raise UserError(f"--l2 must be a number from 0 on, got {args.l2:g}")
-    if not 0 <= args.seed < 2**31:
-        raise UserError(f"--seed must be from 0 to 2147483647, got {args.seed}")
+    if not 0 <= args.seed <= HIGHEST_SEED:
+        raise UserError(f"--seed must be from 0 to {HIGHEST_SEED}, got {args.seed}")
 
 
-def _from_data(args: argparse.Namespace, recordings: list[Recording], options: Options) -> Compensator:
+def _from_data(args: argparse.Namespace, recordings: list[Recording], options: Options) -> TrainedCompensator:
     from compensation.series.preprocessing import series_of
     from compensation.training import auto, tuning
     from compensation.training.training import train
@@ -187,7 +188,7 @@ def _from_data(args: argparse.Namespace, recordings: list[Recording], options: O
     return train(recordings, args.target, options, progress.step, tuned)
 
 
-def _from_twin(args: argparse.Namespace, recordings: list[Recording], options: Options) -> Compensator:
+def _from_twin(args: argparse.Namespace, recordings: list[Recording], options: Options) -> TrainedCompensator:
     from compensation.series.reading import UNKNOWN_LENGTH_MM
     from compensation.training import twin
     from gcode.support.console import Progress

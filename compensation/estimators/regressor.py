@@ -2,27 +2,34 @@
 
 from __future__ import annotations
 
+import warnings
+from collections.abc import Hashable
+from dataclasses import dataclass
+from numbers import Integral, Real
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from sklearn.base import BaseEstimator, RegressorMixin
+from sklearn.metrics import r2_score
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from compensation.memories.ema import PAPER_RATE_HZ, smooth, smoothing_factors
-from compensation.model.compensator import Compensator as Trained
+from compensation.model.compensator import TrainedCompensator
+from compensation.model.files import LARGEST_RATE_HZ, SMALLEST_RATE_HZ, save
+from compensation.model.runtime import check_streams
 from compensation.model.streaming import CompensatorStream
 from compensation.series.preprocessing import TARGETS, Series
 from compensation.training.auto import train_automatically
-from compensation.training.options import Options
+from compensation.training.options import HIGHEST_SEED, Options
 from compensation.training.training import train_on_series
 from compensation.training.tuning import tune
 from gcode.support.arrays import FloatArray
 
 METHODS = ("auto", "paper", "tuned", "ridge")
-# 20 s at 20 Hz: below, the networks of auto have nothing to be validated on.
-FEWEST_ROWS = 400
+# Below, the networks of auto have nothing to be validated on.
+FEWEST_S, FEWEST_ROWS = 20.0, 10
 RIDGE_L2 = 1e-2
 
 # It has memory: these checks permute or thin out the rows, which are samples in time here.
@@ -38,8 +45,8 @@ class Compensator(RegressorMixin, BaseEstimator):
     Parameters
     ----------
     method : {"auto", "paper", "tuned", "ridge"}
-        As ``compensation train --method``; ``ridge`` is a ridge regression on the smoothing bank. Several columns, or
-        less than 20 s, are always learned by ``ridge``.
+        As ``compensation train --method``; ``ridge`` is a ridge regression on the smoothing bank. Several columns,
+        less than 20 s, or a constant are always learned by ``ridge``, with a warning where another one was asked for.
     target : {"force", "displacement"}
         What y is, in N or mm; needed to save or export.
     rate_hz : float
@@ -48,7 +55,7 @@ class Compensator(RegressorMixin, BaseEstimator):
 
     Attributes
     ----------
-    compensator_ : compensation.model.compensator.Compensator or None
+    compensator_ : compensation.model.compensator.TrainedCompensator or None
         What `stream`, `save` and the exports use; None where `ridge` was used.
     n_features_in_ : int
 
@@ -64,7 +71,8 @@ class Compensator(RegressorMixin, BaseEstimator):
     Notes
     -----
     Pass ``groups``, one label a row, where rows of several recordings follow one another: each begins anew, and
-    ``auto`` holds out whole recordings. With scikit-learn's metadata routing: ``set_fit_request(groups=True)``.
+    ``auto`` holds out whole recordings. With scikit-learn's metadata routing: ``set_fit_request(groups=True)``, and
+    likewise for ``predict`` and ``score``.
     """
 
     def __init__(
@@ -84,41 +92,48 @@ class Compensator(RegressorMixin, BaseEstimator):
             Conductance in S, in order of time at `rate_hz`; further columns are further signals.
         y : array-like, shape (n,)
         groups : array-like, shape (n,), optional
-            Label of the recording that each row belongs to.
+            Label of the recording that each row belongs to; rows of one label are in order of time.
 
         Raises
         ------
         ValueError
-            If a parameter is none of those allowed, or X and y do not fit.
+            If a parameter is none of those allowed, X and y do not fit, or a recording has a single row.
         """
-        if self.method not in METHODS or self.target not in TARGETS:
-            raise ValueError(
-                f"method must be one of {', '.join(METHODS)} and target one of {', '.join(TARGETS)}, "
-                f"got {self.method!r} and {self.target!r}"
-            )
+        self._check_parameters()
         X, y = validate_data(self, X, y, dtype=np.float64, y_numeric=True, ensure_min_samples=2)
         parts = _parts(len(X), groups)
-        varies = np.ptp(X[:, 0]) > 0 and np.ptp(y) > 0
-        long_enough = len(X) >= FEWEST_ROWS and min(map(len, parts)) > 1
-        self.compensator_: Trained | None = None
-        if self.method != "ridge" and X.shape[1] == 1 and long_enough and varies:
-            self.compensator_ = self._trained([self._series(X[rows, 0], y[rows]) for rows in parts])
+        for label, rows in parts.items():
+            if len(rows) < 2:
+                raise ValueError(
+                    f"a recording needs at least 2 rows, group {label!r} has 1; give it more or leave it out"
+                )
+        self._why_ridge = self._reason_for_ridge(X, y)
+        if self._why_ridge and self.method != "ridge":
+            warnings.warn(f"learned by ridge, not by {self.method}: {self._why_ridge}", stacklevel=2)
+        self.compensator_: TrainedCompensator | None = None
+        self._ridge: _Ridge | None = None
+        if self._why_ridge:
+            self._ridge = _Ridge.learned(X, y, list(parts.values()), self.rate_hz)
         else:
-            self._fit_ridge(X, y, parts)
+            self.compensator_ = self._trained([self._series(X[rows, 0], y[rows]) for rows in parts.values()])
         return self
 
     def predict(self, X: Any, groups: Any = None) -> FloatArray:
-        """Predict each recording from its first row on: shape (n,), in the unit of y."""
+        """Predict each recording from its first row on, as `stream` does: shape (n,), in the unit of y."""
         check_is_fitted(self)
         X = validate_data(self, X, dtype=np.float64, reset=False)
         out = np.empty(len(X))
-        for rows in _parts(len(X), groups):
+        for rows in _parts(len(X), groups).values():
             if self.compensator_ is not None:
                 time_s = np.arange(len(rows)) / self.rate_hz
-                out[rows] = self.compensator_.predict(time_s, X[rows, 0])
-            else:
-                out[rows] = self._memories(X[rows]) @ self.coef_ + self.intercept_
+                out[rows] = self.compensator_.in_use.predict(time_s, X[rows, 0])
+            elif self._ridge is not None:
+                out[rows] = self._ridge.predict(X[rows])
         return out
+
+    def score(self, X: Any, y: Any, sample_weight: Any = None, groups: Any = None) -> float:
+        """The usual coefficient of determination of `predict`."""
+        return float(r2_score(y, self.predict(X, groups), sample_weight=sample_weight))
 
     def stream(self) -> CompensatorStream:
         """A fresh running state, to be fed sample by sample: ``update(conductance_S, dt_s)``, ``status``."""
@@ -126,41 +141,51 @@ class Compensator(RegressorMixin, BaseEstimator):
 
     def save(self, path: str | Path) -> None:
         """Write what ``compensation predict``, ``score`` and ``export`` read."""
-        from compensation.model.files import save
-
         save(path, self._whole())
 
-    def _whole(self) -> Trained:
+    def _whole(self) -> TrainedCompensator:
         check_is_fitted(self)
         if self.compensator_ is None:
             raise ValueError(
-                "fitted by ridge (asked for, or because of several columns, of under 20 s or of a constant): it has "
-                "no stream and no file; fit one column of 20 s or more with method auto, paper or tuned"
+                f"fitted by ridge ({self._why_ridge}): it has no stream and no file; fit one column of "
+                f"{FEWEST_S:g} s or more with method auto, paper or tuned"
             )
+        check_streams(self.compensator_)
         return self.compensator_
+
+    def _check_parameters(self) -> None:
+        if self.method not in METHODS or self.target not in TARGETS:
+            raise ValueError(
+                f"method must be one of {', '.join(METHODS)} and target one of {', '.join(TARGETS)}, "
+                f"got {self.method!r} and {self.target!r}"
+            )
+        if not (isinstance(self.rate_hz, Real) and SMALLEST_RATE_HZ <= self.rate_hz <= LARGEST_RATE_HZ):
+            raise ValueError(
+                f"rate_hz must be a number from {SMALLEST_RATE_HZ:g} to {LARGEST_RATE_HZ:g}, got {self.rate_hz!r}"
+            )
+        if not (isinstance(self.seed, Integral) and 0 <= self.seed <= HIGHEST_SEED):
+            raise ValueError(f"seed must be a whole number from 0 to {HIGHEST_SEED}, got {self.seed!r}")
+
+    def _reason_for_ridge(self, X: FloatArray, y: FloatArray) -> str:
+        """Why ridge is what learns; empty where it is not."""
+        if self.method == "ridge":
+            return "as asked for"
+        if X.shape[1] > 1:
+            return f"X has {X.shape[1]} columns, the others take one"
+        if len(X) < max(FEWEST_S * self.rate_hz, FEWEST_ROWS):
+            has = f"{len(X)} rows are {len(X) / self.rate_hz:.3g} s"
+            return f"{has}, the others need {FEWEST_S:g} s in {FEWEST_ROWS} rows"
+        if np.ptp(X) == 0 or np.ptp(y) == 0:
+            return "the conductance or the target is constant"
+        return ""
 
     def _series(self, conductance_S: FloatArray, truth: FloatArray) -> Series:
         return Series(np.arange(len(truth)) / self.rate_hz, conductance_S, truth, "fit")
 
-    def _trained(self, series: list[Series]) -> Trained:
-        options = Options(seed=self.seed, rate_hz=self.rate_hz)
+    def _trained(self, series: list[Series]) -> TrainedCompensator:
+        options = Options(seed=int(self.seed), rate_hz=float(self.rate_hz))
         learn = {"auto": train_automatically, "paper": train_on_series, "tuned": tune}[self.method]
         return learn(series, self.target, options)
-
-    def _fit_ridge(self, X: FloatArray, y: FloatArray, parts: list[NDArray[np.intp]]) -> None:
-        self.mean_, self.scale_ = X.mean(axis=0), np.where(X.std(axis=0) > 0, X.std(axis=0), 1.0)
-        features = np.empty((len(X), X.shape[1] * len(smoothing_factors())))
-        for rows in parts:
-            features[rows] = self._memories(X[rows])
-        centre = features.mean(axis=0)
-        centred = features - centre
-        gram = centred.T @ centred / len(X) + RIDGE_L2 * np.eye(features.shape[1])
-        self.coef_ = np.linalg.solve(gram, centred.T @ (y - y.mean()) / len(X))
-        self.intercept_ = float(y.mean() - centre @ self.coef_)
-
-    def _memories(self, X: FloatArray) -> FloatArray:
-        standardised = (X - self.mean_) / self.scale_
-        return np.hstack([smooth(column, smoothing_factors(), self.rate_hz) for column in standardised.T])
 
     def __sklearn_tags__(self) -> Any:
         tags = super().__sklearn_tags__()
@@ -169,11 +194,45 @@ class Compensator(RegressorMixin, BaseEstimator):
         return tags
 
 
-def _parts(count: int, groups: Any) -> list[NDArray[np.intp]]:
-    """Rows of each recording."""
+@dataclass(frozen=True)
+class _Ridge:
+    """A ridge regression on the smoothing bank of each column, standardised by the training."""
+
+    mean: FloatArray
+    scale: FloatArray
+    weights: FloatArray
+    bias: float
+    rate_hz: float
+
+    @classmethod
+    def learned(cls, X: FloatArray, y: FloatArray, parts: list[NDArray[np.intp]], rate_hz: float) -> _Ridge:
+        mean, scale = X.mean(axis=0), np.where(X.std(axis=0) > 0, X.std(axis=0), 1.0)
+        features = np.empty((len(X), X.shape[1] * len(smoothing_factors())))
+        for rows in parts:
+            features[rows] = _memories((X[rows] - mean) / scale, rate_hz)
+        centre = features.mean(axis=0)
+        centred = features - centre
+        gram = centred.T @ centred / len(X) + RIDGE_L2 * np.eye(features.shape[1])
+        weights = np.linalg.solve(gram, centred.T @ (y - y.mean()) / len(X))
+        return cls(mean, scale, weights, float(y.mean() - centre @ weights), rate_hz)
+
+    def predict(self, X: FloatArray) -> FloatArray:
+        """Target of one recording's rows."""
+        return _memories((X - self.mean) / self.scale, self.rate_hz) @ self.weights + self.bias
+
+
+def _memories(standardised: FloatArray, rate_hz: float) -> FloatArray:
+    return np.hstack([smooth(column, smoothing_factors(), rate_hz) for column in standardised.T])
+
+
+def _parts(count: int, groups: Any) -> dict[Hashable, NDArray[np.intp]]:
+    """Rows of each recording, by its label in order of appearance."""
     if groups is None:
-        return [np.arange(count)]
+        return {None: np.arange(count)}
     labels = np.asarray(groups)
     if labels.shape != (count,):
         raise ValueError(f"groups must have one label a row, {count}, got shape {labels.shape}")
-    return np.split(np.arange(count), np.flatnonzero(labels[1:] != labels[:-1]) + 1)
+    found: dict[Hashable, list[int]] = {}
+    for row, label in enumerate(labels.tolist()):
+        found.setdefault(label, []).append(row)
+    return {label: np.array(rows) for label, rows in found.items()}

@@ -8,8 +8,14 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from compensation.export.export_c_history import constants_bytes, multiplies, state_bytes
-from compensation.model.compensator import Compensator
+from compensation.memories.ema import log_retention
+from compensation.model.compensator import TrainedCompensator
+
+# Of the header's exponential: terms of the series, and up to which exponent it is taken.
+SERIES, LARGEST_EXPONENT = 6, 0.5
 
 
 @dataclass(frozen=True)
@@ -25,27 +31,41 @@ class Cost:
     scratch_bytes : int
         Stack used while a sample is worked on (layer values).
     multiplies : int
-        Multiplications a sample at the nominal rate.
+        Multiplications a sample at the nominal step.
+    multiplies_any_step : int
+        The same at a step that is not nominal to a millionth, as a clock gives: every filter's gain is made anew.
     """
 
     constants_bytes: int
     state_bytes: int
     scratch_bytes: int
     multiplies: int
+    multiplies_any_step: int
 
 
-def cost(compensator: Compensator) -> Cost:
+def cost(compensator: TrainedCompensator) -> Cost:
     """Count bytes and multiplications."""
     filters = len(compensator.alphas)
     weights = sum(matrix.size for network in compensator.networks for matrix in network.weights)
     widest = max(max(network.sizes, default=1) for network in compensator.networks)
+    nominal = weights + 4 * filters + 1 + multiplies(compensator.history)
     return Cost(
         constants_bytes=4 * (compensator.parameter_count + 5 * filters + 2 * compensator.input_count + 4)
         + constants_bytes(compensator.history),
         state_bytes=4 * (4 * filters + 4) + state_bytes(compensator.history),
         scratch_bytes=4 * (compensator.input_count + 2 * widest),
-        multiplies=weights + 4 * filters + 1 + multiplies(compensator.history),
+        multiplies=nominal,
+        multiplies_any_step=nominal + _gains(compensator),
     )
+
+
+def _gains(compensator: TrainedCompensator) -> int:
+    """Multiplications of `NAME_gain` for all filters, 1 % late: the exponent, the series, two for each halving."""
+    late, history = 1.01, compensator.history
+    taus_s = np.array([history.settle_s, *history.motion_taus_s] if history.count else [])
+    exponents = late * np.concatenate([-log_retention(compensator.alphas), 1.0 / (compensator.rate_hz * taus_s)])
+    halvings = np.ceil(np.log2(np.maximum(exponents / LARGEST_EXPONENT, 1.0)))
+    return int(np.sum(1 + SERIES + 2 * halvings))
 
 
 def code_bytes(header: str, name: str) -> int | None:

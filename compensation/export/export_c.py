@@ -11,7 +11,7 @@ from compensation.engines.network import Network
 from compensation.export.chip_cost import cost
 from compensation.export.export_c_history import number, pieces
 from compensation.memories.ema import log_retention, start_samples
-from compensation.model.compensator import Compensator
+from compensation.model.compensator import Fitted, TrainedCompensator, trained
 from compensation.model.runtime import (
     LARGEST_CONDUCTANCE_S,
     LONGEST_STEP_S,
@@ -26,14 +26,27 @@ from compensation.model.runtime import (
 from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError
 
+# Of the target's standard deviation: what the header may differ from Python.
+PROMISED = 1e-5
 
-def c_header(compensator: Compensator, name: str = "knitbench") -> str:
+
+def rounding(compensator: TrainedCompensator) -> float:
+    """Error of a conductance in single precision, in standard deviations of the training.
+
+    Where it is above `PROMISED`, the header's value is about as far off: no arithmetic brings back what was not read.
+    """
+    scaling = compensator.scaling_in
+    return float(np.finfo(np.float32).eps) / 2 * abs(scaling.mean) / scaling.scale
+
+
+def c_header(compensator: TrainedCompensator | Fitted, name: str = "knitbench") -> str:
     """Write a compensator as one C99 header, to be fed sample by sample; it needs no library and no heap.
 
     Parameters
     ----------
-    compensator : Compensator
-        Its scaling of the output, and the mean over its networks, are folded into their last layers.
+    compensator : TrainedCompensator or Compensator
+        As loaded, or fitted. Its scaling of the output, and the mean over its networks, are folded into their last
+        layers.
     name : str
         Prefix of every C name.
 
@@ -55,12 +68,13 @@ def c_header(compensator: Compensator, name: str = "knitbench") -> str:
     >>> from compensation import Compensator, c_header
     >>> recording = tb.example(duration_s=60).resampled(20.0)
     >>> model = Compensator(method="paper").fit(recording.conductance_S[:, None], recording["force_N"])
-    >>> header = c_header(model.compensator_, "knit")
+    >>> header = c_header(model, "knit")
     >>> "float knit_update(knit_state *s, float conductance_S, float dt_s)" in header
     True
     """
     if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", name):
         raise UserError(f"--name must be a C identifier, got {name!r}")
+    compensator = trained(compensator)
     check_streams(compensator)
     needs, lengths = cost(compensator), start_samples(compensator.alphas, compensator.rate_hz)
     seen, begin, limits = ranges_of(compensator), beginning_of(compensator), limits_of(compensator)
@@ -164,7 +178,8 @@ TEMPLATE = """\
  * A reading that is not finite or not positive, or a bad dt_s, leaves everything as it was and gives the last value
  * again. No heap, no library.
  * Constants {needs.constants_bytes} bytes of flash, state {needs.state_bytes} bytes of RAM,
- * {needs.scratch_bytes} bytes of stack for values, {needs.multiplies} multiplications a sample.
+ * {needs.scratch_bytes} bytes of stack for values, {needs.multiplies} multiplications a sample of the nominal step,
+ * {needs.multiplies_any_step} of any other.
  */
 #ifndef {NAME}_COMPENSATOR_H
 #define {NAME}_COMPENSATOR_H
@@ -228,8 +243,8 @@ static inline float {name}_gain(float x) {{
             y *= 0.5f;
             halvings++;
         }}
-        y = y * (1.0f + (y / 2.0f) * (1.0f + (y / 3.0f) * (1.0f + (y / 4.0f) * (1.0f + (y / 5.0f) *
-            (1.0f + (y / 6.0f))))));
+        y = y * (1.0f + (y * (0.5f + (y * (1.6666667e-1f + (y * (4.1666667e-2f + (y * (8.3333333e-3f +
+            (y * 1.3888889e-3f))))))))));
         for (; halvings > 0u; halvings--) {{
             y *= y + 2.0f;
         }}

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from compensation.memories.history import History
-from compensation.model.compensator import Compensator
+from compensation.model.compensator import TrainedCompensator
 from compensation.model.runtime import beginning_of
 
 
@@ -16,7 +16,7 @@ def number(value: float) -> str:
     return f"{float(np.float32(value))!r}f"
 
 
-def pieces(compensator: Compensator, name: str) -> dict[str, str]:
+def pieces(compensator: TrainedCompensator, name: str) -> dict[str, str]:
     """What goes into the state, the tables, the reset and the update; empty strings without a history."""
     history = compensator.history
     if not history.count:
@@ -57,7 +57,7 @@ def _state(history: History) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _tables(compensator: Compensator, name: str) -> str:
+def _tables(compensator: TrainedCompensator, name: str) -> str:
     history, rate_hz, filters = compensator.history, compensator.rate_hz, len(compensator.alphas)
     begin, motions = beginning_of(compensator), len(compensator.history.motion_taus_s)
 

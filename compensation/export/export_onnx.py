@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from compensation.memories.ema import log_retention, start_samples
-from compensation.model.compensator import Compensator
+from compensation.model.compensator import Fitted, TrainedCompensator, trained
 from compensation.model.runtime import (
     LARGEST_CONDUCTANCE_S,
     LONGEST_STEP_S,
@@ -27,7 +27,7 @@ from gcode.support.files import atomic_path
 OPSET = 17
 
 
-def write_onnx(compensator: Compensator, path: str | Path) -> None:
+def write_onnx(compensator: TrainedCompensator | Fitted, path: str | Path) -> None:
     """Write one step of a compensator as an ONNX model in double precision.
 
     Inputs are ``conductance_S``, shape (1,), in S; ``steps``, shape (1,), the time since the last good sample in s,
@@ -42,7 +42,8 @@ def write_onnx(compensator: Compensator, path: str | Path) -> None:
 
     Parameters
     ----------
-    compensator : Compensator
+    compensator : TrainedCompensator or Compensator
+        As loaded, or fitted.
     path : path
         File to write; a file that is there is replaced.
 
@@ -61,7 +62,7 @@ def write_onnx(compensator: Compensator, path: str | Path) -> None:
     >>> recording = tb.example(duration_s=60).resampled(20.0)
     >>> model = Compensator(method="paper").fit(recording.conductance_S[:, None], recording["force_N"])
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_onnx(model.compensator_, f"{folder}/knit.onnx")
+    ...     write_onnx(model, f"{folder}/knit.onnx")
     ...     exported = OnnxStream(f"{folder}/knit.onnx")
     >>> round(exported.update(1.6e-6) - model.stream().update(1.6e-6), 9)
     0.0
@@ -70,6 +71,7 @@ def write_onnx(compensator: Compensator, path: str | Path) -> None:
         import onnx
     except ImportError:
         raise UserError("ONNX export needs the onnx package: pip install 'knitbench[onnx]'") from None
+    compensator = trained(compensator)
     check_streams(compensator)
     model = _model(compensator)
     onnx.checker.check_model(model)
@@ -100,7 +102,7 @@ class _Graph:
         return name
 
 
-def state_of(compensator: Compensator) -> dict[str, int]:
+def state_of(compensator: TrainedCompensator) -> dict[str, int]:
     """Names and sizes of the state."""
     filters, history = len(compensator.alphas), compensator.history
     state = {"forced": filters, "fading": filters, "sums": filters, "seen": filters, "elapsed": 1, "last": 1}
@@ -113,7 +115,7 @@ def state_of(compensator: Compensator) -> dict[str, int]:
     return state
 
 
-def _model(compensator: Compensator) -> Any:
+def _model(compensator: TrainedCompensator) -> Any:
     from onnx import TensorProto, helper
 
     graph, state = _Graph(), state_of(compensator)
@@ -151,7 +153,7 @@ def _model(compensator: Compensator) -> Any:
     return model
 
 
-def _fault(graph: _Graph, compensator: Compensator) -> str:
+def _fault(graph: _Graph, compensator: TrainedCompensator) -> str:
     """Name of the flags that say what is wrong with the sample itself; comparisons with a NaN are false."""
     rate_hz = compensator.rate_hz
     graph.constant("zero", [0.0])
@@ -178,7 +180,9 @@ def _index(graph: _Graph, name: str, value: int) -> str:
     return name
 
 
-def _status(graph: _Graph, compensator: Compensator, fault: str, features: str, reading: str, starting: str) -> None:
+def _status(
+    graph: _Graph, compensator: TrainedCompensator, fault: str, features: str, reading: str, starting: str
+) -> None:
     """What is out of the range of the training, or, where the sample is faulty, that."""
     seen = ranges_of(compensator)
 
@@ -195,7 +199,7 @@ def _status(graph: _Graph, compensator: Compensator, fault: str, features: str, 
     graph("Where", graph("Equal", fault, "zero"), total, fault, out="status")
 
 
-def _features(graph: _Graph, compensator: Compensator) -> tuple[str, str, str]:
+def _features(graph: _Graph, compensator: TrainedCompensator) -> tuple[str, str, str]:
     """Names of the networks' inputs, of the standardised reading, and of "this filter is still starting"."""
     filters, begin, limits = len(compensator.alphas), beginning_of(compensator), limits_of(compensator)
     centred = graph("Sub", "conductance_S", graph.constant("mean_in", [compensator.scaling_in.mean]))
@@ -221,7 +225,9 @@ def _features(graph: _Graph, compensator: Compensator) -> tuple[str, str, str]:
     return _with_history(graph, compensator, x, later, steps, smoothed), reading, starting
 
 
-def _with_history(graph: _Graph, compensator: Compensator, x: str, later: str, steps: str, smoothed: str) -> str:
+def _with_history(
+    graph: _Graph, compensator: TrainedCompensator, x: str, later: str, steps: str, smoothed: str
+) -> str:
     """The features with those of `compensation.memories.history` behind them."""
     history, parts, begin = compensator.history, [smoothed], beginning_of(compensator)
     if not history.count:
@@ -252,7 +258,7 @@ def _with_history(graph: _Graph, compensator: Compensator, x: str, later: str, s
     return graph("Concat", *parts, axis=0)
 
 
-def _networks(graph: _Graph, compensator: Compensator, features: str) -> None:
+def _networks(graph: _Graph, compensator: TrainedCompensator, features: str) -> None:
     outputs = []
     for index, network in enumerate(compensator.networks):
         value = features

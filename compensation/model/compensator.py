@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass, field, replace
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from compensation.memories.history import NO_HISTORY, History
 from compensation.model.ranges import Beginning, Seen
 from compensation.series.preprocessing import TARGETS, Series
 from gcode.support.arrays import FloatArray
+from gcode.support.errors import UserError
 
 
 @dataclass(frozen=True)
@@ -37,8 +38,31 @@ class Scaling:
         return values * self.scale + self.mean
 
 
+class Fitted(Protocol):
+    """An estimator that has learned a compensator, or None where it learned something else."""
+
+    compensator_: TrainedCompensator | None
+
+
+def trained(compensator: TrainedCompensator | Fitted) -> TrainedCompensator:
+    """What `compensation.load` gives, as it is; of a fitted `compensation.Compensator` what it has learned.
+
+    Raises
+    ------
+    UserError
+        If it is neither.
+    """
+    found = getattr(compensator, "compensator_", compensator)
+    if not isinstance(found, TrainedCompensator):
+        raise UserError(
+            "compensator: must be what compensation.load gives, or a fitted compensation.Compensator, got "
+            f"{compensator!r}"
+        )
+    return found
+
+
 @dataclass(frozen=True)
-class Compensator:
+class TrainedCompensator:
     """Scaler, smoothing bank (and other memories), and one or more networks whose mean is the answer.
 
     Attributes
@@ -98,6 +122,11 @@ class Compensator:
     def resampling_hz(self) -> float | None:
         """Rate a recording is resampled to before it is fed in; None where it is taken as sampled."""
         return None if self.irregular else self.rate_hz
+
+    @property
+    def in_use(self) -> TrainedCompensator:
+        """The one that runs: it begins as a stream does, unless it is one that must know the whole recording."""
+        return self if self.per_recording else replace(self, start="causal")
 
     @property
     def slowest_s(self) -> float:

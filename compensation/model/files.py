@@ -14,7 +14,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validat
 from compensation.engines.network import Network
 from compensation.memories.ema import SMALLEST_ALPHA
 from compensation.memories.history import SETTLE_S, History
-from compensation.model.compensator import Compensator, Scaling
+from compensation.model.compensator import Scaling, TrainedCompensator
 from compensation.model.ranges import Beginning, Seen
 from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError, first_problem
@@ -31,7 +31,8 @@ LARGEST, SMALLEST = 1e12, 1e-30
 _Number = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
 _Positive = Annotated[float, Field(ge=SMALLEST, le=LARGEST)]
 # A second, and a rate, within six orders of magnitude of one.
-_Human = Annotated[float, Field(ge=1e-6, le=1e6)]
+SMALLEST_RATE_HZ, LARGEST_RATE_HZ = 1e-6, 1e6
+_Human = Annotated[float, Field(ge=SMALLEST_RATE_HZ, le=LARGEST_RATE_HZ)]
 
 
 class _Strict(BaseModel):
@@ -88,6 +89,7 @@ class _Recipe(BaseModel):
 
     model_config = ConfigDict(extra="allow", strict=True)
     trained_on: list[str] = []
+    trained_digests: list[str] = []
     cross_validated: _Promise | None = None
 
 
@@ -113,7 +115,7 @@ class _File(_Strict):
     sha256: str
 
 
-def save(path: str | Path, compensator: Compensator) -> None:
+def save(path: str | Path, compensator: TrainedCompensator) -> None:
     """Write a compensator as JSON, atomically, with a digest of its own content."""
     data: dict[str, Any] = {
         "format": FORMAT,
@@ -138,7 +140,7 @@ def save(path: str | Path, compensator: Compensator) -> None:
     write_json(path, data | {"sha256": _digest(data)})
 
 
-def load(path: str | Path) -> Compensator:
+def load(path: str | Path) -> TrainedCompensator:
     """Read a compensator that `save` or ``compensation train`` has written.
 
     Parameters
@@ -205,8 +207,8 @@ def _arrays(part: BaseModel) -> dict[str, Any]:
     return {name: np.asarray(value) if isinstance(value, list) else value for name, value in vars(part).items()}
 
 
-def _build(checked: _File, networks: tuple[Network, ...]) -> Compensator:
-    return Compensator(
+def _build(checked: _File, networks: tuple[Network, ...]) -> TrainedCompensator:
+    return TrainedCompensator(
         target=checked.target,
         rate_hz=checked.rate_hz,
         alphas=np.asarray(checked.alphas),

@@ -21,8 +21,8 @@ from testbench.rig.stream import Row
 class LiveCompensator:
     """Takes one sample after another, and keeps what it makes of them in ``compensated.csv``.
 
-    The columns are those of `compensation predict`: time_s, the target, low and high (nan where the compensator has
-    no interval), status.
+    The columns are those of `compensation predict`: time_s, the target, low and high with its unit (nan where the
+    compensator has no interval), status.
 
     Parameters
     ----------

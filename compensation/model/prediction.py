@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from compensation.engines.network import mean_output
 from compensation.memories.ema import start_samples
-from compensation.model.compensator import Compensator
+from compensation.model.compensator import Fitted, TrainedCompensator, trained
 from compensation.model.runtime import (
     LARGEST_CONDUCTANCE_S,
     LONGEST_STEP_S,
@@ -50,7 +50,7 @@ class Prediction:
     status: NDArray[np.int64]
 
 
-def predicted(compensator: Compensator, time_s: FloatArray, resistance_ohm: FloatArray) -> Prediction:
+def predicted(compensator: TrainedCompensator | Fitted, time_s: FloatArray, resistance_ohm: FloatArray) -> Prediction:
     """Apply a compensator to a whole recording: what `CompensatorStream` gives when it is fed these samples.
 
     With one advantage: where two times contradict each other, the rest of the recording says which is wrong, so that
@@ -58,7 +58,8 @@ def predicted(compensator: Compensator, time_s: FloatArray, resistance_ohm: Floa
 
     Parameters
     ----------
-    compensator : Compensator
+    compensator : TrainedCompensator or Compensator
+        As loaded, or fitted.
     time_s, resistance_ohm : ndarray, each shape (n,)
         In s and ohm, as sampled; a resistance or time that is no number, or a time out of order, marks a faulty
         sample. After a gap of more than an hour it starts anew.
@@ -81,10 +82,11 @@ def predicted(compensator: Compensator, time_s: FloatArray, resistance_ohm: Floa
     >>> model = Compensator(method="paper").fit(recording.conductance_S[:, None], recording["force_N"])
     >>> resistance_ohm = recording["resistance_ohm"].copy()
     >>> resistance_ohm[700] = -1.0
-    >>> told = predicted(model.compensator_, recording.time_s, resistance_ohm)
+    >>> told = predicted(model, recording.time_s, resistance_ohm)
     >>> (told.value[700] == told.value[699]).item(), told.status[[699, 700, 701]].tolist()
     (True, [0, 1, 0])
     """
+    compensator = trained(compensator)
     if compensator.per_recording:
         raise UserError(
             "a compensator trained with --per-recording needs the mean and spread of the target, which nobody knows "
@@ -135,8 +137,10 @@ def _in_order(time_s: FloatArray) -> NDArray[np.bool_]:
     return kept
 
 
-def _run(compensator: Compensator, time_s: FloatArray, conductance_S: FloatArray) -> tuple[FloatArray, NDArray]:
-    running = replace(compensator, irregular=True, start="causal")
+def _run(
+    compensator: TrainedCompensator, time_s: FloatArray, conductance_S: FloatArray
+) -> tuple[FloatArray, NDArray]:
+    running = replace(compensator.in_use, irregular=True)
     features = running.features(time_s, conductance_S)
     seen, reading = ranges_of(compensator), compensator.scaling_in.apply(conductance_S)
     status = np.where((reading < seen.low) | (reading > seen.high), int(Status.UNSEEN_READING), 0)
@@ -185,7 +189,7 @@ def read_samples(path: str | Path) -> tuple[FloatArray, FloatArray]:
     return time_s, resistance_ohm
 
 
-def at_rest(compensator: Compensator, path: str | Path, seconds: float) -> Series:
+def at_rest(compensator: TrainedCompensator, path: str | Path, seconds: float) -> Series:
     """The beginning of a recording of a sensor without load: its target is zero throughout.
 
     Raises

@@ -21,7 +21,7 @@ from enum import IntFlag
 import numpy as np
 
 from compensation.memories.ema import start_samples
-from compensation.model.compensator import Compensator
+from compensation.model.compensator import TrainedCompensator
 from compensation.model.ranges import Beginning, Seen
 from compensation.series.preprocessing import Series
 from gcode.support.arrays import FloatArray
@@ -41,19 +41,30 @@ class Status(IntFlag):
 
     GOOD = 0
     BAD_READING = 1  # not finite or not positive: left out, the last value repeated
-    BAD_STEP = 2  # time step not finite, not positive or too long: left out, the last value repeated
+    BAD_STEP = 2  # time step not finite, below about 1 us or above an hour: as above
     UNSEEN_READING = 4  # conductance outside the range of the training
     UNSEEN_HISTORY = 8  # a memory outside the range of the training
     STARTING = 16  # the first samples, from which the memories' start is taken
 
 
-def check_streams(compensator: Compensator) -> None:
-    """Refuse a compensator that must know a whole recording before its first sample."""
+def check_streams(compensator: TrainedCompensator) -> None:
+    """Refuse a compensator that must know a whole recording before its first sample, or knows no conductance."""
     if compensator.per_recording:
         raise UserError("a compensator trained with --per-recording needs the whole recording; train without it")
+    seen = compensator.seen
+    # Recalibration moves what was seen to where another sensor may never be.
+    if seen is None or "recalibrated" in compensator.recipe:
+        return
+    low, high = (compensator.scaling_in.invert(np.array(end)) for end in (seen.low, seen.high))
+    if not (low >= SMALLEST_CONDUCTANCE_S and high <= LARGEST_CONDUCTANCE_S):
+        raise UserError(
+            f"the compensator was trained on values from {low:.4g} to {high:.4g}; a stream, a file and a chip take "
+            f"conductances in S, from {SMALLEST_CONDUCTANCE_S:.2g} to {LARGEST_CONDUCTANCE_S:.2g}: train on these, "
+            "without a logarithm or a scaler before it"
+        )
 
 
-def limits_of(compensator: Compensator) -> tuple[float, float]:
+def limits_of(compensator: TrainedCompensator) -> tuple[float, float]:
     """Low and high limit to which the standardised conductance is clipped."""
     if compensator.seen is None:
         return -UNKNOWN_LIMIT, UNKNOWN_LIMIT
@@ -61,7 +72,7 @@ def limits_of(compensator: Compensator) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def ranges_of(compensator: Compensator) -> Seen:
+def ranges_of(compensator: TrainedCompensator) -> Seen:
     """The ranges seen, or ranges that nothing leaves."""
     if compensator.seen is not None:
         return compensator.seen
@@ -69,7 +80,7 @@ def ranges_of(compensator: Compensator) -> Seen:
     return Seen(-UNKNOWN_LIMIT, UNKNOWN_LIMIT, -wide, wide)
 
 
-def beginning_of(compensator: Compensator) -> Beginning:
+def beginning_of(compensator: TrainedCompensator) -> Beginning:
     """Where to begin; without anything learned, as if the first reading had been there for ever and nothing moved."""
     if compensator.beginning is not None:
         return compensator.beginning
@@ -89,7 +100,7 @@ def fault_of(conductance_S: float, step_s: float) -> Status:
     return fault
 
 
-def ready_for_use(compensator: Compensator, series: Sequence[Series]) -> Compensator:
+def ready_for_use(compensator: TrainedCompensator, series: Sequence[Series]) -> TrainedCompensator:
     """The compensator with what it has seen and where to begin, both from its training recordings."""
     if compensator.per_recording:
         return compensator
@@ -101,7 +112,9 @@ def ready_for_use(compensator: Compensator, series: Sequence[Series]) -> Compens
     return replace(compensator, seen=seen, beginning=_expected(compensator, features, signals))
 
 
-def _expected(compensator: Compensator, features: Sequence[FloatArray], signals: Sequence[FloatArray]) -> Beginning:
+def _expected(
+    compensator: TrainedCompensator, features: Sequence[FloatArray], signals: Sequence[FloatArray]
+) -> Beginning:
     """Regression of every memory on the mean of the reading over as many samples as its start is taken from."""
     counts = np.ones(compensator.input_count, dtype=int)
     counts[: len(compensator.alphas)] = start_samples(compensator.alphas, compensator.rate_hz)

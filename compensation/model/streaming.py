@@ -7,7 +7,7 @@ import numpy as np
 from compensation.engines.network import mean_output
 from compensation.memories.ema import log_retention, start_samples
 from compensation.memories.history import RunningHistory
-from compensation.model.compensator import Compensator
+from compensation.model.compensator import TrainedCompensator
 from compensation.model.runtime import Status, beginning_of, check_streams, fault_of, limits_of, ranges_of
 
 
@@ -44,7 +44,7 @@ class CompensatorStream:
     (True, 'BAD_READING')
     """
 
-    def __init__(self, compensator: Compensator) -> None:
+    def __init__(self, compensator: TrainedCompensator) -> None:
         check_streams(compensator)
         self._compensator, self.margins = compensator, compensator.margins
         self._log_keep = log_retention(compensator.alphas)

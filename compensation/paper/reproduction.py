@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compensation.engines.engine import engine
-from compensation.model.compensator import Compensator
+from compensation.model.compensator import TrainedCompensator
 from compensation.series import score
 from compensation.series.preprocessing import Series, series_of
 from compensation.training.options import Options
@@ -78,17 +78,17 @@ def over_seeds(
     return Seeds(np.array(scores), np.array(dead), np.array(fitted), by_recording)
 
 
-def tuned(training: Series, target: str, seed: int = 0) -> Compensator:
+def tuned(training: Series, target: str, seed: int = 0) -> TrainedCompensator:
     """The better compensator, its choices made on `training` alone."""
     return tune([training], target, replace(PUBLISHED, seed=seed))
 
 
-def scores_of(compensator: Compensator, tests: Sequence[Series]) -> list[float]:
+def scores_of(compensator: TrainedCompensator, tests: Sequence[Series]) -> list[float]:
     """r2 on each recording."""
     return [score.r2(part.truth, compensator.predict_series(part)) for part in tests]
 
 
-def intervals_of(compensator: Compensator, tests: Sequence[Series]) -> list[tuple[float, float]]:
+def intervals_of(compensator: TrainedCompensator, tests: Sequence[Series]) -> list[list[float] | None]:
     """95 % block-bootstrap interval of r2 on each recording."""
     return [score.block_interval(part.truth, compensator.predict_series(part), part.time_s) for part in tests]
 

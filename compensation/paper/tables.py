@@ -80,7 +80,7 @@ def _tuned_rows(sensor: str, series, target: str) -> Iterable[str]:
     parts = list(series.values())
     better = ours.tuned(series["T"], target)
     yield _row(sensor, "tuned, first sensor", ours.scores_of(better, parts), None, better.parameter_count)
-    spans = "".join(f" {f'{low:.3f}..{high:.3f}':>14}" for low, high in ours.intervals_of(better, parts))
+    spans = "".join(f" {score.interval_text(span):>14}" for span in ours.intervals_of(better, parts))
     yield f"  {sensor:6} {'  95 % (60 s blocks)':44}{spans}"
 
 

@@ -5,12 +5,13 @@ Its shape is documented in docs/compensation.md; `testbench` reads the file and 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from compensation.model.compensator import Compensator
+from compensation.model.compensator import TrainedCompensator
 from compensation.series import score
 from compensation.series.preprocessing import Series, series_of
 from testbench.recordings.recording import Recording
@@ -21,8 +22,8 @@ ZOOM_POINTS = 600
 ZOOM_S, ZOOMS = 60.0, 3
 
 
-def score_recordings(compensator: Compensator, recordings: Sequence[Recording]) -> dict[str, Any]:
-    """Score a compensator on recordings.
+def score_recordings(compensator: TrainedCompensator, recordings: Sequence[Recording]) -> dict[str, Any]:
+    """Score a compensator on recordings as it runs in use: its memories begin as a stream's do.
 
     Returns
     -------
@@ -48,21 +49,27 @@ def score_recordings(compensator: Compensator, recordings: Sequence[Recording]) 
     }
 
 
-def _score_one(compensator: Compensator, part: Series) -> dict[str, Any]:
-    prediction = compensator.predict_series(part)
+def _trained_on(recipe: Mapping[str, Any], part: Series) -> bool:
+    """Whether a recording was learned from, by its content; by its path where an older file says no more."""
+    if "trained_digests" in recipe:
+        return part.digest in recipe["trained_digests"]
+    return Path(part.source).resolve() in [Path(source).resolve() for source in recipe.get("trained_on", [])]
+
+
+def _score_one(compensator: TrainedCompensator, part: Series) -> dict[str, Any]:
+    prediction = compensator.in_use.predict_series(part)
     before = score.r2_before(part.truth, part.conductance_S, compensator.sign)
     after = score.r2(part.truth, prediction)
-    seen = part.source in compensator.recipe.get("trained_on", [])
     return {
         "source": part.source,
-        "role": "training" if seen else "held-out",
+        "role": "training" if _trained_on(compensator.recipe, part) else "held-out",
         "duration_s": float(part.time_s[-1] - part.time_s[0]),
         "samples": len(part),
         "r2_before": before,
         "r2_after": after,
         "r2_rescaled": score.r2_before(part.truth, prediction),
         "r2_ordinary": score.r2_ordinary(part.truth, prediction),
-        "r2_after_interval": list(score.block_interval(part.truth, prediction, part.time_s)),
+        "r2_after_interval": score.block_interval(part.truth, prediction, part.time_s),
         "rho2_before": score.rho_squared(part.truth, part.conductance_S),
         "gain": after - before,
         "rms_error": float(np.sqrt(np.mean((part.truth - prediction) ** 2))),

@@ -44,15 +44,16 @@ class Ranked:
 def rank(rows: Sequence[dict[str, Any]]) -> list[Ranked]:
     """Candidates by mean E over live seeds, best first; those with no live seed last.
 
-    The intervals come from a bootstrap over seeds: what the ranking would be, had other seeds been drawn.
+    The intervals come from a bootstrap over all seeds: what the ranking would be, had other seeds been drawn, dead
+    ones among them; a candidate of which every drawn seed is dead is last in that draw.
     """
     groups: dict[str, list[dict[str, Any]]] = defaultdict(list)
     for row in rows:
         groups[row["key"]].append(row)
     rng = np.random.default_rng(0)
     live = {key: [row for row in group if not row["dead"]] or group for key, group in groups.items()}
-    draws = np.array([_resampled([row["E"] for row in group], rng) for group in live.values()])
-    places = draws.argsort(axis=0).argsort(axis=0) + 1
+    draws = np.array([_resampled(group, rng) for group in groups.values()])
+    places = draws.argsort(axis=0, kind="stable").argsort(axis=0) + 1
     low, high = np.quantile(places, [0.025, 0.975], axis=1, method="nearest")
     first = (places == 1).mean(axis=1)
     found = [
@@ -69,7 +70,7 @@ def rank(rows: Sequence[dict[str, Any]]) -> list[Ranked]:
         )
         for index, (key, group) in enumerate(live.items())
     ]
-    return sorted(found, key=lambda ranked: ranked.E)
+    return sorted(found, key=lambda ranked: (ranked.dead == ranked.seeds, ranked.E))
 
 
 def split_half_agreement(rows: Sequence[dict[str, Any]]) -> float | None:
@@ -86,6 +87,10 @@ def split_half_agreement(rows: Sequence[dict[str, Any]]) -> float | None:
     return float(spearmanr(even, odd).statistic)
 
 
-def _resampled(values: Sequence[float], rng: np.random.Generator) -> np.ndarray:
-    picks = rng.integers(len(values), size=(DRAWS, len(values)))
-    return np.asarray(values)[picks].mean(axis=1)
+def _resampled(group: Sequence[dict[str, Any]], rng: np.random.Generator) -> np.ndarray:
+    """Mean E over the live ones of as many seeds, drawn again; infinite where none of them lives."""
+    errors, alive = np.array([row["E"] for row in group]), np.array([not row["dead"] for row in group])
+    picks = rng.integers(len(group), size=(DRAWS, len(group)))
+    count = alive[picks].sum(axis=1)
+    mean = np.sum(errors[picks] * alive[picks], axis=1) / np.maximum(count, 1)
+    return np.where(count > 0, mean, np.inf)

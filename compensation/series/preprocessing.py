@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,6 +36,11 @@ class Series:
 
     def __len__(self) -> int:
         return len(self.time_s)
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of conductance and target: the same under whatever path."""
+        return hashlib.sha256(np.stack([self.conductance_S, self.truth]).tobytes()).hexdigest()
 
     def rows(self, rows: NDArray[np.intp]) -> Series:
         """The series of some of its samples."""

@@ -53,10 +53,17 @@ def read_signals(path: str | Path, gauge_length_mm: float | None = None) -> Reco
     return Recording(time_s, {DISPLACEMENT: np.zeros(len(time_s)), **columns}, length_mm, str(path))
 
 
-def check_tared(recording: Recording, target: str) -> None:
-    """Refuse a force to learn from that was never zeroed: its smallest value is further off than its whole range.
+def check_tared(recording: Recording, target: str, reach_N: float | None = None) -> None:
+    """Refuse a force that was never zeroed: its smallest value is further off than its whole range.
 
     Where the target is the displacement, nothing is read from the force, and it may be as it is.
+
+    Parameters
+    ----------
+    recording : Recording
+    target : {"force", "displacement"}
+    reach_N : float, optional
+        Of a reference, which may be short or stand still: how far from zero the training went, in place of its range.
 
     Raises
     ------
@@ -68,8 +75,9 @@ def check_tared(recording: Recording, target: str) -> None:
     force_N = recording[FORCE]
     low, high = np.quantile(force_N, [0.01, 0.99])
     nearest = min(abs(low), abs(high)) if low * high > 0 else 0.0
-    if nearest > TIMES_THE_RANGE * (high - low) > 0:
+    near = "near zero" if reach_N is None else f"within {reach_N:.3g} N of zero, as far as the training went"
+    if nearest > (reach_N or TIMES_THE_RANGE * (high - low) or np.inf):  # a constant is refused as one
         raise UserError(
-            f"{recording.source}: force_N lies between {low:.3g} and {high:.3g} N and never comes near zero: it was "
-            "not tared; take the reading of the unloaded cell off it (`testbench import`), or correct the column"
+            f"{recording.source}: force_N lies between {low:.3g} and {high:.3g} N and never comes {near}: it was not "
+            "tared; take the reading of the unloaded cell off it (`testbench import`), or correct the column"
         )

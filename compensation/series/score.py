@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from gcode.support.arrays import FloatArray
 
-BLOCK_S = 60.0
+# Errors APART_S (`compensation.training.recalibration`) apart are about independent: a block lasts a few times that.
+BLOCK_S, SHORTEST_BLOCK_S, FEWEST_BLOCKS = 60.0, 20.0, 5
 DRAWS = 1000
 
 
@@ -46,17 +49,27 @@ def rho_squared(truth: FloatArray, conductance_S: FloatArray) -> float:
     return float(np.corrcoef(truth, conductance_S)[0, 1] ** 2)
 
 
+def interval_text(interval: Sequence[float] | None) -> str:
+    """An interval as it is printed, or that the recording is too short for one."""
+    return "too short" if interval is None else "{:.3f}..{:.3f}".format(*interval)
+
+
 def error_of_two(r2_a: float, r2_b: float) -> float:
     """The paper's selection criterion ``E = ((1 - r2_A)^2 + (1 - r2_B)^2) / 2`` over two test recordings."""
     return ((1.0 - r2_a) ** 2 + (1.0 - r2_b) ** 2) / 2.0
 
 
-def block_interval(truth: FloatArray, prediction: FloatArray, time_s: FloatArray) -> tuple[float, float]:
-    """95 % interval of r2 from a bootstrap over blocks of 60 s.
+def block_interval(truth: FloatArray, prediction: FloatArray, time_s: FloatArray) -> list[float] | None:
+    """95 % interval of r2 from a bootstrap over blocks of 60 s, of a recording below 5 min over fifths.
 
-    Neighbouring samples are alike, so a bootstrap over single samples gives intervals several times too narrow.
+    Neighbouring samples are alike, so a bootstrap over single samples gives intervals several times too narrow; so
+    do few blocks. Below `FEWEST_BLOCKS` blocks of `SHORTEST_BLOCK_S` there is none.
     """
-    blocks = ((time_s - time_s[0]) // BLOCK_S).astype(int)
+    duration_s = time_s[-1] - time_s[0]
+    if duration_s < FEWEST_BLOCKS * SHORTEST_BLOCK_S:
+        return None
+    block_s = min(BLOCK_S, duration_s / FEWEST_BLOCKS)
+    blocks = np.minimum((time_s - time_s[0]) / block_s, np.ceil(duration_s / block_s) - 1).astype(int)
     starts = np.flatnonzero(np.diff(blocks, prepend=-1))
     # Centred first: the sums of squares below would cancel badly far from zero.
     truth, prediction = truth - truth.mean(), prediction - truth.mean()
@@ -66,5 +79,4 @@ def block_interval(truth: FloatArray, prediction: FloatArray, time_s: FloatArray
     picks = np.random.default_rng(0).integers(len(sums), size=(DRAWS, len(sums)))
     n, t, t2, p, e = np.moveaxis(sums[picks].sum(axis=1), 1, 0)
     mean = p / n
-    low, high = np.quantile(1.0 - e / (t2 - 2 * mean * t + n * mean**2), [0.025, 0.975])
-    return float(low), float(high)
+    return np.quantile(1.0 - e / (t2 - 2 * mean * t + n * mean**2), [0.025, 0.975]).tolist()

@@ -8,10 +8,11 @@ The parts, from the simplest on:
 - *networks*: several small networks on bank, motion and play with strong L2; memories and L2 chosen within.
 - *stack*: the last three, each with a weight (stacked regression; Breiman, Machine Learning 24 (1996) 49).
 
-Each predicts every fold from the others and makes all its own choices there, on the training part alone. Folds are
-whole recordings where there are three or more, contiguous fifths of all rows otherwise; each fold is predicted as a
-recording of its own, its memories beginning with its first sample, and again as if it had been slower or quicker:
-what only knows the timing of the training's motion fails there. The stack's weights are those that fit all these
+Each predicts every fold from the others and makes all its own choices there, scalers and ranges among them. Folds are
+whole recordings where there are three or more and none outweighs the others (`compensation.training.folds`),
+contiguous fifths of all rows otherwise; each fold is predicted as a recording of its own, its memories beginning with
+its first sample, and again as if it had been slower or quicker: what only knows the timing of the training's motion
+fails there. The stack's weights are those that fit all these
 predictions best, none of them negative; its own figures are of weights that were found without the fold, at the pace
 of the recording. It is taken where it predicts better than the line does; else the line is, and that is said. Of
 methods that one recording cannot tell apart, a pick would be chance; the weights share the risk of another motion or
@@ -27,11 +28,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from compensation.model.compensator import Compensator
+from compensation.model.compensator import Scaling, TrainedCompensator
 from compensation.model.runtime import ready_for_use
 from compensation.series import score
 from compensation.series.preprocessing import Series
-from compensation.training.folds import FOLDS, GROUPS_FROM, folds_of
+from compensation.training.folds import FOLDS, folds_of, split, whole_recordings
 from compensation.training.intervals import of_another, of_one_recording
 from compensation.training.learners import PACES, Learner, Line, Networks, Paper, Ridge
 from compensation.training.options import Options
@@ -49,7 +50,7 @@ def train_automatically(
     target: str,
     options: Options,
     progress: Callable[[str], None] = lambda note: None,
-) -> Compensator:
+) -> TrainedCompensator:
     """Choose by cross-validation, train the chosen on everything.
 
     Parameters
@@ -64,35 +65,34 @@ def train_automatically(
 
     Returns
     -------
-    Compensator
+    TrainedCompensator
         Its recipe says what was tried, what was taken and what cross-validation promises of it.
     """
     if options.per_recording:
         raise UserError(
             "--method auto learns for use, where no recording's own mean is known; leave --per-recording out"
         )
-    folds = folds_of(series)
-    learners: dict[str, Learner] = {}
-    for kind in LEARNERS:
-        learners[kind.name] = kind(series, target, options, like=next(reversed(learners.values()), None))
-    at_all_paces = {name: _cross_validated(learner, folds, progress) for name, learner in learners.items()}
-    truth = learners["line"].lessons.truth
+    folds, whole = folds_of(series), whole_recordings(series)
+    truth = np.concatenate([part.truth for part in series])
+    scaling = Scaling.of(truth)
+    truth, scale = scaling.apply(truth), scaling.scale
+    held_out = cross_validated(series, target, options, folds, progress)
+    at_all_paces = {name: scaling.apply(values) for name, values in held_out.items()}
     predictions = {name: values[0] for name, values in at_all_paces.items()}
     predictions[STACK] = stacked(at_all_paces, truth, folds)
     chosen = choose(predictions, truth)
     weights = weights_of(at_all_paces, truth) if chosen == STACK else {"line": 1.0}
-    compensator = _trained(weights, learners, series, options)
+    compensator = _trained(weights, learners_on(series, target, options), series, options)
     progress(f"trained {chosen} on everything")
-    scale = compensator.scaling_out.scale
     tried = {name: figures(truth, values, scale) for name, values in predictions.items()}
     residual = (truth - predictions[chosen]) * scale
-    off = None if len(series) >= GROUPS_FROM else wander(compensator, series)
+    off = None if whole else wander(compensator, series)
     promise: dict[str, Any] = tried[chosen] | {
-        "r2_interval": list(_interval(truth, predictions[chosen], series)),
+        "r2_interval": _interval(truth, predictions[chosen], series),
         "raw_r2": float(np.mean([score.r2_before(p.truth, p.conductance_S, compensator.sign) for p in series])),
         "line_r2": tried["line"]["r2"],
         "folds": int(folds.max()) + 1,
-        "whole_recordings": off is None,
+        "whole_recordings": whole,
         **({} if off is None else {"r2_elsewhere": elsewhere(residual, off, scale)}),
     }
     found = {"chosen": chosen, "weights": weights, "tried": tried, "cross_validated": promise}
@@ -116,7 +116,11 @@ def choose(predictions: Mapping[str, FloatArray], truth: FloatArray) -> str:
 
 
 def weights_of(predictions: Mapping[str, FloatArray], truth: FloatArray) -> dict[str, float]:
-    """Weights of the stack's parts, none negative, together 1; a part without weight is left out.
+    """The weights of the stack's parts that fit best, none negative, together 1; a part without weight is left out.
+
+    With weights that sum to 1 the error of the stack is the weighted sum of the parts' errors. The sum s of weights
+    that minimise ``|errors w|^2 + (1 - sum w)^2`` alone depends on the size of that error, not how they share it out:
+    at shares v the best s leaves ``q / (1 + q)``, which rises with ``q = |errors v|^2``.
 
     Parameters
     ----------
@@ -125,10 +129,9 @@ def weights_of(predictions: Mapping[str, FloatArray], truth: FloatArray) -> dict
     """
     from scipy.optimize import nnls
 
-    columns = np.column_stack([predictions[name].ravel() for name in STACKED])
-    found, _ = nnls(columns, np.tile(truth, len(predictions[STACKED[0]])))
-    if not found.any():
-        return {STACKED[0]: 1.0}
+    errors = np.column_stack([(predictions[name] - truth).ravel() for name in STACKED])
+    ones = np.full(len(STACKED), max(float(np.linalg.norm(errors)), 1e-12))
+    found, _ = nnls(np.vstack([errors, ones]), np.append(np.zeros(len(errors)), ones[0]))
     return {name: float(w) for name, w in zip(STACKED, found / found.sum(), strict=True) if w > 0}
 
 
@@ -179,22 +182,43 @@ def figures(truth: FloatArray, prediction: FloatArray, scale: float) -> dict[str
     }
 
 
-def _cross_validated(learner: Learner, folds: NDArray[np.int64], progress: Callable[[str], None]) -> FloatArray:
-    prediction = np.empty((len(PACES), len(folds)))
+def learners_on(series: Sequence[Series], target: str, options: Options) -> dict[str, Learner]:
+    """Every method on these recordings, not fitted yet."""
+    learners: dict[str, Learner] = {}
+    for kind in LEARNERS:
+        learners[kind.name] = kind(series, target, options, like=next(reversed(learners.values()), None))
+    return learners
+
+
+def cross_validated(
+    series: Sequence[Series],
+    target: str,
+    options: Options,
+    folds: NDArray[np.int64],
+    progress: Callable[[str], None] = lambda note: None,
+) -> dict[str, FloatArray]:
+    """What each method predicts of each fold, at each pace, having seen nothing of it, not even for its scalers.
+
+    Returns
+    -------
+    dict of ndarray, each shape (paces, n)
+        In the target's unit.
+    """
+    found = {kind.name: np.empty((len(PACES), len(folds))) for kind in LEARNERS}
     for number in range(int(folds.max()) + 1):
-        held_out = folds == number
-        prediction[:, held_out] = learner.predict(learner.fit(~held_out), held_out)
-        progress(f"{learner.name}, fold {number + 1}")
-    return prediction
+        rest, parts = split(series, folds == number)
+        for name, learner in learners_on(rest, target, options).items():
+            found[name][:, folds == number] = learner.predict(learner.fit(), parts)
+            progress(f"{name}, fold {number + 1}")
+    return found
 
 
 def _trained(
     weights: Mapping[str, float], learners: Mapping[str, Learner], series: Sequence[Series], options: Options
-) -> Compensator:
+) -> TrainedCompensator:
     """The weighted parts, fitted on everything, as networks whose mean is the answer."""
     last = learners[list(weights)[-1]]
-    lesson, everything = last.lessons, np.ones(len(last.features), dtype=bool)
-    parts = {name: learners[name].fit(everything) for name in weights}
+    lesson, parts = last.lessons, {name: learners[name].fit() for name in weights}
     count = sum(len(part.networks) for part in parts.values())
     networks = [
         network.times(count * weights[name] / len(part.networks)).absorbing(lesson.shift, lesson.scale)
@@ -214,9 +238,9 @@ def _trained(
     return ready_for_use(replace(lesson.blank, networks=tuple(networks), recipe=recipe), series)
 
 
-def _interval(truth: FloatArray, prediction: FloatArray, series: Sequence[Series]) -> tuple[float, float]:
-    """95 % of r2: whole recordings drawn again where they are the folds, else blocks of 60 s."""
-    if len(series) < GROUPS_FROM:
+def _interval(truth: FloatArray, prediction: FloatArray, series: Sequence[Series]) -> list[float] | None:
+    """95 % of r2: whole recordings drawn again where they are held out, else `score.block_interval`."""
+    if not whole_recordings(series):
         step_s = sum(part.time_s[-1] - part.time_s[0] for part in series) / len(truth)
         return score.block_interval(truth, prediction, np.arange(len(truth)) * step_s)
     owner = np.repeat(np.arange(len(series)), [len(part) for part in series])
@@ -225,5 +249,4 @@ def _interval(truth: FloatArray, prediction: FloatArray, series: Sequence[Series
     for _ in range(500):
         drawn = np.concatenate([rows[number] for number in rng.integers(len(series), size=len(series))])
         draws.append(score.r2(truth[drawn], prediction[drawn]))
-    low, high = np.quantile(draws, [0.025, 0.975])
-    return float(low), float(high)
+    return np.quantile(draws, [0.025, 0.975]).tolist()

@@ -1,4 +1,4 @@
-"""What cross-validation holds out: whole recordings where there are enough, else contiguous parts of all rows."""
+"""What cross-validation holds out: whole recordings where that leaves enough, else contiguous parts of all rows."""
 
 from __future__ import annotations
 
@@ -10,23 +10,41 @@ from numpy.typing import NDArray
 from compensation.series.preprocessing import Series
 
 FOLDS, GROUPS_FROM = 5, 3
+# A fold that holds more of all rows is predicted from less than it has itself, which says nothing of the whole.
+LARGEST_SHARE = 0.5
+
+
+def whole_recordings(series: Sequence[Series]) -> bool:
+    """Whether the folds are whole recordings: of three or more, none so long that its fold has over half of all."""
+    return len(series) >= GROUPS_FROM and float(np.bincount(_shared_out(series)).max()) <= LARGEST_SHARE * _rows(
+        series
+    )
 
 
 def folds_of(series: Sequence[Series]) -> NDArray[np.int64]:
     """Number of the fold of every row: recordings shared out, or contiguous parts of all rows."""
-    lengths = [len(part) for part in series]
-    if len(series) >= GROUPS_FROM:
-        count = min(len(series), FOLDS)
-        return np.repeat(np.arange(len(series)) * count // len(series), lengths)
-    total = sum(lengths)
-    return np.arange(total) * FOLDS // total
+    if whole_recordings(series):
+        return _shared_out(series)
+    return np.arange(_rows(series)) * FOLDS // _rows(series)
 
 
-def cut(series: Sequence[Series], folds: NDArray[np.int64]) -> list[Series]:
-    """The recordings cut where the folds meet: what each fold is predicted from."""
-    found, begin = [], 0
+def _shared_out(series: Sequence[Series]) -> NDArray[np.int64]:
+    count = min(len(series), FOLDS)
+    return np.repeat(np.arange(len(series)) * count // len(series), [len(part) for part in series])
+
+
+def _rows(series: Sequence[Series]) -> int:
+    return sum(len(part) for part in series)
+
+
+def split(series: Sequence[Series], held_out: NDArray[np.bool_]) -> tuple[list[Series], list[Series]]:
+    """What is learned from and what is held out: the recordings, or what is left of them on either side of a cut."""
+    rest: list[Series] = []
+    parts: list[Series] = []
+    begin = 0
     for part in series:
-        own = folds[begin : begin + len(part)]
-        found += [part.rows(rows) for rows in np.split(np.arange(len(part)), np.flatnonzero(np.diff(own)) + 1)]
+        own = held_out[begin : begin + len(part)]
+        for rows in np.split(np.arange(len(part)), np.flatnonzero(np.diff(own)) + 1):
+            (parts if own[rows[0]] else rest).append(part.rows(rows))
         begin += len(part)
-    return found
+    return rest, parts

@@ -61,7 +61,8 @@ def of_another(recordings: Sequence[FloatArray]) -> tuple[float, float]:
             for errors, level, width in zip(recordings, levels, widths, strict=True)
         ]
     )
-    # Off its own mean and that of the others, a level is count / (count - 1) times as far out as off the mean of all.
+    # A level lies count / (count - 1) times as far from the mean of the others, which it was predicted from, as from
+    # the mean of all: scaled back.
     apart = levels * (count - 1) / count
     errors = _another(apart, len(shape), rng) + np.exp(_another(np.log(widths), len(shape), rng)) * shape
     low, high = np.quantile(errors, SHARES)

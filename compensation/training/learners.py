@@ -1,7 +1,8 @@
-"""The methods that `compensation.training.auto` chooses among, each fitted on rows and applied to others.
+"""The methods that `compensation.training.auto` chooses among, each fitted on recordings and applied to others.
 
-Each makes its own choices (L2, memories) on the rows that it is given, and predicts a fold as a recording of its own,
-its memories beginning with its first sample: as it was recorded, and as if it had been slower or quicker.
+Each makes its own choices (scalers, L2, memories) on the recordings that it is given, and predicts a part that was
+held out as a recording of its own, its memories beginning with its first sample: as it was recorded, and as if it had
+been slower or quicker.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from compensation.engines.network import Network, mean_output
 from compensation.memories.history import NO_HISTORY, QUICK_SETTLE_S, History
 from compensation.series import score
 from compensation.series.preprocessing import Series
-from compensation.training.folds import FOLDS, cut, folds_of
+from compensation.training.folds import FOLDS
 from compensation.training.least_squares import Sums
 from compensation.training.lessons import Lessons, features_at_pace, lessons
 from compensation.training.options import PAPER_SIZES, Options
@@ -55,7 +56,7 @@ class Learned:
 
 
 class Learner:
-    """One rival on one set of recordings: fits on the rows that are kept, predicts all of them.
+    """One rival on one set of recordings, and all that it knows is from these.
 
     Parameters
     ----------
@@ -68,33 +69,33 @@ class Learner:
     name = ""
     options = Options()
     lessons: Lessons
-    fresh: list[FloatArray]
 
     def __init__(self, series: Sequence[Series], target: str, options: Options, like: Learner | None = None) -> None:
         self.options = replace(self.options, rate_hz=options.rate_hz, irregular=options.irregular, seed=options.seed)
         if like is not None and _memories(like.options) == _memories(self.options):
-            self.lessons, self.fresh = like.lessons, like.fresh
+            self.lessons = like.lessons
             return
         self.lessons = lessons(series, target, self.options, starts=True, shift=WIDE_STATE_SHIFT, paces=PACES[1:])
-        # Each fold is predicted as a recording of its own, from its first sample on.
-        parts = cut(series, folds_of(series))
-        self.fresh = [
-            (features_at_pace(self.lessons.blank, parts, pace) - self.lessons.shift) * self.lessons.scale
-            for pace in PACES
-        ]
+
+    def _fold(self, count: int) -> NDArray[np.int64]:
+        """Which of so many contiguous parts of all rows each row is in."""
+        rows = len(self.features)
+        return np.arange(rows) * count // rows
 
     @property
     def features(self) -> FloatArray:
         """Of the recordings as they are, standardised by the lessons: shape (n, k)."""
         return self.lessons.versions[0]
 
-    def fit(self, kept: Mask) -> Learned:
-        """Learn from the rows that are kept; networks take standardised features."""
+    def fit(self) -> Learned:
+        """Learn from the recordings; networks take standardised features."""
         raise NotImplementedError
 
-    def predict(self, learned: Learned, rows: Mask) -> FloatArray:
-        """Standardised target of a fold's rows at each pace: shape (paces, rows)."""
-        return np.stack([mean_output(learned.networks, fresh[rows]) for fresh in self.fresh])
+    def predict(self, learned: Learned, parts: Sequence[Series]) -> FloatArray:
+        """Target of what was held out at each pace, in its unit: shape (paces, rows)."""
+        lesson = self.lessons
+        fresh = [(features_at_pace(lesson.blank, parts, pace) - lesson.shift) * lesson.scale for pace in PACES]
+        return lesson.blank.scaling_out.invert(np.stack([mean_output(learned.networks, x) for x in fresh]))
 
 
 class Line(Learner):
@@ -102,20 +103,20 @@ class Line(Learner):
 
     name, options = "line", Options(alphas=(1.0,), sizes=(), l2=0.0)
 
-    def fit(self, kept: Mask) -> Learned:
-        x, y = self.features[kept, 0], self.lessons.truth[kept]
+    def fit(self) -> Learned:
+        x, y = self.features[:, 0], self.lessons.truth
         slope = float(np.mean((x - x.mean()) * (y - y.mean())) / max(float(x.var()), 1e-12))
         return Learned((linear(np.array([slope]), float(y.mean() - slope * x.mean())),), {"l2": 0.0})
 
 
 class Ridge(Learner):
-    """Linear in bank, motion and play; the penalty from cross-validation within the rows that are kept."""
+    """Linear in bank, motion and play; the penalty from cross-validation within the recordings."""
 
     name, options = "ridge", Options(factor=FACTOR, count=COUNT, history=WHOLE, sizes=())
 
-    def fit(self, kept: Mask) -> Learned:
-        fold = np.cumsum(kept) * FOLDS // (kept.sum() + 1)
-        parts = [Sums.of(self.lessons, kept & (fold == number)) for number in range(FOLDS)]
+    def fit(self) -> Learned:
+        fold = self._fold(FOLDS)
+        parts = [Sums.of(self.lessons, fold == number) for number in range(FOLDS)]
         errors = [self._error(parts, l2) for l2 in RIDGE_PENALTIES]
         l2 = RIDGE_PENALTIES[int(np.argmin(errors))]
         return Learned((linear(*Sums.total(parts).solved(l2)),), {"l2": l2})
@@ -134,8 +135,8 @@ class Paper(Learner):
 
     name, options = "paper", Options(factor=FACTOR, count=COUNT, history=WHOLE, sizes=PAPER_SIZES, engine="fast")
 
-    def fit(self, kept: Mask) -> Learned:
-        x, y, options = self.features[kept, PAPERS], self.lessons.truth[kept], self.options
+    def fit(self) -> Learned:
+        x, y, options = self.features[:, PAPERS], self.lessons.truth, self.options
         fits = [
             engine(options.engine)(x, y, options.sizes, options.seed + start, options.l2) for start in range(STARTS)
         ]
@@ -147,19 +148,19 @@ class Paper(Learner):
 
 
 class Networks(Learner):
-    """Several small networks of two sizes; memories and L2 from halves of the rows that are kept."""
+    """Several small networks of two sizes; memories and L2 from halves of the rows."""
 
     name = "networks"
     options = Options(factor=FACTOR, count=COUNT, history=WHOLE, sizes=NETWORK_SIZES[0], engine="fast")
 
-    def fit(self, kept: Mask) -> Learned:
-        half = np.cumsum(kept) * 2 // (kept.sum() + 1)
-        history, l2 = self._chosen(lambda history, l2: self._error(kept, half, history, l2))
+    def fit(self) -> Learned:
+        history, l2 = self._chosen(self._error)
+        everything = np.ones(len(self.features), dtype=bool)
         networks = tuple(
-            self._one(kept, history, l2, self.options.seed + number, NETWORK_SIZES[number % len(NETWORK_SIZES)])
+            self._one(everything, history, l2, self.options.seed + number, NETWORK_SIZES[number % len(NETWORK_SIZES)])
             for number in range(ENSEMBLE_OF_TWO_SIZES)
         )
-        live = tuple(one for one in networks if not one.is_dead(self.features[kept])) or networks[:1]
+        live = tuple(one for one in networks if not one.is_dead(self.features)) or networks[:1]
         return Learned(
             live, {"l2": l2, "restarts": ENSEMBLE_OF_TWO_SIZES, "memories": history.count, "members": NETWORK_SIZES}
         )
@@ -173,11 +174,11 @@ class Networks(Learner):
         errors |= {(history, l2): error(history, l2) for l2 in NETWORK_PENALTIES if l2 != middle}
         return min(errors, key=lambda key: errors[key])
 
-    def _error(self, kept: Mask, half: NDArray[np.int64], history: History, l2: float) -> float:
-        total = 0.0
+    def _error(self, history: History, l2: float) -> float:
+        total, half = 0.0, self._fold(2)
         for number in (0, 1):
-            network = self._one(kept & (half != number), history, l2, 0, NETWORK_SIZES[0])
-            rows = kept & (half == number)
+            network = self._one(half != number, history, l2, 0, NETWORK_SIZES[0])
+            rows = half == number
             total += float(np.sum((self.lessons.truth[rows] - network(self.features[rows])) ** 2))
         return total
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from compensation.engines.adam import BATCH, train_adam
 from compensation.engines.network import Network
-from compensation.model.compensator import Compensator
+from compensation.model.compensator import TrainedCompensator
 from compensation.model.runtime import ready_for_use
 from compensation.series.preprocessing import Series
 from compensation.series.score import BLOCK_S
@@ -38,7 +38,7 @@ class Lessons:
 
     Attributes
     ----------
-    blank : Compensator
+    blank : TrainedCompensator
         Scalers, bank and history.
     versions : tuple of ndarray, each shape (n, k)
         The first is the recording as it is.
@@ -50,7 +50,7 @@ class Lessons:
         Rows of a minute.
     """
 
-    blank: Compensator
+    blank: TrainedCompensator
     versions: tuple[FloatArray, ...]
     truth: FloatArray
     shift: FloatArray
@@ -139,7 +139,7 @@ def pieces(series: Sequence[Series], length_s: float, offset_s: float = 0.0) -> 
     return found
 
 
-def features_at_pace(blank: Compensator, series: Sequence[Series], pace: float) -> FloatArray:
+def features_at_pace(blank: TrainedCompensator, series: Sequence[Series], pace: float) -> FloatArray:
     """Features (n, k) of the recordings, had a second of them taken `pace` seconds.
 
     Of a sensor without memory, or one of pure hysteresis, that is what it would have measured; of a knit it is not,
@@ -151,7 +151,7 @@ def features_at_pace(blank: Compensator, series: Sequence[Series], pace: float) 
     return training_arrays(replace(blank, irregular=True), slower)[0]
 
 
-def _shifted(blank: Compensator, by: float) -> Compensator:
+def _shifted(blank: TrainedCompensator, by: float) -> TrainedCompensator:
     """A compensator that reads a conductance as if it were higher by `by` standard deviations."""
     scaling = blank.scaling_in
     return replace(blank, scaling_in=replace(scaling, mean=scaling.mean - by * scaling.scale))

@@ -10,6 +10,7 @@ from compensation.memories.history import NO_HISTORY, History
 from gcode.support.arrays import FloatArray
 
 PAPER_SIZES = (4, 2, 2)
+HIGHEST_SEED = 2**31 - 1
 
 
 @dataclass(frozen=True)

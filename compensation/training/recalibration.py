@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from compensation.model.compensator import Compensator, Scaling
+from compensation.model.compensator import Scaling, TrainedCompensator
 from compensation.series.preprocessing import Series
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
@@ -24,6 +24,10 @@ from gcode.support.errors import UserError
 SPREADS = np.array([0.3, 0.5, 0.1, 0.2])
 APART_S, ERROR = 8.0, 0.5
 LEAST_S, WARM_S = 5.0, 2.0
+# Of the training's standard deviation: a reference that spreads less stands still, but for the noise of its cell.
+STILL = 0.1
+# Standard deviations from its mean that a training hardly ever leaves.
+FARTHEST = 4.0
 
 
 @dataclass(frozen=True)
@@ -42,7 +46,7 @@ class Correction:
     gain_out: float = 1.0
     shift_out: float = 0.0
 
-    def of(self, compensator: Compensator) -> Compensator:
+    def of(self, compensator: TrainedCompensator) -> TrainedCompensator:
         """The compensator with this correction applied."""
         into, out = compensator.scaling_in, compensator.scaling_out
         return replace(
@@ -52,12 +56,12 @@ class Correction:
         )
 
 
-def recalibrated(compensator: Compensator, part: Series) -> Compensator:
+def recalibrated(compensator: TrainedCompensator, part: Series) -> TrainedCompensator:
     """The compensator, corrected by a short recording with a reference.
 
     Parameters
     ----------
-    compensator : Compensator
+    compensator : TrainedCompensator
     part : Series
         Half a minute to a minute: motion, or rest at a known value (without load: zero).
 
@@ -81,11 +85,11 @@ def recalibrated(compensator: Compensator, part: Series) -> Compensator:
     return replace(found.of(compensator), recipe=recipe)
 
 
-def correction(compensator: Compensator, part: Series) -> Correction:
+def correction(compensator: TrainedCompensator, part: Series) -> Correction:
     """The likeliest correction, given the reference and the spreads (a posterior mode by least squares)."""
     from scipy.optimize import least_squares
 
-    running = replace(compensator, start="causal")
+    running = compensator.in_use
     late, reference = part.time_s >= part.time_s[0] + WARM_S, _expected(compensator, part.truth)
     # Weights that make as many errors as there are count as independent ones.
     weight = np.sqrt(np.ptp(part.time_s) / APART_S / late.sum()) / (ERROR * compensator.scaling_out.scale)
@@ -97,7 +101,12 @@ def correction(compensator: Compensator, part: Series) -> Correction:
     return _moved(least_squares(residual, np.zeros(4), method="lm", diff_step=1e-3, max_nfev=60).x)
 
 
-def wander(compensator: Compensator, series: Sequence[Series]) -> FloatArray:
+def reach(compensator: TrainedCompensator) -> float:
+    """How far from zero the target went in training, in its unit."""
+    return abs(compensator.scaling_out.mean) + FARTHEST * compensator.scaling_out.scale
+
+
+def wander(compensator: TrainedCompensator, series: Sequence[Series]) -> FloatArray:
     """By how much the prediction changes where each of the four numbers is one of its `SPREADS` off.
 
     Returns
@@ -106,23 +115,23 @@ def wander(compensator: Compensator, series: Sequence[Series]) -> FloatArray:
         In the target's unit, at every sample of the recordings, one after the other.
     """
 
-    def prediction(one: Compensator) -> FloatArray:
+    def prediction(one: TrainedCompensator) -> FloatArray:
         return np.concatenate([one.predict_series(part) for part in series])
 
     as_it_is = prediction(compensator)
     return np.stack([prediction(_moved(off).of(compensator)) - as_it_is for off in np.eye(len(SPREADS))])
 
 
-def _expected(compensator: Compensator, truth: FloatArray) -> FloatArray:
+def _expected(compensator: TrainedCompensator, truth: FloatArray) -> FloatArray:
     """What a compensator without error would predict for this reference.
 
     One that explains a share r2 of the variance falls short by 1 - r2 of the way from the mean. Where the reference
     stands still, at rest at the end of its range, that must not be taken for an error; where it moves, it evens out.
     """
     promise = compensator.recipe.get("cross_validated")
-    if np.ptp(truth) > 0 or promise is None:
+    mean, scale = compensator.scaling_out.mean, compensator.scaling_out.scale
+    if np.std(truth) > STILL * scale or promise is None:
         return truth
-    mean = compensator.scaling_out.mean
     return mean + float(np.clip(promise["r2"], 0.0, 1.0)) * (truth - mean)
 
 
@@ -132,6 +141,6 @@ def _moved(numbers: FloatArray) -> Correction:
     return Correction(float(np.exp(log_in)), float(shift_in), float(np.exp(log_out)), float(shift_out))
 
 
-def _rms(compensator: Compensator, part: Series) -> float:
-    error = replace(compensator, start="causal").predict_series(part) - part.truth
+def _rms(compensator: TrainedCompensator, part: Series) -> float:
+    error = compensator.in_use.predict_series(part) - part.truth
     return float(np.sqrt(np.mean(error**2)))

@@ -9,7 +9,7 @@ import numpy as np
 
 from compensation.engines.engine import engine
 from compensation.engines.network import Network
-from compensation.model.compensator import Compensator
+from compensation.model.compensator import TrainedCompensator
 from compensation.model.runtime import ready_for_use
 from compensation.series.preprocessing import Series, series_of
 from compensation.series.score import r2
@@ -27,7 +27,7 @@ def train(
     options: Options | None = None,
     progress: Callable[[str], None] = lambda note: None,
     tuned: bool = False,
-) -> Compensator:
+) -> TrainedCompensator:
     """Train a compensator; scalers and networks see these recordings only.
 
     Parameters
@@ -51,7 +51,7 @@ def train_on_series(
     target: str,
     options: Options,
     progress: Callable[[str], None] = lambda note: None,
-) -> Compensator:
+) -> TrainedCompensator:
     """As `train`, on prepared series."""
     blank = untrained(series, target, options)
     features, truth = training_arrays(blank, series)

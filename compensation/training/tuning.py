@@ -23,7 +23,7 @@ import numpy as np
 
 from compensation.engines.network import Network, mean_output
 from compensation.memories.history import NO_HISTORY, History
-from compensation.model.compensator import Compensator
+from compensation.model.compensator import TrainedCompensator
 from compensation.model.runtime import ready_for_use
 from compensation.series.preprocessing import Series
 from compensation.series.score import r2
@@ -68,7 +68,7 @@ def tune(
     target: str,
     options: Options,
     progress: Callable[[str], None] = lambda note: None,
-) -> Compensator:
+) -> TrainedCompensator:
     """Choose by cross-validation (`choose`), then average several networks (`ensemble`).
 
     Parameters
@@ -173,7 +173,7 @@ def ensemble(
     decision: Decision,
     seed: int,
     progress: Callable[[str], None] = lambda note: None,
-) -> Compensator:
+) -> TrainedCompensator:
     """The mean of `ENSEMBLE` networks from `seed` on, shared out among the decision's members."""
     best = decision.members[0]
     whole = _union([choice.options.history for choice in decision.members])

@@ -13,7 +13,7 @@ from dataclasses import replace
 
 from compensation.engines.network import mean_output
 from compensation.memories.history import History
-from compensation.model.compensator import Compensator
+from compensation.model.compensator import TrainedCompensator
 from compensation.model.runtime import ready_for_use
 from compensation.series.preprocessing import Series, series_of
 from compensation.series.score import r2
@@ -72,7 +72,7 @@ def train_from_twin(
     amplitude: float,
     options: Options | None = None,
     progress: Callable[[str], None] = lambda note: None,
-) -> Compensator:
+) -> TrainedCompensator:
     """Find out what the twin may be from a short measurement, then learn from both.
 
     Parameters
@@ -111,7 +111,7 @@ def learned(
     options: Options,
     progress: Callable[[str], None] = lambda note: None,
     share: float = SHARE,
-) -> Compensator:
+) -> TrainedCompensator:
     """Networks that learn from campaigns and from a measurement that makes up `share` of the rows."""
     campaign_rows = sum(len(part) for part in twins)
     copies = max(round(share / (1.0 - share) * campaign_rows / len(measured)), 1) if share else 0

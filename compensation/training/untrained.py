@@ -8,17 +8,17 @@ from typing import Any
 import numpy as np
 
 from compensation.engines.network import Network
-from compensation.model.compensator import Compensator, Scaling
+from compensation.model.compensator import Scaling, TrainedCompensator
 from compensation.series.preprocessing import Series
 from compensation.training.options import Options
 from gcode.support.arrays import FloatArray
 
 
-def untrained(series: Sequence[Series], target: str, options: Options) -> Compensator:
+def untrained(series: Sequence[Series], target: str, options: Options) -> TrainedCompensator:
     """Scalers, bank and history without a network."""
     conductance = np.concatenate([part.conductance_S for part in series])
     truth = np.concatenate([part.truth for part in series])
-    return Compensator(
+    return TrainedCompensator(
         target=target,
         rate_hz=options.rate_hz,
         alphas=options.bank,
@@ -32,14 +32,14 @@ def untrained(series: Sequence[Series], target: str, options: Options) -> Compen
     )
 
 
-def training_arrays(blank: Compensator, series: Sequence[Series]) -> tuple[FloatArray, FloatArray]:
+def training_arrays(blank: TrainedCompensator, series: Sequence[Series]) -> tuple[FloatArray, FloatArray]:
     """Features (n, k) and standardised target (n,) of all recordings, one after the other."""
     features = [blank.features(part.time_s, part.conductance_S) for part in series]
     truth = [scaling_of_target(blank, part).apply(part.truth) for part in series]
     return np.concatenate(features), np.concatenate(truth)
 
 
-def scaling_of_target(blank: Compensator, part: Series) -> Scaling:
+def scaling_of_target(blank: TrainedCompensator, part: Series) -> Scaling:
     """By which a recording's target is standardised: its own, or the training's."""
     return Scaling.of(part.truth) if blank.per_recording else blank.scaling_out
 
@@ -51,6 +51,7 @@ def describe(
     return {
         "method": "paper",
         "trained_on": [part.source for part in series],
+        "trained_digests": [part.digest for part in series],
         "samples": len(features),
         "sizes": list(options.sizes),
         "factor": options.factor,

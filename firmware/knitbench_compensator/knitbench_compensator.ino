@@ -77,8 +77,9 @@ void loop() {
   float value = knit_update(&compensator, reading, (float)(now - good_us) * 1e-6f);
   cycles = ESP.getCycleCount() - cycles;
   if ((compensator.status & (KNIT_BAD_READING | KNIT_BAD_STEP)) == 0) good_us = now, begun = true;
-  char line[80];
+  char line[112];  // the longest line has 97: a float may be -3.4e38, written out
   int size = snprintf(line, sizeof line, "%lu,%.8e,%.5f,%lu,%lu\n", (unsigned long)now, (double)reading, (double)value,
                       (unsigned long)compensator.status, (unsigned long)cycles);
-  Serial.write((const uint8_t *)line, (size_t)size);
+  if (size >= (int)sizeof line) size = (int)sizeof line - 1;  // snprintf says what it would have written
+  if (size > 0) Serial.write((const uint8_t *)line, (size_t)size);
 }

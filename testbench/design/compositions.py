@@ -40,6 +40,14 @@ class Gene:
 
 
 Genes = tuple[Gene, ...]
+# For a sensor of which nothing is known yet: what relaxes, what rests, what is quick and what comes again.
+SURVEY: Genes = (
+    Gene("perlin", 1.0, (1.0, 0.5, 0.3)),
+    Gene("hold", 0.5, (1.0, 1.0, 0.0)),
+    Gene("rest", 0.5, (0.0, 1.0, 0.0)),
+    Gene("cycles", 0.4, (0.4, 1.0, 0.0)),
+    Gene("perlin", 0.6, (1.0, 1.0, 0.3)),
+)
 
 
 @dataclass(frozen=True, eq=False)

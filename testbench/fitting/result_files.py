@@ -116,7 +116,7 @@ class _Scored(OpenModel):
     role: Label
     r2_before: Finite
     r2_after: Finite
-    r2_after_interval: tuple[Finite, Finite]
+    r2_after_interval: tuple[Finite, Finite] | None  # None: too short for one
     rho2_before: Finite
     gain: Finite
     rms_error: Size

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,6 +11,7 @@ from gcode.programs.make import Made, make
 from gcode.support.errors import UserError
 from gcode.support.files import make_folder
 from testbench.design.best_motion import best_motion
+from testbench.design.compositions import SURVEY, in_words, motion_of
 from testbench.design.protocols import NOISE, menu
 from testbench.investigating.belief import Belief, belief_after, doubted, over_specimens
 from testbench.investigating.benches import Bench, Order, now_s
@@ -34,6 +36,7 @@ from testbench.measurements.measurement import Measurement
 from testbench.recordings.files import read_recording
 from testbench.rig.recorder import Status
 
+RANDOM = "random motion (Perlin noise)"
 Tell = Callable[[str], None]
 
 
@@ -129,12 +132,15 @@ class _Loop:
         return SPENT if beyond else ""
 
     def _plan(self) -> None:
-        """The next motion and its program: random at first, then the one that separates what is still likely."""
+        """The next motion and its program: a bit of everything at first, then what separates what is still likely."""
         number, settings, belief = len(self.state.runs) + 1, self.state.settings, self.state.belief
         rivals = belief.rivals(self.catalogue, str(self.folder / NAME)) if belief else []
         # Where no law was worth a refit, one model alone foretells recordings: no motion separates it from others.
-        if belief is None or len(rivals) < 2 or settings.motion == "perlin":
-            made, words, expected, perlin = self._random(number), "random motion (Perlin noise)", None, None
+        expected, perlin = None, None
+        if settings.motion == "perlin" or (belief and len(rivals) < 2):
+            made, words = self._random(number), RANDOM
+        elif belief is None:
+            made, words = self._survey()
         else:
             self.watcher.tell(f"run {number}: designing the motion that tells most")
             found = best_motion(
@@ -152,6 +158,15 @@ class _Loop:
         made.write(program_folder(self.folder, number))
         run = RunState(words=words, seconds=made.trajectory.duration_s, expected_nats=expected, perlin_nats=perlin)
         self._keep(self.state.with_run(number - 1, run))
+
+    def _survey(self) -> tuple[Made, str]:
+        """A motion for a sensor of which nothing is known yet, and it in words."""
+        settings = self.state.settings
+        found = motion_of(SURVEY, settings.limits, settings.seed)
+        with contextlib.suppress(UserError):  # the controller's deviations may pass a limit that the plan keeps
+            if found is not None:
+                return make(found.spec, settings.seed, settings.gauge_length_mm), in_words(found.spec)
+        return self._random(1), RANDOM
 
     def _random(self, number: int) -> Made:
         settings = self.state.settings

@@ -153,8 +153,8 @@ def compensator_section(score: Mapping[str, Any]) -> Section:
     items: list[Item] = [table]
     if len(rows) > 1:
         caption = (
-            "r² before and after, with the 95 % interval from a bootstrap over blocks of 60 s; dotted: the means "
-            "that the paper reports for its two knits."
+            "r² before and after, with the 95 % interval from a bootstrap over blocks of up to 60 s; dotted: the "
+            "means that the paper reports for its two knits."
         )
         figure = compensator_figures.before_and_after(rows, names, target)
         items.append(Picture("compensator-scores", figure, caption))
@@ -170,14 +170,14 @@ def compensator_section(score: Mapping[str, Any]) -> Section:
 
 
 def _score_row(name: str, row: Mapping[str, Any]) -> tuple[str, ...]:
-    low, high = row["r2_after_interval"]
+    span = row["r2_after_interval"]
     return (
         name,
         row["role"],
         f"{row['r2_before']:.3f}",
         f"{row['rho2_before']:.3f}",
         f"{row['r2_after']:.3f}",
-        f"{low:.3f} to {high:.3f}",
+        "too short" if span is None else "{:.3f} to {:.3f}".format(*span),
         f"{row['gain']:+.3f}",
         f"{row['rms_error']:.3g}",
     )

@@ -52,8 +52,9 @@ def investigate(
 ) -> InvestigationResult:
     """Run experiments until one hypothesis is sure: nothing missing, a mechanism, or something unknown.
 
-    The first run is random motion. Each further one is the motion that is expected to tell most between hypotheses
-    that are still likely. Everything is kept in `folder`, step by step, and goes on from there with `resume`.
+    The first run has a bit of everything. Each further one is the motion that is expected to tell most between
+    hypotheses that are still likely. Everything is kept in `folder`, step by step, and goes on from there with
+    `resume`.
 
     Parameters
     ----------

@@ -87,10 +87,10 @@ def scatter(row: Mapping[str, Any], target: str) -> style.Figure:
 
 
 def before_and_after(rows: Sequence[Mapping[str, Any]], names: Sequence[str], target: str) -> style.Figure:
-    """r² of every recording before and after, with the 95 % interval of the latter; the paper's means as lines."""
+    """r² of every recording before and after, with the 95 % interval where it has one; the paper's means as lines."""
     places = np.arange(len(rows))
     after = np.array([row["r2_after"] for row in rows])
-    span = np.array([row["r2_after_interval"] for row in rows])
+    span = np.array([row["r2_after_interval"] or (np.nan, np.nan) for row in rows])
     up, down = span[:, 1] - after, after - span[:, 0]
     whiskers = {"array": up, "arrayminus": down, "symmetric": False, "color": TRUTH}
     bars = [
@@ -100,7 +100,7 @@ def before_and_after(rows: Sequence[Mapping[str, Any]], names: Sequence[str], ta
     ticks = {"tickvals": list(range(len(rows))), "ticktext": list(names), "showgrid": False}
     axes: dict[str, Any] = {
         "xaxis": style.axis("", **ticks),
-        "yaxis": style.axis("r²", range=[min(0.0, float(span.min())), 1.02]),
+        "yaxis": style.axis("r²", range=[float(np.nanmin([span.min(axis=1), after], initial=0.0)), 1.02]),
     }
     lines = [style.level(value, style.MUTED, dash="dot") for value in PAPER[target].values()]
     words = [_paper_words(knit, value, value == max(PAPER[target].values())) for knit, value in PAPER[target].items()]

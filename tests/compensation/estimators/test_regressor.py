@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import pickle
+
 import numpy as np
+import pandas as pd
 import pytest
 import sklearn
-from sklearn.model_selection import GridSearchCV, GroupKFold
+from sklearn.base import clone
+from sklearn.metrics import r2_score
+from sklearn.model_selection import GridSearchCV, LeaveOneGroupOut
 from sklearn.pipeline import Pipeline
 from sklearn.preprocessing import FunctionTransformer
 from sklearn.utils.estimator_checks import parametrize_with_checks
 
-from compensation import Compensator
+from compensation import Compensator, c_header, write_onnx
 from compensation.estimators.regressor import EXPECTED_FAILED_CHECKS
 from compensation.model import files as compensator_files
 from compensation.model.streaming import CompensatorStream
@@ -19,6 +24,7 @@ from compensation.training.options import Options
 from compensation.training.training import train
 
 
+@pytest.mark.filterwarnings("ignore:learned by ridge:UserWarning")
 @parametrize_with_checks([Compensator()], expected_failed_checks=lambda _: EXPECTED_FAILED_CHECKS)
 def test_scikit_learns_checks(estimator, check):
     check(estimator)
@@ -36,7 +42,7 @@ def rows(recordings):
 def test_gives_the_numbers_of_the_command(recordings):
     part = series_of(recordings[0], "force", 20.0)
     model = Compensator(method="paper").fit(part.conductance_S[:, None], part.truth)
-    trained = train(recordings[:1], "force", Options())
+    trained = train(recordings[:1], "force", Options()).in_use
     np.testing.assert_allclose(
         model.predict(part.conductance_S[:, None]), trained.predict(part.time_s, part.conductance_S), rtol=1e-9
     )
@@ -54,17 +60,131 @@ def test_groups_begin_anew(rows):
         model.predict(X, groups=labels[:5])
 
 
+def test_interleaved_groups_are_the_same_recordings(rows):
+    X, y, labels = rows
+    order = np.argsort(np.tile(np.arange(len(X) // 3), 3), kind="stable")
+    assert (labels[order][:4] == ["T", "A", "B", "T"]).all()
+    for method in ("ridge", "paper"):
+        one, other = Compensator(method=method), Compensator(method=method)
+        expected = one.fit(X, y, groups=labels).predict(X, groups=labels)
+        got = other.fit(X[order], y[order], groups=labels[order]).predict(X[order], groups=labels[order])
+        np.testing.assert_allclose(got, expected[order], atol=1e-6)
+
+
+def test_a_recording_of_one_row_is_named(rows):
+    X, y, labels = rows
+    with pytest.raises(ValueError, match="a recording needs at least 2 rows, group 'spare' has 1"):
+        Compensator().fit(X, y, groups=["spare", *labels[1:]])
+
+
+@pytest.mark.parametrize(("rate_hz", "count"), [(20.0, 390), (40.0, 790), (20.0, 410), (0.5, 12), (0.1, 9)])
+def test_what_is_too_short_is_so_in_seconds(rows, rate_hz, count):
+    X, y, _ = rows
+    model = Compensator(method="paper", rate_hz=rate_hz)
+    if count / rate_hz >= 20 and count >= 10:
+        assert model.fit(X[:count], y[:count]).compensator_ is not None
+        return
+    with pytest.warns(
+        UserWarning, match=r"learned by ridge, not by paper: \d+ rows are .* s, the others need 20 s in 10"
+    ):
+        model.fit(X[:count], y[:count])
+    with pytest.raises(ValueError, match=r"rows are .* it has no stream and no file"):
+        model.stream()
+
+
+@pytest.mark.parametrize("method", ["paper", "auto"])
+def test_what_scikit_learns_checks_are_too_short_for(rows, method):
+    """Its own checks have fewer rows than 20 s, so that they see the ridge alone: clone, pickle, refit, names."""
+    X, y, labels = rows
+    frame = pd.DataFrame(X, columns=["conductance_S"])
+    model = Compensator(method=method).fit(frame, y, groups=labels)
+    expected = model.predict(frame, groups=labels)
+    before = dict(vars(model))
+    assert set(before) == set(vars(Compensator())) | {
+        *("compensator_", "n_features_in_", "feature_names_in_", "_ridge", "_why_ridge")
+    }
+    np.testing.assert_array_equal(pickle.loads(pickle.dumps(model)).predict(frame, groups=labels), expected)
+    assert all(vars(model)[name] is value for name, value in before.items())
+    with pytest.raises(ValueError, match="feature names should match"):
+        model.predict(frame.rename(columns=lambda name: "G"))
+    fresh = clone(model)
+    assert not hasattr(fresh, "compensator_")
+    np.testing.assert_array_equal(fresh.fit(frame, y, groups=labels).predict(frame, groups=labels), expected)
+    assert model.fit(frame[:500], y[:500]).compensator_.recipe["samples"] == 500
+
+
+def test_another_method_leaves_nothing_of_the_one_before(rows):
+    X, y, _ = rows
+    model = Compensator(method="ridge").fit(X, y)
+    ridge = model.predict(X)
+    again = model.set_params(method="paper").fit(X, y).predict(X)
+    assert np.abs(again - ridge).max() > 0.01
+    np.testing.assert_array_equal(again, Compensator(method="paper").fit(X, y).predict(X))
+    assert set(vars(model)) == set(vars(Compensator(method="paper").fit(X, y)))
+    assert model._ridge is None
+    np.testing.assert_array_equal(model.set_params(method="ridge").fit(X, y).predict(X), ridge)
+
+
+@pytest.mark.parametrize(
+    ("parameters", "match"),
+    [
+        *(
+            ({"rate_hz": value}, f"rate_hz must be a number from 1e-06 to 1e.06, got {value}")
+            for value in (0, -20.0, float("nan"), 1e7, None)
+        ),
+        *(
+            ({"seed": value}, f"seed must be a whole number from 0 to 2147483647, got {value}")
+            for value in (None, -1, 2**31, 0.5)
+        ),
+    ],
+)
+def test_parameters_without_sense_are_named(rows, parameters, match):
+    X, y, _ = rows
+    for method in ("ridge", "paper"):
+        with pytest.raises(ValueError, match=match):
+            Compensator(method=method, **parameters).fit(X, y)
+
+
+def test_predict_is_what_the_stream_says(rows):
+    X, y, labels = rows
+    model = Compensator(method="paper").fit(X, y, groups=labels)
+    own = X[labels == "A"]
+    stream = model.stream()
+    np.testing.assert_allclose([stream.update(value) for value in own[:, 0]], model.predict(own), atol=1e-9)
+
+
+def test_a_logarithm_of_the_conductance_is_learned_but_does_not_stream(rows, tmp_path):
+    X, y, _ = rows
+    model = Compensator(method="paper").fit(np.log(X), y)
+    assert np.isfinite(model.predict(np.log(X))).all()
+    attempts = (
+        model.stream,
+        lambda: model.save(tmp_path / "c.json"),
+        lambda: c_header(model.compensator_),
+        lambda: write_onnx(model.compensator_, tmp_path / "c.onnx"),
+    )
+    for attempt in attempts:
+        with pytest.raises(ValueError, match=r"trained on values from -\d.* conductances in S.* without a logarithm"):
+            attempt()
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_groups_go_through_pipeline_and_search(rows):
+    """The score that the search takes without a word is that of recordings that begin anew."""
     X, y, labels = rows
     with sklearn.config_context(enable_metadata_routing=True):
-        model = Compensator(method="ridge").set_fit_request(groups=True).set_predict_request(groups=True)
-        pipeline = Pipeline([("log", FunctionTransformer(np.log)), ("compensator", model)])
-        search = GridSearchCV(
-            pipeline, {"compensator__rate_hz": [10.0, 20.0]}, cv=GroupKFold(3), scoring="neg_mean_squared_error"
-        )
-        search.fit(X, y, groups=labels)
-    assert len(search.cv_results_["mean_test_score"]) == 2
-    assert np.isfinite(search.cv_results_["mean_test_score"]).all()
+        model = Compensator(method="ridge").set_fit_request(groups=True).set_score_request(groups=True)
+        pipeline = Pipeline([("conductance", FunctionTransformer(np.reciprocal)), ("compensator", model)])
+        search = GridSearchCV(pipeline, {"compensator__rate_hz": [10.0, 20.0]}, cv=LeaveOneGroupOut())
+        search.fit(1 / X, y, groups=labels)
+        whole = search.score(1 / X, y, groups=labels)
+    out = labels == "A"
+    fitted = [Compensator("ridge", rate_hz=rate).fit(X[~out], y[~out], labels[~out]) for rate in (10.0, 20.0)]
+    expected = [one.score(X[out], y[out]) for one in fitted]
+    np.testing.assert_allclose(search.cv_results_["split0_test_score"], expected, atol=1e-9)
+    best = search.best_estimator_[-1]
+    assert whole == pytest.approx(r2_score(y, best.predict(X, groups=labels)), abs=1e-9)
+    assert whole != pytest.approx(r2_score(y, best.predict(X)), abs=1e-4)
 
 
 def test_streams_and_saves(rows, tmp_path):
@@ -73,7 +193,9 @@ def test_streams_and_saves(rows, tmp_path):
     model.save(tmp_path / "c.json")
     stream = CompensatorStream(compensator_files.load(tmp_path / "c.json"))
     assert stream.update(float(X[0, 0]), 0.05) == pytest.approx(model.stream().update(float(X[0, 0]), 0.05))
-    with pytest.raises(ValueError, match="no stream and no file; fit one column of 20 s or more"):
+    with pytest.raises(
+        ValueError, match=r"ridge \(as asked for\): it has no stream and no file; fit one column of 20 s"
+    ):
         Compensator(method="ridge").fit(X, y).stream()
 
 

@@ -5,21 +5,24 @@ from __future__ import annotations
 import shutil
 import subprocess
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from compensation.cli import main
 from compensation.export.chip_cost import cost
-from compensation.export.export_c import c_header
+from compensation.export.export_c import PROMISED, c_header, rounding
 from compensation.export.export_onnx import write_onnx
 from compensation.export.onnx_stream import OnnxStream
 from compensation.memories.ema import start_samples
 from compensation.memories.history import History
 from compensation.model import files as compensator_files
+from compensation.model.compensator import Scaling
 from compensation.model.streaming import CompensatorStream
+from compensation.series.preprocessing import series_of
 from compensation.training.options import Options
-from compensation.training.training import train
+from compensation.training.training import train, train_on_series
 from gcode.support.errors import UserError
 
 PROGRAM = """
@@ -50,6 +53,16 @@ def streamed(compensator, recording) -> np.ndarray:
     stream = CompensatorStream(compensator)
     steps = np.diff(recording.time_s, prepend=recording.time_s[0])
     return np.array([stream.update(*sample) for sample in zip(recording.conductance_S, steps, strict=True)])
+
+
+def from_c(compensator, lines: str, folder: Path) -> np.ndarray:
+    """What the compiled header makes of lines of conductance and step."""
+    (folder / "pes.h").write_text(c_header(compensator, "pes"))
+    (folder / "main.c").write_text(PROGRAM)
+    flags = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-O2"]
+    subprocess.run(["gcc", *flags, "main.c", "-o", "main"], cwd=folder, check=True)
+    printed = subprocess.run([folder / "main"], input=lines, capture_output=True, text=True, check=True).stdout
+    return np.array([float(line) for line in printed.split()])
 
 
 def test_stream_is_the_causal_batch(compensator, recordings):
@@ -86,15 +99,13 @@ def test_irregular_and_resampled_agree(compensator, recordings):
 @pytest.mark.parametrize("irregular", [False, True])
 def test_c_header_compiled_equals_python(compensator, recordings, tmp_path, irregular):
     recording = recordings[2] if irregular else recordings[2].resampled(20.0)
-    (tmp_path / "pes.h").write_text(c_header(compensator, "pes"))
-    (tmp_path / "main.c").write_text(PROGRAM)
-    flags = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-O2"]
-    subprocess.run(["gcc", *flags, "main.c", "-o", "main"], cwd=tmp_path, check=True)
     steps = np.diff(recording.time_s, prepend=recording.time_s[0])
     lines = "\n".join(f"{g!r} {dt!r}" for g, dt in zip(recording.conductance_S.tolist(), steps.tolist(), strict=True))
-    printed = subprocess.run([tmp_path / "main"], input=lines, capture_output=True, text=True, check=True).stdout
-    from_c = np.array([float(line) for line in printed.split()])
-    np.testing.assert_allclose(from_c, streamed(compensator, recording), atol=1e-5 * compensator.scaling_out.scale)
+    np.testing.assert_allclose(
+        from_c(compensator, lines, tmp_path),
+        streamed(compensator, recording),
+        atol=PROMISED * compensator.scaling_out.scale,
+    )
 
 
 def test_c_header_links_no_library_and_uses_no_heap(compensator):
@@ -112,6 +123,8 @@ def test_cost_of_the_papers_network_by_hand(recordings):
     assert needs.constants_bytes == 4 * (51 + 35 + 14 + 4)
     assert needs.state_bytes == 4 * 32
     assert needs.multiplies == 42 + 28 + 1
+    # Each gain takes 7; of the factor 0.4 the exponent is -0.51, which is halved and squared once.
+    assert needs.multiplies_any_step == needs.multiplies + 7 * 7 + 2
 
 
 def test_onnx_step_equals_python(compensator, recordings, tmp_path):
@@ -122,6 +135,11 @@ def test_onnx_step_equals_python(compensator, recordings, tmp_path):
     stream = OnnxStream(tmp_path / "c.onnx")
     got = [stream.update(*sample) for sample in zip(recording.conductance_S, steps, strict=True)]
     np.testing.assert_allclose(got, streamed(compensator, recording), atol=1e-9)
+
+
+def test_what_is_no_compensator_is_refused_by_name():
+    with pytest.raises(UserError, match=r"a fitted compensation\.Compensator, got 'c\.json'"):
+        c_header("c.json")
 
 
 def test_per_recording_scaling_cannot_stream(compensator, tmp_path):
@@ -145,6 +163,32 @@ def test_command_writes_the_file(compensator, tmp_path, capsys, format_):
     if format_ == "c":
         assert main(["export", str(tmp_path / "c.json"), "-o", str(out), "--name", "no good"]) == 2
         assert "C identifier" in capsys.readouterr().err
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc on this machine")
+def test_single_precision_errs_as_far_as_it_says(recordings, tmp_path):
+    """The same knit with so little gain that its mean is 350 standard deviations: the reading itself is the error."""
+    parts = [series_of(recording, "force", 20.0) for recording in recordings[:2]]
+    mean, scale = parts[0].conductance_S.mean(), parts[0].conductance_S.std()
+    insensitive = [replace(part, conductance_S=1e-8 * (350 + (part.conductance_S - mean) / scale)) for part in parts]
+    trained = train_on_series(insensitive[:1], "force", Options(sizes=(6, 3), restarts=1, engine="fast"))
+    assert rounding(trained) == pytest.approx(350 * 2**-24)
+    stream = CompensatorStream(trained)
+    expected = np.array([stream.update(conductance) for conductance in insensitive[1].conductance_S])
+    lines = "\n".join(f"{conductance!r} 0.05" for conductance in insensitive[1].conductance_S.tolist())
+    apart = np.abs(from_c(trained, lines, tmp_path) - expected).max() / trained.scaling_out.scale
+    assert PROMISED < apart < 2 * rounding(trained)
+
+
+@pytest.mark.parametrize(("ratio", "warned"), [(150, False), (350, True), (-350, True)])
+def test_a_sensor_that_single_precision_cannot_hold_is_said(compensator, tmp_path, capsys, ratio, warned):
+    """Half a unit in the last place of a float32 is 6e-8 of the value; 1e-5 of a standard deviation is promised."""
+    scale = compensator.scaling_in.scale
+    compensator_files.save(
+        tmp_path / "c.json", replace(compensator, scaling_in=Scaling(ratio * scale, scale), seen=None)
+    )
+    assert main(["export", str(tmp_path / "c.json"), "-o", str(tmp_path / "c.h")]) == 0
+    assert ("warning: the conductance moves by little" in capsys.readouterr().out) == warned
 
 
 @pytest.mark.parametrize("format_", ["c", "onnx"])

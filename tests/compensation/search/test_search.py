@@ -11,6 +11,7 @@ import pandas as pd
 import pytest
 
 from compensation.cli import main
+from compensation.commands.search import _certainty
 from compensation.search import search, search_space
 from compensation.search.ranking import rank, split_half_agreement
 from gcode.support.errors import UserError
@@ -168,6 +169,34 @@ def test_dead_seeds_are_counted_but_do_not_decide():
     first, second = rank(rows)
     assert (first.key, first.dead, first.E) == ("a", 1, 0.02)
     assert second.dead == 0
+
+
+def test_what_no_seed_brought_to_life_is_last():
+    """A live network may have a larger E than a dead one, whose output is the mean."""
+    rows = [row("dead", seed, 0.9, dead=True) for seed in range(5)] + [row("live", seed, 1.2) for seed in range(5)]
+    first, last = rank(rows)
+    assert (first.key, first.rank_high, first.chance_first) == ("live", 1, 1.0)
+    assert (last.key, last.rank_low) == ("dead", 2)
+
+
+def test_one_live_seed_of_five_is_no_certainty():
+    """Of five seeds drawn again, none is the live one in 0.8^5 of the draws."""
+    rows = [row("lucky", seed, 0.02, dead=seed > 0) for seed in range(5)] + [
+        row("b", seed, 0.03) for seed in range(5)
+    ]
+    first, second = rank(rows)
+    assert (first.key, first.rank_low, first.rank_high) == ("lucky", 1, 2)
+    assert first.chance_first == pytest.approx(1 - 0.8**5, abs=0.05)
+    assert second.chance_first == pytest.approx(0.8**5, abs=0.05)
+
+
+def test_the_first_is_none_of_its_rivals():
+    apart = rank([row(key, seed, error) for key, error in (("a", 0.1), ("b", 0.5)) for seed in range(4)])
+    assert "0 others cannot be told from it" in _certainty(apart, 1.0, 4)
+    near = rank(
+        [row(key, seed, 0.1 + 0.01 * ((seed + shift) % 4)) for shift, key in enumerate("ab") for seed in range(4)]
+    )
+    assert "1 others cannot be told from it" in _certainty(near, 1.0, 4)
 
 
 def test_split_half_agreement():

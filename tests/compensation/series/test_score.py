@@ -48,3 +48,16 @@ def test_block_interval_is_wider_for_correlated_errors():
         assert low < score.r2(truth, prediction) < high
         widths.append(high - low)
     assert widths[1] > 3 * widths[0]
+
+
+@pytest.mark.parametrize(("duration_s", "has_one"), [(30, False), (99, False), (101, True), (150, True), (310, True)])
+def test_a_short_recording_has_shorter_blocks_or_no_interval(duration_s, has_one):
+    """Of a single block every draw is the same: an interval without width would promise certainty."""
+    time_s = np.arange(0, duration_s, 0.05)
+    truth = np.sin(time_s)
+    prediction = truth + 0.3 * np.sin(time_s / 5)
+    interval = score.block_interval(truth, prediction, time_s)
+    assert (interval is not None) == has_one
+    assert score.interval_text(interval).replace(".", "").isdigit() == has_one
+    if interval is not None:
+        assert interval[0] < score.r2(truth, prediction) < interval[1]

@@ -57,7 +57,7 @@ def test_a_minute_makes_up_for_another_resistance(compensator, test_part, gain):
 
 def test_what_fits_already_is_left_alone(compensator, recordings):
     part = first(series_of(recordings[0], "force", 20.0), 60)
-    own = replace(part, truth=replace(compensator, start="causal").predict_series(part))
+    own = replace(part, truth=compensator.in_use.predict_series(part))
     found = correction(compensator, own)
     assert vars(found) == pytest.approx(vars(Correction()), abs=0.02)
 
@@ -66,9 +66,22 @@ def test_rest_moves_the_zero(compensator, test_part):
     time_s = np.arange(0.0, 30.0, 0.05)
     held = np.ones(len(time_s))
     rest = Series(time_s, held * test_part.conductance_S.mean(), held * 0.0, "rest")
-    before = replace(compensator, start="causal").predict_series(rest)[-1]
-    after = replace(recalibrated(compensator, rest), start="causal").predict_series(rest)[-1]
+    before = compensator.in_use.predict_series(rest)[-1]
+    after = recalibrated(compensator, rest).in_use.predict_series(rest)[-1]
     assert abs(after) < 0.7 * abs(before)
+
+
+@pytest.mark.parametrize("noise", [1e-3, 1e-2])
+def test_a_reference_stands_still_whatever_its_noise(compensator, test_part, noise):
+    """A compensator that falls short at the end of its range does so of a weight, be it read with noise or not."""
+    promised = replace(compensator, recipe={**compensator.recipe, "cross_validated": {"r2": 0.5}})
+    time_s, rng = np.arange(0.0, 30.0, 0.05), np.random.default_rng(0)
+    top = float(test_part.truth.max())
+    weight = Series(time_s, np.full(len(time_s), test_part.conductance_S.max()), np.full(len(time_s), top), "weight")
+    noisy = replace(weight, truth=top + noise * rng.standard_normal(len(time_s)))
+    still, read = (vars(correction(promised, part)) for part in (weight, noisy))
+    assert read == pytest.approx(still, abs=0.01)
+    assert abs(vars(correction(compensator, noisy))["shift_out"] - read["shift_out"]) > 0.05
 
 
 def test_the_command_saves_what_predict_reads(compensator, recordings, tmp_path, capsys):
@@ -111,7 +124,11 @@ def test_a_reference_may_stand_still(compensator, recordings, tmp_path, capsys):
     compensator_files.save(tmp_path / "c.json", compensator)
     argv = ["recalibrate", str(tmp_path / "c.json"), str(tmp_path / "r.csv"), "-o", str(tmp_path / "new.json")]
     resistance_ohm = float(recordings[1]["resistance_ohm"].mean())
-    write_recording_csv(tmp_path / "r.csv", still(recordings[1], force_N=0.3, resistance_ohm=resistance_ohm))
+    weight = still(recordings[1], force_N=0.3, resistance_ohm=resistance_ohm)
+    write_recording_csv(tmp_path / "r.csv", weight)
+    assert main(argv) == 0
+    noise = 1e-3 * np.random.default_rng(0).standard_normal(len(weight))
+    write_recording_csv(tmp_path / "r.csv", replace(weight, channels={**weight.channels, "force_N": 0.3 + noise}))
     assert main(argv) == 0
     write_recording_csv(tmp_path / "r.csv", still(recordings[1], force_N=0.0))
     capsys.readouterr()

@@ -12,7 +12,9 @@ from compensation.cli import main
 from compensation.commands.common import score_table
 from compensation.model import files as compensator_files
 from compensation.model.compensator import Scaling
+from compensation.model.streaming import CompensatorStream
 from compensation.scoring.scorecard import score_recordings
+from compensation.series import score
 from compensation.series.preprocessing import series_of
 from compensation.training.learners import linear
 from compensation.training.options import Options
@@ -39,6 +41,35 @@ def test_held_out_recordings_gain(compensator, recordings):
         assert set(row["trace"]) == {"time_s", "F", "G", "G_rescaled", "p"}
         assert len(row["trace"]["p"]) <= 1500
     json.dumps(scores, allow_nan=False)
+
+
+def test_what_was_learned_from_is_known_by_its_content(recordings, tmp_path, monkeypatch):
+    """The same file by another path is what was learned from, another recording at its place is not."""
+    monkeypatch.chdir(tmp_path)
+    for name, recording in (("T.csv", recordings[0]), ("A.csv", recordings[1])):
+        write_recording_csv(tmp_path / name, recording)
+    trained = train([read_recording("T.csv", 25.0)], "force", QUICK)
+    older = {name: value for name, value in trained.recipe.items() if name != "trained_digests"}
+
+    def roles(recipe, *names):
+        found = [read_recording(name, 25.0) for name in names]
+        return [row["role"] for row in score_recordings(replace(trained, recipe=recipe), found)["recordings"]]
+
+    for recipe in (trained.recipe, older):
+        assert roles(recipe, "./T.csv", str(tmp_path / "T.csv"), "A.csv") == ["training", "training", "held-out"]
+    (tmp_path / "copy.csv").write_bytes((tmp_path / "T.csv").read_bytes())
+    (tmp_path / "A.csv").rename(tmp_path / "T.csv")
+    assert roles(trained.recipe, "copy.csv", "T.csv") == ["training", "held-out"]
+
+
+def test_what_is_scored_is_what_runs(compensator, recordings):
+    """The paper's start takes samples that a stream does not have yet."""
+    part = series_of(recordings[1], "force", 20.0)
+    stream = CompensatorStream(compensator)
+    streamed = np.array([stream.update(conductance) for conductance in part.conductance_S])
+    row = score_recordings(compensator, recordings[1:2])["recordings"][0]
+    assert row["r2_after"] == pytest.approx(score.r2(part.truth, streamed), abs=1e-9)
+    assert abs(row["r2_after"] - score.r2(part.truth, compensator.predict_series(part))) > 1e-4
 
 
 def test_a_wrong_gain_and_zero_leave_the_rescaled_score_as_it_is(compensator, recordings):

@@ -28,7 +28,7 @@ def test_a_sure_one_ends_with_0_and_a_spent_one_with_1_and_both_are_kept(tmp_pat
     folder, out = tmp_path / "i", tmp_path / "out.json"
     assert main(["investigate", sensor, "-o", str(folder), *BRIEF, "--json", str(out)]) == 0
     said = capsys.readouterr().out
-    assert "run 1, 2.0 min: random motion" in said
+    assert "run 1, 2.0 min: noise 32 s to 30 %, to 30 % at 8.7 mm/s, hold 15 s, back to zero" in said
     assert "expected to tell" in said
     assert "permanent set: 99 % after 3." in said or "permanent set: 99 % after 4." in said
     assert json.loads(out.read_text()) == json.loads((folder / NAME).read_text())
@@ -36,7 +36,9 @@ def test_a_sure_one_ends_with_0_and_a_spent_one_with_1_and_both_are_kept(tmp_pat
         assert (folder / f"belief-{number}.png").read_bytes().startswith(b"\x89PNG")
     believed(monkeypatch, 0.6, 0.7)
     assert main(["investigate", sensor, "-o", str(tmp_path / "j"), *BRIEF, "--motion", "perlin"]) == 1
-    assert "the time is spent" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert "run 1, 2.0 min: random motion" in said
+    assert "the time is spent" in said
     # Both have ended: going on changes nothing and needs no sensor.
     assert main(["investigate", "--resume", "-o", str(folder), "--quiet"]) == 0
     assert main(["investigate", "--resume", "-o", str(tmp_path / "j"), "--quiet"]) == 1

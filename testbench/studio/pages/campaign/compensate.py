@@ -127,8 +127,8 @@ def _show(studio: Studio, c: str, target: str, score: Mapping[str, Any]) -> None
 
     plot(
         figures.before_and_after(rows, names, target),
-        "r² before and after compensation (1 is perfect); whiskers: 95 % intervals over 60 s blocks; dotted: the "
-        "means that the paper reports for its two knits.",
+        "r² before and after compensation (1 is perfect); whiskers: 95 % intervals over blocks of up to 60 s; "
+        "dotted: the means that the paper reports for its two knits.",
     )
     later(partial(_recordings, rows, names, target))
 

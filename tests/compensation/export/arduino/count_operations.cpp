@@ -1,6 +1,8 @@
 // The exported header with a float that counts what is done with it: operations of one sample in steady use.
+// Its argument is the time step in s.
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 
 static unsigned long multiplied, added, divided, compared;
 
@@ -25,13 +27,13 @@ static bool operator>=(Counted a, Counted b) { return compared++, a.v >= b.v; }
 #include "knit.h"
 #undef float
 
-int main() {
+int main(int, char **words) {
   knit_state state;
   knit_reset(&state);
   double conductance_S = 0;
   while (scanf("%lf", &conductance_S) == 1) {
     multiplied = added = divided = compared = 0;
-    knit_update(&state, conductance_S, 0.05);
+    knit_update(&state, conductance_S, atof(words[1]));
   }
   printf("%lu %lu %lu %lu\n", multiplied, added, divided, compared);
 }
