@@ -46,7 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-o", "--output", dest="out", required=True, metavar="OUT", help="campaign folder, or a file NAME.csv"
     )
-    parser.add_argument("--overwrite", action="store_true", help="replace an earlier import in that folder")
+    parser.add_argument("--overwrite", action="store_true", help="replace an earlier import, folder or file")
     parser.add_argument("--json", action="store_true", help="say what was taken for what as JSON")
     _add_columns(parser)
     _add_units(parser)
