@@ -13,7 +13,7 @@ from gcode.support.files import make_folder
 from gcode.support.html import card, frame_table
 from testbench.campaigns.datasets.cluster import cluster
 from testbench.campaigns.datasets.dataset import OneAtATime, run, write_index, write_parquet
-from testbench.campaigns.datasets.index import listed
+from testbench.campaigns.datasets.index import is_campaign, listed
 from testbench.campaigns.datasets.spec import read_spec
 from testbench.campaigns.datasets.tasks import tasks_of
 
@@ -105,7 +105,7 @@ def dataset(
     Raises
     ------
     UserError
-        If the spec is wrong, another call is at work in the folder, or the cluster does not answer.
+        If the spec is wrong, the folder is a campaign, another call is at work in it, or the cluster does not answer.
 
     Examples
     --------
@@ -125,6 +125,8 @@ def dataset(
         raise UserError(f"format: must be one of {', '.join(FORMATS)}, got {format!r}")
     spec = Path(spec)
     wanted = read_spec(spec)
+    if is_campaign(Path(folder)):
+        raise UserError(f"{folder}: is a campaign itself; choose another folder for the data set with -o")
     out = make_folder(folder)
     with OneAtATime(out):
         tasks = tasks_of(wanted, spec.parent, out, Path(effects) if effects else None)
