@@ -105,7 +105,6 @@ SERVE, SERVES_S = {"testbench rig"}, 3  # what serves until it is interrupted, a
 NO_ANSWER = {"testbench record", "gcode fit"}  # no device, or it would take long
 NO_NUMBERS = {
     "--port",
-    "--workers",
     "--seeds",
     "--restarts",
     "--scheduler",

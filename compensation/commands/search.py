@@ -6,6 +6,7 @@ import argparse
 from typing import TYPE_CHECKING
 
 from compensation.commands.common import add_gauge_length
+from gcode.support.console import processes
 
 if TYPE_CHECKING:
     from compensation.search.search_space import Candidate
@@ -35,7 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--sample", type=int, metavar="N", help="only N of the candidates, spread evenly")
     parser.add_argument("--engine", choices=("fast", "exact", "sklearn"), default="fast", help="default fast")
-    parser.add_argument("--workers", type=int, default=2, metavar="N", help="processes (default 2)")
+    parser.add_argument("--workers", type=processes, default=2, metavar="N", help="processes (default 2)")
     parser.add_argument("--backend", choices=("loky", "dask"), default="loky", help="loky (default) or dask")
     parser.add_argument("--scheduler", metavar="ADDRESS", help="dask: a running scheduler, such as tcp://host:8786")
     parser.add_argument("--top", type=int, default=15, metavar="N", help="rows to print (default 15)")
@@ -98,9 +99,8 @@ def _check(args: argparse.Namespace) -> None:
     for flag, value in (("--target", args.target), ("-o", args.output)):
         if not value:
             raise UserError(f"a search needs {flag}; --list alone prints the candidates")
-    for name in ("seeds", "workers"):
-        if getattr(args, name) < 1:
-            raise UserError(f"--{name} must be at least 1, got {getattr(args, name)}")
+    if args.seeds < 1:
+        raise UserError(f"--seeds must be at least 1, got {args.seeds}")
     if args.scheduler and args.backend != "dask":
         raise UserError("--scheduler needs --backend dask")
 

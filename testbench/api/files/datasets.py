@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from gcode.support.console import Progress
+from gcode.support.console import MOST_PROCESSES, Progress
 from gcode.support.errors import UserError
 from gcode.support.files import make_folder
 from gcode.support.html import card, frame_table
@@ -89,7 +89,7 @@ def dataset(
         Campaign folders with a CSV each; with ``"parquet"`` there are also Parquet files, split by specimen, with
         Croissant metadata (docs/datasets.md).
     workers : int
-        Processes; -1 is one for each core.
+        Processes, 1 to 1024; -1 is one for each core.
     scheduler : str, optional
         Address of a Dask cluster that shall do the work, for instance ``tcp://10.0.0.5:8786``.
     effects : path, optional
@@ -123,6 +123,8 @@ def dataset(
     """
     if format not in FORMATS:
         raise UserError(f"format: must be one of {', '.join(FORMATS)}, got {format!r}")
+    if workers != -1 and not 1 <= workers <= MOST_PROCESSES:
+        raise UserError(f"workers: must be 1 to {MOST_PROCESSES}, or -1 for one a core, got {workers}")
     spec = Path(spec)
     wanted = read_spec(spec)
     if is_campaign(Path(folder)):
