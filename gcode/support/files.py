@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import hashlib
 import json
 import os
@@ -131,7 +132,7 @@ def existing_file(path: str | Path, what: str = "file") -> Path:
     Raises
     ------
     UserError
-        If it is no path, or a folder, or nothing is there.
+        If it is no path, or a folder, a pipe or a device, or nothing is there.
     """
     if not isinstance(path, str | os.PathLike):
         raise UserError(f"got {type(path).__name__}, not the path of a {what}")
@@ -139,6 +140,8 @@ def existing_file(path: str | Path, what: str = "file") -> Path:
     if path.is_dir():
         raise UserError(f"{path}: a folder, no {what}")
     if not path.is_file():
+        if path.exists():
+            raise UserError(f"{path}: a pipe or a device; save what comes from it in a file, and give that")
         raise UserError(f"{path}: no such {what}")
     return path
 
@@ -197,6 +200,11 @@ def drafted_folder(folder: Path) -> Iterator[Path]:
     """Yield a new folder beside `folder`; put it in its place when the block ends well: all of it or nothing.
 
     `folder` must not exist yet, or be empty.
+
+    Raises
+    ------
+    UserError
+        If something is there by then.
     """
     make_folder(folder.parent)
     scratch = folder.parent / f".{folder.name}.{secrets.token_hex(4)}"
@@ -206,10 +214,19 @@ def drafted_folder(folder: Path) -> Iterator[Path]:
         disk.DISK.make_folder(draft)
         yield draft
         disk.sync_quietly(draft)
-        disk.DISK.rename(draft, folder)
+        _move(draft, folder)
         disk.sync_quietly(folder.parent)
     finally:
         shutil.rmtree(scratch, ignore_errors=True)
+
+
+def _move(draft: Path, folder: Path) -> None:
+    try:
+        disk.DISK.rename(draft, folder)
+    except OSError as error:
+        if error.errno not in (errno.ENOTEMPTY, errno.EEXIST, errno.ENOTDIR):
+            raise
+        raise UserError(f"{folder}: another program has just written there; choose another place with -o") from None
 
 
 def clear_drafts(folder: Path) -> None:

@@ -110,6 +110,12 @@ def test_template_overwrites_nothing(tmp_path: Path) -> None:
     assert (tmp_path / "mine.py").read_text(encoding="utf-8") == "precious"
 
 
+def test_a_template_is_a_python_file(tmp_path: Path) -> None:
+    with pytest.raises(UserError, match=r"its name must end in \.py"):
+        write_template("my_effect", tmp_path / "mine.txt")
+    assert not list(tmp_path.iterdir())
+
+
 BROKEN = '''
 import numpy as np
 from testbench.knit.effect import Effect, Stage, parameter
