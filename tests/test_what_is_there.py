@@ -66,6 +66,7 @@ def contents(folder: Path) -> dict[Path, bytes]:
             "a recording is there",
         ),
         ("gcode play program.tap -o campaign/program.tap", "a recording is there"),
+        ("gcode play program.tap -o other.TAP", "has the name of a program, and a table is written"),
         ("gcode play program.tap -o program.tap", "is read, and would be written over"),
     ],
 )
