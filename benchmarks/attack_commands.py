@@ -87,8 +87,8 @@ COMMANDS = {
     "compensation predict": "{campaign} --compensator {compensator} -o {out}",
     "compensation recalibrate": "{compensator} {campaign} -o {out}",
     "compensation export": "{compensator} -o {out}",
-    "compensation search": "{campaign} {campaign} {campaign} --target force --sample 1 --seeds 1 --workers 1 "
-    "-o {out}",
+    "compensation search": "{campaign} {second} {third} --gauge-length-mm 25 --target force --sample 1 --seeds 1 "
+    "--workers 1 -o {out}",
 }
 MADE_BY = (
     "testbench fit {recording} --gauge-length-mm 25 -o {model}",
@@ -105,7 +105,6 @@ SERVE, SERVES_S = {"testbench rig"}, 3  # what serves until it is interrupted, a
 NO_ANSWER = {"testbench record", "gcode fit"}  # no device, or it would take long
 NO_NUMBERS = {
     "--port",
-    "--workers",
     "--seeds",
     "--restarts",
     "--scheduler",

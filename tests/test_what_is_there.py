@@ -66,6 +66,7 @@ def contents(folder: Path) -> dict[Path, bytes]:
             "a recording is there",
         ),
         ("gcode play program.tap -o campaign/program.tap", "a recording is there"),
+        ("gcode play program.tap -o other.TAP", "has the name of a program, and a table is written"),
         ("gcode play program.tap -o program.tap", "is read, and would be written over"),
     ],
 )
@@ -75,6 +76,43 @@ def test_what_was_recorded_is_kept(place, capsys, words, why):
     assert called(words) == 2
     assert why in capsys.readouterr().err
     assert contents(place) == before
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("bom.csv", "\ufefftime_s,force_N\n0,1\n"),
+        ("quoted.csv", '"time_s","force_N"\n0,1\n'),
+        ("blanks.csv", "time_s, force_N\n0,1\n"),
+        ("time_last.csv", "cycle,force_N,time_s\n1,1,0\n"),
+        ("text.txt", "time_s;force_N\n0;1\n"),
+        ("tester.csv", "Zeit [s];Kraft [mN]\n0;1\n"),
+        ("position.csv", "time_s,position_mm,force_N\n0,1,1\n"),
+        ("by_hand.tap", "G21\nG1 X1 F60\n"),
+    ],
+)
+def test_data_and_programs_of_others_are_kept(place, capsys, name, text):
+    (place / name).write_text(text, encoding="utf-8")
+    assert called(f"gcode play program.tap -o {name}") == 2
+    assert "choose another place with -o" in capsys.readouterr().err
+    assert (place / name).read_text(encoding="utf-8") == text
+
+
+def test_what_a_command_wrote_it_may_write_again(place):
+    predicted = "time_s,force_N,low_N,high_N,status\n0,1,1,1,0\n"
+    for name, text in (("predicted.csv", predicted), ("empty.csv", ""), ("new.csv", "time_s,position_mm\n0,1\n")):
+        (place / name).write_text(text)
+        for _ in range(2):
+            assert called(f"gcode play program.tap -o {name}") == 0
+
+
+def test_an_imported_file_is_replaced_only_where_that_is_said(place, capsys):
+    words = "testbench import a.csv --gauge-length-mm 25 -o again.csv"
+    (place / "again.csv").write_text("time_s,position_mm\n0,1\n")
+    assert called(words) == 2
+    assert "is there; choose another place with -o, or add --overwrite" in capsys.readouterr().err
+    for _ in range(2):
+        assert called(f"{words} --overwrite") == 0
 
 
 def test_a_model_may_take_the_place_of_the_one_it_came_from(place):

@@ -5,12 +5,15 @@ from __future__ import annotations
 import argparse
 
 SUMMARY = "write a compensator as a C header for a chip, or as an ONNX model"
+ENDINGS = {".h": "c", ".c": "c", ".hpp": "c", ".onnx": "onnx"}
 EXAMPLE = "compensation export pes.compensator.json --format c -o pes.h --name pes"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("compensator", metavar="COMPENSATOR", help="file written by `compensation train`")
-    parser.add_argument("--format", choices=("c", "onnx"), default="c", help="c: one header (default); onnx")
+    parser.add_argument(
+        "--format", choices=("c", "onnx"), help="c: one header; default: as FILE ends, c where that says nothing"
+    )
     parser.add_argument("-o", "--output", required=True, metavar="FILE", help="file to write")
     parser.add_argument("--name", default="knitbench", help="prefix of the C names (default knitbench)")
 
@@ -23,8 +26,9 @@ def run(args: argparse.Namespace) -> int:
     from gcode.support.files import write_text
 
     check_places(args.output, None)
+    chosen = _format(args.format, args.output)
     compensator = load(args.compensator)
-    if args.format == "onnx":
+    if chosen == "onnx":
         from compensation.export.export_onnx import write_onnx
 
         write_onnx(compensator, args.output)
@@ -47,3 +51,16 @@ def run(args: argparse.Namespace) -> int:
             f"{rounding(compensator):.1g} of its standard deviation; values may differ from Python's by as much"
         )
     return 0
+
+
+def _format(said: str | None, output: str) -> str:
+    """What to write; an ending of the other format is refused, since other programs go by it."""
+    from pathlib import Path
+
+    from gcode.support.errors import UserError
+
+    ending = Path(output).suffix.lower()
+    ends = ENDINGS.get(ending, said or "c")
+    if said and said != ends:
+        raise UserError(f"{output}: ends in {ending}, which is not --format {said}; choose another name with -o")
+    return ends

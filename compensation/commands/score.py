@@ -26,10 +26,12 @@ def run(args: argparse.Namespace) -> int:
     from compensation.model.files import load
     from compensation.scoring.scorecard import score_recordings
     from gcode.support.files import write_text
+    from testbench.recordings.doubts import check_distinct
 
     check_places(args.output, args.plot)
     compensator = load(args.compensator)
     recordings = read_all(args, compensator.target)
+    check_distinct(recordings, "it would count several times; give each once")
     for recording in recordings:
         check_long_enough(recording.source, compensator, recording.duration_s)
     scores = score_recordings(compensator, recordings)

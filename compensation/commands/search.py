@@ -6,6 +6,7 @@ import argparse
 from typing import TYPE_CHECKING
 
 from compensation.commands.common import add_gauge_length
+from gcode.support.console import processes
 
 if TYPE_CHECKING:
     from compensation.search.search_space import Candidate
@@ -35,7 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--sample", type=int, metavar="N", help="only N of the candidates, spread evenly")
     parser.add_argument("--engine", choices=("fast", "exact", "sklearn"), default="fast", help="default fast")
-    parser.add_argument("--workers", type=int, default=2, metavar="N", help="processes (default 2)")
+    parser.add_argument("--workers", type=processes, default=2, metavar="N", help="processes (default 2)")
     parser.add_argument("--backend", choices=("loky", "dask"), default="loky", help="loky (default) or dask")
     parser.add_argument("--scheduler", metavar="ADDRESS", help="dask: a running scheduler, such as tcp://host:8786")
     parser.add_argument("--top", type=int, default=15, metavar="N", help="rows to print (default 15)")
@@ -48,10 +49,11 @@ def run(args: argparse.Namespace) -> int:
     from dataclasses import asdict
     from pathlib import Path
 
-    from compensation.commands.common import check_places
+    from compensation.commands.common import check_places, read_all
     from compensation.search import search
     from compensation.search.ranking import rank, split_half_agreement
     from gcode.support.console import Progress
+    from testbench.recordings.doubts import check_distinct
 
     chosen = _chosen(args)
     if args.list:
@@ -63,6 +65,7 @@ def run(args: argparse.Namespace) -> int:
     task = search.Task(paths, args.gauge_length_mm, args.target, args.engine, args.per_recording)
     jobs = [(candidate, seed) for seed in range(args.seeds) for candidate in chosen]
     search.check(task)
+    check_distinct(read_all(args, args.target), "training, A and B are three recordings; give each once")
     progress = Progress("search", len(jobs))
     rows = search.sweep(task, jobs, args.output, args.workers, args.backend, args.scheduler, progress.step)
     ranking, agreement = rank(rows), split_half_agreement(rows)
@@ -98,9 +101,8 @@ def _check(args: argparse.Namespace) -> None:
     for flag, value in (("--target", args.target), ("-o", args.output)):
         if not value:
             raise UserError(f"a search needs {flag}; --list alone prints the candidates")
-    for name in ("seeds", "workers"):
-        if getattr(args, name) < 1:
-            raise UserError(f"--{name} must be at least 1, got {getattr(args, name)}")
+    if args.seeds < 1:
+        raise UserError(f"--seeds must be at least 1, got {args.seeds}")
     if args.scheduler and args.backend != "dask":
         raise UserError("--scheduler needs --backend dask")
 

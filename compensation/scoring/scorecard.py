@@ -107,4 +107,4 @@ def _windows(time_s: np.ndarray) -> list[np.ndarray]:
     length = min(ZOOM_S, (time_s[-1] - time_s[0]) / ZOOMS)
     begins = np.linspace(time_s[0], time_s[-1] - length, ZOOMS)
     found = [np.flatnonzero((time_s >= begin) & (time_s <= begin + length)) for begin in begins]
-    return [rows[:: -(-len(rows) // ZOOM_POINTS)] for rows in found]
+    return [rows[:: -(-len(rows) // ZOOM_POINTS)] for rows in found if len(rows)]

@@ -31,7 +31,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> None:
     from gcode.mach4.controller import Machine, machine_for, play
     from gcode.mach4.reader import load_program
+    from gcode.support.errors import UserError
+    from gcode.support.files import PROGRAM_NAMES, check_place
 
+    check_place(args.output)
+    if args.output.lower().endswith(PROGRAM_NAMES):
+        raise UserError(f"{args.output}: has the name of a program, and a table is written; choose another with -o")
     program = load_program(args.program)
     machine = Machine(
         acceleration_mm_per_s2=machine_for(program, args.acceleration).acceleration_mm_per_s2,

@@ -10,7 +10,7 @@ import numpy as np
 
 from gcode.mach4.controller import MAX_PLAYED_S, Machine, execute
 from gcode.mach4.program import Problem, Program
-from gcode.motion.blocks import Motion
+from gcode.motion.blocks import MOST_SAMPLES, Motion
 from gcode.motion.statistics import MotionStatistics, motion_statistics
 from gcode.support.errors import UserError
 from gcode.support.html import card
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
 LONGEST_DWELL_S = 120.0  # in files that others made; a longer P is most likely milliseconds
 LONGEST_RUN_S = MAX_PLAYED_S  # what takes longer is not executed, and refused
-MOST_CHECKED_SAMPLES = 50_000_000
 TOLERANCE_MM = 1e-6
 ACCELERATION_FACTOR = 5.0  # a controller faster than the limit shows whether the program itself asks for too much
 
@@ -160,7 +159,7 @@ def _unplayed(program: Program, rate_hz: float) -> str:
     seconds = float(np.abs(program.length_mm[moving] / feed).sum() + program.dwell_s.sum())
     if seconds > LONGEST_RUN_S:
         return f"not executed, since it would take {_long(seconds)}: more than {_long(LONGEST_RUN_S)} is refused"
-    if seconds * rate_hz > MOST_CHECKED_SAMPLES:
+    if seconds * rate_hz > MOST_SAMPLES:
         return f"not executed, since {_long(seconds)} at {rate_hz:g} Hz are too many samples; lower --rate-hz"
     return ""
 
@@ -213,7 +212,7 @@ def _executed(
 ) -> tuple[list[Problem], MotionStatistics | None]:
     """What the executed motion passes, and its statistics; positions are left to the programmed check."""
     # A controller of next to no acceleration takes as long as it likes, whatever the feeds are.
-    if not motion.end_s * rate_hz <= MOST_CHECKED_SAMPLES:
+    if not motion.end_s * rate_hz <= MOST_SAMPLES:
         took = f"not executed, since this controller would take {_long(motion.end_s)}: more than can be looked at"
         return [Problem(1, took)], None
     position_mm = motion.positions(rate_hz)

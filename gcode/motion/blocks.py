@@ -11,6 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gcode.support.errors import UserError
+
+MOST_SAMPLES = 50_000_000  # of a motion: 400 MB a column
+
 
 @dataclass(frozen=True)
 class Blocks:
@@ -61,7 +65,18 @@ class Motion:
         return self.position_mm[phase] + (self.velocity_mm_per_s[phase] + half) * since
 
     def positions(self, rate_hz: float) -> np.ndarray:
-        """Positions at `rate_hz` from the start to the end (mm), two at least."""
+        """Positions at `rate_hz` from the start to the end (mm), two at least.
+
+        Raises
+        ------
+        UserError
+            If they are more than `MOST_SAMPLES`.
+        """
+        if not self.end_s * rate_hz <= MOST_SAMPLES:
+            raise UserError(
+                f"program: {self.end_s:.4g} s at {rate_hz:g} Hz are too many samples (at most {MOST_SAMPLES:.0e}); "
+                "shorten it, or lower the rate"
+            )
         count = max(int(np.ceil(self.end_s * rate_hz - 1e-6)) + 1, 2)
         return self.position_at(np.arange(count) / rate_hz)
 

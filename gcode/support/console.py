@@ -13,6 +13,7 @@ import contextlib
 import importlib
 import json
 import os
+import re
 import stat
 import sys
 import time
@@ -28,6 +29,7 @@ from gcode.support.errors import UserError, first_problem
 KEPT_OUT = {"PYTHONSAFEPATH": "1", "NUMBA_CACHE_DIR": "", "NUMBA_CACHE_LOCATOR_CLASSES": ""}
 WRITTEN = frozenset({"output", "out", "json", "plot", "save_model"})  # arguments that name files to write
 WORDS = frozenset({"title", "name", "specimen"})  # arguments that are no file, though one may have that name
+MOST_PROCESSES = 1024
 EXIT_BAD_INPUT = 2
 EXIT_INTERRUPTED = 130
 
@@ -74,7 +76,11 @@ def main(prog: str, description: str, package: str, commands: Sequence[str], arg
     # Only the called sub-command is imported; --help needs them all.
     chosen = [words[0]] if words and words[0] in commands else list(commands)
     with contextlib.redirect_stderr(cast(TextIO, streams.Remarks(sys.stderr))):
-        return _run(build_parser(prog, description, package, chosen).parse_args(words), words)
+        try:
+            return _run(build_parser(prog, description, package, chosen).parse_args(words), words)
+        except KeyboardInterrupt:
+            print(f"{' '.join([prog, *chosen[: len(chosen) == 1]])}: interrupted", file=sys.stderr)
+            return EXIT_INTERRUPTED
 
 
 def _run(args: argparse.Namespace, words: Sequence[str]) -> int:
@@ -87,9 +93,8 @@ def _run(args: argparse.Namespace, words: Sequence[str]) -> int:
         return code
     except UserError as error:
         return _fail(args.command, str(error))
-    except KeyboardInterrupt:
-        print(f"{args.command}: interrupted", file=sys.stderr)
-        return EXIT_INTERRUPTED
+    except MemoryError:
+        return _fail(args.command, "this needs more memory than there is; give less at once, or a lower rate")
     except BrokenPipeError:
         # The reader of our output (head, less) has gone; that is its right.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -105,6 +110,20 @@ def _run(args: argparse.Namespace, words: Sequence[str]) -> int:
         if type(error).__name__ != "ValidationError":
             raise
         return _fail(args.command, first_problem(error))
+
+
+def whole(low: int, high: int) -> Callable[[str], int]:
+    """argparse type: a whole number from `low` to `high`."""
+
+    def number(text: str) -> int:
+        if not re.fullmatch(r"\d{1,18}", text, re.ASCII) or not low <= int(text) <= high:
+            raise argparse.ArgumentTypeError(f"must be a whole number from {low} to {high}, got {text!r}")
+        return int(text)
+
+    return number
+
+
+processes = whole(1, MOST_PROCESSES)  # argparse type of --workers
 
 
 def check_words(words: Sequence[str]) -> None:
@@ -205,4 +224,4 @@ class Progress:
         left = elapsed / self.done * (self.total - self.done)
         end = "\n" if self.done >= self.total else ""
         text = f"{self.label}: {self.done}/{self.total}, {left:.0f} s left {note}"
-        print(f"\r\x1b[K{text[:110]}", end=end, file=sys.stderr, flush=True)
+        print(streams.redrawn(text), end=end, file=sys.stderr, flush=True)

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import hashlib
 import json
 import os
+import re
 import secrets
 import shutil
 import stat
@@ -19,6 +21,8 @@ from gcode.support.errors import UserError
 MANIFEST = "datapackage.json"  # the name that Frictionless gives it
 MEASURED = frozenset((b"displacement_mm", b"force_N", b"resistance_ohm"))  # columns of a recording
 PREDICTED = frozenset((b"low_N", b"low_mm"))  # beside one of these, what `compensation predict` wrote
+EXECUTED = [b"time_s", b"position_mm"]  # what `gcode play` and `gcode generate` write
+PROGRAM_NAMES, PROGRAM_BEGINS = (".tap", ".nc", ".ngc", ".gcode"), b"(RATE_HZ: "  # of a program that we wrote
 
 
 @contextlib.contextmanager
@@ -47,7 +51,7 @@ def atomic_path(path: str | Path) -> Iterator[Path]:
         temporary.unlink(missing_ok=True)
 
 
-def check_place(path: str | Path | None, flag: str = "-o") -> None:
+def check_place(path: str | Path | None, flag: str = "-o", overwrite: bool = False) -> None:
     """Refuse a place that no file can be written to, before the work whose result would be lost there.
 
     Parameters
@@ -56,15 +60,18 @@ def check_place(path: str | Path | None, flag: str = "-o") -> None:
         Where a file will be written; None and "-" (standard output) are let through.
     flag : str
         The option that it came with, for the message.
+    overwrite : bool
+        Whether a person said that a file there may go, which then may be a recording; but none of a campaign.
 
     Raises
     ------
     UserError
-        If it is a folder, a device or a pipe, or its folder does not exist or cannot be written.
+        If it is a folder, a device, a pipe or a file that cannot be made again, or its folder does not exist or
+        cannot be written.
     """
     if path is None or str(path) == "-":
         return
-    _check_replaceable(Path(path), flag)
+    _check_replaceable(Path(path), flag, overwrite)
     try:
         folder = Path(path).resolve().parent
         there, free = folder.is_dir(), os.access(folder, os.W_OK | os.X_OK, effective_ids=True)
@@ -75,10 +82,10 @@ def check_place(path: str | Path | None, flag: str = "-o") -> None:
         raise UserError(f"cannot write {path}: {why}; choose another place with {flag}")
 
 
-def _check_replaceable(path: Path, flag: str = "-o") -> None:
+def _check_replaceable(path: Path, flag: str = "-o", overwrite: bool = False) -> None:
     """A file takes the place of a file, or of nothing: root must not lose /dev/null to a model.
 
-    What was recorded is not replaced at all.
+    What our commands cannot make again is not replaced: a recording, or data and programs that others wrote.
     """
     try:
         mode = path.lstat().st_mode
@@ -87,10 +94,8 @@ def _check_replaceable(path: Path, flag: str = "-o") -> None:
     except ValueError as error:  # a zero byte in its name
         raise UserError(f"cannot write {path}: {error}; choose another place with {flag}") from None
     if stat.S_ISREG(mode) or (stat.S_ISLNK(mode) and not path.is_dir()):
-        if _recorded(path):
-            raise UserError(
-                f"cannot write {path}: a recording is there, or a part of one; choose another place with {flag}"
-            )
+        if there := _irreplaceable(path, overwrite):
+            raise UserError(f"cannot write {path}: {there}; choose another place with {flag}")
         if stat.S_ISREG(mode) and not os.access(path, os.W_OK, effective_ids=True):
             raise UserError(f"cannot write {path}: it is write-protected; choose another place with {flag}")
         return
@@ -98,19 +103,27 @@ def _check_replaceable(path: Path, flag: str = "-o") -> None:
     raise UserError(f"cannot write {path}: it is {what}; give the name of a file with {flag}")
 
 
-def _recorded(path: Path) -> bool:
-    """Whether a file was measured, and so cannot be made again: one that a manifest names, or a bare recording."""
+def _irreplaceable(path: Path, overwrite: bool) -> str:
+    """What there is in a file that cannot be made again; empty for what our commands wrote, or what is no data."""
     from gcode.support.strict import blocks_of, read_bytes
 
-    manifest = path.parent / MANIFEST
+    manifest, recording = path.parent / MANIFEST, "a recording is there, or a part of one"
     if manifest.is_file() and (path.name == MANIFEST or json.dumps(path.name).encode() in read_bytes(manifest)):
-        return True
+        return recording
     try:
-        columns = next(blocks_of(path), b"").partition(b"\n")[0].rstrip().split(b",")
+        head = next(blocks_of(path), b"").removeprefix(b"\xef\xbb\xbf").lstrip()
     except UserError:
-        return False
-    # What a compensator predicts has its interval beside it; what a program does has a position.
-    return columns[0] == b"time_s" and not MEASURED.isdisjoint(columns) and PREDICTED.isdisjoint(columns)
+        return ""
+    ending = path.suffix.lower()
+    if overwrite or not head:
+        return ""
+    if ending in PROGRAM_NAMES:
+        return "" if head.startswith(PROGRAM_BEGINS) else "a program is there that others wrote"
+    columns = [name.strip(b"\"' ") for name in re.split(rb"[,;\t]", head.partition(b"\n")[0].rstrip())]
+    predicted = b"time_s" in columns and not PREDICTED.isdisjoint(columns)
+    if b"time_s" in columns and not MEASURED.isdisjoint(columns) and not predicted:
+        return recording
+    return "a table is there that others wrote" if ending == ".csv" and columns != EXECUTED and not predicted else ""
 
 
 def existing_file(path: str | Path, what: str = "file") -> Path:
@@ -119,7 +132,7 @@ def existing_file(path: str | Path, what: str = "file") -> Path:
     Raises
     ------
     UserError
-        If it is no path, or a folder, or nothing is there.
+        If it is no path, or a folder, a pipe or a device, or nothing is there.
     """
     if not isinstance(path, str | os.PathLike):
         raise UserError(f"got {type(path).__name__}, not the path of a {what}")
@@ -127,6 +140,8 @@ def existing_file(path: str | Path, what: str = "file") -> Path:
     if path.is_dir():
         raise UserError(f"{path}: a folder, no {what}")
     if not path.is_file():
+        if path.exists():
+            raise UserError(f"{path}: a pipe or a device; save what comes from it in a file, and give that")
         raise UserError(f"{path}: no such {what}")
     return path
 
@@ -185,6 +200,11 @@ def drafted_folder(folder: Path) -> Iterator[Path]:
     """Yield a new folder beside `folder`; put it in its place when the block ends well: all of it or nothing.
 
     `folder` must not exist yet, or be empty.
+
+    Raises
+    ------
+    UserError
+        If something is there by then.
     """
     make_folder(folder.parent)
     scratch = folder.parent / f".{folder.name}.{secrets.token_hex(4)}"
@@ -194,10 +214,19 @@ def drafted_folder(folder: Path) -> Iterator[Path]:
         disk.DISK.make_folder(draft)
         yield draft
         disk.sync_quietly(draft)
-        disk.DISK.rename(draft, folder)
+        _move(draft, folder)
         disk.sync_quietly(folder.parent)
     finally:
         shutil.rmtree(scratch, ignore_errors=True)
+
+
+def _move(draft: Path, folder: Path) -> None:
+    try:
+        disk.DISK.rename(draft, folder)
+    except OSError as error:
+        if error.errno not in (errno.ENOTEMPTY, errno.EEXIST, errno.ENOTDIR):
+            raise
+        raise UserError(f"{folder}: another program has just written there; choose another place with -o") from None
 
 
 def clear_drafts(folder: Path) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import shutil
 import sys
 from typing import Any, TextIO
 
@@ -26,6 +27,13 @@ def make_ready() -> None:
             setattr(sys, name, open(os.devnull, "r" if number == 0 else "w", encoding="utf-8"))  # noqa: SIM115
         elif number and hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="backslashreplace")
+
+
+def redrawn(text: str) -> str:
+    """What shows `text` in place of a terminal's last line, and no wider: a line that wraps cannot be redrawn."""
+    width = max(shutil.get_terminal_size().columns - 1, 1)
+    cleared = f"\r{' ' * width}\r" if os.environ.get("TERM") == "dumb" else "\r\x1b[K"
+    return f"{cleared}{text[:width]}"
 
 
 class Remarks:

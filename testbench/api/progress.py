@@ -11,6 +11,7 @@ from html import escape
 from typing import Any
 
 from gcode.support.console import Progress
+from gcode.support.streams import redrawn
 
 Tell = Callable[[str], None]
 
@@ -41,7 +42,7 @@ class Telling:
             print(json.dumps(event), file=sys.stderr, flush=True)
         elif sys.stderr.isatty():
             count = f"{self.unit} {self.done} of {self.total}: " if self.done and text else ""
-            print(f"\r\x1b[K{count}{text}"[:110], end="", file=sys.stderr, flush=True)
+            print(redrawn(f"{count}{text}"), end="", file=sys.stderr, flush=True)
 
 
 class Counting:
@@ -66,7 +67,7 @@ class Counting:
 def clear_line() -> None:
     """Take away the line of progress, where somebody watches it in a terminal."""
     if sys.stderr.isatty():
-        print("\r\x1b[K", end="", file=sys.stderr)
+        print(redrawn(""), end="", file=sys.stderr)
 
 
 class _NotebookLine:

@@ -32,6 +32,8 @@ def run(args: argparse.Namespace) -> int:
     from testbench.api.models.adding import undo
 
     check_place(args.output)
+    if args.undo and (args.effect or args.fit or args.held_out):
+        raise UserError("add --undo takes the last step back, whatever it was: leave EFFECT, --fit, --held-out out")
     if not args.undo and not (args.effect and args.fit):
         raise UserError("add needs the name of an EFFECT and --fit RECORDING (or --undo)")
     ladder = undo(args.model, effects=args.effects) if args.undo else _added(args)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 
+from gcode.support.console import processes
+
 SUMMARY = "make a data set of simulated campaigns from a TOML file; run again to resume"
 EXAMPLE = "testbench dataset knits.toml -o knits"
 
@@ -16,7 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--backend", choices=["loky", "dask"], default="loky", help="processes here, or a Dask cluster"
     )
-    parser.add_argument("--workers", type=int, default=-1, metavar="N", help="processes (default: one a core)")
+    parser.add_argument("--workers", type=processes, default=-1, metavar="N", help="processes (default: one a core)")
     parser.add_argument("--effects", metavar="FILE", help=f"the effects that the spec names. {EFFECTS_HELP}")
     parser.add_argument(
         "--format",

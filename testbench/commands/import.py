@@ -46,7 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-o", "--output", dest="out", required=True, metavar="OUT", help="campaign folder, or a file NAME.csv"
     )
-    parser.add_argument("--overwrite", action="store_true", help="replace an earlier import in that folder")
+    parser.add_argument("--overwrite", action="store_true", help="replace an earlier import, folder or file")
     parser.add_argument("--json", action="store_true", help="say what was taken for what as JSON")
     _add_columns(parser)
     _add_units(parser)
@@ -100,7 +100,11 @@ def _add_layout(parser: argparse.ArgumentParser) -> None:
 def _add_repairs(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("repairs")
     group.add_argument(
-        "--negate", nargs="+", default=[], metavar="ROLE", help="turn the sign of displacement, force, resistance"
+        "--negate",
+        nargs="+",
+        default=[],
+        metavar="ROLE",
+        help="turn the sign of displacement, strain, force, resistance, conductance",
     )
     group.add_argument(
         "--zero",
@@ -126,6 +130,7 @@ def run(args: argparse.Namespace) -> int:
 
 def wish_of(args: argparse.Namespace) -> Wish:
     """What the command line says about the file."""
+    from gcode.support.errors import UserError
     from testbench.importing.sheet import Hints
     from testbench.importing.wish import Wish
 
@@ -134,6 +139,8 @@ def wish_of(args: argparse.Namespace) -> Wish:
     units = {name: getattr(args, f"{name}_unit") for name, _ in UNITS}
     units["relative_change"] = units["relative"]
     zero = dict(part.partition("=")[::2] for part in args.zero)
+    if args.separator == "":
+        raise UserError("--separator must be a character between columns, got nothing; leave it out")
     return Wish(
         gauge_length_mm=args.gauge_length_mm,
         columns={role: column for role, column in columns.items() if column is not None},

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from testbench.commands._arguments import add_bounds, add_effects, bounds_of, count, natural, positive, rest
+from testbench.commands._arguments import add_bounds, add_effects, count, natural, positive, rest
 
 SUMMARY = "run experiments until it is sure what is missing: plan, run, diagnose, design the next motion"
 EXAMPLE = (
@@ -14,6 +14,11 @@ EXAMPLE = (
     "  testbench investigate --resume -o knit-7\n"
     "exit code: 0 one hypothesis is sure, 1 the time is spent, 2 bad input, 130 interrupted (go on with --resume)"
 )
+
+BOUNDS = {"v_max": "v_max_mm_per_s", "a_max": "a_max_mm_per_s2", "strain_max": "strain_max_percent"}
+ASKED = {"max_force_n": "force_max_N", "repeat": "most"}  # other names than the public function's
+# What an investigation keeps as it began.
+AS_BEGUN = {"run_minutes", "fresh", "rest_s", *BOUNDS, *ASKED, "gauge_length_mm", "trials", "seed", "motion"}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -27,7 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-o", "--output", dest="folder", required=True, metavar="FOLDER", help="where everything is kept"
     )
-    parser.add_argument("--resume", action="store_true", help="go on with the investigation in FOLDER")
+    parser.add_argument("--resume", action="store_true", help="go on with the investigation in FOLDER, as it began")
     parser.add_argument(
         "--speed",
         type=positive,
@@ -36,24 +41,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_effects(parser)
     parser.add_argument("--model", metavar="M", help="the model.json that something may be missing from")
-    parser.add_argument("--run-minutes", type=positive, default=3.0, metavar="T", help="length of a run (default 3)")
-    parser.add_argument(
-        "--budget-minutes", type=positive, default=30.0, metavar="T", help="time of motion at most (default 30)"
-    )
-    parser.add_argument("--sure", type=float, default=0.95, metavar="P", help="probability to end at (default 0.95)")
+    parser.add_argument("--run-minutes", type=positive, metavar="T", help="length of a run (default 3)")
+    parser.add_argument("--budget-minutes", type=positive, metavar="T", help="time of motion at most (default 30)")
+    parser.add_argument("--sure", type=float, metavar="P", help="probability to end at (default 0.95)")
     parser.add_argument("--fresh", action="store_true", help="a fresh specimen for each run (default: one that ages)")
-    parser.add_argument("--rest-s", type=rest, default=30.0, metavar="T", help="rest between runs (default 30)")
+    parser.add_argument("--rest-s", type=rest, metavar="T", help="rest between runs (default 30)")
     add_bounds(parser)
     parser.add_argument("--max-force-n", type=positive, metavar="F", help="no motion that may need more force")
-    parser.add_argument("--gauge-length-mm", type=positive, default=25.0, metavar="L", help="default 25")
-    parser.add_argument("--trials", type=count, default=24, metavar="N", help="motions a design weighs (default 24)")
-    parser.add_argument("--seed", type=natural, default=1, metavar="N", help="of noise and random motion (default 1)")
-    parser.add_argument("--repeat", type=count, default=2, metavar="N", help="effects of a diagnosis (default 2)")
+    parser.add_argument("--gauge-length-mm", type=positive, metavar="L", help="default 25")
+    parser.add_argument("--trials", type=count, metavar="N", help="motions a design weighs (default 24)")
+    parser.add_argument("--seed", type=natural, metavar="N", help="of noise and random motion (default 1)")
+    parser.add_argument("--repeat", type=count, metavar="N", help="effects of a diagnosis (default 2)")
     parser.add_argument(
-        "--motion", choices=("designed", "perlin"), default="designed", help="perlin: random motion, to compare with"
+        "--motion", choices=("designed", "perlin"), help="perlin: random motion, to compare with (default: designed)"
     )
     parser.add_argument("--json", metavar="OUT", help="write the whole investigation here ('-' prints it)")
     parser.add_argument("--quiet", action="store_true", help="no progress on stderr")
+    parser.set_defaults(**dict.fromkeys(AS_BEGUN | {"budget_minutes", "sure"}))  # the public function knows them
 
 
 def run(args: argparse.Namespace) -> int:
@@ -68,6 +72,7 @@ def run(args: argparse.Namespace) -> int:
     from testbench.rig.stopping import stop_signals
 
     check_place(args.json, "--json")
+    _check_resumed(args)
     to_stdout = args.json == "-"
     say = sys.stderr if to_stdout else sys.stdout
 
@@ -97,23 +102,23 @@ def run(args: argparse.Namespace) -> int:
     return 0 if found.is_sure else 1
 
 
+def _check_resumed(args: argparse.Namespace) -> None:
+    """Refuse what would have no effect on an investigation that goes on."""
+    from gcode.support.errors import UserError
+
+    said = sorted(name for name in AS_BEGUN if getattr(args, name) is not None)
+    if args.resume and said:
+        raise UserError(
+            f"--{said[0].replace('_', '-')}: an investigation goes on as it began; with --resume leave it out "
+            "(--budget-minutes and --sure can be said anew)"
+        )
+
+
 def _asked(args: argparse.Namespace) -> dict[str, Any]:
-    """What the words ask for, as the public function takes it."""
-    return {
-        "port": args.port,
-        "speed": args.speed,
-        "bounds": bounds_of(args),
-        "run_minutes": args.run_minutes,
-        "budget_minutes": args.budget_minutes,
-        "sure": args.sure,
-        "specimen": "fresh" if args.fresh else "aged",
-        "motion": args.motion,
-        "rest_s": args.rest_s,
-        "seed": args.seed,
-        "trials": args.trials,
-        "most": args.repeat,
-        "force_max_N": args.max_force_n,
-        "gauge_length_mm": args.gauge_length_mm,
-        "model": args.model,
-        "effects": args.effects,
-    }
+    """What the words ask for, as the public function takes it; what they leave out it knows itself."""
+    said = {name: value for name, value in vars(args).items() if value is not None}
+    names = (AS_BEGUN | {"budget_minutes", "sure"}) & said.keys() - BOUNDS.keys() - {"fresh"}
+    asked = {ASKED.get(name, name): said[name] for name in names}
+    asked["bounds"] = {field: said[name] for name, field in BOUNDS.items() if name in said}
+    asked["specimen"] = "fresh" if args.fresh else "aged"
+    return asked | {name: getattr(args, name) for name in ("port", "speed", "model", "effects")}

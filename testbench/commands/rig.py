@@ -8,7 +8,8 @@ from testbench.commands._arguments import positive
 from testbench.commands._sensors import add_simulation_arguments
 
 SUMMARY = "put the simulated rig behind a serial port (a pseudo-terminal) and print the port"
-EXAMPLE = "testbench rig --sensor pes --program program.tap --link /tmp/rig &\n  testbench record --port /tmp/rig ..."
+EXAMPLE = """testbench rig --sensor pes --program program.tap --link /tmp/rig &
+  testbench record --port /tmp/rig --program program.tap -o pes-1"""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 
+from gcode.support.console import whole
+
 SUMMARY = "open the test bench in a browser, on this machine only"
 EXAMPLE = "testbench studio campaigns"
 
@@ -12,7 +14,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "folder", nargs="?", default=".", metavar="FOLDER", help="folder of campaigns (default: this one)"
     )
-    parser.add_argument("--port", type=int, default=8123, help="port on 127.0.0.1 (default: 8123)")
+    parser.add_argument(
+        "--port", type=whole(1, 65535), default=8123, metavar="P", help="on 127.0.0.1 (default: 8123)"
+    )
     parser.add_argument("--no-browser", action="store_true", help="only serve; do not open a browser")
 
 

@@ -71,6 +71,10 @@ def import_file(path: Path, wish: Wish) -> list[Imported]:
         raise UserError(
             f"{path}: the gauge length is not known: say --gauge-length-mm, the length between the clamps at rest"
         )
+    if wish.r0_ohm is not None and not any(role.startswith("relative") for role in choice.taken):
+        raise UserError(
+            f"{path}: --rest-ohm is R0 of a relative resistance, of which no column is taken; leave it out"
+        )
     read = read_columns(sheet, choice, wish.hints.thousands)
     if read.wrong and not wish.drop_bad:
         raise UserError(f"{path}: {read.wrong[0]}")
@@ -128,7 +132,7 @@ def _recorded(
     if not wish.drop_bad:
         check_change(path, numbers_of, choice, scaled)
     channels = channels_of(scaled, wish)
-    kept = usable(path, numbers_of, time_s[rows], channels, wish.drop_bad)
+    kept = usable(path, numbers_of, time_s[rows], channels, wish, scaled)
     order, moved, repeated = in_order(path, numbers_of[kept], time_s[rows][kept], wish.sort)
     index = np.flatnonzero(kept)[order]
     if len(index) < 2:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +13,7 @@ from testbench.importing.wish import Wish
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE, TIME
 from testbench.recordings.checks import such
 
+ELECTRICAL = frozenset(("resistance", "conductance"))  # negative where the sense leads are the other way round
 MOSTLY = 0.5  # of the rows negative: the resistance has the wrong sign, and no bad rows
 
 
@@ -27,7 +28,7 @@ def channels_of(scaled: Mapping[str, np.ndarray], wish: Wish) -> dict[str, np.nd
         channels[FORCE] = scaled["force"]
     resistance = _resistance(scaled, wish.r0_ohm or np.nan)
     if resistance is not None:
-        channels[RESISTANCE] = -resistance if "resistance" in wish.negate else resistance
+        channels[RESISTANCE] = -resistance if wish.negate & ELECTRICAL else resistance
     if "temperature" in scaled:
         channels[TEMPERATURE] = scaled["temperature"]
     return channels
@@ -59,9 +60,14 @@ def check_change(path: Path, rows: np.ndarray, choice: Choice, scaled: Mapping[s
 
 
 def usable(
-    path: Path, rows: np.ndarray, time_s: np.ndarray, channels: Mapping[str, np.ndarray], drop_bad: bool
+    path: Path,
+    rows: np.ndarray,
+    time_s: np.ndarray,
+    channels: Mapping[str, np.ndarray],
+    wish: Wish,
+    roles: Iterable[str],
 ) -> np.ndarray:
-    """Which rows can be used, as booleans of shape (n,).
+    """Which rows can be used, as booleans of shape (n,); the channels were made of columns of these `roles`.
 
     Raises
     ------
@@ -73,12 +79,13 @@ def usable(
         fine = np.isfinite(values)
         if name == RESISTANCE:
             fine &= values > 0
-        if not fine.all() and not drop_bad:
+        if not fine.all() and not wish.drop_bad:
             first = int(np.flatnonzero(~fine)[0])
             want = "positive and finite" if name == RESISTANCE else "a finite number"
-            remedy = "--drop-bad leaves them out"
-            if name == RESISTANCE and (values < 0).mean() > MOSTLY:
-                remedy = "if its leads were the other way round, add --negate resistance"
+            remedy, turned = "--drop-bad leaves them out", sorted(ELECTRICAL.intersection(roles))
+            if name == RESISTANCE and turned and (values < 0).mean() > MOSTLY:
+                flag, given = f"--negate {turned[0]}", wish.negate & ELECTRICAL
+                remedy = f"leave {flag} out" if given else f"if its leads were the other way round, add {flag}"
             raise UserError(
                 f"{path}: row {rows[first]}: {name} must be {want}, got {values[first]:g} "
                 f"({such(int((~fine).sum()))}); {remedy}"

@@ -16,7 +16,7 @@ from testbench.recordings.channels import DISPLACEMENT, FORCE
 from testbench.recordings.doubts import AGAINST
 
 SIGNED = ("displacement", "strain", "force")
-TURNED = (*SIGNED, "resistance")  # negative where the sense leads are the other way round
+TURNED = (*SIGNED, "resistance", "conductance")  # these two are negative where leads are the other way round
 FEW = 100_000  # samples that are enough for a correlation
 _VALUE = re.compile(r"^\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*(\S*)\s*$")
 

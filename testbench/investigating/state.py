@@ -9,7 +9,7 @@ from pydantic import AfterValidator, Field, field_validator, model_validator
 
 from gcode.support.errors import UserError
 from gcode.support.files import write_json
-from gcode.support.strict import StrictModel, load
+from gcode.support.strict import StrictModel, load, validated
 from testbench.design.forecast import Likely, Reading
 from testbench.design.protocols import Bounds, menu
 from testbench.knit.catalogue import Catalogue, model_from_dict
@@ -214,6 +214,22 @@ def load_investigation(folder: str | Path) -> Investigation:
 def save_investigation(folder: Path, investigation: Investigation) -> None:
     """Write it atomically: a kill leaves the old file or the new one."""
     write_json(folder / NAME, investigation.model_dump(mode="json"))
+
+
+def go_on(folder: Path, budget_minutes: float | None = None, sure: float | None = None) -> None:
+    """Let an investigation spend other minutes or be otherwise sure from here on; one that had ended goes on for it.
+
+    Raises
+    ------
+    UserError
+        If there is none, or it cannot be asked for that.
+    """
+    state = load_investigation(folder)
+    said = {"budget_s": None if budget_minutes is None else 60 * budget_minutes, "sure": sure}
+    asked = state.settings.model_dump() | {name: value for name, value in said.items() if value is not None}
+    settings = validated(asked, Settings, "investigate", "set of limits")
+    if settings != state.settings:
+        save_investigation(folder, state.model_copy(update={"settings": settings, "ended": ""}))
 
 
 def program_folder(folder: Path, number: int) -> Path:

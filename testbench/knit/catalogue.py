@@ -217,7 +217,9 @@ def load_catalogue(user_file: str | Path | None = None) -> Catalogue:
     for point in entry_points(group=ENTRY_POINT_GROUP):
         try:
             catalogue.effects[point.name] = point.load()
-        except Exception as error:  # a broken plug-in is somebody else's bug: list it
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:  # a broken plug-in is somebody else's bug, sys.exit in it, too: list it
             catalogue.broken[point.name] = f"{type(error).__name__}: {error}"
     if user_file is not None:
         own = _effects_in_file(Path(user_file))
@@ -237,7 +239,9 @@ def _effects_in_file(path: Path) -> dict[str, type[Effect]]:
     module = importlib.util.module_from_spec(spec)
     try:
         spec.loader.exec_module(module)
-    except Exception as error:
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # sys.exit would end the command as if all were well
         raise UserError(f"{path}: cannot be loaded: {type(error).__name__}: {error}") from error
     found = {
         value.name: value

@@ -257,7 +257,9 @@ def apply_checked(name: str, effect: Effect, state: Mapping[str, FloatArray], dt
     remedy = f"; mend it and try `testbench effects {effect.name} --effects FILE.py --check`"
     try:
         written = effect.apply(state, dt_s)
-    except Exception as error:
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # sys.exit would end the command as if all were well
         raise UserError(f"effect {name} raised {type(error).__name__}: {error}{remedy}") from error
     if not isinstance(written, Mapping) or set(written) != set(effect.writes):
         came = ", ".join(written) if isinstance(written, Mapping) else type(written).__name__

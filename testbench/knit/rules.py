@@ -337,7 +337,9 @@ def check(effect: Effect) -> list[str]:
     for rule in RULES:
         try:
             problem = rule(effect)
-        except Exception as error:  # whatever a user's code raises is the finding
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:  # whatever a user's code raises is the finding
             problem = f"raises {type(error).__name__}: {error} ({rule.__name__.replace('_', ' ')})"
         if problem:
             problems.append(problem)

@@ -49,12 +49,15 @@ def write_template(name: str, path: Path) -> None:
     Raises
     ------
     UserError
-        If `name` is no usable name, or the file exists: somebody's work must not be overwritten.
+        If `name` is no usable name, `path` does not end in .py, or the file exists: somebody's work must not be
+        overwritten.
     """
     if not name.isidentifier() or keyword.iskeyword(name) or name != name.lower():
         raise UserError(f"an effect's name must be like my_effect (lower case, digits, _); got {name!r}")
     if name in BUILT_IN:
         raise UserError(f"there is an effect called {name} already (`testbench effects {name}`); choose another name")
+    if path.suffix != ".py":
+        raise UserError(f"{path}: an effects file is Python, and its name must end in .py; choose another with -o")
     if path.exists():
         raise UserError(f"{path} exists already; choose another name, or another place with -o")
     cls = "".join(part.capitalize() for part in name.split("_"))

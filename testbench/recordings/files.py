@@ -21,8 +21,10 @@ if TYPE_CHECKING:
     from testbench.recordings.stored import Resource
 
 ORDER = (TIME, DISPLACEMENT, FORCE, RESISTANCE)
-DECIMALS = 6  # µs, nm, µN
-KEPT_DIGITS = 7  # of the smallest one: a thread has 1 Ω, a knit 1 MΩ
+DECIMALS = 6, 5  # µs, nm, µN; digits that are kept of the largest value
+TIME_DECIMALS = 6, 2  # digits of the shortest step
+RESISTANCE_DECIMALS = 3, 7  # digits of the smallest one: a thread has 1 Ω, a knit 1 MΩ
+MOST_DECIMALS = 15
 ROWS_AT_ONCE = 100_000
 
 
@@ -157,7 +159,12 @@ def _may_be(name: str, channel: str) -> bool:
 def write_recording_csv(path: str | Path, recording: Recording) -> None:
     """Write ``recording.csv`` atomically, known columns first, in fixed decimals (same bytes from same data).
 
-    A resistance has mΩ, and more where it is small.
+    A resistance has mΩ, and more where it is small; so have times that are close, and small forces and displacements.
+
+    Raises
+    ------
+    UserError
+        If times are too close to be told in 15 decimals.
     """
     columns = {TIME: recording.time_s, **recording.channels}
     names = [name for name in ORDER if name in columns] + sorted(set(columns) - set(ORDER))
@@ -170,7 +177,14 @@ def write_recording_csv(path: str | Path, recording: Recording) -> None:
 
 
 def _decimals(name: str, values: np.ndarray) -> int:
-    if name != RESISTANCE:
-        return DECIMALS
-    smallest = np.min(np.abs(values[np.isfinite(values) & (values != 0)]), initial=1e4)
-    return int(np.clip(KEPT_DIGITS - 1 - np.floor(np.log10(smallest)), 3, 15))
+    size = np.abs(np.diff(values) if name == TIME else values)
+    size = size[np.isfinite(size) & (size > 0)]
+    fewest, digits = {TIME: TIME_DECIMALS, RESISTANCE: RESISTANCE_DECIMALS}.get(name, DECIMALS)
+    if not size.size:
+        return fewest
+    told = size.min() if name in (TIME, RESISTANCE) else size.max()
+    if name == TIME and told < 10.0**-MOST_DECIMALS:
+        raise UserError(
+            f"{name}: a step of {told:.3g} s is too short to be written; is its unit right? (--time-unit)"
+        )
+    return int(np.clip(digits - 1 - np.floor(np.log10(told)), fewest, MOST_DECIMALS))

@@ -75,7 +75,7 @@ class Divider(StrictModel):
     Source: Texas Instruments ADS1115 data sheet (SBAS444): LSB 125 uV at +-4.096 V; noise at 128 SPS below one LSB.
     """
 
-    reference_ohm: float = Field(606e3, gt=0)
+    reference_ohm: float = Field(606e3, ge=1, le=1e12)
     supply_V: float = Field(3.3, gt=0, le=4.096)
     full_scale_V: float = Field(4.096, gt=0)
     rate_hz: float = Field(128.0, gt=0, le=1e5)

@@ -10,6 +10,7 @@ import sys
 from dataclasses import asdict
 from typing import Any, TextIO
 
+from gcode.support.streams import redrawn
 from testbench.rig.recorder import Report, Status
 
 LAST_WORD_MS = 2000  # how long the end of a recording waits to be shown
@@ -41,17 +42,17 @@ def as_dict(status: Status) -> dict[str, Any]:
 
 
 def terminal(label: str, stream: TextIO | None = None) -> Report:
-    """Redraw one line on stderr; where nobody watches, only messages and the end are printed."""
+    """Redraw one line on stderr, but for messages and the end, which stay whole; not redrawn where nobody watches."""
     out = stream or sys.stderr
     live, said = out.isatty(), ""
 
     def report(status: Status) -> None:
         nonlocal said
         ended = status.state != "recording"
-        text = f"{label}: {as_text(status)}"
+        text, news = f"{label}: {as_text(status)}", bool(status.message) and status.message != said
         if live:
-            _show(out, f"\r\x1b[K{text}" + ("\n" if ended else ""), ended)
-        elif status.message and status.message != said:
+            _show(out, f"{redrawn('')}{text}\n" if ended or news else redrawn(text), ended)
+        elif news:
             _show(out, f"{text}\n", ended)
         said = status.message
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from gcode.motion.blocks import Blocks, block_ends, drive, junction_speeds
+from gcode.support.errors import UserError
 
 
 def blocks_of(lengths, speeds, dwells=None) -> Blocks:
@@ -88,3 +89,10 @@ def test_block_ends_are_those_of_the_whole_motion():
     rng = np.random.default_rng(2)
     moves = blocks_of(rng.normal(0, 0.2, 100), rng.uniform(0.2, 3, 100))
     np.testing.assert_allclose(block_ends(moves, 10.0), drive(moves, 10.0).block_end_s, rtol=1e-12)
+
+
+def test_more_samples_than_fit_in_memory_are_refused():
+    motion = drive(blocks_of([1, 0], [1, 1], [0, 600_000]), 100.0)
+    assert len(motion.positions(1.0)) == 600_003
+    with pytest.raises(UserError, match=r"6e\+05 s at 1000 Hz are too many samples .*; shorten it, or"):
+        motion.positions(1000.0)

@@ -9,6 +9,7 @@ import sys
 
 import pytest
 
+from gcode.support.streams import redrawn
 from testbench.cli import main
 from tests.testbench.rig.rigs import program
 
@@ -49,3 +50,10 @@ def test_an_answer_that_nobody_takes_is_no_answer(tmp_path):
         done = checked(tmp_path, "two_triangles.tap", stdout=full, stderr=subprocess.PIPE, text=True)
     assert done.returncode == 2
     assert done.stderr == "gcode check: error: system: No space left on device\n"
+
+
+@pytest.mark.parametrize(("term", "shown"), [("xterm", "\r\x1b[Krecor"), ("dumb", "\r     \rrecor")])
+def test_a_line_that_is_redrawn_is_no_wider_than_the_terminal(monkeypatch, term, shown):
+    monkeypatch.setenv("TERM", term)
+    monkeypatch.setenv("COLUMNS", "6")
+    assert redrawn("recording: 12 s") == shown

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import shutil
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import Literal
@@ -15,7 +17,7 @@ from testbench.api.experiments.investigation import InvestigationResult
 from testbench.api.progress import Tell, telling
 from testbench.investigating import loop
 from testbench.investigating.benches import Bench, PortBench, PtyBench, SimulatedBench
-from testbench.investigating.state import Investigation, Settings, load_investigation
+from testbench.investigating.state import Investigation, Settings, go_on, load_investigation, run_folder
 from testbench.investigating.words import run_words
 from testbench.knit.catalogue import Catalogue
 from testbench.rig.ports import stated_port
@@ -33,8 +35,8 @@ def investigate(
     resume: bool = False,
     bounds: Mapping[str, float] | None = None,
     run_minutes: float = 3.0,
-    budget_minutes: float = 30.0,
-    sure: float = 0.95,
+    budget_minutes: float | None = None,
+    sure: float | None = None,
     specimen: Literal["aged", "fresh"] = "aged",
     motion: Literal["designed", "perlin"] = "designed",
     rest_s: float = 30.0,
@@ -68,10 +70,11 @@ def investigate(
         Record the simulated rig over its pseudo-terminal, so many times faster than real; default: at once.
     bounds : mapping, optional
         Fields of `testbench.Bounds` but the duration: ``v_max_mm_per_s``, ``strain_max_percent``, ...
-    run_minutes, budget_minutes : float
-        Length of one run; time of motion to spend at most.
-    sure : float
-        Probability at which it ends.
+    run_minutes : float
+        Length of one run.
+    budget_minutes, sure : float, optional
+        Time of motion to spend at most, and probability at which it ends; default: 30 and 0.95, with `resume` as they
+        were. What else is asked of an investigation stays as it began.
     specimen : {"aged", "fresh"}
         One specimen that remembers all runs, or a new one for each.
     motion : {"designed", "perlin"}
@@ -122,14 +125,17 @@ def investigate(
     hidden = None if sensor is None else model_file_of(sensor, catalogue).model
     own_effects = Path(effects) if isinstance(effects, str | Path) else None
     if resume:
+        if sensor is not None:
+            raise UserError(f"investigate: {folder} knows its sensor; to go on with it leave SENSOR out")
         refuse_links(folder.glob("*"), "copy the folder and use the copy")
+        go_on(folder, budget_minutes, sure)
     elif (hidden is None) == (port is None):
         raise UserError("investigate: give a SENSOR to simulate, or the port of a real rig")
     else:
         asked = {
             "bounds": {**(bounds or {}), "duration_s": 60 * run_minutes},
-            "budget_s": 60 * budget_minutes,
-            "sure": sure,
+            "budget_s": 60 * (30.0 if budget_minutes is None else budget_minutes),
+            "sure": 0.95 if sure is None else sure,
             "specimen": specimen,
             "motion": motion,
             "rest_s": rest_s,
@@ -143,13 +149,24 @@ def investigate(
         loop.begin(folder, settings, str(port) if sensor is None else model_name(sensor))
         if hidden is not None:
             write_json(folder / SENSOR, hidden.to_dict())
-    state = load_investigation(folder)
-    bench = _bench(folder, port, speed, state, catalogue, own_effects)
-    start = None if model is None else model_file_of(model, catalogue).model
     told = partial(_told, folder, after_run)
-    with telling(progress) as tell:
+    with _forgotten_unless_begun(folder, resume), telling(progress) as tell:
+        state = load_investigation(folder)
+        bench = _bench(folder, port, speed, state, catalogue, own_effects)
+        start = None if model is None else model_file_of(model, catalogue).model
         watcher = loop.Watcher(tell or (lambda _text: None), told, status or (lambda _status: None), stopped)
         return InvestigationResult(loop.proceed(folder, bench, catalogue, start, watcher), folder)
+
+
+@contextmanager
+def _forgotten_unless_begun(folder: Path, resumed: bool) -> Iterator[None]:
+    """Take a new investigation away that bad words end before anything was recorded: the right ones may begin it."""
+    try:
+        yield
+    except UserError:
+        if not resumed and not run_folder(folder, 1).exists():
+            shutil.rmtree(folder)
+        raise
 
 
 def _told(folder: Path, after_run: Callable[[str], None] | None, now: Investigation) -> None:

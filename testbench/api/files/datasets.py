@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from gcode.support.console import Progress
+from gcode.support.console import MOST_PROCESSES, Progress
 from gcode.support.errors import UserError
 from gcode.support.files import make_folder
 from gcode.support.html import card, frame_table
 from testbench.campaigns.datasets.cluster import cluster
 from testbench.campaigns.datasets.dataset import OneAtATime, run, write_index, write_parquet
-from testbench.campaigns.datasets.index import listed
+from testbench.campaigns.datasets.index import is_campaign, listed
 from testbench.campaigns.datasets.spec import read_spec
 from testbench.campaigns.datasets.tasks import tasks_of
 
@@ -89,7 +89,7 @@ def dataset(
         Campaign folders with a CSV each; with ``"parquet"`` there are also Parquet files, split by specimen, with
         Croissant metadata (docs/datasets.md).
     workers : int
-        Processes; -1 is one for each core.
+        Processes, 1 to 1024; -1 is one for each core.
     scheduler : str, optional
         Address of a Dask cluster that shall do the work, for instance ``tcp://10.0.0.5:8786``.
     effects : path, optional
@@ -105,7 +105,7 @@ def dataset(
     Raises
     ------
     UserError
-        If the spec is wrong, another call is at work in the folder, or the cluster does not answer.
+        If the spec is wrong, the folder is a campaign, another call is at work in it, or the cluster does not answer.
 
     Examples
     --------
@@ -123,8 +123,12 @@ def dataset(
     """
     if format not in FORMATS:
         raise UserError(f"format: must be one of {', '.join(FORMATS)}, got {format!r}")
+    if workers != -1 and not 1 <= workers <= MOST_PROCESSES:
+        raise UserError(f"workers: must be 1 to {MOST_PROCESSES}, or -1 for one a core, got {workers}")
     spec = Path(spec)
     wanted = read_spec(spec)
+    if is_campaign(Path(folder)):
+        raise UserError(f"{folder}: is a campaign itself; choose another folder for the data set with -o")
     out = make_folder(folder)
     with OneAtATime(out):
         tasks = tasks_of(wanted, spec.parent, out, Path(effects) if effects else None)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from gcode.support.errors import UserError
 from gcode.support.files import check_place, existing_file
 from gcode.support.html import card
 from testbench.campaigns.clearing import check_vacant, vacant
@@ -70,7 +71,7 @@ class ImportResult:
         ----------
         out : path
         overwrite : bool
-            Replace an earlier import in such a folder.
+            Replace an earlier import in such a folder, or such a file.
 
         Returns
         -------
@@ -80,12 +81,14 @@ class ImportResult:
         Raises
         ------
         UserError
-            If a folder holds something else, or a file is a recording; nothing is written then.
+            If a folder holds something else, or there is a file already; nothing is written then.
         """
         places = self.places(out)
         if Path(out).suffix.lower() == ".csv":
             for place in places:
-                check_place(place)
+                check_place(place, overwrite=overwrite)
+                if place.exists() and not overwrite:
+                    raise UserError(f"{place}: is there; choose another place with -o, or add --overwrite")
         else:
             for make_room in (check_vacant, vacant):
                 for place in places:

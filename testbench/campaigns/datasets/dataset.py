@@ -31,7 +31,7 @@ def make(task: Task) -> bool:
     vacant(task.folder, overwrite=True)
     try:
         simulate_campaign(plan, task.folder, motion_of(task.program, task.gauge_length_mm))
-    except OSError:
+    except (OSError, UserError):
         # A scheduler may give a task to two workers when it believes the first one dead.
         if not _there(task.folder, plan):
             raise

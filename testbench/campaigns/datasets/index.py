@@ -21,7 +21,7 @@ def write_entries(out: Path, entries: list[dict[str, Any]]) -> None:
 
 
 def index_problems(out: Path) -> tuple[list[Path], list[str]]:
-    """The campaigns of a data set that are there, and what does not agree with its list.
+    """The campaigns in the folder of a data set, itself if it is one, and what does not agree with its list.
 
     Raises
     ------
@@ -29,7 +29,7 @@ def index_problems(out: Path) -> tuple[list[Path], list[str]]:
         If the list is not one.
     """
     index = _read(out)
-    there, found = [], []
+    there, found = [out] if is_campaign(out) else [], []
     for entry in index.campaigns:
         folder = out / entry.campaign
         if not (folder / manifest.NAME).is_file():
@@ -38,7 +38,16 @@ def index_problems(out: Path) -> tuple[list[Path], list[str]]:
         there.append(folder)
         if sha256_of(folder / manifest.NAME) != entry.manifest_sha256:
             found.append(f"{folder / manifest.NAME}: not the one that {INDEX} lists; run `testbench dataset` again")
+    for folder in sorted(path.parent for path in out.glob(f"*/{manifest.NAME}")):
+        if folder not in there:
+            there.append(folder)
+            found.append(f"{folder}: {INDEX} does not list it; move it away, or name its seed in the data set's spec")
     return there, found
+
+
+def is_campaign(out: Path) -> bool:
+    """Whether the folder of a data set is itself a campaign, whole or damaged."""
+    return manifest.is_campaign(out) or all((out / name).is_file() for name in (manifest.NAME, manifest.CSV))
 
 
 def listed(out: Path) -> list[dict[str, Any]]:

@@ -122,7 +122,8 @@ class Choices:
             argv += ["--time-of", f"{role}={column}"]
         for name, value in self.hints.items():
             argv += [HINT_FLAGS[name], str(value)] if value is not None else []
-        for flag, number in (("--rate-hz", self.rate_hz), ("--rest-ohm", self.r0_ohm)):
+        r0_ohm = self.r0_ohm if roles & {"relative", "relative_change"} else None
+        for flag, number in (("--rate-hz", self.rate_hz), ("--rest-ohm", r0_ohm)):
             argv += [flag, f"{number:.12g}"] if number else []
         argv += ["--gauge-length-mm", f"{self.gauge_length_mm:.12g}"] if stretched else []
         for flag, marked in (("--negate", self.negate & roles), ("--zero", self.zero & roles)):

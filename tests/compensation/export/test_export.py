@@ -191,6 +191,17 @@ def test_a_sensor_that_single_precision_cannot_hold_is_said(compensator, tmp_pat
     assert ("warning: the conductance moves by little" in capsys.readouterr().out) == warned
 
 
+@pytest.mark.parametrize(
+    ("name", "words", "code"), [("e.onnx", [], 0), ("e.onnx", ["--format", "c"], 2), ("e.h", ["--format", "onnx"], 2)]
+)
+def test_the_ending_says_the_format_or_agrees_with_it(compensator, tmp_path, capsys, name, words, code):
+    compensator_files.save(tmp_path / "c.json", compensator)
+    assert main(["export", str(tmp_path / "c.json"), "-o", str(tmp_path / name), *words]) == code
+    said = capsys.readouterr()
+    assert ("one step; feed it" in said.out) if code == 0 else ("which is not --format" in said.err)
+    assert (tmp_path / name).exists() == (code == 0)
+
+
 @pytest.mark.parametrize("format_", ["c", "onnx"])
 @pytest.mark.parametrize(("place", "said"), [("no/such/x", "its folder does not exist"), (".", "is a folder")])
 def test_a_place_that_cannot_be_written_is_said_before_the_work(compensator, tmp_path, capsys, format_, place, said):

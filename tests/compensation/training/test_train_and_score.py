@@ -192,6 +192,18 @@ def test_the_same_recording_twice_is_refused(recordings, tmp_path, capsys):
     assert not (tmp_path / "c.json").exists()
 
 
+def test_one_recording_is_not_scored_or_searched_twice(compensator, recordings, tmp_path, capsys):
+    compensator_files.save(tmp_path / "c.json", compensator)
+    write_recording_csv(tmp_path / "a.csv", recordings[1])
+    csv, gauge = str(tmp_path / "a.csv"), ["--gauge-length-mm", "25"]
+    assert main(["score", str(tmp_path / "c.json"), csv, csv, *gauge]) == 2
+    assert "holds the same samples as" in capsys.readouterr().err
+    out = ["--target", "force", "--sample", "1", "--seeds", "1", "-o", str(tmp_path / "s.jsonl")]
+    assert main(["search", csv, csv, csv, *gauge, *out]) == 2
+    assert "holds the same samples as" in capsys.readouterr().err
+    assert not (tmp_path / "s.jsonl").exists()
+
+
 def test_constant_or_short_recordings_are_refused(recordings):
     recording = recordings[0]
     still = replace(recording, channels={**recording.channels, "force_N": np.full(len(recording), 2.0)})

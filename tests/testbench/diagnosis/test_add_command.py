@@ -27,3 +27,8 @@ def test_adding_never_tries_to_leave_out_the_law_that_makes_the_conductance(tmp_
     assert "piezoresistance" in Path(model).read_text()
     assert main(["add", "channel_lag", "--model", model, "--fit", recording, "-o", model]) == 0
     assert [step["step"] for step in json.loads(Path(model).read_text())["history"]] == ["baseline", "+ channel_lag"]
+
+
+def test_undo_takes_no_effect(tmp_path: Path, capsys) -> None:
+    assert main(["add", "--undo", "drift", "--model", "absent.json", "-o", str(tmp_path / "m.json")]) == 2
+    assert "takes the last step back, whatever it was" in capsys.readouterr().err

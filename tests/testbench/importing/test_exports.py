@@ -96,6 +96,20 @@ def test_zero_and_sign(tmp_path):
         import_csv(path, Wish(40.0, negate=frozenset({"time"})))
 
 
+def test_the_sign_of_a_conductance_is_turned_where_that_is_said_once(tmp_path):
+    path = tmp_path / "leads.csv"
+    path.write_text("Time [s],Extension [mm],Conductance [mS]\n0,0,-1\n1,1,-2\n2,2,-4\n")
+    with pytest.raises(UserError, match="add --negate conductance"):
+        import_csv(path, Wish(40.0))
+    found = import_csv(path, Wish(40.0, negate=frozenset({"conductance"})))
+    assert found.recording["resistance_ohm"] == pytest.approx([1000, 500, 250])
+    with pytest.raises(UserError, match="can be said of displacement, conductance, got resistance"):
+        import_csv(path, Wish(40.0, negate=frozenset({"resistance"})))
+    path.write_text(path.read_text().replace("-", ""))
+    with pytest.raises(UserError, match="leave --negate conductance out"):
+        import_csv(path, Wish(40.0, negate=frozenset({"conductance"})))
+
+
 def test_a_resistance_whose_leads_were_the_other_way_round_is_turned_and_not_dropped(tmp_path):
     path = tmp_path / "leads.csv"
     path.write_text("Time [s],Extension [mm],R [kOhm]\n0,0,-1.5\n1,1,-1.6\n2,2,-1.7\n")

@@ -225,3 +225,16 @@ def test_a_folder_and_a_name_of_many_characters_are_said_short(tmp_path, capsys)
     (tmp_path / "lab.csv").write_text(f"Time [s],{'x' * 5000},Weg\n0.0,1.0,1\n0.1,1.5,2\n0.2,2.5,3\n")
     assert cli.main(["import", str(tmp_path / "lab.csv"), "-o", str(tmp_path / "out")]) == 2
     assert len(capsys.readouterr().err) < 400
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["--rest-ohm", "100"], "--rest-ohm is R0 of a relative resistance, of which no column is taken"),
+        (["--separator", ""], "--separator must be a character between columns, got nothing"),
+    ],
+)
+def test_what_would_be_without_effect_is_refused(tmp_path, capsys, words, told):
+    path = written(tmp_path, GOOD.replace("t,x,F,R", "t [s],x [mm],F [N],R [ohm]"))
+    assert cli.main(["import", str(path), "--gauge-length-mm", "40", "-o", str(tmp_path / "out"), *words]) == 2
+    assert told in capsys.readouterr().err

@@ -75,6 +75,12 @@ def test_the_result_shows_itself(tmp_path, monkeypatch):
         (["pes", "--run-minutes", "0.1"], "duration_s"),
         (["pes", "--effects", "absent.py"], "absent.py"),
         (["--resume"], "no investigation"),
+        (["--resume", "--trials", "24"], "--trials: an investigation goes on as it began"),
+        (["--resume", "--v-max", "9"], "--v-max: an investigation goes on as it began"),
+        (["--resume", "--fresh"], "--fresh: an investigation goes on as it began"),
+        (["pes", "--resume"], "leave SENSOR out"),
+        (["--port", "/dev/knitbench-is-not-there"], "/dev/knitbench-is-not-there"),
+        (["--port", "http://here"], "http://here"),
     ],
 )
 def test_bad_input_is_one_sentence_and_leaves_nothing(tmp_path, capsys, argv, match):
@@ -84,6 +90,18 @@ def test_bad_input_is_one_sentence_and_leaves_nothing(tmp_path, capsys, argv, ma
     assert match in said
     assert "Traceback" not in said
     assert not folder.exists()
+
+
+def test_minutes_and_sureness_can_be_said_anew(tmp_path, sensor, monkeypatch):
+    believed(monkeypatch, 0.6, 0.7, 0.8)
+    folder = tmp_path / "i"
+    assert main(["investigate", sensor, "-o", str(folder), *BRIEF]) == 1
+    on = ["investigate", "--resume", "-o", str(folder), "--quiet"]
+    assert main([*on, "--sure", "0.65"]) == 0
+    believed(monkeypatch, 0.8)
+    assert main([*on, "--sure", "0.9", "--budget-minutes", "6"]) == 1
+    state = json.loads((folder / NAME).read_text())
+    assert (len(state["runs"]), state["settings"]["budget_s"], state["settings"]["sure"]) == (3, 360, 0.9)
 
 
 def test_a_folder_that_is_taken_and_a_damaged_state_are_refused(tmp_path, sensor, capsys):

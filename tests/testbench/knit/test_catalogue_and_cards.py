@@ -110,6 +110,12 @@ def test_template_overwrites_nothing(tmp_path: Path) -> None:
     assert (tmp_path / "mine.py").read_text(encoding="utf-8") == "precious"
 
 
+def test_a_template_is_a_python_file(tmp_path: Path) -> None:
+    with pytest.raises(UserError, match=r"its name must end in \.py"):
+        write_template("my_effect", tmp_path / "mine.txt")
+    assert not list(tmp_path.iterdir())
+
+
 BROKEN = '''
 import numpy as np
 from testbench.knit.effect import Effect, Stage, parameter
@@ -163,6 +169,15 @@ def test_a_broken_effect_is_told_which_law_it_breaks(body: str, complaint: str, 
     assert any(complaint in problem for problem in problems), problems
 
 
+def test_an_effect_that_would_end_the_program_does_not(tmp_path: Path) -> None:
+    (tmp_path / "bad.py").write_text(BROKEN.replace("BODY", "raise SystemExit(0)"), encoding="utf-8")
+    bad = load_catalogue(tmp_path / "bad.py")["bad"]()
+    assert all("raises SystemExit: 0" in problem for problem in check(bad))
+    time_s = np.arange(0, 5, 0.05)
+    with pytest.raises(UserError, match="effect bad raised SystemExit: 0"):
+        preset("pes").plus(bad).simulate(inputs(time_s, 0.1 * time_s), 0.05)
+
+
 def test_an_effect_that_does_not_settle_on_finer_grids_is_caught(tmp_path: Path) -> None:
     body = 'return {"conductance_S": signals["conductance_S"] + self.gain * np.random.default_rng(0).normal('
     body += 'size=signals["conductance_S"].shape)}'
@@ -172,7 +187,11 @@ def test_an_effect_that_does_not_settle_on_finer_grids_is_caught(tmp_path: Path)
 
 @pytest.mark.parametrize(
     ("text", "complaint"),
-    [("import nothing_like_this", "cannot be loaded: ModuleNotFoundError"), ("x = 1", "no Effect class")],
+    [
+        ("import nothing_like_this", "cannot be loaded: ModuleNotFoundError"),
+        ("import sys; sys.exit(0)", "cannot be loaded: SystemExit: 0"),
+        ("x = 1", "no Effect class"),
+    ],
 )
 def test_an_effects_file_that_cannot_be_used_is_named(text: str, complaint: str, tmp_path: Path) -> None:
     (tmp_path / "mine.py").write_text(text, encoding="utf-8")

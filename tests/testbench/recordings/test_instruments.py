@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from numpy.random import default_rng
+from pydantic import ValidationError
 
 from testbench.recordings.instruments import Divider, Encoder, LoadCell, SampleClock, Truth
 
@@ -73,3 +74,9 @@ def test_encoder_counts():
     read = Encoder(count_mm=0.01).read(Truth(TIME, TIME / 60, None, None), EVEN)
     assert np.allclose(read / 0.01, np.rint(read / 0.01))
     assert np.abs(read - EVEN / 60).max() <= 0.005 + 1e-12
+
+
+@pytest.mark.parametrize("ohm", [0.5, 1e13])
+def test_a_divider_is_one_that_can_be_soldered(ohm):
+    with pytest.raises(ValidationError, match="reference_ohm"):
+        Divider(reference_ohm=ohm)

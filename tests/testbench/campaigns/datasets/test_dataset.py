@@ -78,6 +78,29 @@ def test_the_command_makes_a_data_set_and_does_nothing_the_second_time(tmp_path,
     assert "00003: missing; run `testbench dataset` again" in err
 
 
+def test_a_campaign_that_the_list_has_no_longer_is_named_and_looked_at(tmp_path, capsys):
+    out = tmp_path / "out"
+    for last in (2, 1):
+        assert cli.main(["dataset", str(written(tmp_path, last)), "-o", str(out), "--workers", "1"]) == 0
+    (campaigns(out)[1] / "program.tap").write_text("M30\n")
+    assert cli.main(["verify", str(out)]) == 1
+    err = capsys.readouterr().err
+    assert "00002: dataset.json does not list it" in err
+    assert "00002/program.tap: 4 bytes, the manifest says" in err
+
+
+def test_a_folder_that_is_a_campaign_takes_no_data_set_and_is_looked_at_itself(tmp_path, capsys):
+    path, out = written(tmp_path, 1), tmp_path / "out"
+    assert cli.main(["dataset", str(path), "-o", str(out), "--workers", "1"]) == 0
+    before = campaigns(out)[0]
+    assert cli.main(["dataset", str(path), "-o", str(before), "--workers", "1"]) == 2
+    assert "is a campaign itself" in capsys.readouterr().err
+    (before / "dataset.json").write_text('{"format": "knitbench-dataset", "version": 1, "campaigns": []}')
+    (before / "recording.csv").write_text("time_s,force_N\n")
+    assert cli.main(["verify", str(before)]) == 1
+    assert "recording.csv: 15 bytes, the manifest says" in capsys.readouterr().err
+
+
 def test_a_trajectory_table_plans_its_programs(tmp_path):
     (tmp_path / "knit.json").write_text(json.dumps(baseline().to_dict()))
     path = tmp_path / "set.toml"

@@ -1,0 +1,54 @@
+"""The frame of the commands: how they end, and what their words may be."""
+
+from __future__ import annotations
+
+import argparse
+
+import pytest
+
+import compensation.cli
+import gcode.cli
+import testbench.cli
+from gcode.support import console
+
+
+@pytest.mark.parametrize("where", ["build_parser", "_run"])
+def test_ctrl_c_is_a_word_from_the_first_moment_on(where, monkeypatch, capsys):
+    def interrupt(*args):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(console, where, interrupt)
+    assert gcode.cli.main(["check", "a.tap", "--v-max", "1", "--a-max", "1", "--x-min", "0", "--x-max", "1"]) == 130
+    assert capsys.readouterr().err == "gcode check: interrupted\n"
+
+
+def test_too_little_memory_is_a_sentence(monkeypatch, capsys):
+    def exhaust(*args):
+        raise MemoryError
+
+    monkeypatch.setattr("gcode.mach4.reader.load_program", exhaust)
+    assert gcode.cli.main(["play", "a.tap", "-o", "b.csv"]) == 2
+    assert "gcode play: error: this needs more memory than there is" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("number", ["0", "-5", "1025", "9" * 20, "2.5", "many"])
+@pytest.mark.parametrize(
+    ("cli", "words"), [(testbench.cli, "dataset a.toml -o b"), (compensation.cli, "search a b c -o d")]
+)
+def test_processes_are_1_to_1024(cli, words, number, capsys):
+    with pytest.raises(SystemExit, match="2"):
+        cli.main([*words.split(), f"--workers={number}"])
+    assert f"must be a whole number from 1 to 1024, got '{number}'" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("port", ["65536", "-1", "0"])
+def test_a_port_is_one_that_can_be_opened(port, capsys):
+    with pytest.raises(SystemExit, match="2"):
+        testbench.cli.main(["studio", f"--port={port}"])
+    assert f"must be a whole number from 1 to 65535, got '{port}'" in capsys.readouterr().err
+
+
+def test_the_ends_of_a_range_belong_to_it():
+    assert [console.whole(1, 7)(text) for text in ("1", "7")] == [1, 7]
+    with pytest.raises(argparse.ArgumentTypeError, match="from 1 to 7, got '8'"):
+        console.whole(1, 7)("8")

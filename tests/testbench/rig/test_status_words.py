@@ -1,0 +1,30 @@
+"""What a recording shows in a terminal: one line that is redrawn; what must be read stays, whole."""
+
+from __future__ import annotations
+
+import io
+
+from testbench.rig.recorder import Status
+from testbench.rig.status_words import terminal
+
+
+class Screen(io.StringIO):
+    """Something that says it is a terminal."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+def test_a_line_is_cut_to_the_terminal_but_a_message_and_the_end_are_whole(monkeypatch):
+    monkeypatch.setenv("COLUMNS", "20")
+    monkeypatch.setenv("TERM", "xterm")
+    screen = Screen()
+    report = terminal("rig", screen)
+    for state, message in (("recording", ""), ("recording", "no data"), ("recording", "no data"), ("complete", "")):
+        report(Status(60.0, state=state, message=message))
+    redrawn, *kept = [line.split("\x1b[K")[-1] for line in screen.getvalue().replace("\n", "\r").split("\r") if line]
+    assert redrawn == "rig: 0.0/60 s  0 sa"
+    assert kept[0].endswith("! no data")
+    assert kept[1] == redrawn
+    assert kept[2].endswith("strain 0.000")
+    assert screen.getvalue().count("\n") == 2
