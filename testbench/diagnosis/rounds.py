@@ -43,6 +43,8 @@ class Entry:
         Log evidence as models are compared: of the model as it is, or beside a free-form map of what it leaves.
     own_part : mapping of channel to float
         What the law changes that the base's laws could not; see `hypothesis.own_part`.
+    whole_part : mapping of channel to float
+        All that it changes.
     log_prior_bend : float
         Log probability that a law of the base is unlike the sensor's in just this way, so that nothing is missing.
     without : Entry, optional
@@ -56,6 +58,7 @@ class Entry:
     log_z: float
     is_settled: bool = False
     own_part: Mapping[str, float] = field(default_factory=dict)
+    whole_part: Mapping[str, float] = field(default_factory=dict)
     log_prior_bend: float = -np.inf
     without: Entry | None = None
 
@@ -157,7 +160,7 @@ class Round:
         by_law, sigma = self.by_law(entry), entry.hypothesis.evidence.sigma
         least = self.likelihood.least_misfit
         asked = [c for c, some in by_law.items() if some > least[c] or everywhere] or list(sigma)
-        return self.likelihood.noise_log_prior({c: sigma[c] for c in asked}, by_law)
+        return self.likelihood.noise_log_prior({c: sigma[c] for c in asked}, by_law, entry.whole_part)
 
     def added(self, entry: Entry) -> float:
         """Log evidence that an entry adds to the model so far, whatever it leaves."""

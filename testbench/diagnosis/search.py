@@ -197,8 +197,9 @@ class Search(Fits):
         judged = replace(e, hypothesis=h, log_z=log_z_with_map(h, likelihood))
         if not e.name:
             return judged
-        own = own_part(h, e.name, likelihood)
-        return replace(judged, own_part=own, log_prior_bend=self.log_prior_bend(h.model[e.name], own))
+        own, whole = own_part(h, e.name, likelihood)
+        bend = self.log_prior_bend(h.model[e.name], own)
+        return replace(judged, own_part=own, whole_part=whole, log_prior_bend=bend)
 
     def log_prior_bend(self, effect: Effect, own: Mapping[str, float]) -> float:
         """Log probability that a law of the base is off by what an effect changes; minus infinity if none can be.

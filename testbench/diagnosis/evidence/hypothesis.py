@@ -157,26 +157,27 @@ def under(h: Hypothesis, likelihood: Likelihood) -> Hypothesis:
     return replace(h, normal=normal, evidence=evidence, tails=tails)
 
 
-def own_part(h: Hypothesis, name: str, likelihood: Likelihood) -> dict[str, float]:
-    """Standard deviation of what an effect of a model changes, as far as the rest of the model could not do it.
+def own_part(h: Hypothesis, name: str, likelihood: Likelihood) -> tuple[dict[str, float], dict[str, float]]:
+    """What an effect of a model changes as far as the rest of the model could not do it, and all that it changes.
 
     The parameters of the base laws are asked for all that they can, the shapes for what is believed of them here:
-    those that are switched off do nothing. Over the relative noise of the samples that count, per channel, in N and
-    ln S.
+    those that are switched off do nothing. Both are standard deviations over the relative noise of the samples that
+    count, per channel, in N and ln S.
     """
     measurement, bare = likelihood.measurement, h.model.without(name)
     base = [p for p in itertools.compress(h.priors.parameters, h.held) if p.place[0] in bare]
     without, columns = sensitivities(bare, base, measurement, SimulationCache())
     weights = np.flatnonzero([p.place[0] in SHAPES for p in h.priors.parameters])
     believed = np.sqrt(h.priors.scaled(h.evidence.scale)[weights])
-    found = {}
+    own, whole = {}, {}
     for channel, here in measurement.modelled(h.model).items():
         change = likelihood.picked(here - without[channel], channel)
         laws = likelihood.picked(columns[channel], channel)
         shapes = h.columns[channel][weights + 1]
         noise = h.evidence.sigma[channel] / np.sqrt(likelihood.share)
-        found[channel] = trimmed_rms(change - imitated(change, laws, shapes, noise * believed))
-    return found
+        own[channel] = trimmed_rms(change - imitated(change, laws, shapes, noise * believed))
+        whole[channel] = trimmed_rms(change - np.median(change))
+    return own, whole
 
 
 def imitated(change: FloatArray, laws: FloatArray, shapes: FloatArray, believed: FloatArray) -> FloatArray:

@@ -85,12 +85,21 @@ class Likelihood:
         inexact = {channel: constants.INEXACT * self.explained.get(channel, 0.0) for channel in self.floor}
         return {c: float(np.hypot(least, inexact[c])) for c, least in self.least_misfit.items()}
 
-    def expected(self, explained: Mapping[str, float]) -> dict[str, float]:
-        """What a complete model leaves where laws that explain so much err as usual; both standard deviations."""
-        least = self.least_misfit
-        return {c: float(np.hypot(least[c], constants.LAW_ERROR * explained.get(c, 0.0))) for c in least}
+    def expected(self, explained: Mapping[str, float], whole: Mapping[str, float] | None = None) -> dict[str, float]:
+        """What a complete model leaves where laws that explain so much err as usual; all are standard deviations.
 
-    def noise_log_prior(self, sigma: Mapping[str, float], explained: Mapping[str, float]) -> float:
+        A law errs by `LAW_ERROR` of what it explains, and by `INEXACT` of all that it changes: the base, which could
+        have done most of that, does not know where the law is wrong.
+        """
+        found = {}
+        for c, least in self.least_misfit.items():
+            error = constants.LAW_ERROR * explained.get(c, 0.0)
+            found[c] = float(np.linalg.norm((least, error, constants.INEXACT * (whole or {}).get(c, 0.0))))
+        return found
+
+    def noise_log_prior(
+        self, sigma: Mapping[str, float], explained: Mapping[str, float], whole: Mapping[str, float] | None = None
+    ) -> float:
         """Log density of what a model leaves, if nothing else is missing, over the same if anything is.
 
         A model that is complete leaves in each channel the misfit of its base and the error of its last law, each
@@ -99,19 +108,19 @@ class Likelihood:
 
         Parameters
         ----------
-        sigma, explained : mapping of channel to float
-            Standard deviations of what the model leaves, and of what its last law explains.
+        sigma, explained, whole : mapping of channel to float
+            Standard deviations of what the model leaves, of what its last law explains, and of all that it changes.
         """
-        complete = np.array([self._log_complete(left, c, explained) for c, left in sigma.items()])
+        expected = self.expected(explained, whole)
+        complete = np.array([self._log_complete(left, c, expected[c]) for c, left in sigma.items()])
         changed = -np.log(np.log(constants.MOST_LEFT))
         either = float(np.sum(np.logaddexp(complete, changed)))
         none = float(np.sum(complete))
         some = either + np.log(-np.expm1(none - either)) - np.log(2 ** len(complete) - 1)
         return float(none - some)
 
-    def _log_complete(self, left: float, channel: str, explained: Mapping[str, float]) -> float:
+    def _log_complete(self, left: float, channel: str, expected: float) -> float:
         """Log density of ln(what is left in a channel) where the model is complete."""
-        expected = self.expected(explained)[channel]
         share = 1 - (self.least_misfit[channel] / expected) ** 2  # of the error that is the law's
         spread = np.hypot((1 - share) * constants.NOISE_SPREAD, share * constants.LAW_SPREAD)
         over = np.log(max(left / expected, 1.0))

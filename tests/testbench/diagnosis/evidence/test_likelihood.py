@@ -100,12 +100,16 @@ def test_a_ripple_that_is_the_same_at_the_same_strain_is_no_jerk():
     assert jitter_of([line], prepare(recording))["force"] < 0.01
 
 
-def prior_of_noise(floors: dict[str, float], explained: dict[str, float] | None = None) -> float:
-    """Log prior of what a complete model leaves, in noise floors."""
+def prior_of_noise(
+    floors: dict[str, float], explained: dict[str, float] | None = None, whole: dict[str, float] | None = None
+) -> float:
+    """Log prior of what a complete model leaves; all in noise floors."""
     floor = dict.fromkeys(floors, 1e-3)
     likelihood = Likelihood(SimpleNamespace(), np.arange(10), {}, floor, 1.0)  # type: ignore[arg-type]
-    scaled = {c: 1e-3 * value for c, value in (explained or {}).items()}
-    return likelihood.noise_log_prior({c: 1e-3 * value for c, value in floors.items()}, scaled)
+    left, by_law, all_of_it = (
+        {c: 1e-3 * value for c, value in (one or {}).items()} for one in (floors, explained, whole)
+    )
+    return likelihood.noise_log_prior(left, by_law, all_of_it)
 
 
 def test_what_a_complete_model_leaves_is_the_noise_of_one_channel():
@@ -119,6 +123,9 @@ def test_a_quiet_channel_does_not_excuse_what_another_leaves():
     assert prior_of_noise({"force": 1.25, "conductance": 1.25}) > 3
     assert prior_of_noise({"force": 1.25, "conductance": 2.7}) < -5
     assert prior_of_noise({"force": 1.25, "conductance": 2.7}, {"conductance": 20.0}) > 0  # an error of the law
+    assert (
+        prior_of_noise({"force": 1.25, "conductance": 2.7}, {}, {"conductance": 60.0}) > 0
+    )  # of all that it changes
 
 
 def test_what_is_missing_may_leave_a_channel_alone():

@@ -19,7 +19,7 @@ def own(base: KnitModel, effect: Effect) -> dict[str, float]:
     model = base.plus(effect)
     measurement = prepare(record(model, 300, 12.5, seed=1))
     likelihood = likelihood_of(base, measurement, noise_of(measurement))
-    return own_part(fitted(model, likelihood, base, iterations=2), effect.name, likelihood)
+    return own_part(fitted(model, likelihood, base, iterations=2), effect.name, likelihood)[0]
 
 
 def test_what_the_base_does_only_through_the_effect_is_the_effects_own():
