@@ -68,7 +68,7 @@ def scores(trial: Trial, target: str) -> list[float]:
     measured = series_of(trial.short, target, options.rate_hz)
     tests = [series_of(recording, target, options.rate_hz) for recording in trial.tests]
     measurement = prepare(trial.short)
-    model = fit(starting_baseline(measurement), [coarser(measurement, 10.0)]).model
+    model = fit(starting_baseline(measurement), coarser(measurement, 10.0)).model
     own = replace(options, sizes=twin.SIZES, l2=twin.L2, history=twin.HISTORY)
 
     def from_twin(models: Sequence[KnitModel], share: float = twin.SHARE) -> TrainedCompensator:

@@ -95,7 +95,7 @@ def over_specimens(beliefs: Sequence[Mapping[str, float]]) -> dict[str, float]:
         own = before_any(one)
         for name in logs:
             said = name if name in one else NOTHING  # of what cannot act it says what it says of nothing
-            logs[name] += np.log(max(one[said], 1e-12) / own[said])
+            logs[name] += np.log(max(one.get(said, 0.0), 1e-12) / own[said])
     total = logsumexp(list(logs.values()))
     return {name: float(np.exp(value - total)) for name, value in logs.items()}
 

@@ -21,7 +21,7 @@ from testbench.recordings.recording import Recording
 MAX_GRID_HZ = 25.0
 BURN_IN_S = 3.0
 BURN_IN_WAY = 0.01  # of all the way that the strain goes: a ramp before a long hold is no burn-in
-MOST_SAMPLES = 600_000  # 4 h at 40 Hz, 8 h at 20 Hz: what is longer need not be seen so finely
+MOST_READINGS = 600_000  # 4 h at 40 Hz, 8 h at 20 Hz: what is longer need not be seen so finely
 MIN_SAMPLES, MIN_DURATION_S, MIN_STRAIN_RANGE = 200, 20.0, 2e-3
 MOST_PLAY = 0.1  # of the gauge length: more is another set-up
 MIN_PART = 170  # samples that count in each part; the evidence is weighed in 40 blocks of every fourth sample
@@ -132,7 +132,7 @@ def prepare(
 
     Notes
     -----
-    Of a recording of more than `MOST_SAMPLES`, every second, third, ... sample enters.
+    Of a recording of more than `MOST_READINGS`, every second, third, ... sample enters.
 
     Raises
     ------
@@ -140,7 +140,7 @@ def prepare(
         If the recording is too short or too still, or a channel is constant: nothing can be learnt from it.
     """
     _check_usable(recording)
-    recording = recording.thinned(-(-len(recording) // MOST_SAMPLES))
+    recording = recording.thinned(-(-len(recording) // MOST_READINGS))
     time_s = recording.time_s - recording.time_s[0]
     rate_hz = rate_hz or min(MAX_GRID_HZ, _usual_rate_hz(time_s))
     binned = _Bins(time_s, rate_hz)
@@ -171,7 +171,7 @@ def _burn_in_s(time_s: FloatArray, strain: FloatArray) -> float:
 def _usual_rate_hz(time_s: FloatArray) -> float:
     """The mean rate, or that of the quicker part where the sampling was slowed down on purpose (in long holds)."""
     mean_s, quick_s = float(time_s[-1]) / (len(time_s) - 1), float(np.quantile(np.diff(time_s), 0.25))
-    finest_s = max(quick_s, float(time_s[-1]) / MOST_SAMPLES)
+    finest_s = max(quick_s, float(time_s[-1]) / MOST_READINGS)
     return 1 / finest_s if mean_s > 2 * quick_s else 1 / mean_s
 
 

@@ -46,5 +46,5 @@ def test_how_a_sensor_follows_a_measured_temperature_is_its_own_in_all_recording
 
 def test_a_room_that_warmed_once_need_not_warm_again():
     warming, held = (truth().plus(TemperatureDriftTrend(coefficient_per_h=pace)) for pace in (1.0, -1.5))
-    fitted = fit(warming, [prepare(record(warming, 300, seed=1))])
+    fitted = fit(warming, prepare(record(warming, 300, seed=1)))
     assert held_errors(fitted.model, prepare(record(held, 300, seed=2)))["conductance"] < 1.2 * NOISE_LN

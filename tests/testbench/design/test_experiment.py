@@ -39,7 +39,7 @@ def misfit_after_refit(option, truth_model, rival_model, seed: int) -> float:
     clean = measurement.modelled(truth_model)
     rng = np.random.default_rng(seed)
     noisy = {c: clean[c] + FLOORS[c] * rng.standard_normal(len(clean[c])) for c in FLOORS}
-    fitted = measurement.modelled(fit(rival_model, [replace(measurement, measured=noisy)]).model)
+    fitted = measurement.modelled(fit(rival_model, replace(measurement, measured=noisy)).model)
     left = {c: (clean[c] - fitted[c])[measurement.counts] for c in FLOORS}
     return sum(float(np.var(left[c] / FLOORS[c])) for c in FLOORS)
 

@@ -113,7 +113,7 @@ def test_most_points_hold_whatever_the_rate():
 
 
 def test_a_long_recording_enters_thinned_its_times_kept(monkeypatch):
-    monkeypatch.setattr(measurements, "MOST_SAMPLES", 4000)
+    monkeypatch.setattr(measurements, "MOST_READINGS", 4000)
     measurement = prepare(triangles(12.0))
     np.testing.assert_allclose(np.diff(measurement.grid_s), 3 / 12, atol=1e-9)
     assert measurement.recording.duration_s == pytest.approx(800, abs=0.5)

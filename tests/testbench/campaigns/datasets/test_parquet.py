@@ -9,8 +9,7 @@ import pytest
 
 from gcode.support.errors import UserError
 from testbench.api.files.verifying import verify
-from testbench.campaigns.datasets.dataset import make, write_parquet
-from testbench.campaigns.datasets.index import write_entries
+from testbench.campaigns.datasets.dataset import make, write_index, write_parquet
 from testbench.campaigns.datasets.splits import SPLITS, split_of
 from testbench.campaigns.datasets.tasks import Task
 from testbench.knit.catalogue import baseline
@@ -90,8 +89,9 @@ def test_nothing_is_written_or_removed_through_a_link(made, tmp_path):
     assert [path.read_bytes() for path in (tmp_path / "train").iterdir()] == [b"theirs"]
 
 
-def test_verify_says_that_parquet_files_are_not_verified(made, caplog):
-    write_entries(made[0], [])
+def test_verify_says_that_parquet_files_are_not_verified(made, tmp_path, caplog):
+    (tmp_path / "d.toml").write_text('sensors = ["s0"]', encoding="utf-8")
+    write_index(made[0], tmp_path / "d.toml", made[1])
     assert verify(made[0]).intact
     assert "parquet: not verified, these files carry no checksum" in caplog.text
 

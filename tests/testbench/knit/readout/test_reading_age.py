@@ -47,7 +47,7 @@ def test_a_sensor_with_nothing_hidden_is_fitted_to_the_noise_of_the_simulated_ri
 
 def test_the_jitter_of_the_age_is_that_of_the_converter():
     """A conversion of 12.5 ms that is asked for at any time: 12.5 / sqrt(12) ms, less for neighbours are averaged."""
-    model, (measurement,) = _started(tb.example(duration_s=180))
+    model, measurement = _started(tb.example(duration_s=180))
     jitter_s = jitter_of([fit(model, measurement).model], measurement)
     assert jitter_s["force"] == pytest.approx(0.0125 / 12**0.5, rel=0.35)
 
@@ -65,4 +65,4 @@ def test_without_jitter_hardly_any_is_found_and_with_it_fast_samples_count_less(
 
 def _started(recording):
     measurement = prepare(recording)
-    return starting_baseline(measurement), [measurement]
+    return starting_baseline(measurement), measurement
