@@ -31,10 +31,7 @@ from testbench.campaigns.record import Job
 from testbench.diagnosis.probabilities import NOTHING
 from testbench.investigating import loop
 from testbench.investigating.benches import Order
-from testbench.investigating.state import (
-    Investigation,
-    Settings,
-)
+from testbench.investigating.state import Investigation, Settings
 from testbench.knit.catalogue import load_catalogue
 from testbench.recordings.files import write_recording_csv
 from testbench.recordings.manifest import Campaign, write_manifest

@@ -49,11 +49,10 @@ def run(args: argparse.Namespace) -> int:
     from dataclasses import asdict
     from pathlib import Path
 
-    from compensation.commands.common import check_places, read_all
+    from compensation.commands.common import check_places
     from compensation.search import search
     from compensation.search.ranking import rank, split_half_agreement
     from gcode.support.console import Progress
-    from testbench.recordings.doubts import check_distinct
 
     chosen = _chosen(args)
     if args.list:
@@ -65,7 +64,6 @@ def run(args: argparse.Namespace) -> int:
     task = search.Task(paths, args.gauge_length_mm, args.target, args.engine, args.per_recording)
     jobs = [(candidate, seed) for seed in range(args.seeds) for candidate in chosen]
     search.check(task)
-    check_distinct(read_all(args, args.target), "training, A and B are three recordings; give each once")
     progress = Progress("search", len(jobs))
     rows = search.sweep(task, jobs, args.output, args.workers, args.backend, args.scheduler, progress.step)
     ranking, agreement = rank(rows), split_half_agreement(rows)

@@ -52,19 +52,29 @@ def evaluate(task: Task, candidate: Candidate, seed: int) -> dict[str, Any]:
 
 
 def check(task: Task) -> None:
-    """Read the recordings once, so that a bad one is refused before anything is started."""
+    """Read the recordings once, so that a bad one, or one twice, is refused before anything is started."""
+    from testbench.recordings.doubts import check_distinct
+
     _series(task)
+    check_distinct(_recordings(task), "training, A and B are three recordings; give each once")
+
+
+@lru_cache(maxsize=2)
+def _recordings(task: Task) -> list[Any]:
+    from compensation.series.reading import check_tared, read_signals
+
+    recordings = [read_signals(path, task.gauge_length_mm) for path in task.recordings]
+    for recording in recordings:
+        check_tared(recording, task.target)
+    return recordings
 
 
 @lru_cache(maxsize=2)
 def _series(task: Task) -> list[Any]:
     from compensation.memories.ema import PAPER_RATE_HZ
     from compensation.series.preprocessing import series_of
-    from compensation.series.reading import check_tared, read_signals
 
-    recordings = [read_signals(path, task.gauge_length_mm) for path in task.recordings]
-    for recording in recordings:
-        check_tared(recording, task.target)
+    recordings = _recordings(task)
     return [series_of(recording, task.target, PAPER_RATE_HZ) for recording in recordings]
 
 

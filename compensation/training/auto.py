@@ -12,11 +12,10 @@ Each predicts every fold from the others and makes all its own choices there, sc
 whole recordings where there are three or more and none outweighs the others (`compensation.training.folds`),
 contiguous fifths of all rows otherwise; each fold is predicted as a recording of its own, its memories beginning with
 its first sample, and again as if it had been slower or quicker: what only knows the timing of the training's motion
-fails there. The stack's weights are those that fit all these
-predictions best, none of them negative; its own figures are of weights that were found without the fold, at the pace
-of the recording. It is taken where it predicts better than the line does; else the line is, and that is said. Of
-methods that one recording cannot tell apart, a pick would be chance; the weights share the risk of another motion or
-another day.
+fails there. The stack's weights are those that fit all these predictions best, none of them negative; its own figures
+are of weights that were found without the fold, at the pace of the recording. It is taken where it predicts better
+than the line does; else the line is, and that is said. Of methods that one recording cannot tell apart, a pick would
+be chance; the weights share the risk of another motion or another day.
 """
 
 from __future__ import annotations

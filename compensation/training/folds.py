@@ -16,25 +16,27 @@ LARGEST_SHARE = 0.5
 
 def whole_recordings(series: Sequence[Series]) -> bool:
     """Whether the folds are whole recordings: of three or more, none so long that its fold has over half of all."""
-    return len(series) >= GROUPS_FROM and float(np.bincount(_shared_out(series)).max()) <= LARGEST_SHARE * _rows(
-        series
-    )
+    if len(series) < GROUPS_FROM:
+        return False
+    folds = _shared_out(series)
+    return bool(np.bincount(folds).max() <= LARGEST_SHARE * len(folds))
 
 
 def folds_of(series: Sequence[Series]) -> NDArray[np.int64]:
     """Number of the fold of every row: recordings shared out, or contiguous parts of all rows."""
     if whole_recordings(series):
         return _shared_out(series)
-    return np.arange(_rows(series)) * FOLDS // _rows(series)
+    return contiguous(sum(len(part) for part in series), FOLDS)
+
+
+def contiguous(rows: int, count: int) -> NDArray[np.int64]:
+    """Which of so many parts in a row each of so many rows is in."""
+    return np.arange(rows) * count // rows
 
 
 def _shared_out(series: Sequence[Series]) -> NDArray[np.int64]:
     count = min(len(series), FOLDS)
     return np.repeat(np.arange(len(series)) * count // len(series), [len(part) for part in series])
-
-
-def _rows(series: Sequence[Series]) -> int:
-    return sum(len(part) for part in series)
 
 
 def split(series: Sequence[Series], held_out: NDArray[np.bool_]) -> tuple[list[Series], list[Series]]:

@@ -19,7 +19,7 @@ from compensation.engines.network import Network, mean_output
 from compensation.memories.history import NO_HISTORY, QUICK_SETTLE_S, History
 from compensation.series import score
 from compensation.series.preprocessing import Series
-from compensation.training.folds import FOLDS
+from compensation.training.folds import FOLDS, contiguous
 from compensation.training.least_squares import Sums
 from compensation.training.lessons import Lessons, features_at_pace, lessons
 from compensation.training.options import PAPER_SIZES, Options
@@ -77,11 +77,6 @@ class Learner:
             return
         self.lessons = lessons(series, target, self.options, starts=True, shift=WIDE_STATE_SHIFT, paces=PACES[1:])
 
-    def _fold(self, count: int) -> NDArray[np.int64]:
-        """Which of so many contiguous parts of all rows each row is in."""
-        rows = len(self.features)
-        return np.arange(rows) * count // rows
-
     @property
     def features(self) -> FloatArray:
         """Of the recordings as they are, standardised by the lessons: shape (n, k)."""
@@ -115,7 +110,7 @@ class Ridge(Learner):
     name, options = "ridge", Options(factor=FACTOR, count=COUNT, history=WHOLE, sizes=())
 
     def fit(self) -> Learned:
-        fold = self._fold(FOLDS)
+        fold = contiguous(len(self.features), FOLDS)
         parts = [Sums.of(self.lessons, fold == number) for number in range(FOLDS)]
         errors = [self._error(parts, l2) for l2 in RIDGE_PENALTIES]
         l2 = RIDGE_PENALTIES[int(np.argmin(errors))]
@@ -175,7 +170,7 @@ class Networks(Learner):
         return min(errors, key=lambda key: errors[key])
 
     def _error(self, history: History, l2: float) -> float:
-        total, half = 0.0, self._fold(2)
+        total, half = 0.0, contiguous(len(self.features), 2)
         for number in (0, 1):
             network = self._one(half != number, history, l2, 0, NETWORK_SIZES[0])
             rows = half == number

@@ -40,6 +40,9 @@ def add_clamp_play(parser: argparse.ArgumentParser, of: str = "--held-out") -> N
     )
 
 
+BOUNDS = {"v_max": "v_max_mm_per_s", "a_max": "a_max_mm_per_s2", "strain_max": "strain_max_percent"}
+
+
 def add_bounds(parser: argparse.ArgumentParser) -> None:
     """--v-max, --a-max, --strain-max: what a designed motion keeps."""
     parser.add_argument("--v-max", type=positive, default=10.0, metavar="MM/S", help="speed limit (default 10)")
@@ -50,12 +53,8 @@ def add_bounds(parser: argparse.ArgumentParser) -> None:
 
 
 def bounds_of(args: argparse.Namespace) -> dict[str, float]:
-    """What `add_bounds` declared, as the public functions take it."""
-    return {
-        "v_max_mm_per_s": args.v_max,
-        "a_max_mm_per_s2": args.a_max,
-        "strain_max_percent": args.strain_max,
-    }
+    """What `add_bounds` declared, as the public functions take it; what was not said is left out."""
+    return {field: getattr(args, name) for name, field in BOUNDS.items() if getattr(args, name) is not None}
 
 
 def positive(text: str) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from testbench.commands._arguments import add_bounds, add_effects, count, natural, positive, rest
+from testbench.commands._arguments import BOUNDS, add_bounds, add_effects, bounds_of, count, natural, positive, rest
 
 SUMMARY = "run experiments until it is sure what is missing: plan, run, diagnose, design the next motion"
 EXAMPLE = (
@@ -15,7 +15,6 @@ EXAMPLE = (
     "exit code: 0 one hypothesis is sure, 1 the time is spent, 2 bad input, 130 interrupted (go on with --resume)"
 )
 
-BOUNDS = {"v_max": "v_max_mm_per_s", "a_max": "a_max_mm_per_s2", "strain_max": "strain_max_percent"}
 ASKED = {"max_force_n": "force_max_N", "repeat": "most"}  # other names than the public function's
 # What an investigation keeps as it began.
 AS_BEGUN = {"run_minutes", "fresh", "rest_s", *BOUNDS, *ASKED, "gauge_length_mm", "trials", "seed", "motion"}
@@ -119,6 +118,6 @@ def _asked(args: argparse.Namespace) -> dict[str, Any]:
     said = {name: value for name, value in vars(args).items() if value is not None}
     names = (AS_BEGUN | {"budget_minutes", "sure"}) & said.keys() - BOUNDS.keys() - {"fresh"}
     asked = {ASKED.get(name, name): said[name] for name in names}
-    asked["bounds"] = {field: said[name] for name, field in BOUNDS.items() if name in said}
+    asked["bounds"] = bounds_of(args)
     asked["specimen"] = "fresh" if args.fresh else "aged"
     return asked | {name: getattr(args, name) for name in ("port", "speed", "model", "effects")}

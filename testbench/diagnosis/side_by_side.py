@@ -56,14 +56,13 @@ class SideBySide:
     def _in_processes(self, fn: Callable[..., Result], calls: list[tuple[Any, ...]]) -> list[Result]:
         context, workers = multiprocessing.get_context("fork"), min(self.count, len(calls))
         processes = ProcessPoolExecutor(workers, context, initializer=_take, initargs=(fn, calls, os.getpid()))
-        came = False
         try:
             found = list(processes.map(_made, range(len(calls))))
-            came = True
-            return found
-        finally:
-            # After an error nobody waits for the rest; else its threads must have ended before the next fork.
-            processes.shutdown(wait=came, cancel_futures=True)
+        except BaseException:
+            processes.shutdown(wait=False, cancel_futures=True)  # nobody waits for the rest
+            raise
+        processes.shutdown()  # its threads must have ended before the next fork
+        return found
 
 
 def _take(fn: Callable[..., Any], calls: list[tuple[Any, ...]], parent: int) -> None:

@@ -155,7 +155,8 @@ class _Problem:
         return with_values(self.start, self.parameters, x)
 
     def cost(self, x: FloatArray) -> float:
-        total = self._cost(self.model(x), self.residual(self.model(x)))
+        model = self.model(x)
+        total = self._cost(model, self.residual(model))
         self.tried += 1
         if self.progress:
             self.progress(f"iteration {self.tried}: cost {total:.4g}")

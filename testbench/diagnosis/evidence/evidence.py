@@ -54,6 +54,13 @@ class NormalEquations:
     typical: frozenset[int] = frozenset()
     still: np.ndarray = field(default_factory=lambda: np.zeros(0, int))
 
+    def over_noise(self, sigma: Mapping[str, float]) -> FloatArray:
+        """Inner products over the variance of the noise, of all channels together, shape (q, q)."""
+        total = np.zeros((len(self.mean) + 1, len(self.mean) + 1))
+        for c, gram in self.products.items():
+            total += gram * (self.share / sigma[c] ** 2)
+        return total
+
 
 @dataclass(frozen=True)
 class LogEvidence:
@@ -113,10 +120,7 @@ def maximised(
     for _ in range(iterations):
         free = is_on(group, factor)
         precision = scaled(declared, group, factor)
-        total = np.zeros((len(mean) + 1, len(mean) + 1))
-        for c, gram in normal.products.items():
-            total += gram * (normal.share / sigma[c] ** 2)
-        moved, known, chol = _solved(total, precision, mean, free, normal.still)
+        moved, known, chol = _solved(normal.over_noise(sigma), precision, mean, free, normal.still)
         x = mean + np.where(free, moved, 0.0)
         vector = np.r_[1.0, -x]
         left = {c: max(float(vector @ g @ vector), 1e-300) * normal.share for c, g in normal.products.items()}

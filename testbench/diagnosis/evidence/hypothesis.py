@@ -77,10 +77,9 @@ class Hypothesis:
 
         Each may lie anywhere on the near side: the integral over t > 0 of exp(-slope t - precision t^2 / 2).
         """
-        information = {c: self.normal.share / sigma**2 for c, sigma in self.evidence.sigma.items()}
-        total = np.sum([gram * information[c] for c, gram in self.normal.products.items()], axis=0)
-        prior = self.priors.precision_at(self.vector)
-        found = 0.0
+        if not self.at_bound.any():
+            return 0.0
+        total, prior, found = self.normal.over_noise(self.evidence.sigma), self.priors.precision_at(self.vector), 0.0
         for index in np.flatnonzero(self.at_bound):
             beside = np.array(total[1:, 1 + index])
             beside[index] = 0.0

@@ -270,8 +270,7 @@ class _PosteriorFit:
 
     def step(self, normal: NormalEquations, damping: float) -> FloatArray:
         """A step of all parameters, within their bounds."""
-        information = {c: normal.share / self.sigma[c] ** 2 for c in normal.products}
-        total = np.sum([g * information[c] for c, g in normal.products.items()], axis=0)
+        total = normal.over_noise(self.sigma)
         precision = scaled(normal.precision, normal.group, self.scale)
         matrix, gradient = total[1:, 1:] + np.diag(precision), total[1:, 0] + precision * normal.mean
         push = self.directions.full(gradient)
