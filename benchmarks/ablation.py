@@ -22,11 +22,11 @@ from typing import Any
 from bench_diagnosis import EFFECTS, OF_ONE_WORLD, Job, append, catalogue_for, jobs_of, line_of, read_rows, scored
 from diagnosis_score import Row, at_a_glance, goals, markdown
 
-from testbench.diagnosis import constants
 from testbench.diagnosis.diagnosis import concluded
 from testbench.diagnosis.probabilities import NOTHING, UNKNOWN
 from testbench.diagnosis.rounds import Entry, Round, whole_of
 from testbench.diagnosis.search import Search, searched
+from testbench.fitting import constants
 from testbench.measurements.measurement import split
 
 PROBABILITIES = ("PRIOR_NOTHING", "PRIOR_UNKNOWN", "MISLED")

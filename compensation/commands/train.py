@@ -193,7 +193,7 @@ def _from_twin(args: argparse.Namespace, recordings: list[Recording], options: O
     from compensation.training import twin
     from gcode.support.console import Progress
     from gcode.support.errors import UserError
-    from testbench.fitting.model_file import load_model_file
+    from testbench.results.model_file import load_model_file
 
     if len(recordings) != 1:
         raise UserError(f"--twin learns from one short recording, got {len(recordings)}")

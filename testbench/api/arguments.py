@@ -12,7 +12,6 @@ import numpy as np
 
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
-from testbench.fitting.model_file import ModelFile, check_same_set_up, load_model_file
 from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
@@ -23,6 +22,7 @@ from testbench.recordings.channels import TIME
 from testbench.recordings.doubts import check_gap, check_grid, say_if_same, say_sign
 from testbench.recordings.files import read_recording
 from testbench.recordings.recording import Recording
+from testbench.results.model_file import ModelFile, check_same_set_up, load_model_file
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -13,10 +13,10 @@ import numpy as np
 from gcode.support.errors import UserError
 from testbench.comparing.clamping import Zero, may_be_clamped_anew, moved, zero_of
 from testbench.comparing.remounting import remounted
-from testbench.fitting.model_file import ModelFile, same_source
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement, check_play, prepare, split
 from testbench.recordings.recording import Recording
+from testbench.results.model_file import ModelFile, same_source
 
 
 @dataclass(frozen=True, eq=False)

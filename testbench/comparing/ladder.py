@@ -14,12 +14,12 @@ from testbench.comparing.model_errors import noise_floors, over_the_floors, rms_
 from testbench.comparing.remounting import held_errors
 from testbench.fitting.baseline import without_zeros
 from testbench.fitting.fit import Fit, fit
-from testbench.fitting.model_file import ModelFile, fit_summary
 from testbench.knit.catalogue import Catalogue, model_from_dict
 from testbench.knit.effect import Effect, FloatArray
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement
 from testbench.measurements.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL
+from testbench.results.model_file import ModelFile
 
 NO_LONGER_PAYS = 0.005  # leaving an effect out costs less than this share of the held-out error
 
@@ -51,7 +51,7 @@ def on_the_ladder(
     result: Fit, before: ModelFile | None, step: str, calibration: Measurement, held: Measurement
 ) -> ModelFile:
     """A model that was fitted already, put on top of the ladder so far."""
-    return as_a_step(result.model, fit_summary(result), before, step, calibration, held)
+    return as_a_step(result.model, result.summary(), before, step, calibration, held)
 
 
 def as_a_step(
@@ -62,7 +62,7 @@ def as_a_step(
     calibration: Measurement,
     held: Measurement,
 ) -> ModelFile:
-    """A model with the summary of its fit (`fit_summary`), put on top of the ladder so far."""
+    """A model with the summary of its fit (`Fit.summary`), put on top of the ladder so far."""
     entry = ladder_step(step, model, calibration, held)
     return ModelFile(
         without_zeros(model),
@@ -135,7 +135,7 @@ def idle_effects(file: ModelFile, calibration: Measurement, held: Measurement, o
     idle = []
     for name in optional:
         if name in file.model:
-            without = fit(file.model.without(name), calibration, max_iterations=6).model
+            without = fit(file.model.without(name), calibration, iterations=6).model
             if over_the_floors(held_errors(without, held), floors) < full * (1 + NO_LONGER_PAYS):
                 idle.append(name)
     return sorted(idle)

@@ -6,22 +6,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
-from testbench.measurements.measurement import Measurement
+from testbench.measurements.measurement import Measurement, sampled
 from testbench.measurements.noise_level import noise_floor
 from testbench.measurements.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL
-from testbench.recordings.channels import FORCE, RESISTANCE
-
-
-def sampled(measurement: Measurement, channel: str) -> tuple[FloatArray, FloatArray]:
-    """Times from the recording's start and measured values of the samples that count, as recorded, never averaged."""
-    recording = measurement.recording
-    time_s = recording.time_s - recording.time_s[0]
-    counting = measurement.grid_s[measurement.counts]
-    rows = (time_s >= counting[0]) & (time_s <= counting[-1])
-    values = recording[FORCE] if channel == FORCE_CHANNEL else -np.log(recording[RESISTANCE])
-    return time_s[rows], values[rows]
 
 
 def rms_errors(model: KnitModel, measurement: Measurement, free_offset: bool = False) -> dict[str, float]:

@@ -44,7 +44,7 @@ def remounted(model: KnitModel, measurement: Measurement) -> KnitModel:
             model = _placed(model, name, keys, measurement)
     for address in sorted(free):
         model = _best_of_turn(model, address, measurement)
-    return fit(model, measurement, max_iterations=8, addresses=lambda a: a.partition("[")[0] in free).model
+    return fit(model, measurement, iterations=8, free=lambda a: a.partition("[")[0] in free).model
 
 
 def _placed(model: KnitModel, name: str, keys: Sequence[str], measurement: Measurement) -> KnitModel:

@@ -8,8 +8,8 @@ from typing import Any
 from testbench.comparing.clamping import Zero
 from testbench.comparing.compare import Comparison
 from testbench.comparing.model_errors import channel_name
-from testbench.fitting.model_file import ModelFile
 from testbench.measurements.responses import UNIT_OF
+from testbench.results.model_file import ModelFile
 
 STEP_WIDTH = 34  # of the ladder's first column, if no step needs more
 

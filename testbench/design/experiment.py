@@ -21,7 +21,7 @@ from gcode.support.errors import UserError
 from gcode.trajectories.trajectory import Trajectory
 from testbench.design.imitation import imitate
 from testbench.design.protocols import NOISE, Bounds, menu
-from testbench.fitting.fit import independent_share
+from testbench.fitting.evidence.likelihood import independent_share
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel, inputs
 from testbench.measurements.measurement import BURN_IN_S, Measurement

@@ -13,9 +13,9 @@ import numpy as np
 
 from gcode.support.errors import UserError
 from testbench.design.information import Prediction
-from testbench.diagnosis.constants import ALIKE_S
-from testbench.diagnosis.evidence.evidence import scaled
-from testbench.diagnosis.evidence.priors import priors_of
+from testbench.fitting.evidence.evidence import scaled
+from testbench.fitting.evidence.likelihood import independent_share
+from testbench.fitting.evidence.priors import priors_of
 from testbench.fitting.sensitivity import sensitivities
 from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import FloatArray
@@ -85,7 +85,7 @@ class Forecaster:
         self._parameters = [priors.parameters[k] for k in kept]
         width = (priors.precision[kept] * factor[kept]) ** -0.5
         # What is known of the parameters counts samples as the diagnosis does.
-        share = min(measurement.dt_s / ALIKE_S, 1.0)
+        share = independent_share(measurement)
         _, rows, _ = self._linearised(measurement, share)
         rows = rows * width[:, None]
         value, vector = np.linalg.eigh(rows @ rows.T)

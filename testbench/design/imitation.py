@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from testbench.fitting.downhill import Linearised, minimised
-from testbench.fitting.fit import independent_share
+from testbench.fitting.evidence.likelihood import independent_share
 from testbench.fitting.parameters import FreeParameter, free_parameters, values_of, with_values
 from testbench.fitting.sensitivity import sensitivities
 from testbench.knit.cache import SimulationCache

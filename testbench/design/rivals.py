@@ -10,9 +10,9 @@ from gcode.support.errors import UserError
 from testbench.comparing.ladder import step_before
 from testbench.design.experiment import Rival
 from testbench.diagnosis.adding import add_effect
-from testbench.fitting.model_file import ModelFile
 from testbench.knit.catalogue import Catalogue, model_from_dict
 from testbench.measurements.measurement import Measurement
+from testbench.results.model_file import ModelFile
 
 MOST = 3  # tied effects that are weighed against each other
 

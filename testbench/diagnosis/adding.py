@@ -7,15 +7,15 @@ from collections.abc import Callable
 from threadpoolctl import threadpool_limits
 
 from testbench.comparing.ladder import drawn_to_data, fitted_file
-from testbench.diagnosis.evidence.laplace import fitted
-from testbench.diagnosis.evidence.likelihood import likelihood_of, noise_of, on_the_grid
 from testbench.diagnosis.proposals import Screen, laws_of
 from testbench.fitting.baseline import framed
-from testbench.fitting.model_file import ModelFile
+from testbench.fitting.evidence.laplace import fitted
+from testbench.fitting.evidence.likelihood import likelihood_of, noise_of, on_the_grid
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement
+from testbench.results.model_file import ModelFile
 
 
 def add_effect(

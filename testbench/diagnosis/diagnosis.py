@@ -11,23 +11,23 @@ import numpy as np
 from gcode.support.errors import UserError
 from testbench.comparing.ladder import as_a_step, on_the_ladder
 from testbench.comparing.model_errors import noise_floors
-from testbench.diagnosis import constants
 from testbench.diagnosis.discrepancy_map import mapped
-from testbench.diagnosis.evidence.hypothesis import Hypothesis
 from testbench.diagnosis.held_out import Interval, block_energies, gain_interval
 from testbench.diagnosis.probabilities import NOTHING, UNKNOWN, mixed_with_prior, prior_of
 from testbench.diagnosis.proposals import Proposal
 from testbench.diagnosis.rounds import Entry, Round, Verdict, leading, whole_of
 from testbench.diagnosis.search import Progress, Search, searched
+from testbench.fitting import constants
 from testbench.fitting.baseline import SHAPES
+from testbench.fitting.evidence.hypothesis import Hypothesis
 from testbench.fitting.fit import Fit
-from testbench.fitting.model_file import ModelFile
 from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.knit.effect import Effect, FloatArray
 from testbench.knit.model import KnitModel
 from testbench.measurements.joining import joined, last_of
 from testbench.measurements.measurement import Measurement, split
 from testbench.recordings.recording import Recording
+from testbench.results.model_file import ModelFile
 
 REST_S, MOST_REST_S = 60.0, 86_400.0  # between several recordings of one specimen: usual, and at most
 TIED = 0.9  # the smallest set of mechanisms with this probability is what cannot be told apart
@@ -240,7 +240,7 @@ def calibration_and_held_out(
 def _before(given: ModelFile | None, search: Search, calibration: Measurement, held: Measurement) -> ModelFile:
     """The first step of the ladder: a model that was fitted is not fitted anew, so that it keeps its errors."""
     if given is None:
-        return on_the_ladder(_as_fit(search.baseline), None, "baseline", calibration, held)
+        return on_the_ladder(_as_used(search.baseline), None, "baseline", calibration, held)
     return as_a_step(given.model, given.fit, None, "baseline", calibration, held)
 
 
@@ -317,16 +317,13 @@ def _ladder(
         steps.insert(0, ("+ shape freedom", bare))
     after = before
     for (name, _), last in zip(steps, search.sharp([h for _, h in steps]), strict=True):
-        after = on_the_ladder(_as_fit(last), after, name, calibration, held)
+        after = on_the_ladder(_as_used(last), after, name, calibration, held)
     return after
 
 
-def _as_fit(h: Hypothesis) -> Fit:
-    model = h.model_in_use
-    kept = [i for i, p in enumerate(h.priors.parameters) if p.place[0] in model]
-    parameters = tuple(h.priors.parameters[i] for i in kept)
-    vector = h.vector[kept]
-    return Fit(model, parameters, vector, h.covariance[np.ix_(kept, kept)], dict(h.evidence.sigma), 0)
+def _as_used(h: Hypothesis) -> Fit:
+    """The fit of a hypothesis, less the shapes that the evidence has switched off."""
+    return Fit.of(h, h.model_in_use)
 
 
 def _ranking(rounds: Sequence[Round], chances: Mapping[str, float], held: Measurement) -> tuple[Ranked, ...]:

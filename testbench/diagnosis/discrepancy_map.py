@@ -11,10 +11,10 @@ from functools import lru_cache
 import numpy as np
 
 from testbench.comparing.freeform import features
-from testbench.diagnosis.evidence.evidence import maximised, opened
-from testbench.diagnosis.evidence.hypothesis import Hypothesis, tail
-from testbench.diagnosis.evidence.likelihood import Likelihood
 from testbench.diagnosis.proposals import extended
+from testbench.fitting.evidence.evidence import maximised, opened
+from testbench.fitting.evidence.hypothesis import Hypothesis, tail
+from testbench.fitting.evidence.likelihood import Likelihood
 from testbench.knit.effect import FloatArray
 from testbench.measurements.measurement import Measurement
 

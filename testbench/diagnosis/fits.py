@@ -8,19 +8,8 @@ from typing import Protocol, TypeVar
 
 from testbench.comparing.ladder import drawn_to_data
 from testbench.comparing.model_errors import log_error
-from testbench.diagnosis import constants
-from testbench.diagnosis.evidence.hypothesis import Hypothesis
-from testbench.diagnosis.evidence.laplace import fitted
-from testbench.diagnosis.evidence.likelihood import (
-    Likelihood,
-    jitter_of,
-    law_error_of,
-    likelihood_of,
-    noise_of,
-    on_the_grid,
-    telling,
-)
 from testbench.diagnosis.side_by_side import SideBySide
+from testbench.fitting import constants
 from testbench.fitting.baseline import (
     SHAPES,
     framed,
@@ -29,6 +18,17 @@ from testbench.fitting.baseline import (
     with_shapes,
     with_zeros,
     without_shapes,
+)
+from testbench.fitting.evidence.hypothesis import Hypothesis
+from testbench.fitting.evidence.laplace import fitted
+from testbench.fitting.evidence.likelihood import (
+    Likelihood,
+    jitter_of,
+    law_error_of,
+    likelihood_of,
+    noise_of,
+    on_the_grid,
+    telling,
 )
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import Effect

@@ -9,7 +9,7 @@ from zlib import crc32
 import numpy as np
 from scipy.special import logsumexp
 
-from testbench.diagnosis import constants
+from testbench.fitting import constants
 from testbench.knit.effect import FloatArray
 
 NOTHING, UNKNOWN = "nothing", "unknown"

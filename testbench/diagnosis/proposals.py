@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from testbench.diagnosis.candidates import Candidate, candidate_mechanisms, expand, is_vector, two_signed
-from testbench.diagnosis.evidence.evidence import LogEvidence, NormalEquations, is_on, maximised, opened
-from testbench.diagnosis.evidence.hypothesis import Hypothesis
-from testbench.diagnosis.evidence.likelihood import Likelihood
-from testbench.diagnosis.evidence.priors import declared_size, tail_evidence, typical, with_tails
-from testbench.fitting.fit import shape_scales
+from testbench.fitting.evidence.evidence import LogEvidence, NormalEquations, is_on, maximised, opened
+from testbench.fitting.evidence.hypothesis import Hypothesis
+from testbench.fitting.evidence.likelihood import Likelihood
+from testbench.fitting.evidence.priors import declared_size, tail_evidence, typical, with_tails
+from testbench.fitting.parameters import shape_scales
 from testbench.knit.cache import SimulationCache
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import Effect, FloatArray

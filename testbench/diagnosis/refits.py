@@ -7,15 +7,15 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
-from testbench.diagnosis import constants
 from testbench.diagnosis.candidates import can_act, is_vector
-from testbench.diagnosis.evidence.hypothesis import Hypothesis
-from testbench.diagnosis.evidence.laplace import fitted
 from testbench.diagnosis.fits import Fits, best_first, evidence_of, first_of_each, law_names, like_another, newest
 from testbench.diagnosis.proposals import Proposal
 from testbench.diagnosis.rounds import Entry
 from testbench.diagnosis.starts import best_start
+from testbench.fitting import constants
 from testbench.fitting.baseline import framed, without_shapes
+from testbench.fitting.evidence.hypothesis import Hypothesis
+from testbench.fitting.evidence.laplace import fitted
 from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel, parts_of
 

@@ -10,9 +10,6 @@ from typing import Literal
 import numpy as np
 from scipy.special import logsumexp
 
-from testbench.diagnosis import constants
-from testbench.diagnosis.evidence.hypothesis import Hypothesis
-from testbench.diagnosis.evidence.likelihood import Likelihood
 from testbench.diagnosis.fits import best_first, first_of_each
 from testbench.diagnosis.probabilities import (
     NOTHING,
@@ -25,6 +22,9 @@ from testbench.diagnosis.probabilities import (
     prior_of,
 )
 from testbench.diagnosis.proposals import Proposal
+from testbench.fitting import constants
+from testbench.fitting.evidence.hypothesis import Hypothesis
+from testbench.fitting.evidence.likelihood import Likelihood
 from testbench.knit.model import KnitModel
 
 EITHER = -float(np.log(2))  # log prior of each of two that are as likely

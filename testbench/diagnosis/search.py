@@ -10,17 +10,17 @@ from functools import cached_property
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from testbench.diagnosis import constants
 from testbench.diagnosis.discrepancy_map import log_z_with_map
-from testbench.diagnosis.evidence.hypothesis import Hypothesis, own_part, under
-from testbench.diagnosis.evidence.laplace import fitted
-from testbench.diagnosis.evidence.likelihood import Likelihood
 from testbench.diagnosis.fits import Fits, Progress, best_first, evidence_of, first_of_each, law_names, newest
 from testbench.diagnosis.proposals import Law, Proposal, Screen, laws_of
 from testbench.diagnosis.refits import NullModel, Refits, promising
 from testbench.diagnosis.rounds import Entry, Round, best_set, explained, probability_of, whole_of
 from testbench.diagnosis.starts import drawn_anew
+from testbench.fitting import constants
 from testbench.fitting.baseline import SHAPES, laws_that_may_act, without_shapes
+from testbench.fitting.evidence.hypothesis import Hypothesis, own_part, under
+from testbench.fitting.evidence.laplace import fitted
+from testbench.fitting.evidence.likelihood import Likelihood
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel

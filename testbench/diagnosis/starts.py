@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from testbench.comparing.ladder import drawn_to_data
-from testbench.diagnosis.evidence.hypothesis import Hypothesis
-from testbench.diagnosis.evidence.laplace import PARTS
-from testbench.diagnosis.evidence.likelihood import Likelihood
 from testbench.diagnosis.proposals import Law, Proposal
 from testbench.fitting.downhill import huber
+from testbench.fitting.evidence.hypothesis import Hypothesis
+from testbench.fitting.evidence.laplace import PARTS
+from testbench.fitting.evidence.likelihood import Likelihood
 from testbench.fitting.parameters import with_values
 from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel

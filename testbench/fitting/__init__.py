@@ -1,1 +1,1 @@
-"""A model fitted to measurements: the wide base, its parameters and their errors, and the files of models."""
+"""A model at its best on a measurement: the wide base, its parameters and their errors, and its evidence."""

@@ -7,8 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
-from typing import Protocol
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, solve_triangular
@@ -17,8 +15,7 @@ from scipy.optimize import lsq_linear
 from testbench.knit.effect import FloatArray
 
 HUBER = 3.0  # standard deviations beyond which a sample counts linearly, not squared
-FIRST_DAMPING, LEAST_DAMPING, MOST_DAMPING = 1e-3, 1e-8, 1e6
-UP, DOWN = 8.0, 5.0
+UP, MOST_DAMPING = 10.0, 1e8
 
 
 @dataclass(frozen=True)
@@ -32,24 +29,15 @@ class Downhill:
         After the step.
     damping : float
         With which it was found.
-    tries : int
-        Steps tried, this one counted.
     """
 
     step: FloatArray
     cost: float
     damping: float
-    tries: int
 
 
 def downhill(
-    step: Callable[[float], FloatArray],
-    cost_of: Callable[[FloatArray], float],
-    cost: float,
-    damping: float,
-    tries: int = 100,
-    up: float = UP,
-    most: float = MOST_DAMPING,
+    step: Callable[[float], FloatArray], cost_of: Callable[[FloatArray], float], cost: float, damping: float
 ) -> Downhill | None:
     """Shorten a step until the cost falls.
 
@@ -62,97 +50,20 @@ def downhill(
     cost : float
         Without a step.
     damping : float
-        The first to try; each further one is `up` times larger, up to `most`.
-    tries : int
+        The first to try; each further one is `UP` times larger, up to `MOST_DAMPING`.
 
     Returns
     -------
     Downhill or None
         None where no step lowers the cost.
     """
-    for count in range(1, tries + 1):
+    while damping <= MOST_DAMPING:
         move = step(damping)
         then = cost_of(move)
         if then < cost:
-            return Downhill(move, then, damping, count)
-        damping *= up
-        if damping > most:
-            break
+            return Downhill(move, then, damping)
+        damping *= UP
     return None
-
-
-@dataclass(frozen=True)
-class Linearised:
-    """Normal equations at a point, their priors included, and the cost there."""
-
-    matrix: FloatArray
-    gradient: FloatArray
-    cost: float
-
-
-class LeastSquares(Protocol):
-    """What a search needs to know of its problem; points have shape (p,)."""
-
-    low: FloatArray
-    high: FloatArray
-
-    def cost(self, x: FloatArray) -> float:
-        """Cost, by the weights of the last `linearised`."""
-        ...
-
-    def linearised(self, x: FloatArray) -> Linearised:
-        """Normal equations at `x`, by weights found anew there."""
-        ...
-
-
-def minimised(
-    problem: LeastSquares, x: FloatArray, iterations: int, small_gain: float, quiet: int = 1
-) -> tuple[FloatArray, Linearised, int]:
-    """The point of least cost within the bounds.
-
-    Parameters
-    ----------
-    problem : LeastSquares
-    x : ndarray, shape (p,)
-        Where the search starts.
-    iterations : int
-        Steps tried at most.
-    small_gain : float
-        Share of the cost; the search ends after `quiet` steps in a row that gain less.
-
-    Returns
-    -------
-    x : ndarray, shape (p,)
-    linearised : Linearised
-        There.
-    iterations : int
-        Steps tried.
-    """
-    here, damping, used, still = problem.linearised(x), FIRST_DAMPING, 0, 0
-    while used < iterations:
-        step, cost_of = partial(_projected, problem, here, x), partial(_cost_after, problem, x)
-        found = downhill(step, cost_of, here.cost, damping, iterations - used)
-        if found is None:
-            break
-        used += found.tries
-        still = still + 1 if here.cost - found.cost < small_gain * here.cost else 0
-        # A sum may round to beyond a bound.
-        x = np.clip(x + found.step, problem.low, problem.high)
-        damping = max(found.damping / DOWN, LEAST_DAMPING)
-        here = problem.linearised(x)
-        if still == quiet:
-            break
-    return x, here, used
-
-
-def _cost_after(problem: LeastSquares, x: FloatArray, step: FloatArray) -> float:
-    return problem.cost(x + step)
-
-
-def _projected(problem: LeastSquares, here: Linearised, x: FloatArray, damping: float) -> FloatArray:
-    """Damped step within the bounds."""
-    damped = here.matrix + damping * np.diag(np.diag(here.matrix))
-    return within(damped, here.gradient, problem.low - x, problem.high - x)
 
 
 def within(matrix: FloatArray, gradient: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:

@@ -1,28 +1,23 @@
-"""Bounded, weighted, robust least squares of a knit model on force and log-conductance."""
+"""A model at its best on a measurement, and what is known about its parameters there."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from gcode.support.errors import UserError
-from testbench.fitting.downhill import Linearised, huber, huber_weight, minimised
-from testbench.fitting.parameters import FreeParameter, free_parameters, values_of, with_values
-from testbench.fitting.sensitivity import sensitivities
-from testbench.knit.cache import SimulationCache
+from testbench.fitting import constants
+from testbench.fitting.evidence.hypothesis import Hypothesis
+from testbench.fitting.evidence.laplace import fitted
+from testbench.fitting.evidence.likelihood import likelihood_of, noise_of, telling
+from testbench.fitting.parameters import FreeParameter
+from testbench.knit.catalogue import BASELINE
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement
-from testbench.measurements.noise_level import noise_floor, spread
-from testbench.measurements.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL
-
-MAX_ITERATIONS = 25
-# Residuals are autocorrelated: what this time spans is worth one independent sample. Weakens the data against the
-# priors and widens the standard errors; measured on residuals of simulated and real recordings it is 0.5 to 3 s.
-INDEPENDENT_S = 0.8
-SMALL_GAIN = 1e-4
 
 
 @dataclass(frozen=True)
@@ -37,17 +32,29 @@ class Fit:
         Fitted coordinates.
     covariance : ndarray, shape (p, p)
         Of the coordinates, with the autocorrelation of the residual allowed for.
+    believed : ndarray, shape (p,)
+        Standard deviations of the coordinates before the data.
     scale : dict of channel to float
         Robust standard deviation of the residual.
-    iterations : int
     """
 
     model: KnitModel
     parameters: tuple[FreeParameter, ...]
     vector: FloatArray
     covariance: FloatArray
+    believed: FloatArray
     scale: Mapping[str, float]
-    iterations: int
+
+    @classmethod
+    def of(cls, h: Hypothesis, model: KnitModel | None = None) -> Fit:
+        """The fit of a hypothesis; of those of its effects that `model` has, if given."""
+        model = model or h.model
+        kept = np.array([i for i, p in enumerate(h.priors.parameters) if p.place[0] in model], int)
+        parameters = tuple(h.priors.parameters[i] for i in kept)
+        believed = h.priors.scaled(h.evidence.scale)[kept] ** -0.5
+        return cls(
+            model, parameters, h.vector[kept], h.covariance[np.ix_(kept, kept)], believed, dict(h.evidence.sigma)
+        )
 
     @property
     def standard_errors(self) -> FloatArray:
@@ -64,7 +71,7 @@ class Fit:
 
     def unidentified(self) -> list[str]:
         """Addresses of parameters about which this recording says nearly nothing beyond the prior."""
-        known = self.standard_errors < 0.7 * np.array([p.width for p in self.parameters])
+        known = self.standard_errors < 0.7 * self.believed
         return [p.address for p, ok in zip(self.parameters, known, strict=True) if not ok]
 
     def correlated(self, limit: float = 0.98) -> list[tuple[str, str, float]]:
@@ -75,48 +82,41 @@ class Fit:
         names = [p.address for p in self.parameters]
         return [(names[i], names[j], float(correlation[i, j])) for i, j in zip(rows, columns, strict=True)]
 
-
-def independent_share(measurement: Measurement) -> float:
-    """Independent samples per sample of the grid: a finer grid adds samples, not knowledge."""
-    return min(1.0, measurement.dt_s / INDEPENDENT_S)
-
-
-def prior_ridge(parameters: Sequence[FreeParameter], measurement: Measurement) -> FloatArray:
-    """Precision of the priors, shape (p,), beside sums in which neighbours count as if they were independent."""
-    return np.array([p.width for p in parameters]) ** -2.0 / independent_share(measurement)
-
-
-def shape_scales(measurement: Measurement) -> dict[str, float]:
-    """Typical size of a correction, by unit: a tenth of the force's range, 0.3 in ln G."""
-    scales = {"1": 0.3, "1/ks": 0.1, "N": 1.0}
-    if FORCE_CHANNEL in measurement.measured:
-        scales["N"] = 0.1 * float(np.ptp(measurement.measured[FORCE_CHANNEL]))
-    if CONDUCTANCE_CHANNEL in measurement.measured:
-        scales["1"] = max(0.1 * float(np.ptp(measurement.measured[CONDUCTANCE_CHANNEL])), 0.02)
-    return scales
+    def summary(self) -> dict[str, Any]:
+        """JSON-ready parameters with standard errors, and plain lists of what cannot be trusted."""
+        parameters = {}
+        for p, x, error in zip(self.parameters, self.vector, self.standard_errors, strict=True):
+            value = p.to_physical(x)
+            wide = float(error * (value if p.log else 1))
+            parameters[p.address] = {"value": value, "unit": p.unit, "standard_error": wide}
+        return {
+            "parameters": parameters,
+            "at_bound": self.at_bound(),
+            "unidentified": self.unidentified(),
+            "correlated": [list(pair) for pair in self.correlated()],
+            "residual_scale": dict(self.scale),
+        }
 
 
 def fit(
     model: KnitModel,
     measurement: Measurement,
-    max_iterations: int = MAX_ITERATIONS,
+    iterations: int = constants.ITERATIONS,
     progress: Callable[[str], None] | None = None,
-    addresses: Callable[[str], bool] = lambda address: True,
+    free: Callable[[str], bool] = lambda address: True,
 ) -> Fit:
-    """Fit the free parameters of `model` to a measurement.
-
-    Levenberg-Marquardt on the normal equations (Marquardt, J. SIAM 11 (1963) 431), projected on the bounds, with
-    Huber weights (Huber, Robust Statistics (1981), ch. 7) and weak Gaussian priors that keep what the data cannot
-    tell near its start. Channels are weighted by their residual's own robust spread, so neither dominates.
+    """Fit the free parameters of `model` to a measurement, as the models of a diagnosis are (`fitted`).
 
     Parameters
     ----------
     model : KnitModel
-        Start of the search.
+        Start of the search; parameters of its base laws are believed near it, within wide limits.
     measurement : Measurement
+    iterations : int
+        At most.
     progress : callable, optional
         Called with a short text after each iteration.
-    addresses : callable, optional
+    free : callable, optional
         Whether to fit the parameter of this address (``effect.parameter``); default all.
 
     Raises
@@ -124,66 +124,8 @@ def fit(
     UserError
         If the model gives NaN on these data.
     """
-    parameters = [p for p in free_parameters(model, shape_scales(measurement)) if addresses(p.address)]
-    problem = _Problem(model, parameters, measurement, progress)
-    x, here, iterations = minimised(problem, values_of(model, parameters), max_iterations, SMALL_GAIN)
-    covariance = np.linalg.pinv(here.matrix, hermitian=True)
-    return Fit(problem.model(x), tuple(parameters), x, covariance, problem.scale, iterations)
-
-
-class _Problem:
-    """Residuals, cost and normal equations."""
-
-    def __init__(
-        self,
-        start: KnitModel,
-        parameters: Sequence[FreeParameter],
-        measurement: Measurement,
-        progress: Callable[[str], None] | None,
-    ) -> None:
-        self.start, self.parameters, self.measurement = start, parameters, measurement
-        self.progress, self.tried, self.cache = progress, 0, SimulationCache()
-        self.scale: dict[str, float] = {}
-        self.share = independent_share(measurement)
-        self.low = np.array([p.to_fit(p.low) for p in parameters])
-        self.high = np.array([p.to_fit(p.high) for p in parameters])
-        self.centre = np.array([p.centre for p in parameters])
-        self.precision = np.array([p.width for p in parameters]) ** -2.0
-        self.floor = {c: noise_floor(values[measurement.counts]) for c, values in measurement.measured.items()}
-
-    def model(self, x: FloatArray) -> KnitModel:
-        return with_values(self.start, self.parameters, x)
-
-    def cost(self, x: FloatArray) -> float:
-        model = self.model(x)
-        total = self._cost(model, self.residual(model))
-        self.tried += 1
-        if self.progress:
-            self.progress(f"iteration {self.tried}: cost {total:.4g}")
-        return total
-
-    def residual(self, model: KnitModel) -> dict[str, FloatArray]:
-        left = self.measurement.residual(model, self.cache)
-        return {c: values[self.measurement.counts] for c, values in left.items()}
-
-    def _cost(self, model: KnitModel, left: Mapping[str, FloatArray]) -> float:
-        moved = values_of(model, self.parameters) - self.centre
-        misfit = sum(float(huber(np.abs(values) / self.scale[c]).sum()) for c, values in left.items())
-        total = 0.5 * float(np.sum(self.precision * moved**2)) + misfit * self.share
-        return total if np.isfinite(total) else np.inf
-
-    def linearised(self, x: FloatArray) -> Linearised:
-        model = self.model(x)
-        left = self.residual(model)
-        self.scale = {c: max(spread(values), self.floor[c], 1e-12) for c, values in left.items()}
-        matrix, gradient = np.diag(self.precision), -self.precision * (x - self.centre)
-        _, jacobian = sensitivities(model, self.parameters, self.measurement, self.cache)
-        for channel, values in left.items():
-            residual = values / self.scale[channel]
-            root = np.sqrt(huber_weight(np.abs(residual)) * self.share)
-            columns = jacobian[channel][:, self.measurement.counts] * (root / self.scale[channel])
-            matrix = matrix + columns @ columns.T  # of an array with itself: half the work
-            gradient = gradient + columns @ (root * residual)
-        if not np.all(np.isfinite(matrix)):
-            raise UserError(f"the model ({', '.join(model)}) gives NaN on {self.measurement.recording.source}")
-        return Linearised(matrix, gradient, self._cost(model, left))
+    if not all(np.all(np.isfinite(values)) for values in measurement.modelled(model).values()):
+        raise UserError(f"the model ({', '.join(model)}) gives NaN on {measurement.recording.source}")
+    base = KnitModel({name: effect for name, effect in model.effects.items() if effect.mechanism in BASELINE})
+    likelihood = likelihood_of(model, telling(measurement), noise_of(measurement))
+    return Fit.of(fitted(model, likelihood, base, iterations=iterations, progress=progress, free=free))

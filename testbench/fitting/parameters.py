@@ -12,6 +12,8 @@ import numpy as np
 
 from testbench.knit.effect import FloatArray, bounds_of
 from testbench.knit.model import KnitModel, parts_of
+from testbench.measurements.measurement import Measurement
+from testbench.measurements.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL
 
 # Parameters that describe the data (their range, moments of events), not the sensor: set from them, never fitted.
 FRAME_PARAMETERS = frozenset({"span", "span_N", "low_N", "tension_N", "slip_times_s", "reach_per_s", "begins_s"})
@@ -58,6 +60,16 @@ class FreeParameter:
         if value < self.low:
             return self.low
         return self.high if value > self.high else value
+
+
+def shape_scales(measurement: Measurement) -> dict[str, float]:
+    """Typical size of a correction, by unit: a tenth of the force's range, 0.3 in ln G."""
+    scales = {"1": 0.3, "1/ks": 0.1, "N": 1.0}
+    if FORCE_CHANNEL in measurement.measured:
+        scales["N"] = 0.1 * float(np.ptp(measurement.measured[FORCE_CHANNEL]))
+    if CONDUCTANCE_CHANNEL in measurement.measured:
+        scales["1"] = max(0.1 * float(np.ptp(measurement.measured[CONDUCTANCE_CHANNEL])), 0.02)
+    return scales
 
 
 def free_parameters(model: KnitModel, scales: Mapping[str, float]) -> list[FreeParameter]:

@@ -9,11 +9,11 @@ import numpy as np
 from scipy.special import logsumexp
 
 from testbench.design.forecast import Likely, Reading
-from testbench.diagnosis import constants
-from testbench.diagnosis.evidence.hypothesis import Hypothesis
 from testbench.diagnosis.probabilities import NOTHING, UNKNOWN, mixed_with_prior, prior_of
 from testbench.diagnosis.rounds import Round, Verdict, whole_of
 from testbench.diagnosis.search import searched
+from testbench.fitting import constants
+from testbench.fitting.evidence.hypothesis import Hypothesis
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement

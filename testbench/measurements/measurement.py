@@ -292,6 +292,16 @@ def _check_parts(calibration: Measurement, held: Measurement, cut_s: float) -> N
             )
 
 
+def sampled(measurement: Measurement, channel: str) -> tuple[FloatArray, FloatArray]:
+    """Times from the recording's start and measured values of the samples that count, as recorded, never averaged."""
+    recording = measurement.recording
+    time_s = recording.time_s - recording.time_s[0]
+    counting = measurement.grid_s[measurement.counts]
+    rows = (time_s >= counting[0]) & (time_s <= counting[-1])
+    values = recording[FORCE] if channel == FORCE_CHANNEL else -np.log(recording[RESISTANCE])
+    return time_s[rows], values[rows]
+
+
 def split(
     recording: Recording, held_out: Recording | None = None, held_share: float = 1 / 3, clamp_play_mm: float = 0.0
 ) -> tuple[Measurement, Measurement]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.ndimage import convolve1d
+from scipy.ndimage import convolve1d, median_filter
 
 from testbench.knit.effect import FloatArray
 from testbench.knit.kinematics.jumps import MAD_TO_SD
@@ -35,6 +35,25 @@ def trimmed_rms(values: FloatArray) -> float:
     """RMS in which the largest 2 % count as the largest of the others."""
     squares = values**2
     return float(np.sqrt(np.mean(np.minimum(squares, np.quantile(squares, 0.98)))))
+
+
+def glitches(values: FloatArray, noise: float) -> FloatArray:
+    """How far single readings, or two in a row, jump out of their neighbours, shape (n,); 0 where they do not.
+
+    They jump where noise and motion explain it no more: by more than `OUTLIER` standard deviations beyond twice what
+    the neighbours differ by among themselves on the quieter side. A step is no glitch, nor is the turn of a motion.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+    noise : float
+        Standard deviation.
+    """
+    off = np.abs(values - median_filter(values, 5, mode="nearest"))
+    steps = np.abs(np.diff(values, prepend=values[:1], append=values[-1:]))  # before each value, and after the last
+    before, after = np.r_[0.0, steps[:-2]], np.r_[steps[2:], 0.0]  # of the two before, of the two after
+    jump = off - 2 * np.minimum(before, after)
+    return np.where(jump > OUTLIER * noise, jump, 0.0)
 
 
 def within_range(values: FloatArray) -> np.ndarray:

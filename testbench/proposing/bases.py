@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from testbench.diagnosis.evidence.hypothesis import Hypothesis
-from testbench.diagnosis.evidence.laplace import fitted
 from testbench.diagnosis.search import Search
 from testbench.fitting.baseline import without_shapes
+from testbench.fitting.evidence.hypothesis import Hypothesis
+from testbench.fitting.evidence.laplace import fitted
 from testbench.knit.model import KnitModel
 from testbench.proposing.trial import TIED_NATS
 

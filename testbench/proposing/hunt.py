@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from testbench.diagnosis.evidence.hypothesis import Hypothesis
-from testbench.diagnosis.evidence.laplace import fitted
 from testbench.diagnosis.fits import best_first, evidence_of, first_of_each
 from testbench.diagnosis.rounds import excess
 from testbench.diagnosis.search import Search
 from testbench.fitting.baseline import without_shapes
+from testbench.fitting.evidence.hypothesis import Hypothesis
+from testbench.fitting.evidence.laplace import fitted
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
 from testbench.knit.rules import check

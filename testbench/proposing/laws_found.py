@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from testbench.fitting.model_file import ModelFile
 from testbench.knit.effect import FloatArray
 from testbench.measurements.measurement import Measurement
 from testbench.proposing.grids import Grid
 from testbench.proposing.laws.law import Law
+from testbench.results.model_file import ModelFile
 
 Verdict = Literal["proposed", "nothing_left", "no_law", "does_not_hold"]
 

@@ -10,11 +10,10 @@ from threadpoolctl import threadpool_limits
 
 from testbench.comparing.ladder import on_the_ladder
 from testbench.comparing.model_errors import noise_floors, over_the_floors
-from testbench.diagnosis.evidence.hypothesis import Hypothesis
 from testbench.diagnosis.search import Progress, Search
 from testbench.fitting.baseline import SHAPES
+from testbench.fitting.evidence.hypothesis import Hypothesis
 from testbench.fitting.fit import Fit
-from testbench.fitting.model_file import ModelFile
 from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement, split
@@ -27,6 +26,7 @@ from testbench.proposing.laws_found import Proposed, Step, Verdict, numbered
 from testbench.proposing.trial import as_fitted
 from testbench.proposing.writing import effect_class
 from testbench.recordings.recording import Recording
+from testbench.results.model_file import ModelFile
 
 MOST_LAWS = 2
 
@@ -87,12 +87,12 @@ def _judged(
 ) -> Proposed:
     """The laws put on the ladder one after the other, as far as each holds on the held-out recording."""
     given = any(name in SHAPES for name in (file.model if file else ()))
-    before = file or on_the_ladder(_as_fit(hunt.search.baseline), None, "baseline", calibration, held)
+    before = file or on_the_ladder(Fit.of(hunt.search.baseline), None, "baseline", calibration, held)
     step_name = "refitted" if given else "+ shape freedom"
     floors = noise_floors(held)
-    before = chosen = on_the_ladder(_as_fit(hunt.search.flexible), before, step_name, calibration, held)
+    before = chosen = on_the_ladder(Fit.of(hunt.search.flexible), before, step_name, calibration, held)
     if hunt.base is not hunt.search.flexible:
-        chosen = on_the_ladder(_as_fit(hunt.base), before, "+ other base laws", calibration, held)
+        chosen = on_the_ladder(Fit.of(hunt.base), before, "+ other base laws", calibration, held)
     # A base that foretells less than the one before is no yardstick: laws beside it must do better than both.
     before = chosen if holds(_held(before), _held(chosen), floors) else before
     after, ladder = before, chosen
@@ -101,7 +101,7 @@ def _judged(
     for index, (step, h) in enumerate(found):
         step = replace(step, option=replace(step.option, law=at_its_instrument(step.option.law)))
         tried = on_the_ladder(
-            _as_fit(with_class(h, step.option.law, numbered(hunt.name, index), hunt.grid)),
+            Fit.of(with_class(h, step.option.law, numbered(hunt.name, index), hunt.grid)),
             ladder, f"+ {numbered(hunt.name, index)}", calibration, held,
         )  # fmt: skip
         if not holds(_held(after), _held(tried), floors):
@@ -153,8 +153,3 @@ def at_its_instrument(law: Law) -> Law:
 
 def _held(file: ModelFile) -> Mapping[str, float]:
     return file.history[-1]["errors"]["held_out"]
-
-
-def _as_fit(h: Hypothesis) -> Fit:
-    """The fit of a hypothesis, as the ladder takes it."""
-    return Fit(h.model, h.priors.parameters, h.vector, h.covariance, dict(h.evidence.sigma), 0)

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import cho_solve, cholesky, solve_triangular
 
-from testbench.diagnosis.evidence.hypothesis import Hypothesis
-from testbench.diagnosis.evidence.likelihood import Likelihood
-from testbench.fitting.fit import shape_scales
+from testbench.fitting.evidence.hypothesis import Hypothesis
+from testbench.fitting.evidence.likelihood import Likelihood
+from testbench.fitting.parameters import shape_scales
 from testbench.knit.effect import FloatArray, Stage
 from testbench.measurements.responses import FORCE_CHANNEL
 from testbench.proposing.laws.law import Law

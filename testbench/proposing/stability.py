@@ -10,8 +10,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from testbench.diagnosis.evidence.hypothesis import Hypothesis
-from testbench.diagnosis.evidence.likelihood import Likelihood
+from testbench.fitting.evidence.hypothesis import Hypothesis
+from testbench.fitting.evidence.likelihood import Likelihood
 from testbench.knit.effect import FloatArray
 
 REDRAWN_S, FEWEST_BLOCKS, DRAWS = 30.0, 8, 200

@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from testbench.diagnosis.evidence.hypothesis import Hypothesis
-from testbench.diagnosis.evidence.laplace import fitted
-from testbench.diagnosis.evidence.likelihood import Likelihood
 from testbench.diagnosis.proposals import Proposal, Screen
 from testbench.diagnosis.starts import best_start
+from testbench.fitting.evidence.hypothesis import Hypothesis
+from testbench.fitting.evidence.laplace import fitted
+from testbench.fitting.evidence.likelihood import Likelihood
 from testbench.knit.effect import Effect, bounds_of
 from testbench.knit.model import KnitModel
 from testbench.proposing.grids import MOST_SKEW, Grid

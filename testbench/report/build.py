@@ -9,13 +9,13 @@ from typing import Any
 
 from gcode.support.console import knitbench_version
 from gcode.support.errors import UserError
-from testbench.fitting.model_file import ModelFile
 from testbench.knit.catalogue import Catalogue, load_catalogue
 from testbench.recordings.recording import Recording
 from testbench.report import sections
 from testbench.report.document import Item, Report, Section
 from testbench.report.provenance import moment, provenance
 from testbench.report.story import Story
+from testbench.results.model_file import ModelFile
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,6 @@ from testbench.comparing.compare import compare
 from testbench.comparing.judged import held_samples
 from testbench.comparing.numbers import plain
 from testbench.comparing.remounting import remounted
-from testbench.fitting.model_file import ModelFile, check_same_set_up
 from testbench.knit.catalogue import Catalogue, model_from_dict
 from testbench.measurements.measurement import Measurement
 from testbench.recordings.recording import Recording
@@ -28,6 +27,7 @@ from testbench.report.overlays import (
     zero_in_words,
 )
 from testbench.report.words import PANEL_UNITS
+from testbench.results.model_file import ModelFile, check_same_set_up
 
 GLANCE_S = 60.0
 

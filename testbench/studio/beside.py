@@ -9,12 +9,12 @@ from typing import Any
 
 from gcode.support.errors import UserError
 from testbench.comparing.numbers import in_words, with_error
-from testbench.fitting.model_file import about_model
 from testbench.knit.catalogue import model_from_dict
 from testbench.knit.model import KnitModel
 from testbench.report.document import Table
 from testbench.report.parameter_table import doubts, parameter_name
 from testbench.report.words import spoken
+from testbench.results.model_file import about_model
 from testbench.studio import models
 from testbench.studio.studio import Studio
 
@@ -60,7 +60,7 @@ def beside_of(studio: Studio, c: str, wanted: str) -> Beside:
     UserError
         If there is none.
     """
-    from testbench.fitting.model_file import load_model_file
+    from testbench.results.model_file import load_model_file
 
     known = beside_choices(studio, c)
     if wanted not in known:

@@ -8,10 +8,10 @@ from pathlib import Path
 from nicegui import ui
 
 from gcode.support.files import copy_file, make_folder
-from testbench.fitting.model_file import about_model, same_source
 from testbench.recordings.manifest import CSV
 from testbench.recordings.recording import Recording
 from testbench.report.words import spoken
+from testbench.results.model_file import about_model, same_source
 from testbench.studio.jobs.job import Commands, Job, State
 from testbench.studio.parts.fields import check, number_field, typed
 from testbench.studio.parts.job_card import job_card
@@ -134,7 +134,7 @@ def adopt_diagnosed(studio: Studio, c: str) -> None:
         If either model file is missing or damaged.
     """
     from testbench.comparing.ladder import continued
-    from testbench.fitting.model_file import load_model_file
+    from testbench.results.model_file import load_model_file
 
     catalogue = studio.catalogue()
     mine = load_model_file(model_path(studio, c), catalogue)

@@ -189,7 +189,7 @@ def with_law(before: str, kept: Kept) -> str:
 
 
 def _adopt(studio: Studio, c: str, kept: Kept) -> None:
-    from testbench.fitting.model_file import load_model_file
+    from testbench.results.model_file import load_model_file
 
     found = load_model_file(kept.folder / MODEL, studio.catalogue())
     if models.is_fresh(studio, c):

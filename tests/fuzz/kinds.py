@@ -15,12 +15,12 @@ from compensation.model.files import load as load_compensator
 from gcode.programs.stored_plan import read_plan
 from gcode.support.strict import load
 from testbench.campaigns.datasets.index import index_problems
-from testbench.fitting.model_file import load_model_file
-from testbench.fitting.result_files import read_diagnosis, read_experiment, read_score
 from testbench.knit.catalogue import load_catalogue
 from testbench.recordings.files import read_recording
 from testbench.recordings.manifest import NAME, sealed
 from testbench.report.figures.experiment_figures import of_file
+from testbench.results.model_file import load_model_file
+from testbench.results.result_files import read_diagnosis, read_experiment, read_score
 from testbench.studio.jobs.outliving import ABOUT, Outliving
 from testbench.studio.jobs.pace import Paces
 from testbench.studio.notes import FILE, Notes

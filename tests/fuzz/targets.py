@@ -39,13 +39,13 @@ from testbench.campaigns.datasets.spec import read_spec as read_dataset_spec
 from testbench.campaigns.datasets.tasks import tasks_of
 from testbench.campaigns.record import Job, begin, job_of, record
 from testbench.comparing.tables import ladder_table
-from testbench.fitting.model_file import ModelFile, load_model_file
-from testbench.fitting.result_files import read_diagnosis, read_experiment, read_score
 from testbench.importing.from_file import import_csv
 from testbench.importing.wish import Wish
 from testbench.knit.catalogue import baseline, load_catalogue
 from testbench.recordings.files import read_recording
 from testbench.recordings.manifest import NAME, problems, sealed
+from testbench.results.model_file import ModelFile, load_model_file
+from testbench.results.result_files import read_diagnosis, read_experiment, read_score
 from testbench.rig.parts import Chunk, End
 from testbench.rig.recorder import Limits as Alarms
 from testbench.rig.resume import continued, mend

@@ -22,11 +22,11 @@ from gcode.support.errors import UserError
 from gcode.trajectories.toml_spec import read_spec as read_trajectory_spec
 from gcode.trajectories.trajectory import read_csv as read_trajectory
 from testbench.campaigns.datasets.spec import read_spec as read_dataset_spec
-from testbench.fitting.model_file import load_model_file
-from testbench.fitting.result_files import read_diagnosis
 from testbench.importing.from_file import import_csv
 from testbench.importing.wish import Wish
 from testbench.recordings.files import read_recording
+from testbench.results.model_file import load_model_file
+from testbench.results.result_files import read_diagnosis
 from tests.fuzz.targets import (
     EXPERIMENT,
     TARGETS,

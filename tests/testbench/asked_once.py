@@ -14,10 +14,10 @@ from collections.abc import Callable, Hashable
 from functools import wraps
 from typing import ParamSpec, TypeVar
 
-from testbench.fitting.model_file import ModelFile
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.model import KnitModel
 from testbench.recordings.recording import Recording
+from testbench.results.model_file import ModelFile
 
 P = ParamSpec("P")
 R = TypeVar("R")

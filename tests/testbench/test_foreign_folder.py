@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from gcode.support.console import KEPT_OUT
-from testbench.fitting.model_file import ModelFile
 from testbench.knit.catalogue import baseline
+from testbench.results.model_file import ModelFile
 from tests.testbench.rig.rigs import program
 
 MODULES = ("numpy", "pandas", "joblib", "cloudpickle", "pydantic", "gcode", "testbench", "argparse", "json")

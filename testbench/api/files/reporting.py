@@ -10,12 +10,12 @@ from typing import Any, Literal
 from gcode.support.html import card
 from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of
 from testbench.api.missing.diagnosing import DiagnosisResult, diagnosis_data
-from testbench.fitting.result_files import read_score
 from testbench.recordings.files import read_recording
 from testbench.recordings.recording import Recording
 from testbench.report.build import Inputs, build_report
 from testbench.report.document import Report
 from testbench.report.writing.write import write_report
+from testbench.results.result_files import read_score
 
 
 @dataclass(frozen=True, eq=False, repr=False)

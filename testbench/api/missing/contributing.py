@@ -15,16 +15,16 @@ from gcode.support.figures import outline, panels, picture
 from gcode.support.html import card
 from testbench.api.arguments import Effects, Source, catalogue_of, recordings_for
 from testbench.api.missing.diagnosing import DiagnosisResult, diagnosis_data
+from testbench.comparing import contribution as core
+from testbench.comparing.contribution import Contribution
 from testbench.comparing.judged import held_samples
 from testbench.comparing.ladder import step_before
 from testbench.comparing.model_errors import channel_name
-from testbench.fitting import contribution as core
-from testbench.fitting.contribution import Contribution
-from testbench.fitting.model_file import ModelFile
 from testbench.knit.catalogue import Catalogue, model_from_dict
 from testbench.knit.effect import Effect
 from testbench.measurements.responses import CONDUCTANCE_CHANNEL, UNIT_OF
 from testbench.report import style
+from testbench.results.model_file import ModelFile
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -25,12 +25,12 @@ from testbench.api.models.model_result import ModelResult
 from testbench.api.progress import Tell, telling
 from testbench.diagnosis.diagnosis import REST_S, Diagnosis
 from testbench.diagnosis.words import diagnosis_table, first_line
-from testbench.fitting.model_file import ModelFile
-from testbench.fitting.result_files import checked_diagnosis, read_diagnosis
 from testbench.measurements.measurement import MAX_GRID_HZ, MIN_PART
 from testbench.recordings.doubts import check_distinct, check_grid
 from testbench.recordings.recording import Recording
 from testbench.report import style
+from testbench.results.model_file import ModelFile
+from testbench.results.result_files import checked_diagnosis, read_diagnosis
 
 if TYPE_CHECKING:
     import pandas as pd

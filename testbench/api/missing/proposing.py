@@ -16,7 +16,6 @@ from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, mod
 from testbench.api.models.model_result import ModelResult
 from testbench.api.models.overlay import plot_overlay
 from testbench.api.progress import Tell, telling
-from testbench.fitting.model_file import ModelFile
 from testbench.proposing.laws.formulas import in_words
 from testbench.proposing.laws_found import Proposed
 from testbench.proposing.proposal import MOST_LAWS
@@ -24,6 +23,7 @@ from testbench.proposing.words import as_json, first_line, proposal_text, story
 from testbench.proposing.writing import check_name, file_text, free_path
 from testbench.report.figures.proposal_figures import proposal as figure_of
 from testbench.report.writing.static import write_figure
+from testbench.results.model_file import ModelFile
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -14,9 +14,9 @@ from gcode.support.html import card, frame_table
 from testbench.api.arguments import AnyModel, Effects, catalogue_of, model_file_of
 from testbench.comparing.model_errors import channel_name
 from testbench.comparing.tables import ladder_table
-from testbench.fitting.model_file import ModelFile
 from testbench.measurements.responses import UNIT_OF
 from testbench.report import style
+from testbench.results.model_file import ModelFile
 
 if TYPE_CHECKING:
     import pandas as pd

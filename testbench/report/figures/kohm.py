@@ -11,7 +11,7 @@ from gcode.support.arrays import FloatArray
 from testbench.report.figures.comparison_figures import resistance_kohm
 
 if TYPE_CHECKING:
-    from testbench.fitting.contribution import Contribution
+    from testbench.comparing.contribution import Contribution
 
 
 def residuals_kohm(

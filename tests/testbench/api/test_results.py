@@ -12,7 +12,7 @@ import pytest
 import gcode
 import testbench as tb
 from testbench.api.models.adding import laws_with
-from testbench.fitting.contribution import contribution
+from testbench.comparing.contribution import contribution
 from testbench.knit.catalogue import load_catalogue, model_from_dict
 from testbench.measurements.measurement import split
 from tests.testbench.api.samples import diagnosed, fitted, relaxed

@@ -16,7 +16,7 @@ from gcode.support.errors import UserError
 from gcode.support.files import write_json
 from testbench.campaigns.plan import Plan
 from testbench.cli import main
-from testbench.diagnosis import constants
+from testbench.fitting import constants
 from testbench.rig.links import paced
 from testbench.rig.played import played
 from testbench.rig.pty_port import PtyPort, serve

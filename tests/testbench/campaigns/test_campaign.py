@@ -17,12 +17,12 @@ from testbench.campaigns.campaign import matches, simulate_campaign
 from testbench.campaigns.clearing import vacant
 from testbench.campaigns.plan import plan_of, programs_before
 from testbench.campaigns.remake import Remade, made_again
-from testbench.fitting.model_file import ModelFile, load_model_file
 from testbench.knit.catalogue import baseline, load_catalogue
 from testbench.knit.model import inputs
 from testbench.recordings.files import read_recording
 from testbench.recordings.manifest import problems, read_manifest, write_manifest
 from testbench.recordings.versions import software_versions
+from testbench.results.model_file import ModelFile, load_model_file
 from testbench.rig.past import past_displacement
 from testbench.rig.played import played
 from testbench.rig.simulated import SIMULATED_HZ, SimulatedRig

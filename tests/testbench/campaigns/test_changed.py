@@ -13,10 +13,10 @@ from compensation.model.prediction import read_samples
 from gcode.support.errors import UserError
 from testbench.campaigns.campaign import simulate_campaign
 from testbench.cli import main as run_testbench
-from testbench.fitting.model_file import ModelFile
 from testbench.knit.catalogue import baseline
 from testbench.recordings import doubts
 from testbench.recordings.files import check_beside, read_recording
+from testbench.results.model_file import ModelFile
 from tests.testbench.rig.rigs import plan, triangle
 
 OTHERS = "{good}/recording.csv --gauge-length-mm 25 --held-out"

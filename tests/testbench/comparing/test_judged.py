@@ -16,9 +16,9 @@ from testbench.comparing.judged import judged
 from testbench.comparing.ladder import on_the_ladder
 from testbench.comparing.remounting import held_errors
 from testbench.fitting.fit import fit
-from testbench.fitting.model_file import ModelFile, same_source
 from testbench.measurements.measurement import prepare, split
 from testbench.recordings.recording import Recording
+from testbench.results.model_file import ModelFile, same_source
 from tests.testbench.builders import CATALOGUE, NOISE_LN, record, truth, write_csv
 
 SHIFT_MM = 0.6

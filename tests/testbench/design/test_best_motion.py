@@ -78,7 +78,7 @@ def rivals(measured):
         "permanent_set": truth().plus(CATALOGUE["permanent_set"]()),
         "clamp_slip": truth().plus(CATALOGUE["clamp_slip_sliding"]()),
     }
-    return [Likely(name, 0.5, fit(model, measured, max_iterations=8).model) for name, model in models.items()]
+    return [Likely(name, 0.5, fit(model, measured, iterations=8).model) for name, model in models.items()]
 
 
 @pytest.fixture(scope="module")

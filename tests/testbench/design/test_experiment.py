@@ -13,7 +13,7 @@ from testbench.cli import main
 from testbench.design.experiment import Rival, drivable, planned, propose
 from testbench.design.protocols import MENU, NOISE, Bounds, menu
 from testbench.fitting.fit import fit
-from testbench.fitting.model_file import ModelFile
+from testbench.results.model_file import ModelFile
 from tests.testbench.builders import CATALOGUE, NOISE_LN, NOISE_N, record, truth, write_csv
 
 FLOORS = {"force": NOISE_N, "conductance": NOISE_LN}

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from testbench.diagnosis.evidence.likelihood import FINEST
 from testbench.diagnosis.search import Search
 from testbench.fitting.baseline import kinds_of_conduction, starting_baseline
+from testbench.fitting.evidence.likelihood import FINEST
 from testbench.knit.catalogue import load_catalogue
 from testbench.measurements.measurement import Measurement, prepare
 from testbench.measurements.noise_level import spread

@@ -12,15 +12,16 @@ from testbench.cli import main
 from testbench.comparing.compare import compare
 from testbench.comparing.ladder import fitted_file
 from testbench.design.rivals import rivals_from_diagnosis
-from testbench.diagnosis import constants, diagnose
+from testbench.diagnosis import diagnose
 from testbench.diagnosis.diagnosis import Diagnosis
 from testbench.diagnosis.words import first_line
+from testbench.fitting import constants
 from testbench.fitting.baseline import starting_baseline
-from testbench.fitting.result_files import checked_diagnosis
 from testbench.knit.catalogue import load_catalogue, model_from_dict
 from testbench.measurements.measurement import split
 from testbench.recordings.files import read_recording
 from testbench.recordings.recording import Recording
+from testbench.results.result_files import checked_diagnosis
 from testbench.worlds import make_case
 from tests.testbench.asked_once import answered_once
 from tests.testbench.builders import CATALOGUE, record, truth, write_csv

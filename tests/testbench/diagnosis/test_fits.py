@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from testbench.diagnosis.evidence.laplace import fitted
 from testbench.diagnosis.fits import Fits
+from testbench.fitting.evidence.laplace import fitted
 from testbench.knit.mechanics.relaxation import StressRelaxation
 from testbench.knit.readout.interference import PeriodicInterference
 from testbench.measurements.measurement import prepare

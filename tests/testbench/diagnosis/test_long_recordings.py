@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import testbench as tb
-from testbench.diagnosis import constants
-from testbench.diagnosis.evidence.likelihood import on_the_grid, telling
+from testbench.fitting import constants
+from testbench.fitting.evidence.likelihood import on_the_grid, telling
 from testbench.measurements.measurement import prepare
 from tests.testbench.builders import record, truth, write_csv
 

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from scipy.special import logsumexp
 
-from testbench.diagnosis import constants
-from testbench.diagnosis.evidence.likelihood import Likelihood
 from testbench.diagnosis.probabilities import NOTHING, UNKNOWN, Evidences, mixed_with_prior
 from testbench.diagnosis.rounds import Entry, Round, best_set, leading, whole_of
 from testbench.diagnosis.search import Search
+from testbench.fitting import constants
+from testbench.fitting.evidence.likelihood import Likelihood
 from testbench.knit.model import KnitModel
 
 FLOOR = {"force": 0.005, "conductance": 8e-4}

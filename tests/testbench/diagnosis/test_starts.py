@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from testbench.diagnosis.evidence.laplace import fitted
-from testbench.diagnosis.evidence.likelihood import likelihood_of, noise_of
 from testbench.diagnosis.proposals import Proposal, laws_of
 from testbench.diagnosis.starts import best_start, drawn_anew
 from testbench.fitting.baseline import starting_baseline, with_shapes
+from testbench.fitting.evidence.laplace import fitted
+from testbench.fitting.evidence.likelihood import likelihood_of, noise_of
 from testbench.knit.catalogue import Catalogue
 from testbench.knit.kinematics.grip import Slack
 from testbench.knit.readout.interference import PeriodicInterferenceForce

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.optimize import minimize
 
 from testbench.fitting.baseline import starting_baseline, with_shapes
-from testbench.fitting.fit import fit, independent_share, shape_scales
-from testbench.fitting.parameters import free_parameters, values_of, with_values
+from testbench.fitting.downhill import huber
+from testbench.fitting.evidence.laplace import fitted
+from testbench.fitting.evidence.likelihood import independent_share, likelihood_of, noise_of
+from testbench.fitting.fit import fit
+from testbench.fitting.parameters import free_parameters, shape_scales, values_of, with_values
 from testbench.fitting.sensitivity import sensitivities
 from testbench.knit.cache import SimulationCache
 from testbench.measurements.measurement import prepare
@@ -41,6 +45,25 @@ def test_standard_errors_allow_for_autocorrelation():
         found.append((result.vector[index], result.standard_errors[index]))
     values, errors = np.array(found).T
     assert 1 < np.mean(errors) / np.std(values) < 3 / np.sqrt(independent_share(measurement))
+
+
+def test_nothing_near_is_more_probable():
+    """Where the fit ends, a general minimiser of the same posterior finds nothing better."""
+    measurement = prepare(record(truth(), 120, seed=5))
+    likelihood = likelihood_of(truth(), measurement, noise_of(measurement))
+    h = fitted(starting_baseline(measurement), likelihood, truth())
+    parameters, sigma = h.priors.parameters, h.evidence.sigma
+
+    def cost(x):
+        residual = measurement.residual(with_values(h.model, parameters, x))
+        misfit = sum(np.sum(huber(np.abs(likelihood.picked(v, c)) / sigma[c])) for c, v in residual.items())
+        return float(misfit * likelihood.share + np.sum(h.priors.cost(x, h.evidence.scale)))
+
+    bounds = list(zip(h.priors.low, h.priors.high, strict=True))
+    found = minimize(cost, h.vector, method="L-BFGS-B", bounds=bounds)
+    assert cost(h.vector) < found.fun + 0.1
+    far = values_of(starting_baseline(measurement), parameters)
+    assert cost(h.vector) < cost(far) - 10
 
 
 def test_a_parameter_on_its_bound_is_said():

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from testbench.fitting.baseline import framed, with_shapes
-from testbench.fitting.fit import shape_scales
-from testbench.fitting.parameters import free_parameters, values_of, with_values
+from testbench.fitting.parameters import free_parameters, shape_scales, values_of, with_values
 from testbench.fitting.passed_on import Chain
 from testbench.fitting.sensitivity import sensitivities
 from testbench.knit.cache import SimulationCache

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from testbench.design.forecast import Likely, Reading
-from testbench.diagnosis import constants
+from testbench.fitting import constants
 from testbench.investigating import loop
 from testbench.investigating.belief import Belief
 from testbench.investigating.benches import SimulatedBench

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import testbench as tb
-from testbench.diagnosis import constants
+from testbench.fitting import constants
 from testbench.investigating.belief import doubted, over_specimens
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from testbench.comparing.model_errors import noise_floors
-from testbench.diagnosis.evidence.likelihood import HOLD_STEP, telling
+from testbench.fitting.evidence.likelihood import HOLD_STEP, telling
 from testbench.measurements import measurement as measurements
 from testbench.measurements.measurement import coarser, prepare, split
 from testbench.recordings.channels import DISPLACEMENT, FORCE

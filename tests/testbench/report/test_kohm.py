@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from testbench.fitting.contribution import Contribution
+from testbench.comparing.contribution import Contribution
 from testbench.report.figures.kohm import contribution_kohm, residuals_kohm
 
 LN_S = st.floats(-16.0, -2.0)

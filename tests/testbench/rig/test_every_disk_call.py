@@ -20,10 +20,10 @@ from gcode.support.errors import UserError
 from testbench.campaigns.campaign import simulate_campaign
 from testbench.campaigns.datasets.index import index_problems, write_entries
 from testbench.campaigns.record import Job, begin, job_of, record
-from testbench.fitting.model_file import ModelFile, load_model_file
 from testbench.knit.catalogue import baseline
 from testbench.recordings.files import read_recording, write_recording_csv
 from testbench.recordings.manifest import NAME, problems, read_manifest
+from testbench.results.model_file import ModelFile, load_model_file
 from testbench.rig.file_lines import csv_line
 from testbench.rig.parts import Chunk, End
 from testbench.rig.recorder import Limits

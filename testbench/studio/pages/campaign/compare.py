@@ -40,7 +40,7 @@ from testbench.studio.studio import Studio
 
 if TYPE_CHECKING:
     from testbench.api.models.comparing import ComparisonResult
-    from testbench.fitting.model_file import ModelFile
+    from testbench.results.model_file import ModelFile
 
 
 @dataclass(frozen=True)
@@ -148,8 +148,8 @@ def _compare(studio: Studio, c: str, on: str, second: Beside | None) -> View:
     """As `testbench compare` does it, with pictures."""
     from testbench.api.models.comparing import compare
     from testbench.comparing.model_errors import rms_errors
-    from testbench.fitting.model_file import load_model_file
     from testbench.report.overlays import failings_of, overlay_of
+    from testbench.results.model_file import load_model_file
 
     catalogue, path = studio.catalogue(), model_path(studio, c)
     file = load_model_file(path, catalogue)

@@ -10,9 +10,9 @@ from typing import Any
 from nicegui import ui
 
 from gcode.support.errors import UserError
-from testbench.fitting.result_files import read_score
 from testbench.report.figures import compensator_figures as figures
 from testbench.report.sections import short_name
+from testbench.results.result_files import read_score
 from testbench.studio.jobs.job import Job, State
 from testbench.studio.models import companions, join_running, run_in_turn
 from testbench.studio.parts.address import address

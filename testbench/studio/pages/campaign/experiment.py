@@ -9,9 +9,9 @@ from typing import Any
 from nicegui import ui
 
 from gcode.support.errors import UserError
-from testbench.fitting.result_files import read_diagnosis, read_experiment
 from testbench.report.figures import experiment_figures as figures
 from testbench.report.words import experiment_in_words, spoken
+from testbench.results.result_files import read_diagnosis, read_experiment
 from testbench.studio import models
 from testbench.studio.pages.plan import PROGRAMS, program_downloads
 from testbench.studio.parts.address import Address, address

@@ -11,8 +11,6 @@ from urllib.parse import quote
 from nicegui import ui
 
 from testbench.comparing.numbers import plain
-from testbench.fitting.model_file import ModelFile
-from testbench.fitting.result_files import read_diagnosis
 from testbench.report.figures import diagnosis_figures
 from testbench.report.figures import ladder_figures as figures
 from testbench.report.figures.comparison_figures import busiest_window
@@ -20,6 +18,8 @@ from testbench.report.parameter_table import parameter_table
 from testbench.report.provenance import moment
 from testbench.report.sections import fall_in_words
 from testbench.report.words import PANEL_UNITS, ladder_notes, spoken, verdict_in_words
+from testbench.results.model_file import ModelFile
+from testbench.results.result_files import read_diagnosis
 from testbench.studio import models
 from testbench.studio.parts.address import Address, address
 from testbench.studio.parts.picture import plot
@@ -56,8 +56,8 @@ class _Ladder:
 
     def __init__(self, studio: Studio, c: str, where: Address) -> None:
         from testbench.comparing.judged import held_samples
-        from testbench.fitting.model_file import load_model_file
         from testbench.report.overlays import steps_in_resistance, steps_of, zero_in_words
+        from testbench.results.model_file import load_model_file
 
         self.studio, self.c, self.where = studio, c, where
         self.kohm = where.query["show"] == RESISTANCE

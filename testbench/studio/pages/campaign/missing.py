@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 from nicegui import ui
 
-from testbench.fitting.result_files import read_diagnosis
 from testbench.report.figures import diagnosis_figures as figures
 from testbench.report.figures.kohm import contribution_kohm
 from testbench.report.words import (
@@ -19,6 +18,7 @@ from testbench.report.words import (
     verdict_in_words,
     with_probability,
 )
+from testbench.results.result_files import read_diagnosis
 from testbench.studio import models
 from testbench.studio.memory import stamp
 from testbench.studio.pages.campaign.effect_told import effect_told

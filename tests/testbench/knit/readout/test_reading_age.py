@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import testbench as tb
-from testbench.diagnosis.evidence.likelihood import jitter_of, likelihood_of, noise_of
 from testbench.fitting.baseline import starting_baseline
+from testbench.fitting.evidence.likelihood import jitter_of, likelihood_of, noise_of
 from testbench.fitting.fit import fit
 from testbench.knit.readout.reading_age import ConductanceAge, ForceAge
 from testbench.measurements.measurement import prepare

@@ -2,7 +2,7 @@
 
 The error of sample i in channel c is e_i = sigma_c s_i z_i, where z_i has unit size. s_i follows the noise of the
 reading at its level, the noise of the displacement times the slope of the model (effective variance, Orear, Am. J.
-Phys. 50 (1982) 912), and the jitter of the reading's age times its speed.
+Phys. 50 (1982) 912), the jitter of the reading's age times its speed, and by how much a glitch jumps.
 """
 
 from __future__ import annotations
@@ -13,14 +13,14 @@ from itertools import pairwise
 
 import numpy as np
 
-from testbench.comparing.model_errors import sampled
-from testbench.diagnosis import constants
+from testbench.fitting import constants
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
-from testbench.measurements.measurement import Measurement, channel_of, coarser
+from testbench.measurements.measurement import Measurement, channel_of, coarser, sampled
 from testbench.measurements.motion import reading_noise
 from testbench.measurements.noise_level import (
     FEWEST,
+    glitches,
     noise_floor,
     robust_sd,
     rounding,
@@ -189,6 +189,11 @@ def telling(measurement: Measurement) -> Measurement:
     return replace(measurement, counts=counts)
 
 
+def independent_share(measurement: Measurement) -> float:
+    """Independent samples per sample of the grid: a finer grid adds samples, not knowledge."""
+    return min(measurement.dt_s / constants.ALIKE_S, 1.0)
+
+
 def noise_of(measurement: Measurement) -> dict[str, float]:
     """Standard deviation of the white noise at a grid point, per channel: force in N, conductance in ln S."""
     found = {}
@@ -294,7 +299,7 @@ def likelihood_of(
     if len(counting) > constants.SAMPLES:
         rows = counting[np.linspace(0, len(counting) - 1, constants.SAMPLES).astype(int)]
     most = constants.IN_LAST_FIT * pieces / constants.INDEPENDENT
-    news = min(len(counting) * measurement.dt_s / constants.ALIKE_S, most)
+    news = min(len(counting) * independent_share(measurement), most)
     share = min(news / len(rows), 1.0)
     modelled = measurement.modelled(model)
     slope = _slopes(model, measurement, modelled)
@@ -305,6 +310,7 @@ def likelihood_of(
         read = noise[channel] * np.clip(by_level / np.median(by_level), 0.3, MOST_NOISE)
         sd = np.hypot(read, (slope[channel] * measurement.strain_noise)[rows])
         sd = np.hypot(sd, (jitter_s or {}).get(channel, 0.0) * speed)
+        sd = np.hypot(sd, glitches(values, noise[channel])[rows])
         floor[channel] = float(np.mean(sd**-2.0) ** -0.5)
         weight[channel] = floor[channel] / sd
     return Likelihood(measurement, rows, weight, floor, share, pieces=pieces)

@@ -13,8 +13,8 @@ from pydantic import Field, model_validator
 
 from gcode.support.errors import UserError
 from gcode.support.strict import StrictModel, json_of, read_text, validated
-from testbench.fitting.model_file import Errors, OpenModel, Step, Summary
 from testbench.recordings.stored import GaugeLength, Label, StoredModel, checked_model
+from testbench.results.model_file import Errors, OpenModel, Step, Summary
 
 MOST_BYTES = 64 << 20
 SCORE_FORMAT = "knitbench-score"

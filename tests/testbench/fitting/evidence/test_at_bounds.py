@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from scipy.integrate import dblquad
 
-from testbench.diagnosis.evidence.evidence import NormalEquations, maximised
-from testbench.diagnosis.evidence.hypothesis import Hypothesis, pinned
+from testbench.fitting.evidence.evidence import NormalEquations, maximised
+from testbench.fitting.evidence.hypothesis import Hypothesis, pinned
 
 
 @pytest.mark.parametrize("push", [0.0, 0.7, 3.0, 40.0])

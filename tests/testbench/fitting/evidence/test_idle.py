@@ -5,13 +5,13 @@ from __future__ import annotations
 import pytest
 
 from testbench.comparing.model_errors import rms_errors
-from testbench.diagnosis import constants
 from testbench.diagnosis.candidates import is_vector
-from testbench.diagnosis.evidence.hypothesis import Hypothesis
-from testbench.diagnosis.evidence.laplace import fitted
-from testbench.diagnosis.evidence.likelihood import likelihood_of, noise_of
 from testbench.diagnosis.proposals import Screen, laws_of
+from testbench.fitting import constants
 from testbench.fitting.baseline import SHAPES, with_shapes
+from testbench.fitting.evidence.hypothesis import Hypothesis
+from testbench.fitting.evidence.laplace import fitted
+from testbench.fitting.evidence.likelihood import likelihood_of, noise_of
 from testbench.knit.catalogue import load_catalogue
 from testbench.measurements.measurement import Measurement, coarser, prepare
 from tests.testbench.builders import CATALOGUE, record, truth

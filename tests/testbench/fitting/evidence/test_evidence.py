@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import multivariate_normal
 
-from testbench.diagnosis.evidence.evidence import LARGEST, SMALLEST, LogEvidence, NormalEquations, maximised
+from testbench.fitting.evidence.evidence import LARGEST, SMALLEST, LogEvidence, NormalEquations, maximised
 
 COUNT, WEIGHTS = 40, 3
 SIGMA = {"force": 0.7, "conductance": 0.2}

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from testbench.diagnosis.evidence.evidence import scaled
-from testbench.fitting.fit import shape_scales
-from testbench.fitting.parameters import FreeParameter, free_parameters, value_of
+from testbench.fitting.evidence.evidence import scaled
+from testbench.fitting.parameters import FreeParameter, free_parameters, shape_scales, value_of
 from testbench.knit.effect import Effect, FloatArray, bounds_of
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement
@@ -71,9 +70,13 @@ class Priors:
 
 
 def priors_of(
-    model: KnitModel, measurement: Measurement, reference: KnitModel, known: Mapping[str, tuple[float, float]]
+    model: KnitModel,
+    measurement: Measurement,
+    reference: KnitModel,
+    known: Mapping[str, tuple[float, float]],
+    free: Callable[[str], bool] = lambda address: True,
 ) -> Priors:
-    """Priors of all free parameters of `model`.
+    """Priors of the free parameters of `model`.
 
     Parameters
     ----------
@@ -81,9 +84,11 @@ def priors_of(
         The parameters of the base laws are believed near its own, within wide limits.
     known : mapping of address to (mean, standard deviation)
         What is believed of some parameters already, in the fit's coordinates.
+    free : callable
+        Whether to fit the parameter of this address.
     """
     scales = shape_scales(measurement)
-    parameters = free_parameters(model, scales)
+    parameters = [p for p in free_parameters(model, scales) if free(p.address)]
     groups: list[str] = []
     believed, group, tails = [], [], []
     for p in parameters:

@@ -6,7 +6,7 @@ import pytest
 
 from gcode.support.errors import UserError
 from gcode.support.files import write_json
-from testbench.fitting.result_files import read_diagnosis
+from testbench.results.result_files import read_diagnosis
 from tests.testbench.report.samples import diagnosis
 
 

@@ -11,11 +11,11 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve, solve_triangular
 from scipy.special import log_ndtr
 
-from testbench.diagnosis.evidence.evidence import LogEvidence, NormalEquations, maximised
-from testbench.diagnosis.evidence.likelihood import Likelihood
-from testbench.diagnosis.evidence.priors import Priors
 from testbench.fitting.baseline import SHAPES, without_shapes
 from testbench.fitting.downhill import huber
+from testbench.fitting.evidence.evidence import LogEvidence, NormalEquations, maximised
+from testbench.fitting.evidence.likelihood import Likelihood
+from testbench.fitting.evidence.priors import Priors
 from testbench.fitting.parameters import HELD, values_of
 from testbench.fitting.sensitivity import sensitivities
 from testbench.knit.cache import SimulationCache

@@ -7,8 +7,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from testbench.diagnosis import constants
-from testbench.diagnosis.evidence.likelihood import Likelihood, jitter_of, law_error_of, likelihood_of, noise_of
+from testbench.fitting import constants
+from testbench.fitting.evidence.laplace import fitted
+from testbench.fitting.evidence.likelihood import Likelihood, jitter_of, law_error_of, likelihood_of, noise_of
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement, prepare
 from testbench.recordings.recording import Recording
@@ -132,3 +133,17 @@ def test_what_is_missing_may_leave_a_channel_alone():
     """Else a channel that fits would speak against an effect that never touches it."""
     alone = prior_of_noise({"force": 5.0})
     assert prior_of_noise({"force": 5.0, "conductance": 1.25}) == pytest.approx(alone, abs=1.2)
+
+
+def test_a_glitch_is_no_noise_of_the_others():
+    """One reading in a hundred jumps by 300 standard deviations; what a fit leaves of the others is their noise."""
+    clean = record(truth(), seed=4)
+    force_N = clean["force_N"].copy()
+    force_N[::97] += 3.0
+    measurement = prepare(Recording(clean.time_s, {**clean.channels, "force_N": force_N}, 25.0))
+    noise = noise_of(measurement)
+    found = fitted(truth(), likelihood_of(truth(), measurement, noise), truth())
+    assert found.evidence.sigma["force"] == pytest.approx(noise["force"], rel=0.2)
+    without = likelihood_of(truth(), prepare(clean), noise)
+    # Steps and turns are no glitches: without any, no sample counts less than the noise of its level says.
+    assert without.weight["force"].min() > 0.5

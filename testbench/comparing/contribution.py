@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from gcode.support.errors import UserError
-from testbench.fitting.fit import prior_ridge, shape_scales
-from testbench.fitting.parameters import free_parameters
+from testbench.fitting.evidence.likelihood import independent_share
+from testbench.fitting.parameters import free_parameters, shape_scales
 from testbench.fitting.sensitivity import sensitivities
 from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import Effect, FloatArray
@@ -56,7 +56,9 @@ def contribution(model: KnitModel, effect: Effect, measurement: Measurement) -> 
     residual = {channel: (measurement.measured[channel] - modelled[channel])[rows] for channel in modelled}
     base = {channel: values[:, rows] for channel, values in jacobian.items()}
     scale = {channel: max(robust_sd(values), 1e-12) for channel, values in residual.items()}
-    project = _Projection(base, scale, prior_ridge(parameters, measurement))
+    # Neighbours count as if they were independent: the priors must be as much stronger.
+    precision = np.array([p.width for p in parameters]) ** -2.0 / independent_share(measurement)
+    project = _Projection(base, scale, precision)
     return Contribution(measurement.signals["time_s"][rows], project(residual), project(added))
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from testbench.diagnosis.evidence.priors import declared, priors_of, tail_evidence, typical, with_tails
+from testbench.fitting.evidence.priors import declared, priors_of, tail_evidence, typical, with_tails
 from testbench.knit.effect import bounds_of
 from testbench.measurements.measurement import prepare
 from tests.testbench.builders import CATALOGUE, record, truth

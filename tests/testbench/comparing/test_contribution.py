@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from testbench.fitting.contribution import contribution
+from testbench.comparing.contribution import contribution
 from testbench.knit.catalogue import baseline, load_catalogue
 from testbench.knit.model import KnitModel, inputs
 from testbench.measurements.measurement import Measurement, prepare

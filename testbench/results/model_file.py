@@ -6,7 +6,7 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 from pydantic import ConfigDict, Field, model_validator
 
@@ -19,9 +19,6 @@ from testbench.knit.model import KnitModel
 from testbench.measurements.responses import UNIT_OF
 from testbench.recordings.recording import Recording
 from testbench.recordings.stored import Label, StoredModel, checked_model
-
-if TYPE_CHECKING:
-    from testbench.fitting.fit import Fit
 
 
 class OpenModel(StrictModel):
@@ -37,7 +34,7 @@ class _Parameter(OpenModel):
 
 
 class Summary(OpenModel):
-    """What `fit_summary` writes."""
+    """What `testbench.fitting.fit.Fit.summary` makes."""
 
     parameters: dict[Label, _Parameter] = Field(default_factory=dict)
     at_bound: list[Label] = Field(default_factory=list)
@@ -188,23 +185,3 @@ def check_same_set_up(file: ModelFile, recording: Recording, path: str | Path) -
             f"{path}: fitted at a gauge length of {file.gauge_length_mm:g} mm, but {recording.source} has "
             f"{recording.gauge_length_mm:g} mm; fit a model on a recording of the same set-up"
         )
-
-
-def fit_summary(fit: Fit) -> dict[str, Any]:
-    """JSON-ready parameters with standard errors, and plain lists of what cannot be trusted."""
-    parameters = {}
-    for p, x, error in zip(fit.parameters, fit.vector, fit.standard_errors, strict=True):
-        value = p.to_physical(x)
-        parameters[p.address] = {
-            "value": value,
-            "unit": p.unit,
-            "standard_error": float(error * (value if p.log else 1)),
-        }
-    return {
-        "parameters": parameters,
-        "at_bound": fit.at_bound(),
-        "unidentified": fit.unidentified(),
-        "correlated": [list(pair) for pair in fit.correlated()],
-        "residual_scale": {channel: float(value) for channel, value in fit.scale.items()},
-        "iterations": fit.iterations,
-    }

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
-from testbench.diagnosis import constants
-from testbench.diagnosis.evidence.directions import Directions
-from testbench.diagnosis.evidence.evidence import NormalEquations, maximised, opened, scaled
-from testbench.diagnosis.evidence.hypothesis import Hypothesis, laws_still, pinned, rms, tail
-from testbench.diagnosis.evidence.likelihood import Likelihood
-from testbench.diagnosis.evidence.priors import priors_of
-from testbench.fitting.downhill import downhill, huber, huber_weight, within
+from testbench.fitting import constants
+from testbench.fitting.downhill import UP, downhill, huber, huber_weight, within
+from testbench.fitting.evidence.directions import Directions
+from testbench.fitting.evidence.evidence import NormalEquations, maximised, opened, scaled
+from testbench.fitting.evidence.hypothesis import Hypothesis, laws_still, pinned, rms, tail
+from testbench.fitting.evidence.likelihood import Likelihood
+from testbench.fitting.evidence.priors import priors_of
 from testbench.fitting.parameters import HELD, values_of, with_values
 from testbench.fitting.sensitivity import derivatives
 from testbench.knit.cache import SimulationCache
@@ -37,6 +37,8 @@ def fitted(
     iterations: int = constants.ITERATIONS,
     quick: bool = False,
     believed: Mapping[str, tuple[float, float]] | None = None,
+    free: Callable[[str], bool] = lambda address: True,
+    progress: Callable[[str], None] | None = None,
 ) -> Hypothesis:
     """Levenberg-Marquardt on the posterior; the scales of shapes and noise follow by maximum evidence.
 
@@ -52,8 +54,13 @@ def fitted(
         Priors of some parameters, other than those declared.
     quick : bool
         Keep the sensitivities of the shapes' weights as they are there: nearly right, and ten times cheaper.
+    free : callable
+        Whether to fit the parameter of this address.
+    progress : callable, optional
+        Called with a short text after each iteration.
     """
-    return _PosteriorFit(model, likelihood, reference, like, quick, believed or {}).run(iterations)
+    problem = _PosteriorFit(model, likelihood, reference, like, quick, believed or {}, free)
+    return problem.run(iterations, progress or (lambda _text: None))
 
 
 class _PosteriorFit:
@@ -67,10 +74,11 @@ class _PosteriorFit:
         like: Hypothesis | None,
         quick: bool,
         believed: Mapping[str, tuple[float, float]],
+        free: Callable[[str], bool],
     ) -> None:
         self.likelihood, self.cache = likelihood, SimulationCache()
         known = {**(like.priors.believed if like else {}), **believed}
-        self.priors = priors_of(model, likelihood.measurement, reference, known)
+        self.priors = priors_of(model, likelihood.measurement, reference, known, free)
         self.base = frozenset(reference)
         self.model, self.x = model, values_of(model, self.priors.parameters)
         scales = like.scales if like else {}
@@ -95,8 +103,8 @@ class _PosteriorFit:
         self.linearise(range(len(self.x)) if moved else new)
         self.sigma = {c: max(trimmed_rms(rows[0]), likelihood.least[c]) for c, rows in self.columns.items()}
 
-    def run(self, iterations: int) -> Hypothesis:
-        self.search(iterations)
+    def run(self, iterations: int, tell: Callable[[str], None]) -> Hypothesis:
+        self.search(iterations, tell)
         at_bound, own = self.held, self.priors.group < 0
         of_base = own & np.array([p.place[0] in self.base for p in self.priors.parameters])
         self.held = at_bound | of_base
@@ -106,10 +114,10 @@ class _PosteriorFit:
         self.held = at_bound
         return self.ended(at_bound | of_base, at_bound & own & ~of_base)
 
-    def search(self, iterations: int) -> None:
+    def search(self, iterations: int, tell: Callable[[str], None]) -> None:
         """Steps of all parameters until they gain nothing; the scales of the shapes follow them."""
         damping, quiet, fresh = 1.0, False, self.exact
-        for _ in range(iterations):
+        for number in range(1, iterations + 1):
             normal = self.normal()
             evidence = maximised(normal, iterations=3, scale=self.scale)
             if quiet:
@@ -120,6 +128,7 @@ class _PosteriorFit:
             # The linear model promises more than the next step keeps: a promise must make no outlier of a sample.
             self.sigma = {c: max(sigma, trimmed_rms(self.columns[c][0])) for c, sigma in evidence.sigma.items()}
             gain, damping = self.move(normal, damping)
+            tell(f"iteration {number}: log evidence {evidence.value:.1f}")
             if gain is None and fresh:
                 break
             if gain is None:
@@ -175,19 +184,12 @@ class _PosteriorFit:
 
     def move(self, normal: NormalEquations, damping: float):
         cost = self.cost_here()
-        found = downhill(
-            partial(self.step, normal),
-            lambda step: self.cost_at(self.x + step),
-            cost,
-            damping,
-            up=10.0,
-            most=1e8,
-        )
+        found = downhill(partial(self.step, normal), lambda step: self.cost_at(self.x + step), cost, damping)
         if found is None:
             return None, 1.0
         step, then = self.as_far_as_it_falls(found.step, found.cost)
         self.go(self.x + step)
-        return cost - then, max(found.damping / 10, 1e-3)
+        return cost - then, max(found.damping / UP, 1e-3)
 
     def as_far_as_it_falls(self, step: FloatArray, cost: float) -> tuple[FloatArray, float]:
         """A step doubled while the cost falls: a simulation is cheap beside new sensitivities."""

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from testbench.diagnosis.evidence.hypothesis import imitated, own_part
-from testbench.diagnosis.evidence.laplace import fitted
-from testbench.diagnosis.evidence.likelihood import likelihood_of, noise_of
+from testbench.fitting.evidence.hypothesis import imitated, own_part
+from testbench.fitting.evidence.laplace import fitted
+from testbench.fitting.evidence.likelihood import likelihood_of, noise_of
 from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import prepare

@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from testbench.diagnosis.evidence.priors import Priors
+from testbench.fitting.evidence.priors import Priors
 from testbench.knit.effect import FloatArray
 
 UNSEEN = 0.1  # of the prior's information: a direction with less is left out, at a loss of about as much of ln Z

@@ -1,0 +1,1 @@
+"""Results as files: what is written, and strictly checked when it is read again."""
