@@ -8,14 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from testbench.fitting.baseline import SHAPES, framed
-from testbench.knit.catalogue import BASELINE, Catalogue
+from testbench.fitting.baseline import framed
+from testbench.knit.catalogue import Catalogue
 from testbench.knit.effect import Effect, Signals, bounds_of
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement
 
-# Slip of the contacts is in the base already: contact_shape has slip elements of its own.
-BASE_MECHANISMS = frozenset({*BASELINE, *SHAPES, "contact_hysteresis"})
 MAX_SHAPES = 9  # shape-parameter combinations tried for one law
 MAGNITUDES = (0.05, 0.15, 0.4, 1.0, 2.0)  # of a typical strength, for effects whose trace changes with their size
 
@@ -58,7 +56,7 @@ def candidate_mechanisms(catalogue: Catalogue, model: KnitModel) -> dict[str, li
     present = {effect.mechanism for effect in model.effects.values()}
     found: dict[str, list[type[Effect]]] = {}
     for mechanism, laws in catalogue.mechanisms().items():
-        if mechanism in BASE_MECHANISMS or mechanism in present:
+        if mechanism in present or any(law.in_base for law in laws):
             continue
         usable = [law for law in laws if law.strength]
         if usable:

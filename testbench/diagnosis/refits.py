@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+
+import numpy as np
 
 from testbench.diagnosis.candidates import can_act, is_vector
 from testbench.diagnosis.fits import Fits, best_first, evidence_of, first_of_each, law_names, like_another, newest
@@ -163,16 +165,16 @@ class Refits:
         return best_first([*self.pool.map(self.settled, chosen), *rest])
 
     def settled(self, e: Entry) -> Entry:
-        """Refitted in full; contacts that were found to feel some strain are tried with the force alone, too.
+        """Refitted in full; one that acts on the force also from other points of its base, if laws there declare any.
 
         A base that had to do without the effect may lie in a wrong valley.
         """
         if e.is_settled:
             return e
-        h, effect = e.hypothesis, e.hypothesis.model[e.name]
+        h = e.hypothesis
         found = [self.fits.at_rest(h)]
-        if acts_on_force(effect) and getattr(h.model.effects.get("contact_drive"), "strain_share", 0.0) > 0.02:
-            found.append(self.fits.compare(h.model.with_parameters({"contact_drive.strain_share": 0.0}), h))
+        if acts_on_force(h.model[e.name]):
+            found += [self.fits.compare(model, h) for model in _begun_elsewhere(h.model)]
         return e.refitted(max(found, key=evidence_of), is_settled=True)
 
     def on_one_base(self, entries: Sequence[Entry]) -> tuple[Hypothesis, list[Entry]]:
@@ -212,6 +214,14 @@ def _chances(nulls: Sequence[NullModel], mechanism: str) -> list[tuple[NullModel
     first = [one for one in own if one[0] is nulls[0]][:1]
     each = first_of_each(own, lambda one: one[1].law)
     return list(dict.fromkeys([*first, *each, *own]))
+
+
+def _begun_elsewhere(model: KnitModel) -> Iterator[KnitModel]:
+    """The model with each of its laws at each of the points that it declares and is not near."""
+    for name, law in model.effects.items():
+        for point in law.also_from:
+            if not all(np.isclose(getattr(law, key), value, atol=0.02) for key, value in point.items()):
+                yield model.with_parameters({f"{name}.{key}": value for key, value in point.items()})
 
 
 def acts_on_force(effect: Effect) -> bool:

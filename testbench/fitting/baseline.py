@@ -91,13 +91,14 @@ def without_zeros(model: KnitModel) -> KnitModel:
 
 
 def laws_that_may_act(model: KnitModel, measurement: Measurement, catalogue: Catalogue | None = None) -> list[Effect]:
-    """Laws of a baseline that only some recordings need, where the data show something for them to start at."""
-    law = (catalogue or load_catalogue()).effects.get("buckling")
-    force = measurement.measured.get(FORCE_CHANNEL)
-    if law is None or force is None or "buckling" in model:
+    """Laws of a base that only some recordings need: the model has none at their stage, and the data a start."""
+    if FORCE_CHANNEL not in measurement.measured:
         return []
-    signals = {"strain": measurement.signals["strain"], "force_N": force}
-    return [law().near(**start) for start in law().starts(signals, {})]
+    signals = {"strain": measurement.signals["strain"], "force_N": measurement.measured[FORCE_CHANNEL]}
+    stages = {effect.stage for effect in model.effects.values()}
+    laws = [law() for law in (catalogue or load_catalogue()).effects.values() if law.in_base]
+    missing = [law for law in laws if law.stage not in stages and set(law.writes) <= signals.keys()]
+    return [law.near(**start) for law in missing for start in law.starts(signals, {})]
 
 
 def _slope(x: FloatArray, y: FloatArray) -> float:

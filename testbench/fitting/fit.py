@@ -14,7 +14,6 @@ from testbench.fitting.evidence.hypothesis import Hypothesis
 from testbench.fitting.evidence.laplace import fitted
 from testbench.fitting.evidence.likelihood import likelihood_of, noise_of, telling
 from testbench.fitting.parameters import FreeParameter
-from testbench.knit.catalogue import BASELINE
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement
@@ -126,6 +125,6 @@ def fit(
     """
     if not all(np.all(np.isfinite(values)) for values in measurement.modelled(model).values()):
         raise UserError(f"the model ({', '.join(model)}) gives NaN on {measurement.recording.source}")
-    base = KnitModel({name: effect for name, effect in model.effects.items() if effect.mechanism in BASELINE})
+    base = KnitModel({name: effect for name, effect in model.effects.items() if effect.in_base})
     likelihood = likelihood_of(model, telling(measurement), noise_of(measurement))
     return Fit.of(fitted(model, likelihood, base, iterations=iterations, progress=progress, free=free))

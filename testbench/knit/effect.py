@@ -130,6 +130,11 @@ class Effect(BaseModel):
     bends_a_law : bool
         What it changes in a reading depends on the strain, or on the load of the contacts, alone: a law of the base
         that is not quite the sensor's looks the same.
+    in_base : bool
+        The base of every model does what it does, or may: nobody looks for it as an effect.
+    also_from : tuple of mapping
+        Points of its parameters from which a fit begins once more where it has ended elsewhere: no small step leads
+        there.
     exclusive : bool
         A model has one law of this mechanism, and another takes its place; so it is with laws that have no strength.
     """
@@ -148,6 +153,8 @@ class Effect(BaseModel):
     pointwise: ClassVar[tuple[str, ...]] = ()
     per_recording: ClassVar[tuple[str, ...]] = ()
     bends_a_law: ClassVar[bool] = False
+    in_base: ClassVar[bool] = False
+    also_from: ClassVar[tuple[Mapping[str, float], ...]] = ()
     exclusive: ClassVar[bool] = False
 
     def __init_subclass__(cls, **kwargs: Any) -> None:

@@ -27,6 +27,7 @@ class Contact(Effect):
     """
 
     name = "contact"
+    in_base = True
     stage = Stage.CONTACT
     reads, writes = ("contact_force_N",), ("conductance_S",)
     pointwise = ("contact_force_N",)

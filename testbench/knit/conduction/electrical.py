@@ -16,6 +16,7 @@ class DriftLaw(ConductanceLaw):
     """Base of the laws of drift: ln G depends on the time elapsed."""
 
     mechanism = "drift"
+    in_base = True
     reads = ("time_s", "conductance_S")
 
 
@@ -261,6 +262,7 @@ class ElectricalHysteresis(ConductanceLaw):
 
     name = "electrical_hysteresis"
     mechanism = "contact_hysteresis"
+    in_base = True  # the loops of `contact_loops_shape` are of any kind
     look = "conductance over strain is a loop, at any speed, wider (or narrower) than the force's"
 
     gain: float = parameter(0.05, unit="1", low=-3, high=3, doc="shift of ln G when every element slips")

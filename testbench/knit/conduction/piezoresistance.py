@@ -20,6 +20,7 @@ class PiezoresistiveLaw(Effect):
     """Base of the laws that make the conductance from the strain, in the place of contacts."""
 
     mechanism = "piezoresistance"
+    in_base = True
     stage = Stage.CONTACT
     reads, writes = ("strain",), ("conductance_S",)
 

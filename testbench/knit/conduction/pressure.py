@@ -25,6 +25,8 @@ class ContactDrive(Effect):
     """
 
     name = "contact_drive"
+    in_base = True
+    also_from = ({"strain_share": 0.0},)
     stage = Stage.PRESSURE
     reads, writes = ("strain", "contact_force_N"), ("contact_force_N",)
     pointwise = ("contact_force_N",)
@@ -155,6 +157,7 @@ class ContactHysteresis(Effect):
     """
 
     name = "contact_hysteresis"
+    in_base = True  # `contact_shape` has slip elements of its own
     stage = Stage.PRESSURE
     reads, writes = ("contact_force_N",), ("contact_force_N",)
     strength = "friction_N"

@@ -16,6 +16,8 @@ class Zeros(AdditiveLaw):
     The parameter is called as the signal that it shifts.
     """
 
+    in_base = True
+
     begins_s: tuple[float, ...] = parameter(
         (MOST_TIME_S,), unit="s", low=0, high=MOST_TIME_S, doc="times at which recordings begin, but the first"
     )

@@ -25,6 +25,7 @@ class Buckling(Effect):
     """
 
     name = "buckling"
+    in_base = True
     stage = Stage.TENSION
     reads, writes = ("force_N",), ("force_N",)
     look = "on the way back the force ends before the travel does, and stays flat from there"

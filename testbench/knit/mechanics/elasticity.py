@@ -22,6 +22,7 @@ class ElasticLaw(Effect):
 
     stage = Stage.MECHANICS
     mechanism = "elasticity"
+    in_base = True
     reads, writes = ("strain",), ("force_N",)
     linear: ClassVar[tuple[str, ...]]
     bends: ClassVar[tuple[Mapping[str, float], ...]] = ({},)

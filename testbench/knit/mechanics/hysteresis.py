@@ -24,6 +24,7 @@ class FrictionLaw(ForceLaw):
     """Base of the laws of friction between the yarns."""
 
     mechanism = "hysteresis"
+    in_base = True
     strength = "friction_N"
     exclusive = True
 

@@ -11,6 +11,8 @@ from testbench.knit.readout.linear_reading import LinearReading
 class ReadingAge(LinearReading):
     """Base of the two: a reading is that of a few milliseconds ago."""
 
+    in_base = True
+
     age_s: float = parameter(0.0, unit="s", low=-0.015, high=0.015, typical=0.01, doc="mean age of the reading")
 
     def read(self, values: FloatArray, time_s: FloatArray) -> FloatArray:

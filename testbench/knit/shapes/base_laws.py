@@ -47,6 +47,7 @@ class ElasticityShape(ForceLaw):
     """
 
     name = "elasticity_shape"
+    in_base = True
     strength = "weights_N"
     look = "the misfit of force depends on strain alone"
 
@@ -75,6 +76,7 @@ class HysteresisShape(ForceLaw):
     """
 
     name = "hysteresis_shape"
+    in_base = True
     strength = "weights_N"
     look = "the misfit of force depends on the direction of motion and on the last reversals, at any speed"
 
@@ -106,6 +108,7 @@ class ContactShape(ConductanceLaw):
     """
 
     name = "contact_shape"
+    in_base = True
     stage = Stage.CONTACT
     optional_reads = ("contact_force_N",)
     pointwise = ("contact_force_N",)
@@ -148,6 +151,7 @@ class DriftShape(ConductanceLaw):
     """
 
     name = "drift_shape"
+    in_base = True
     reads = ("time_s", "conductance_S")
     strength = "weights"
     look = "the misfit of ln G depends on elapsed time alone"
@@ -176,6 +180,7 @@ class ContactDriftShape(ConductanceLaw):
     """
 
     name = "contact_drift_shape"
+    in_base = True
     stage = Stage.CONTACT
     reads = ("time_s", "strain", "conductance_S")
     optional_reads = ("contact_force_N",)
@@ -221,6 +226,7 @@ class ContactLoopsShape(ConductanceLaw):
     """
 
     name = "contact_loops_shape"
+    in_base = True
     stage = Stage.CONTACT
     strength = "weights"
     look = "conductance over strain is a loop, at any speed"
