@@ -8,7 +8,7 @@ import numpy as np
 
 from testbench.knit.additive import ConductanceLaw
 from testbench.knit.effect import FloatArray, Signals, parameter
-from testbench.knit.filters import highpass, lagging_rate, log_conductance, lowpass, rate
+from testbench.knit.filters import highpass, log_conductance, lowpass, rate
 
 SETTLING_S = (0.1, 0.3, 1.0, 3.0, 10.0, 30.0)
 SMALLEST_TURN = 0.02  # of the span; wobbles below are no turns
@@ -86,27 +86,6 @@ class ElectricalOvershootProny(OvershootLaw):
         strain = signals["strain"] / self.span
         sudden = (w * highpass(strain, tau_s, dt_s) for w, tau_s in zip(self.weights, SETTLING_S, strict=True) if w)
         return sum(sudden, np.zeros_like(strain))
-
-
-class ElectricalOvershootMagnitude(OvershootLaw):
-    """Any motion, in either direction, shakes the contacts: the conductance shifts and comes back at rest.
-
-    ln G += gain * y,   y' = |e'| - y / tau
-
-    Source: simplest law of a disturbance in proportion to the speed that heals exponentially.
-    Valid: small shift.
-    """
-
-    name = "electrical_overshoot_magnitude"
-    look = "conductance shifts the same way during stretch and release and comes back in a hold"
-
-    gain: float = parameter(0.5, unit="1", low=-20, high=20, doc="change of ln G per unit of strain path")
-    tau_s: float = parameter(3.0, unit="s", low=0.1, high=300, scale="log", doc="time in which it heals")
-
-    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        speed = np.abs(lagging_rate(signals["strain"], dt_s))
-        shaken = self.tau_s * lowpass(speed, self.tau_s, dt_s)
-        return self.gain * shaken
 
 
 class ElectricalOvershootMotion(OvershootLaw):

@@ -9,7 +9,6 @@ import pytest
 
 from testbench.knit.conduction.transient import (
     ElectricalOvershoot,
-    ElectricalOvershootMagnitude,
     RateResistance,
     ShoulderPeak,
     ShoulderPeakAfterTurn,
@@ -39,13 +38,6 @@ def test_overshoot_after_a_ramp_decays_with_its_time_constant() -> None:
     peak = 2.0 * 0.02 * 4.0 * -np.expm1(-10 / 4.0)  # gain * rate * tau * (1 - e^-T/tau)
     at = np.searchsorted(T, [10.0, 14.0])
     np.testing.assert_allclose(change[at], [peak, peak / np.e], rtol=1e-6)
-
-
-def test_overshoot_of_the_magnitude_has_the_same_sign_both_ways() -> None:
-    change = log_change(ElectricalOvershootMagnitude(gain=1.0, tau_s=2.0))
-    up, down = change[np.searchsorted(T, [10.0, 50.0])]
-    assert up == pytest.approx(down, rel=1e-3)
-    assert up == pytest.approx(0.02 * 2.0, rel=0.02)
 
 
 def test_reversal_transient_does_not_know_the_speed() -> None:
