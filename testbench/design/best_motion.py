@@ -7,27 +7,24 @@ search climbs its lower bound: it makes the conditional entropy, what may stay o
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from gcode.programs.make import Made, make
 from gcode.support.errors import UserError
-from gcode.trajectories.planning import plan
 from gcode.trajectories.trajectory import Trajectory
+from testbench.design.ahead import following
 from testbench.design.compositions import ROOM, Motion, drawn, in_words, motion_of, varied
 from testbench.design.forecast import Forecaster, Likely, Reading
 from testbench.design.information import Information, information
-from testbench.design.protocols import NOISE, SHORTEST_EXPERIMENT_S, Bounds, menu
-from testbench.knit.effect import FloatArray
-from testbench.knit.model import inputs
-from testbench.measurements.measurement import BURN_IN_S, Measurement, coarser
+from testbench.design.protocols import NOISE, SHORTEST_EXPERIMENT_S, Bounds, drivable
+from testbench.measurements.measurement import Measurement, coarser
 
 DESIGN_HZ = 5.0  # grid of the predictions
 BEST = 3  # motions whose neighbours are tried
 BY_CHANCE = 0.5  # of the trials; the rest are neighbours
-SHARES = (1.0, 0.75, 0.5)  # of the speed and acceleration that a named protocol uses
 LEAST_WEIGHT = 0.02  # of a hypothesis: what is nearly excluded still has to be told from
 
 
@@ -156,49 +153,8 @@ class _Weigher:
         return information([prediction for prediction, _ in expected], self.probabilities)
 
 
-def following(
-    history: Measurement, trajectory: Trajectory, gauge_length_mm: float, rest_s: float | None
-) -> Measurement:
-    """A measurement that was not made yet: the motion, after all that the specimen went through and a rest.
-
-    Parameters
-    ----------
-    rest_s : float or None
-        None: a fresh specimen.
-    """
-    dt_s = history.dt_s
-    time_s = np.arange(0, trajectory.duration_s, dt_s)
-    strain = np.interp(time_s, trajectory.time_s, trajectory.position_mm) / gauge_length_mm
-    counts = time_s >= BURN_IN_S
-    before: dict[str, FloatArray] = {"strain": np.zeros(0)}
-    if rest_s is not None:
-        resting = np.zeros(max(round(rest_s / dt_s), 1))
-        before["strain"] = np.concatenate([history.signals["strain"], resting])
-    past = len(before["strain"])
-    whole = np.concatenate([before["strain"], strain])
-    signals = inputs(np.arange(len(whole)) * dt_s, whole, _room(history, len(whole), past))
-    empty = {channel: np.zeros(len(whole)) for channel in history.measured}
-    seen = np.concatenate([np.zeros(past, bool), counts])
-    return replace(history, signals=signals, measured=empty, counts=seen)
-
-
-def _room(history: Measurement, count: int, past: int) -> FloatArray | None:
-    """A room that goes on as it was: the temperature read so far, again from its start."""
-    if "temperature_C" not in history.signals:
-        return None
-    seen = history.signals["temperature_C"]
-    return np.resize(np.concatenate([seen, seen[::-1]]), count) if past else np.resize(seen, count)
-
-
-def _named(bounds: Bounds, seed: int) -> Mapping[str, Motion | None]:
-    """The designed protocols of `testbench experiment`, as far as they can be planned within the bounds."""
-    found: dict[str, Motion | None] = {}
+def _named(bounds: Bounds, seed: int) -> dict[str, Motion]:
+    """The protocols of `testbench experiment`, as far as they keep the time."""
     eased = replace(bounds, duration_s=max(ROOM * bounds.duration_s, SHORTEST_EXPERIMENT_S))
-    for share in SHARES:
-        for name, spec in menu(eased, share).items():
-            if found.get(name) is None:
-                with contextlib.suppress(UserError):
-                    trajectory = plan(spec, seed, bounds.gauge_length_mm)
-                    if trajectory.duration_s <= bounds.duration_s:
-                        found[name] = Motion((), spec, trajectory)
-    return found
+    found = drivable(eased, seed, bounds.duration_s)
+    return {name: Motion((), made.spec, made.trajectory) for name, made in found.items()}

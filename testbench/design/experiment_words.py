@@ -7,7 +7,8 @@ from collections.abc import Sequence
 
 from testbench.comparing.model_errors import channel_name
 from testbench.comparing.words import MANY
-from testbench.design.experiment import Option, Rival
+from testbench.design.experiment import Option
+from testbench.design.imitation import Rival
 from testbench.design.protocols import NOISE
 
 

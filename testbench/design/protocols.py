@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from gcode.motion.path import Frame, join
+from gcode.programs.make import Made, make
 from gcode.support.errors import UserError
 from gcode.trajectories.designed import (
     Hold,
@@ -28,6 +30,7 @@ SHORTEST_EXPERIMENT_S = 120.0
 SHORTEST_STROKE_S = 2 / RATE_HZ  # a stroke of less than two steps cannot be planned
 APPROACHES_S = 12.0  # to the first position of a random motion, and back to zero at the end
 NOISE = "noise"  # the protocol that all others are measured against
+SHARES = (1.0, 0.9, 0.75, 0.5)  # of the limits that a design uses
 
 
 @dataclass(frozen=True)
@@ -101,7 +104,22 @@ def menu(bounds: Bounds, share: float = 1.0) -> dict[str, TrajectorySpec]:
         v_max_mm_per_s=share * bounds.v_max_mm_per_s,
         a_max_mm_per_s2=share * bounds.a_max_mm_per_s2,
     )
-    return {name: spec_of(name, make(eased), bounds) for name, make in MENU.items()}
+    return {name: spec_of(name, pieces(eased), bounds) for name, pieces in MENU.items()}
+
+
+def drivable(bounds: Bounds, seed: int, longest_s: float = np.inf) -> dict[str, Made]:
+    """Every protocol whose program passes its own check, designed for as much of the limits as it can use."""
+    found: dict[str, Made] = {}
+    for share in SHARES:
+        for name, spec in menu(bounds, share).items():
+            if name in found:
+                continue
+            # A design that cannot be executed within the limits is tried again with more room to them.
+            with contextlib.suppress(UserError):
+                made = make(spec, seed, bounds.gauge_length_mm)
+                if made.trajectory.duration_s <= longest_s:
+                    found[name] = made
+    return found
 
 
 def _check_stroke(bounds: Bounds) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 
 from gcode.support.errors import UserError
 from testbench.comparing.ladder import step_before
-from testbench.design.experiment import Rival
+from testbench.design.imitation import Rival
 from testbench.diagnosis.adding import add_effect
 from testbench.knit.catalogue import Catalogue, model_from_dict
 from testbench.measurements.measurement import Measurement

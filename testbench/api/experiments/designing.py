@@ -15,8 +15,9 @@ from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, mod
 from testbench.api.missing.diagnosing import DiagnosisResult, diagnosis_data
 from testbench.api.progress import Tell, telling
 from testbench.design import experiment
-from testbench.design.experiment import Option, Rival
+from testbench.design.experiment import Option
 from testbench.design.experiment_words import experiment_table, verdict
+from testbench.design.imitation import Rival
 from testbench.design.protocols import Bounds, menu
 from testbench.design.rivals import rivals_from_diagnosis, rivals_of
 from testbench.knit.catalogue import Catalogue

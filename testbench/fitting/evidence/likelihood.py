@@ -294,12 +294,9 @@ def likelihood_of(
     pieces : float
         See `Likelihood`; several recordings have each their own share of a last fit, too.
     """
-    counting = np.flatnonzero(measurement.counts)
-    rows = counting
-    if len(counting) > constants.SAMPLES:
-        rows = counting[np.linspace(0, len(counting) - 1, constants.SAMPLES).astype(int)]
+    rows = _thinned(measurement)
     most = constants.IN_LAST_FIT * pieces / constants.INDEPENDENT
-    news = min(len(counting) * independent_share(measurement), most)
+    news = min(measurement.counts.sum() * independent_share(measurement), most)
     share = min(news / len(rows), 1.0)
     modelled = measurement.modelled(model)
     slope = _slopes(model, measurement, modelled)
@@ -314,6 +311,22 @@ def likelihood_of(
         floor[channel] = float(np.mean(sd**-2.0) ** -0.5)
         weight[channel] = floor[channel] / sd
     return Likelihood(measurement, rows, weight, floor, share, pieces=pieces)
+
+
+def known_noise(measurement: Measurement, noise: Mapping[str, float]) -> Likelihood:
+    """Every sample with the same noise, which is known: nothing closer is asked for."""
+    rows = _thinned(measurement)
+    share = independent_share(measurement) * measurement.counts.sum() / len(rows)
+    weight = {channel: np.ones(len(rows)) for channel in noise}
+    return Likelihood(measurement, rows, weight, {c: 2.0 * sd for c, sd in noise.items()}, min(share, 1.0))
+
+
+def _thinned(measurement: Measurement) -> np.ndarray:
+    """Samples that enter the normal equations, of those that count."""
+    counting = np.flatnonzero(measurement.counts)
+    if len(counting) <= constants.SAMPLES:
+        return counting
+    return counting[np.linspace(0, len(counting) - 1, constants.SAMPLES).astype(int)]
 
 
 def _slopes(model: KnitModel, measurement: Measurement, modelled: Mapping[str, FloatArray]) -> dict[str, FloatArray]:

@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 
 from gcode.programs.make import make
 from gcode.support.errors import UserError
-from testbench.design.best_motion import best_motion, following
+from testbench.design.ahead import following, planned
+from testbench.design.best_motion import best_motion
 from testbench.design.compositions import drawn, in_words, motion_of, varied
-from testbench.design.experiment import planned
 from testbench.design.forecast import Forecaster, Likely, Reading
 from testbench.design.information import information
 from testbench.design.protocols import NOISE, Bounds, menu

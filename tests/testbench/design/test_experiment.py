@@ -10,8 +10,10 @@ import pytest
 
 from gcode.support.errors import UserError
 from testbench.cli import main
-from testbench.design.experiment import Rival, drivable, planned, propose
-from testbench.design.protocols import MENU, NOISE, Bounds, menu
+from testbench.design.ahead import planned
+from testbench.design.experiment import propose
+from testbench.design.imitation import Rival
+from testbench.design.protocols import MENU, NOISE, Bounds, drivable, menu
 from testbench.fitting.fit import fit
 from testbench.results.model_file import ModelFile
 from tests.testbench.builders import CATALOGUE, NOISE_LN, NOISE_N, record, truth, write_csv

@@ -1,18 +1,53 @@
-"""The measurement that was not made yet."""
+"""The measurement that was not made yet, and how closely a model imitates another on it."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from testbench.design.experiment import planned
+from gcode.trajectories.trajectory import Trajectory
+from testbench.design.ahead import planned
+from testbench.design.imitation import Rival, imitate
+from testbench.design.protocols import Bounds, drivable
+from tests.testbench.builders import CATALOGUE, GAUGE_LENGTH_MM, NOISE_LN, NOISE_N, truth
+
+FLOORS = {"force": NOISE_N, "conductance": NOISE_LN}
 
 
 def test_a_planned_measurement_has_the_motion_and_nothing_else():
-    class Motion:
-        time_s, position_mm, rate_hz = np.arange(200) / 20, np.linspace(0, 5, 200), 20.0
-
-    measurement = planned(Motion(), 25.0, ("force",))
-    assert measurement.signals["strain"][-1] == pytest.approx(0.2)
+    motion = Trajectory(np.arange(200) / 20, np.linspace(0, 5, 200))
+    measurement = planned(motion, 25.0, ("force",))
+    assert measurement.signals["strain"] == pytest.approx(motion.position_mm / 25)
     assert measurement.channels == ("force",)
     assert measurement.counts.sum() == 200 - 60
+    assert "temperature_C" not in measurement.signals
+
+
+def test_a_temperature_that_will_be_measured_swings_by_a_kelvin():
+    time_s = np.arange(40_001) / 20
+    room = planned(Trajectory(time_s, 0 * time_s), 25.0, ("force",), temperature=True).signals["temperature_C"]
+    assert len(room) == len(time_s)
+    assert np.ptp(room) == pytest.approx(2, rel=1e-3)
+    assert np.abs(np.diff(room)).max() < 0.001  # and goes on where a period ends
+
+
+@pytest.fixture(scope="module")
+def new_heights():
+    made = drivable(Bounds(duration_s=120), 1)["new-heights"]
+    return planned(made.trajectory, GAUGE_LENGTH_MM, tuple(FLOORS))
+
+
+def test_a_law_imitates_itself_from_far_away(new_heights):
+    model = truth().plus(CATALOGUE["permanent_set"]())
+    moved = {"elasticity.stiffness_N": 9.0, "hysteresis.friction_N": 0.1, "contact.contact_resistance_ohm": 1500.0}
+    away = imitate(Rival("here", model), Rival("there", model.with_parameters(moved)), new_heights, FLOORS)
+    assert away.log_odds < 0.1
+    assert (away.truth, away.imitator) == ("here", "there")
+
+
+def test_what_no_law_of_the_imitator_does_is_left(new_heights):
+    relaxing = truth().plus(CATALOGUE["stress_relaxation"]().replaced(fraction=0.3))
+    found = imitate(Rival("relaxing", relaxing), Rival("base", truth()), new_heights, {"force": NOISE_N})
+    assert found.channel == "force"
+    assert found.log_odds > 5
+    assert found.left["force"].mean() == pytest.approx(0, abs=1e-9)
