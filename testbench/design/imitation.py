@@ -72,17 +72,18 @@ def imitate(truth: Rival, imitator: Rival, measurement: Measurement, noise: Nois
     Parameters
     ----------
     truth, imitator : Rival
-        The parameters of the imitator are believed near its model, within wide limits.
+        The parameters of the imitator are believed near where each search begins, within wide limits.
     measurement : Measurement
         The motion, with the channels of `noise`.
     noise : mapping of channel to float
         Standard deviations.
     """
-    clean = replace(measurement, measured=measurement.modelled(truth.model))
+    modelled = measurement.modelled(truth.model)
+    clean = replace(measurement, measured={channel: modelled[channel] for channel in noise})
     likelihood = known_noise(clean, noise)
     model, before = imitator.model, np.inf
     for _ in range(SEARCHES):
-        model = fitted(model, likelihood, imitator.model).model
+        model = fitted(model, likelihood, model).model
         left = {c: _counted(values, clean) / noise[c] for c, values in clean.residual(model).items()}
         found = Imitation(truth.name, imitator.name, left, independent_share(clean))
         if found.log_odds > ENOUGH * before:

@@ -113,8 +113,8 @@ def maximised(
     """
     declared, group, mean = normal.precision, normal.group, normal.mean
     factor = np.ones(int(group.max(initial=-1)) + 1) if scale is None else scale.copy()
-    sizes = {c: float(np.sqrt(g[0, 0] * normal.share / normal.count)) for c, g in normal.products.items()}
-    sigma = dict(sigma or sizes)
+    left = {c: float(np.sqrt(g[0, 0] * normal.share / normal.count)) for c, g in normal.products.items()}
+    sigma = dict(sigma or {c: max(size, normal.least[c]) for c, size in left.items()})
     members = [np.flatnonzero(group == g) for g in range(len(factor))]
     value = -np.inf
     for _ in range(iterations):

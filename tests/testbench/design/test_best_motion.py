@@ -18,6 +18,9 @@ from testbench.design.forecast import Forecaster, Likely, Reading
 from testbench.design.information import information
 from testbench.design.protocols import NOISE, Bounds, menu
 from testbench.fitting.fit import fit
+from testbench.measurements.measurement import prepare
+from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE
+from testbench.recordings.recording import Recording
 from tests.testbench.builders import CATALOGUE, NOISE_LN, NOISE_N, truth
 from tests.testbench.design.monte_carlo import sampled_information
 
@@ -69,7 +72,12 @@ def history(model, seed: int = 3):
     clean = measurement.modelled(model)
     rng = np.random.default_rng(seed)
     noisy = {c: clean[c] + sd * rng.standard_normal(len(clean[c])) for c, sd in READING.noise.items()}
-    return replace(measurement, measured=noisy)
+    channels = {
+        DISPLACEMENT: measurement.signals["strain"] * BOUNDS.gauge_length_mm,
+        FORCE: noisy["force"],
+        RESISTANCE: np.exp(-noisy["conductance"]),
+    }
+    return prepare(Recording(measurement.signals["time_s"], channels, BOUNDS.gauge_length_mm))
 
 
 def rivals(measured):
