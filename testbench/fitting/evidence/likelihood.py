@@ -314,11 +314,11 @@ def likelihood_of(
 
 
 def known_noise(measurement: Measurement, noise: Mapping[str, float]) -> Likelihood:
-    """Every sample with the same noise, which is known: nothing closer is asked for."""
+    """Every sample with the same noise, which is known."""
     rows = _thinned(measurement)
     share = independent_share(measurement) * measurement.counts.sum() / len(rows)
     weight = {channel: np.ones(len(rows)) for channel in noise}
-    return Likelihood(measurement, rows, weight, {c: 2.0 * sd for c, sd in noise.items()}, min(share, 1.0))
+    return Likelihood(measurement, rows, weight, noise, min(share, 1.0))
 
 
 def _thinned(measurement: Measurement) -> np.ndarray:

@@ -18,11 +18,9 @@ from testbench.design.forecast import Forecaster, Likely, Reading
 from testbench.design.information import information
 from testbench.design.protocols import NOISE, Bounds, menu
 from testbench.fitting.fit import fit
-from testbench.measurements.measurement import prepare
-from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE
-from testbench.recordings.recording import Recording
 from tests.testbench.builders import CATALOGUE, NOISE_LN, NOISE_N, truth
 from tests.testbench.design.monte_carlo import sampled_information
+from tests.testbench.design.readings import read
 
 READING = Reading({"force": NOISE_N, "conductance": NOISE_LN}, 30)
 BOUNDS = Bounds(duration_s=120)
@@ -69,15 +67,7 @@ def history(model, seed: int = 3):
     """Two minutes of random motion that a model went through, with noise."""
     made = make(menu(BOUNDS)[NOISE], seed, BOUNDS.gauge_length_mm)
     measurement = planned(made.trajectory, BOUNDS.gauge_length_mm, tuple(READING.noise))
-    clean = measurement.modelled(model)
-    rng = np.random.default_rng(seed)
-    noisy = {c: clean[c] + sd * rng.standard_normal(len(clean[c])) for c, sd in READING.noise.items()}
-    channels = {
-        DISPLACEMENT: measurement.signals["strain"] * BOUNDS.gauge_length_mm,
-        FORCE: noisy["force"],
-        RESISTANCE: np.exp(-noisy["conductance"]),
-    }
-    return prepare(Recording(measurement.signals["time_s"], channels, BOUNDS.gauge_length_mm))
+    return read(measurement, model, READING.noise, seed)
 
 
 def rivals(measured):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -17,6 +16,7 @@ from testbench.design.protocols import MENU, NOISE, Bounds, drivable, menu
 from testbench.fitting.fit import fit
 from testbench.results.model_file import ModelFile
 from tests.testbench.builders import CATALOGUE, NOISE_LN, NOISE_N, record, truth, write_csv
+from tests.testbench.design.readings import read
 
 FLOORS = {"force": NOISE_N, "conductance": NOISE_LN}
 BOUNDS = Bounds(duration_s=300)
@@ -39,9 +39,7 @@ def misfit_after_refit(option, truth_model, rival_model, seed: int) -> float:
     """Squared misfit over the noise that `testbench fit` itself leaves to the wrong model."""
     measurement = planned(option.made.trajectory, BOUNDS.gauge_length_mm, tuple(FLOORS))
     clean = measurement.modelled(truth_model)
-    rng = np.random.default_rng(seed)
-    noisy = {c: clean[c] + FLOORS[c] * rng.standard_normal(len(clean[c])) for c in FLOORS}
-    fitted = measurement.modelled(fit(rival_model, replace(measurement, measured=noisy)).model)
+    fitted = measurement.modelled(fit(rival_model, read(measurement, truth_model, FLOORS, seed)).model)
     left = {c: (clean[c] - fitted[c])[measurement.counts] for c in FLOORS}
     return sum(float(np.var(left[c] / FLOORS[c])) for c in FLOORS)
 
