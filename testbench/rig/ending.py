@@ -11,7 +11,7 @@ from testbench.rig.stream import Row
 
 MOVED_MM = 0.2  # from the first reading: more than noise and play of the machine
 TAIL_S = 1.0  # recorded after the end of the motion
-LONGEST = 2.0  # times the planned duration; a stage that moves on for longer is at something else
+LONGEST_TIMES = 2.0  # times the planned duration; a stage that moves on for longer is at something else
 
 
 @dataclass
@@ -54,7 +54,7 @@ class EndOfMotion:
             self._still_nm, self._moved_us = displacement_nm, time_us
         over_us = time_us - self._end_us
         stands = time_us - self._moved_us >= TAIL_S * 1e6
-        return over_us >= 0 and (stands or over_us >= (LONGEST - 1) * self.duration_s * 1e6)
+        return over_us >= 0 and (stands or over_us >= (LONGEST_TIMES - 1) * self.duration_s * 1e6)
 
     @property
     def waiting(self) -> bool:
