@@ -19,10 +19,13 @@ const int PIN_ENCODER_A = 14, PIN_ENCODER_B = 32;
 const uint8_t ADS1115 = 0x48;                        // I2C address with ADDR to ground
 const double UN_PER_CELL_CODE = 22.83;               // micronewton: 19.53 mV / 2^23 over 0.102 mV/N
 const int32_t CELL_ZERO_CODE = 0;                    // reading of the unloaded cell
+const bool HAS_CELL = true;                          // false: a bench without a load cell
 const double SUPPLY_V = 3.3, REFERENCE_OHM = 606e3, LSB_V = 125e-6;
 const int32_t NM_PER_COUNT = 1250;
 const uint32_t LINE_EVERY_US = 24096;                // 41.5 lines a second
 const uint32_t AVERAGE_US = 25000;
+const uint32_t CONVERSION_US = 1000000 / 128;        // of the ADS1115
+const uint32_t CELL_STALE_US = 250000;               // 20 conversions of the cell's ADC: it does not answer any more
 const uint64_t OPEN_MOHM = 1000000000000000ull - 1;  // what an open circuit reads as
 
 // --- encoder -------------------------------------------------------------------------------------------------------
@@ -38,6 +41,8 @@ void IRAM_ATTR encoder_edge_b() {
 
 // --- load cell: ADS1231 data sheet, figure "24-bit retrieval" ------------------------------------------------------
 int32_t cell_code = 0;
+uint32_t cell_us = 0;
+bool cell_known = false;
 
 void read_cell_if_ready() {
   if (digitalRead(PIN_CELL_DATA) == HIGH) return;  // low: a conversion is ready
@@ -53,6 +58,15 @@ void read_cell_if_ready() {
   delayMicroseconds(1);
   digitalWrite(PIN_CELL_CLOCK, LOW);
   cell_code = (int32_t)(code << 8) >> 8;  // sign-extend 24 bits
+  cell_us = micros();
+  cell_known = true;
+}
+
+// A force that stands still, or one that was never read, would be taken for a measured one: no line is sent then.
+bool cell_answers(uint32_t now) {
+  if (!HAS_CELL) return true;
+  cell_known = cell_known && now - cell_us <= CELL_STALE_US;
+  return cell_known;
 }
 
 // --- divider: ADS1115 in continuous mode, the last conversions in a ring -------------------------------------------
@@ -70,7 +84,7 @@ void write_register(uint8_t address, uint16_t value) {
 
 void read_divider_if_due() {
   if ((int32_t)(micros() - adc_due_us) < 0) return;
-  adc_due_us += 1000000 / 128;
+  adc_due_us += CONVERSION_US;
   Wire.requestFrom(ADS1115, (uint8_t)2);
   if (Wire.available() < 2) return;
   uint16_t high = Wire.read(), low = Wire.read();
@@ -115,8 +129,9 @@ void setup() {
   Wire.write(0x00);  // point at the conversion register, for all reads to come
   Wire.endTransmission();
   sample.boot = esp_random();
-  sample.has_force = 1;
-  adc_due_us = line_due_us = micros();
+  sample.has_force = HAS_CELL;
+  line_due_us = micros();
+  adc_due_us = line_due_us + 2 * CONVERSION_US;  // until then its register holds no conversion
 }
 
 void loop() {
@@ -125,7 +140,8 @@ void loop() {
   uint32_t now = micros();
   if ((int32_t)(now - line_due_us) < 0) return;
   line_due_us = now + LINE_EVERY_US;
-  if (!resistance(&sample.resistance_mohm)) return;  // no conversion yet: the first line comes with the first reading
+  // The first line comes when both chips have finished a conversion.
+  if (!cell_answers(now) || !resistance(&sample.resistance_mohm)) return;
   sample.has_resistance = 1;
   sample.micros = now;
   sample.force_uN = (int32_t)lround((cell_code - CELL_ZERO_CODE) * UN_PER_CELL_CODE);

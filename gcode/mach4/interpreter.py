@@ -20,9 +20,10 @@ LARGEST = 1e9  # of any number in a program
 NO_FEED = "no F is in force"
 BESIDE = "stands beside G20 or G21 and is taken in the unit before; say it again below"
 _INCH = 25.4
-_MODAL_GROUPS = ({0.0, 1.0, 4.0}, {20.0, 21.0}, {90.0, 91.0}, {93.0, 94.0}, {61.0, 64.0})
 _OFFSETS = {54.0, 55.0, 56.0, 57.0, 58.0, 59.0}
-_IGNORED_G = {17.0, 40.0, 49.0}
+# G4 beside G64: a P may be the time of one or the tolerance of the other.
+_EXCLUSIVE = ({0.0, 1.0, 4.0}, {20.0, 21.0}, {90.0, 91.0}, {93.0, 94.0}, {61.0, 64.0}, {4.0, 64.0}, _OFFSETS)
+_IGNORED_G = {4.0, 17.0, 40.0, 49.0, 80.0}  # G4 and G80 have a say when the whole line is read
 _IGNORED_M = {5.0, 9.0, 48.0, 49.0}
 _STARTS_M = {3.0: "the spindle", 4.0: "the spindle", 7.0: "the coolant", 8.0: "the coolant"}
 _WAITS_M = {0.0, 1.0}
@@ -87,6 +88,8 @@ def block(state: State, number: int, words: list[tuple[str, float]]) -> None:
     for letter, value in words:
         if problem := _word(state, values, letter, value):
             return refuse(problem)
+    if ("G", 80.0) in words:
+        state.motion = None  # beside G0 or G1 some readers heed it, whatever their order, and some do not
     if ("G", 4.0) not in words and "P" in values and ("G", 64.0) not in words:
         return refuse("P stands without the G4 that it belongs to")
     if values.get("F", 1.0) <= 0:
@@ -118,9 +121,9 @@ def _unit(state: State, number: int, words: list[tuple[str, float]], values: dic
 
 
 def _clash(words: list[tuple[str, float]]) -> str | None:
-    """Two words of one modal group in a line: an interpreter takes either, or stops."""
+    """Two words in a line that exclude each other: an interpreter takes either, or stops."""
     codes = {value for letter, value in words if letter == "G"}
-    for group in _MODAL_GROUPS:
+    for group in _EXCLUSIVE:
         if len(codes & group) > 1:
             return " and ".join(f"G{code:g}" for code in sorted(codes & group)) + " exclude each other in one line"
     return None
@@ -143,8 +146,8 @@ def _word(state: State, values: dict[str, float], letter: str, value: float) -> 
 
 def _g(state: State, code: float) -> str | None:
     """Apply a G word; returns why it is refused, if it is."""
-    if code in (0.0, 1.0, 80.0):
-        state.motion = None if code == 80.0 else code
+    if code in (0.0, 1.0):
+        state.motion = code
     elif code in (20.0, 21.0):
         state.said.add("G20 or G21")
         state.unit = _INCH if code == 20.0 else 1.0
@@ -161,7 +164,7 @@ def _g(state: State, code: float) -> str | None:
         state.exact_stop = code == 61.0
         if state.exact_stop:
             return "G61 stops the axis at every block, which at least doubles the time; use G64"
-    elif code not in _IGNORED_G and code != 4.0:
+    elif code not in _IGNORED_G:
         return f"G{code:g} is not understood on a single axis (G0, G1, G4 and modes are)"
     return None
 

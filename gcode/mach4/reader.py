@@ -27,7 +27,7 @@ _COMMENT = re.compile(r"\(([^()]*)\)")
 _WORD = re.compile(r"\s*([A-Z])\s*([+-]?(?:\d+\.?\d*|\.\d+))(?![\d.])", re.ASCII)
 _KEY = re.compile(r"([A-Z0-9_.]+): (.*)")
 _ACTED_ON = re.compile(r"(?:LOG|LOGOPEN|LOGAPPEND|PY),|LOGCLOSE|PROBEOPEN|PROBECLOSE")  # LinuxCNC; MSG only shows
-_WHOLE_DWELL = re.compile(r"G0*4(?![\d.]).*P\s*(\d{3,})(?![\d.])", re.ASCII)
+_WHOLE_DWELL = re.compile(r"(?=.*G\s*0*4(?:\.0*)?(?![\d.])).*P\s*(\d{3,})(?![\d.])", re.ASCII)
 _PRINTED = re.compile(r"[\t -~]*")
 
 

@@ -62,19 +62,24 @@ class Excess(NamedTuple):
 
 
 def excesses(position_mm: np.ndarray, rate_hz: float, limits: Limits, slack: float = 1e-6) -> list[Excess]:
-    """Every limit that positions sampled at `rate_hz` pass by more than the relative `slack`."""
+    """Every limit that positions sampled at `rate_hz` pass by more than the relative `slack`.
+
+    The axis stands still before the first position and after the last one: to start and to stop are accelerations.
+    """
+    once, twice = (np.pad(position_mm, samples, mode="edge") for samples in (1, 2))
     checks = [
-        ("speed", "mm/s", np.abs(speeds(position_mm, rate_hz)), limits.v_max_mm_per_s),
-        ("acceleration", "mm/s2", np.abs(accelerations(position_mm, rate_hz)), limits.a_max_mm_per_s2),
+        ("speed", "mm/s", np.abs(speeds(position_mm, rate_hz)), limits.v_max_mm_per_s, 0),
+        ("acceleration", "mm/s2", np.abs(accelerations(once, rate_hz)), limits.a_max_mm_per_s2, 1),
     ]
     if limits.j_max_mm_per_s3 is not None:
-        checks.append(("jerk", "mm/s3", np.abs(jerks(position_mm, rate_hz)), limits.j_max_mm_per_s3))
+        checks.append(("jerk", "mm/s3", np.abs(jerks(twice, rate_hz)), limits.j_max_mm_per_s3, 2))
     found = []
-    for name, unit, values, limit in checks:
+    for name, unit, values, limit, before in checks:
         beyond = values > limit * (1 + slack) + 1e-9
         if beyond.any():
             worst = int(values.argmax())
-            found.append(Excess(name, unit, float(values[worst]), limit, worst, int(beyond.sum())))
+            sample = max(worst - before, 0)
+            found.append(Excess(name, unit, float(values[worst]), limit, sample, int(beyond.sum())))
     for sign, limit in ((1.0, limits.x_max_mm), (-1.0, limits.x_min_mm)):
         beyond = sign * (position_mm - limit) > 1e-6
         if beyond.any():

@@ -24,6 +24,9 @@ PLANNED = "displacement_planned_mm"
 ALIGNED_HZ = 50.0
 WINDOW_S, REACH_S = 30.0, 2.0  # length of a window; how far its lag may be from its neighbour's
 TRUSTED_CORRELATION = 0.8
+# Of the motion's standard deviation, the rms difference that may be left: a correlation is blind to a wrong unit, and
+# one of 0.95 is left where a machine stopped in mid-program.
+MOST_DIFFERENCE = 0.3
 
 
 @dataclass(frozen=True)
@@ -73,12 +76,19 @@ def align(recording: Recording, motion: Motion) -> Alignment:
         )
     delay_s, drift = _coarse(time_s, seen_mm, planned_mm)
     found = _polished(recording, motion, delay_s, drift)
-    if found.correlation < TRUSTED_CORRELATION:
+    _check_follows(recording, motion, found)
+    return found
+
+
+def _check_follows(recording: Recording, motion: Motion, found: Alignment) -> None:
+    """Refuse an alignment of a displacement that is not the planned one."""
+    planned_mm = np.interp(found.planned_time_s(recording.time_s), motion.time_s, motion.displacement_mm)
+    if found.correlation < TRUSTED_CORRELATION or found.rms_mm > MOST_DIFFERENCE * np.std(planned_mm):
         raise UserError(
             f"{recording.source}: the recorded displacement does not follow this program "
-            f"(correlation {found.correlation:.2f} at best); is it the program that was run?"
+            f"(correlation {found.correlation:.2f}, difference {found.rms_mm:.3g} mm rms at best); is it the program "
+            "that was run, was it run to its end, and is the displacement in mm?"
         )
-    return found
 
 
 def applied(recording: Recording, motion: Motion, alignment: Alignment) -> Recording:
@@ -134,7 +144,7 @@ def _tracked(seen: FloatArray, planned: FloatArray, lag: int, quality: float) ->
     if quality < TRUSTED_CORRELATION:
         # So much drift that the whole does not correlate: the liveliest window finds its place in the plan.
         first = int(starts[liveliest])
-        lag = best_lag(seen[first : first + size], planned)[0] + first
+        lag = first - _place_in(planned, seen[first : first + size])
     found = []
     for direction in (starts[liveliest:], starts[:liveliest][::-1]):
         near = lag
@@ -144,6 +154,19 @@ def _tracked(seen: FloatArray, planned: FloatArray, lag: int, quality: float) ->
                 near = round(local)
                 found.append((start + size / 2, local))
     return found
+
+
+def _place_in(planned: FloatArray, window: FloatArray) -> int:
+    """Where in the plan a window correlates best, wherever it moves most; before and behind it the stage stands."""
+    from scipy.signal import correlate
+
+    size = len(window)
+    a, b = window - window.mean(), np.pad(planned, size, mode="edge") - planned.mean()
+    sums = correlate(b, a, mode="valid", method="fft")
+    total, squares = (np.concatenate([[0.0], np.cumsum(values)]) for values in (b, b**2))
+    energy = squares[size:] - squares[:-size] - (total[size:] - total[:-size]) ** 2 / size
+    least = 1e-9 * max(float(energy.max()), 1e-300)  # where nothing moves, nothing correlates
+    return int(np.argmax(np.where(energy > least, sums / np.sqrt(np.maximum(energy, least)), 0.0))) - size
 
 
 def _window_lag(window: FloatArray, planned: FloatArray, start: int, near: int, reach: int) -> float | None:

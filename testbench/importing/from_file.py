@@ -168,18 +168,23 @@ def _doubts(choice: Choice, recording: Recording, wish: Wish) -> list[str]:
 
 def _overlooked(choice: Choice) -> list[str]:
     """Columns of no known name (``DMM [kΩ]``) whose unit is that of something which was not found."""
-    missing = {"force": ("force",), "resistance": ("resistance", "conductance")}
+    missing = (
+        ("displacement", ("length",), STRETCH),
+        ("force", ("force",), {"force"}),
+        ("resistance", ("resistance", "conductance"), set(ELECTRICAL)),
+    )
     said = []
-    for role, quantities in missing.items():
-        if set(choice.taken) & ({role} if role == "force" else set(ELECTRICAL)):
+    for role, quantities, alike in missing:
+        if set(choice.taken) & alike:
             continue
         for column in choice.unused:
             units = {unit.quantity: unit for unit in units_spelt(column.unit_text)}
             fits = [quantity for quantity in quantities if quantity in units]
             if len(units) == 1 and fits and not speaks_about(column.heading.whole):
+                wanted = "displacement" if fits[0] == "length" else fits[0]
                 said.append(
                     f"no {role} was found by its name, and {column.label} is in {units[fits[0]].symbol}: "
-                    f"if it is the {fits[0]}, say {FLAGS[fits[0]]} {column.number}"
+                    f"if it is the {wanted}, say {FLAGS[wanted]} {column.number}"
                 )
     return said
 

@@ -11,7 +11,7 @@ from gcode.support.errors import UserError
 from testbench.importing.choice import Choice
 from testbench.importing.wish import Wish
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TEMPERATURE, TIME
-from testbench.recordings.checks import such
+from testbench.recordings.checks import such, within
 
 ELECTRICAL = frozenset(("resistance", "conductance"))  # negative where the sense leads are the other way round
 MOSTLY = 0.5  # of the rows negative: the resistance has the wrong sign, and no bad rows
@@ -79,6 +79,8 @@ def usable(
         fine = np.isfinite(values)
         if name == RESISTANCE:
             fine &= values > 0
+        if wish.drop_bad and name != TIME:  # an overload of a meter is written as 9.9e37
+            fine &= within(name, values)
         if not fine.all() and not wish.drop_bad:
             first = int(np.flatnonzero(~fine)[0])
             want = "positive and finite" if name == RESISTANCE else "a finite number"

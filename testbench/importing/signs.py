@@ -94,6 +94,11 @@ def doubts(channels: Mapping[str, np.ndarray], negated: frozenset[str]) -> list[
             f"the displacement starts at {start:.4g} mm, a zero of its own, and strain is counted from 0: "
             "add --zero displacement to count from the first sample"
         )
+    if start > spread > 0:
+        said.append(
+            f"the displacement starts at {start:.4g} mm and then moves by {spread:.4g} mm: if it is the distance of "
+            "the clamps, or counted from another zero, add --zero displacement to count from the first sample"
+        )
     return said
 
 

@@ -20,6 +20,7 @@ LIMITS = {
     RESISTANCE: (1e-12, 1e18),
     TEMPERATURE: (-273.15, 1e4),
 }
+NO_LIMITS = (-np.inf, np.inf)
 MOST_STRAIN = 20.0  # 2,000 %; the softest rubber tears at 10
 DROP = "`testbench import --drop-bad` leaves them out"
 HEADER_ROWS = 2  # row numbers in messages count from 1 and the header is row 1
@@ -91,10 +92,15 @@ def _check_finite(source: str, name: str, values: FloatArray) -> None:
 
 
 def _check_within(source: str, name: str, values: FloatArray) -> None:
-    low, high = LIMITS.get(name, (-np.inf, np.inf))
-    remedy = "check its unit (`testbench import` turns units into ours), or leave such rows out"
-    outside = (values < low) | (values > high)
-    _refuse(source, values, outside, f"{name} is", f", and {low:g} to {high:g} is allowed; {remedy}")
+    low, high = LIMITS.get(name, NO_LIMITS)
+    remedy = f"check its unit (`testbench import` turns units into ours); where single rows are wrong, {DROP}"
+    _refuse(source, values, ~within(name, values), f"{name} is", f", and {low:g} to {high:g} is allowed; {remedy}")
+
+
+def within(name: str, values: FloatArray) -> np.ndarray:
+    """Which values of a channel lie within `LIMITS`, as booleans of shape (n,)."""
+    low, high = LIMITS.get(name, NO_LIMITS)
+    return (values >= low) & (values <= high)
 
 
 def _refuse(source: str, values: FloatArray, bad: np.ndarray, what: str, remedy: str) -> None:

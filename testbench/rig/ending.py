@@ -1,4 +1,4 @@
-"""When a recording is over: the program's duration after the stage began to move."""
+"""When a recording is over: the program's duration after the stage began to move, and not while it still moves."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from testbench.rig.stream import Row
 
 MOVED_MM = 0.2  # from the first reading: more than noise and play of the machine
 TAIL_S = 1.0  # recorded after the end of the motion
+LONGEST_TIMES = 2.0  # times the planned duration; a stage that moves on for longer is at something else
 
 
 @dataclass
@@ -18,7 +19,8 @@ class EndOfMotion:
     """Finds the end of the motion from the displacement and the clock.
 
     The recorder starts before the machine does, by however long the operator takes. So the planned duration counts
-    from the first movement that is seen, less the time the plan takes to get there.
+    from the first movement that is seen, less the time the plan takes to get there. A machine may be slower than
+    planned (another acceleration, another feed, a clock of its own): while it moves, the recording goes on.
 
     Attributes
     ----------
@@ -32,6 +34,8 @@ class EndOfMotion:
     first_move_s: float
     _start_nm: int | None = None
     _end_us: float = float("inf")
+    _still_nm: int | None = None
+    _moved_us: float = float("-inf")
 
     @classmethod
     def of(cls, motion: Motion) -> EndOfMotion:
@@ -42,8 +46,15 @@ class EndOfMotion:
 
     def __call__(self, row: Row) -> bool:
         """Whether the recording is over with this row."""
-        self.watch(row.time_us, row.sample.displacement_nm)
-        return row.time_us >= self._end_us
+        time_us, displacement_nm = row.time_us, row.sample.displacement_nm
+        self.watch(time_us, displacement_nm)
+        if self._still_nm is None:
+            self._still_nm = displacement_nm
+        elif abs(displacement_nm - self._still_nm) > MOVED_MM * 1e6:
+            self._still_nm, self._moved_us = displacement_nm, time_us
+        over_us = time_us - self._end_us
+        stands = time_us - self._moved_us >= TAIL_S * 1e6
+        return over_us >= 0 and (stands or over_us >= (LONGEST_TIMES - 1) * self.duration_s * 1e6)
 
     @property
     def waiting(self) -> bool:

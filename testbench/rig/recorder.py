@@ -191,10 +191,14 @@ class Recorder:
         force_N = (row.sample.force_uN or 0) / 1e6
         strain = row.sample.displacement_nm / 1e6 / self.gauge_length_mm
         when = f"at {row.time_us / 1e6:.2f} s"
-        if abs(force_N) > self.limits.max_force_N:
+        most_N = self.limits.max_force_N
+        if row.sample.force_uN is None and most_N < float("inf"):
             return (
-                f"force {force_N:.3f} N is beyond --max-force-n {self.limits.max_force_N:g} {when}: stop the machine"
+                f"the device sends no force, so --max-force-n {most_N:g} cannot be watched: stop the machine, and "
+                "connect the load cell or leave the limit out"
             )
+        if abs(force_N) > most_N:
+            return f"force {force_N:.3f} N is beyond --max-force-n {most_N:g} {when}: stop the machine"
         if abs(strain) > self.limits.max_strain:
             return f"strain {strain:.3f} is beyond --max-strain {self.limits.max_strain:g} {when}: stop the machine"
         return ""

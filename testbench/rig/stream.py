@@ -203,7 +203,7 @@ class Intake:
         self._sequence = sample.sequence
         epoch = self.anchor.epoch if self.anchor else 0
         self.anchor = Anchor(sample.boot, sample.micros, time_us, host_s, epoch)
-        self._suspect, self._run, self._resumed = None, (0, 0), False
+        self._suspect, self._run, self._resumed, self._away = None, (0, 0), False, False
         self._anew.forget()
         self.accepted += 1
         yield Row(time_us, sample)
@@ -249,7 +249,7 @@ class Intake:
             self._missing.clear()
             return time_us, [Event("renumbered", time_us, {"from_us": anchor.time_us, **_device(sample)})]
         lost = self._count_losses(sample.sequence)
-        silent, self._away = self._away or elapsed_us > GAP_US, False
+        silent = self._away or elapsed_us > GAP_US
         if not (silent or lost):
             return time_us, []
         details = {"from_us": anchor.time_us, "lost": lost, **_device(sample)}
@@ -276,7 +276,7 @@ class Intake:
         most = GAP_US if elapsed_us is None else max(GAP_US, elapsed_us * MOST_LINES_PER_US)
         if 0 < step <= min(most, SEQUENCE_WRAP // 2):
             return False
-        if sequence in self._missing:
+        if sequence in self._missing and elapsed_us is None:
             del self._missing[sequence]
             self.lost -= 1
             raise LateLine

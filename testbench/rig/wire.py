@@ -123,13 +123,15 @@ class LineBuffer:
         self._rest = b""
 
     def feed(self, data: bytes) -> Iterator[bytes]:
-        """Lines completed by `data`, without line feed and carriage return."""
+        """Lines completed by `data`, without line feed, and carriage return before or behind it."""
         *lines, self._rest = (self._rest + data).split(b"\n")
         for line in lines:
-            yield line.rstrip(b"\r")
+            yield line.strip(b"\r")
         while len(self._rest) > MAX_LINE_BYTES:
-            yield self._rest[:MAX_LINE_BYTES]
-            self._rest = self._rest[MAX_LINE_BYTES:]
+            start = self._rest.rfind(b"$")  # of what may become a whole line, and must not be cut in two
+            cut = min(start, MAX_LINE_BYTES) if start > 0 else MAX_LINE_BYTES
+            yield self._rest[:cut]
+            self._rest = self._rest[cut:]
 
     def drop(self) -> bytes:
         """Forget and return the unfinished rest (the port was closed)."""

@@ -41,6 +41,14 @@ def test_a_sound_foreign_program_passes():
         ("G1 X1 F-5\nM30\n", 2, "not above 0"),
         ("G1 X1 F6\nG4 P500\nM30\n", 3, "looks like milliseconds"),
         ("G1 X1 F6\nG4 P1500.0\nM30\n", 3, "is this milliseconds"),
+        ("G1 X1 F6\nP100 G4\nM30\n", 3, "looks like milliseconds"),
+        ("G1 X1 F6\nG 4 P 100\nM30\n", 3, "looks like milliseconds"),
+        ("G1 X1 F6\nG64 G4 P2\nM30\n", 3, "exclude each other"),
+        ("G54 G55\nG1 X1 F6\nM30\n", 2, "exclude each other"),
+        ("G80 G1 X1 F6\nM30\n", 2, "before any G0 or G1"),
+        ("G80 G1 F6\nX1\nM30\n", 3, "before any G0 or G1"),
+        ("G1 X1 F72\nX1.3 F36\nX1.4 F6\nM30\n", 2, "executed acceleration"),  # it starts too fast
+        ("G1 X0.1 F6\nX0.4 F36\nX1.6 F72\nM30\n", 4, "executed acceleration"),  # it stops too fast
         ("G1 X1 F6\nG4\nM30\n", 3, "needs P"),
         ("G1 X1 F6\nG4 X2\nM30\n", 3, "not as X"),
         ("G61\nG1 X1 F6\nM30\n", 2, "G61 stops"),

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+import gcode
 from gcode.support.errors import UserError
 from testbench import cli
 from testbench.campaigns.alignment import PLANNED, align, applied, best_lag
@@ -69,6 +71,32 @@ def test_a_repeated_motion_is_still_placed_by_its_ends():
 def test_another_programs_recording_is_refused():
     with pytest.raises(UserError, match="does not follow this program"):
         align(recorded(wander(seed=9), 0, 0), wander(seed=1))
+
+
+@pytest.mark.parametrize("drift_ppm", [-10_000, 10_000])
+def test_a_machine_that_runs_at_another_pace_is_followed_from_its_rest_on(tmp_path, drift_ppm):
+    """The liveliest window begins while the stage still stands, before the plan."""
+    gcode.generate("paper-1", seed=3, duration_s=300).write(tmp_path)
+    motion = played(tmp_path / "program.tap")[0]
+    found = align(recorded(motion, 10.0, drift_ppm), motion)
+    assert found.drift_ppm == pytest.approx(drift_ppm, abs=20)
+    assert found.delay_s == pytest.approx(10.0, abs=0.01)
+
+
+def test_a_displacement_in_another_unit_is_refused():
+    motion = wander()
+    given = recorded(motion, 7.0, 0)
+    with pytest.raises(UserError, match=r"correlation 1\.00, difference .* is the displacement in mm"):
+        align(replace(given, channels={"displacement_mm": given["displacement_mm"] / 10}), motion)
+
+
+def test_a_machine_that_stopped_in_mid_program_is_refused():
+    """Placed behind the plan's last strokes, its rest looks like the plan's: only a part of the strokes fits."""
+    time_s = np.arange(int(300 * SIMULATED_HZ)) / SIMULATED_HZ
+    motion = Motion(time_s, 2.5 - 2.5 * np.cos(2 * np.pi * time_s / 10))
+    stopped = Motion(time_s, np.where(time_s < 152.5, motion.displacement_mm, 2.5))
+    with pytest.raises(UserError, match="was it run to its end"):
+        align(recorded(stopped, 10.0, 0), motion)
 
 
 def test_a_stage_that_stands_still_is_refused():

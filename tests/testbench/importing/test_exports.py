@@ -96,6 +96,23 @@ def test_zero_and_sign(tmp_path):
         import_csv(path, Wish(40.0, negate=frozenset({"time"})))
 
 
+def test_a_displacement_that_begins_far_from_zero_is_said(tmp_path):
+    path = tmp_path / "clamps.csv"
+    rows = "".join(f"{n},{40 + 0.1 * n:.1f},{n}\n" for n in range(30))
+    path.write_text(f"Time [s],Position [mm],Load [N]\n{rows}")
+    (doubt,) = import_csv(path, Wish(40.0)).doubts
+    assert "starts at 40 mm and then moves by 2.9 mm" in doubt
+    assert import_csv(path, Wish(40.0, zero={"displacement": None})).doubts == []
+
+
+def test_a_length_of_no_known_name_is_said_where_no_displacement_was_found(tmp_path):
+    path = tmp_path / "length.csv"
+    path.write_text("Time [s],Load [N],R [kOhm],Gap [cm]\n0,0,5,1.0\n1,1,6,1.1\n2,2,7,1.2\n")
+    (doubt,) = import_csv(path, Wish()).doubts
+    assert doubt.endswith("'Gap [cm]' is in cm: if it is the displacement, say --displacement 4")
+    assert import_csv(path, Wish(40.0, {"displacement": "4"}, zero={"displacement": None})).doubts == []
+
+
 def test_the_sign_of_a_conductance_is_turned_where_that_is_said_once(tmp_path):
     path = tmp_path / "leads.csv"
     path.write_text("Time [s],Extension [mm],Conductance [mS]\n0,0,-1\n1,1,-2\n2,2,-4\n")

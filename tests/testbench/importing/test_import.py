@@ -144,6 +144,15 @@ def test_drop_bad_leaves_out_exactly_the_bad_rows(tmp_path):
     assert done.recording.time_s.tolist() == pytest.approx([0, 0.1, 0.2, 0.6])
 
 
+def test_drop_bad_leaves_out_the_overload_of_a_meter(tmp_path):
+    text = GOOD + "0.3,1,0.5,9.9E+37\n0.4,2,0.5,500\n"
+    with pytest.raises(UserError, match=r"row 5: resistance_ohm is 9.9e\+37 .* --drop-bad"):
+        imported(tmp_path, text)
+    done = import_csv(written(tmp_path, text), wish(drop_bad=True))
+    assert done.dropped == 1
+    assert done.recording["resistance_ohm"].max() < 1e4
+
+
 def test_sort_puts_rows_in_order_and_drops_repeated_times(tmp_path):
     text = "t,x,F,R\n0.2,2,0,1\n0.0,0,0,1\n0.1,1,0,1\n0.1,9,0,1\n"
     done = import_csv(written(tmp_path, text), wish(sort=True))

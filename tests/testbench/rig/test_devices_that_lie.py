@@ -91,6 +91,15 @@ def test_a_device_that_counts_anew_is_not_rejected_for_ever():
     assert intake.lost < 20
 
 
+def test_one_number_too_far_ahead_does_not_make_the_lines_behind_it_late():
+    """A late line carries an old time: these were taken after the one with the wrong number."""
+    intake = Intake()
+    items = fed(intake, *(sample(n) for n in range(20)), sample(520, micros=20 * STEP_US))
+    items += fed(intake, *(sample(n) for n in range(21, 100)))
+    assert rows(items)[-60:] == list(range(40, 100))
+    assert events(items) == ["start", "loss", "renumbered"]
+
+
 def test_a_buffer_that_comes_twice_is_no_new_count():
     """The same lines again carry old times, however many they are."""
     intake = Intake()

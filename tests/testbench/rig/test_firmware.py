@@ -78,12 +78,33 @@ def test_the_longest_line_fits_its_buffer():
     assert len(encode(longest)) <= int(limit)
 
 
-def test_the_whole_sketch_runs_and_its_lines_are_a_recording(tmp_path):
-    program = built(tmp_path, "run_sketch.cpp", "g++", "-std=c++17")
-    out = subprocess.run([program], capture_output=True, check=True, timeout=PATIENCE_S).stdout
+@pytest.fixture
+def sketch(tmp_path):
+    return built(tmp_path, "run_sketch.cpp", "g++", "-std=c++17")
+
+
+def rows_of(*command: str | Path) -> list[Row]:
+    out = subprocess.run(command, capture_output=True, check=True, timeout=PATIENCE_S).stdout
     intake = Intake()
     rows = [item for item in intake.feed(out, 0.0) if isinstance(item, Row)]
     assert (intake.accepted, intake.lost, intake.bad.total()) == (len(rows), 0, 0)
+    return rows
+
+
+def test_the_first_line_waits_for_both_chips(sketch):
+    first, *_, last = rows_of(sketch)
+    assert first.sample.force_uN == last.sample.force_uN
+    assert first.sample.resistance_mohm == last.sample.resistance_mohm
+
+
+def test_a_load_cell_that_stops_is_no_force_that_stands_still(sketch):
+    whole, cut = rows_of(sketch), rows_of(sketch, "stop")
+    assert 0.5 * len(whole) < len(cut) < 0.7 * len(whole)
+    assert [row.sample.force_uN for row in cut] == [row.sample.force_uN for row in whole[: len(cut)]]
+
+
+def test_the_whole_sketch_runs_and_its_lines_are_a_recording(sketch):
+    rows = rows_of(sketch)
     assert rows[0].sample.boot == 0x5F3A9C01
     assert rows[0].sample.micros > rows[-1].sample.micros  # the clock wrapped, time did not
     assert rows[-1].time_us > MICROS_WRAP - 4_294_000_000

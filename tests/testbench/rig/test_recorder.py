@@ -7,6 +7,7 @@ import json
 import os
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from gcode.support.errors import UserError
@@ -20,9 +21,10 @@ from testbench.rig.parts import Chunk, End, Lost, Tick, in_memory
 from testbench.rig.played import played
 from testbench.rig.recorder import Limits, Recorder
 from testbench.rig.resume import mend
-from testbench.rig.simulated import SimulatedRig
+from testbench.rig.simulated import SIMULATED_HZ, Motion, SimulatedRig
 from testbench.rig.sink import Sink
 from testbench.rig.stream import Intake
+from testbench.rig.wire import decode, encode
 from tests.testbench.rig.rigs import program, rig
 
 
@@ -53,6 +55,31 @@ def test_a_recording_ends_a_second_after_the_programs_motion(job, tmp_path):
     assert read_recording(tmp_path / "c").metadata["status"] == "complete"
 
 
+def slowed(job: Job, times: float) -> tuple[Motion, list[bytes]]:
+    """What the bench reads where the machine takes so many times longer than planned, and a minute of rest."""
+    planned = played(job.program)[0]
+    time_s = np.arange(round(planned.duration_s * times * SIMULATED_HZ)) / SIMULATED_HZ
+    motion = Motion(time_s, np.interp(time_s / times, planned.time_s, planned.displacement_mm))
+    return motion, list(SimulatedRig(baseline(), motion.held(60.0), 25.0, 1).lines())
+
+
+def test_a_machine_that_is_slower_than_planned_is_recorded_to_its_end(job, tmp_path):
+    motion, lines = slowed(job, 1.3)
+    status = recorded(job, tmp_path / "c", in_memory(lines))
+    assert status.state == "complete"
+    assert motion.duration_s < status.time_s < motion.duration_s + 2.0
+
+
+def test_a_stage_that_never_stands_still_is_not_waited_for_for_ever(job, tmp_path):
+    planned_s = played(job.program)[0].duration_s
+    time_s = np.arange(round(5 * planned_s * SIMULATED_HZ)) / SIMULATED_HZ
+    swaying = Motion(time_s, np.sin(time_s))
+    lines = SimulatedRig(baseline(), swaying, 25.0, 1).lines()
+    status = recorded(job, tmp_path / "c", in_memory(lines))
+    assert status.state == "complete"
+    assert status.time_s == pytest.approx(2 * planned_s, abs=3.0)
+
+
 def test_the_clock_of_the_end_waits_for_the_machine(job):
     motion = played(job.program)[0]
     ending = EndOfMotion.of(motion)
@@ -73,6 +100,15 @@ def test_force_beyond_the_limit_stops_with_an_alarm_that_is_marked(job, tmp_path
     assert recording.metadata["status"] == "alarm"
     assert recording["force_N"][-1] > 0.6 >= recording["force_N"][:-1].max()
     assert events(tmp_path / "c")[-2]["event"] == "alarm"
+
+
+def test_a_force_limit_without_a_force_to_watch_is_an_alarm_at_once(job, tmp_path):
+    strict = Job(job.port, job.baud, job.program, 25.0, Limits(max_force_N=20))
+    mute = [encode(decode(line.rstrip())._replace(force_uN=None)) for line in bench_lines(job)]
+    status = recorded(strict, tmp_path / "c", in_memory(mute))
+    assert (status.state, status.samples) == ("alarm", 1)
+    assert "the device sends no force, so --max-force-n 20 cannot be watched" in status.message
+    assert recorded(job, tmp_path / "without", in_memory(mute)).state == "complete"
 
 
 def test_strain_beyond_the_limit_stops_too(job, tmp_path):

@@ -90,6 +90,13 @@ def test_a_reboot_is_told_from_a_wrap_and_time_goes_on_by_the_host():
     assert [item.time_us for item in items if isinstance(item, Row)] == [3_524_000, 3_548_000]
 
 
+def test_after_a_reboot_without_a_port_the_second_line_is_no_gap():
+    intake = Intake()
+    fed(intake, sample(0), sample(1))
+    items = [*intake.disconnected("unplugged"), *fed(intake, sample(0, boot=8), sample(1, boot=8), host_s=3.0)]
+    assert events(items) == ["disconnect", "reboot"]
+
+
 def test_a_line_from_before_the_reboot_is_rejected():
     intake = Intake()
     items = fed(intake, sample(0), sample(1), sample(0, boot=8), sample(2), sample(1, boot=8), host_s=1.0)

@@ -99,6 +99,16 @@ def test_lines_come_out_whole_however_the_bytes_are_cut(cuts):
 
 def test_carriage_returns_are_no_part_of_a_line():
     assert list(LineBuffer().feed(b"$a\r\n$b\n")) == [b"$a", b"$b"]
+    assert list(LineBuffer().feed(b"$a\n\r$b\n\r$c\n")) == [b"$a", b"$b", b"$c"]
+
+
+@pytest.mark.parametrize("debris", [200, 250, 300, 600])
+def test_debris_without_a_line_feed_does_not_take_the_next_line_with_it(debris):
+    for cut in range(1, len(LINE)):
+        buffer = LineBuffer()
+        lines = [*buffer.feed(b"x" * debris + LINE[:cut]), *buffer.feed(LINE[cut:])]
+        assert rescue(lines[-1])[1] == LINE[:-1]
+        assert sum(map(len, lines)) == debris + len(LINE) - 1
 
 
 def test_debris_without_line_feeds_does_not_grow_for_ever():
