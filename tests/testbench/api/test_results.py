@@ -125,7 +125,7 @@ def test_mistakes_are_one_sentence():
         tb.read({"force_N": [1, 2]})
     with pytest.raises(tb.UserError, match="must be a KnitModel, a result of fit or diagnose"):
         tb.compare(relaxed(), 3)  # type: ignore[arg-type]
-    with pytest.raises(tb.UserError, match="must be 1 or more, got 0"):
+    with pytest.raises(tb.UserError, match="must be a whole number, 1 or more, got 0"):
         tb.diagnose(relaxed(), most=0)
     with pytest.raises(tb.UserError, match="bounds: allowed are v_max_mm_per_s"):
         tb.next_experiment([fitted(), fitted()], bounds={"speed": 3})
