@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Iterable, Mapping
 from functools import reduce
 from pathlib import Path
@@ -18,7 +19,7 @@ from testbench.knit.model import KnitModel
 from testbench.knit.presets import names as preset_names
 from testbench.knit.presets import preset
 from testbench.measurements.measurement import MAX_GRID_HZ, MIN_PART
-from testbench.recordings.channels import TIME
+from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TIME
 from testbench.recordings.doubts import check_gap, check_grid, say_if_same, say_sign
 from testbench.recordings.files import read_recording
 from testbench.recordings.recording import Recording
@@ -72,6 +73,7 @@ def read(source: str | Path | pd.DataFrame | Mapping[str, Any], gauge_length_mm:
         return read_recording(source, gauge_length_mm)
     if not hasattr(source, "items"):
         raise UserError(f"read: must be a path, a data frame or a mapping of columns, got {type(source).__name__}")
+    _check_names(map(str, source))
     columns = {str(name): _numbers(str(name), values) for name, values in source.items()}
     if TIME not in columns:
         raise UserError(f"read: no column {TIME} (found: {', '.join(columns)}); rename yours")
@@ -80,8 +82,26 @@ def read(source: str | Path | pd.DataFrame | Mapping[str, Any], gauge_length_mm:
     return Recording(time_s, columns, length_mm, f"columns-{_digest(time_s, *columns.values())}")
 
 
+def _check_names(names: Iterable[str]) -> None:
+    """Refuse a column that is meant as a channel and is not called so: every model would leave it out in silence."""
+    found = list(names)
+    for channel in (one for one in (DISPLACEMENT, FORCE, RESISTANCE) if one not in found):
+        quantity, _, unit = channel.partition("_")
+        like = [name for name in found if name.lower().startswith(quantity)]
+        if like:
+            raise UserError(
+                f"read: column {like[0]!r} is not taken for the {quantity}; call it {channel}, in {unit}, "
+                "or leave it out"
+            )
+
+
 def _numbers(name: str, values: Any) -> FloatArray:
     """One column of a data frame or a mapping, shape (n,)."""
+    if np.asarray(values).dtype.kind in "mM":
+        raise UserError(
+            f"read: {name} must be numbers, got dates or durations ({np.asarray(values).dtype}); "
+            "give seconds since the first sample"
+        )
     try:
         column = np.array(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
@@ -94,6 +114,19 @@ def _numbers(name: str, values: Any) -> FloatArray:
 def _digest(*arrays: FloatArray) -> str:
     """Eight hexadecimal digits that tell recordings in memory apart: a model knows by name what it was fitted on."""
     return f"{reduce(lambda sum_, values: crc32(values.tobytes(), sum_), arrays, 0):08x}"
+
+
+def whole(name: str, value: int, least: int) -> int:
+    """A whole number that was given, of Python or of numpy.
+
+    Raises
+    ------
+    UserError
+        If it is none, or less than `least`.
+    """
+    if isinstance(value, bool | str) or not hasattr(value, "__index__") or operator.index(value) < least:
+        raise UserError(f"{name} must be a whole number, {least} or more, got {value!r}")
+    return operator.index(value)
 
 
 def recording_of(source: Source, gauge_length_mm: float | None = None) -> Recording:

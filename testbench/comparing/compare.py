@@ -11,7 +11,7 @@ import numpy as np
 
 from testbench.comparing.cell import Cell
 from testbench.comparing.model_errors import channel_name, noise_floors, rms_errors
-from testbench.comparing.residual_coordinates import LABELS, coordinates
+from testbench.comparing.residual_coordinates import COORDINATES, coordinates
 from testbench.comparing.words import place_in_words
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
@@ -108,7 +108,7 @@ def residual_maps(residual: FloatArray, where: Mapping[str, FloatArray], dt_s: f
     block = (np.arange(len(residual)) * dt_s // CELL_BLOCK_S).astype(int)
     direction = where["direction"]
     maps = {}
-    for coordinate in LABELS:
+    for coordinate in COORDINATES:
         if coordinate not in where:
             continue
         values = where[coordinate]

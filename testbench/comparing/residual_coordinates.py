@@ -10,20 +10,20 @@ from testbench.measurements.measurement import Measurement
 
 RATE_SMOOTHING_S = 0.15
 HOLD_RATE = 2e-4  # 1/s; slower than this is a hold
-LABELS = {
-    "strain": "strain",
-    "strain_rate": "strain rate (1/s)",
-    "elapsed_s": "elapsed time (s)",
-    "largest_strain": "largest strain so far",
-    "since_reversal_s": "time since the last reversal (s)",
-    "since_hold_s": "time into a hold (s)",
-    "cycle": "cycle number",
-    "temperature_C": "temperature (°C)",
-}
+COORDINATES = (
+    "strain",
+    "strain_rate",
+    "elapsed_s",
+    "largest_strain",
+    "since_reversal_s",
+    "since_hold_s",
+    "cycle",
+    "temperature_C",
+)
 
 
 def coordinates(measurement: Measurement) -> dict[str, FloatArray]:
-    """Each coordinate on the grid, shape (n,); see `LABELS`. ``direction`` is +1 stretching, -1 releasing, 0 hold."""
+    """Each of `COORDINATES` on the grid, shape (n,), and ``direction``: +1 stretching, -1 releasing, 0 hold."""
     strain = measurement.signals["strain"]
     rate = strain_rate(strain, measurement.dt_s)
     direction = np.where(np.abs(rate) < HOLD_RATE, 0.0, np.sign(rate))

@@ -376,8 +376,8 @@ def check_play(recording: Recording, clamp_play_mm: float) -> None:
     UserError
     """
     most_mm = MOST_PLAY * recording.gauge_length_mm
-    if not 0 <= clamp_play_mm <= most_mm:
+    if not isinstance(clamp_play_mm, int | float) or not 0 <= clamp_play_mm <= most_mm:
         raise UserError(
             f"clamp play: must be from 0 to {most_mm:g} mm ({MOST_PLAY:.0%} of the gauge length), "
-            f"got {clamp_play_mm:g}"
+            f"got {clamp_play_mm!r}"
         )

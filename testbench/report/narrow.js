@@ -4,10 +4,11 @@ const NARROW_PX = 560, PANEL_PX = 230, GAP_PX = 58;
 window.forNarrow = ({ data, layout }, width) => {
   const panels = width < NARROW_PX ? panelsOf(layout) : [];
   const columns = new Set(panels.map((panel) => panel.left.toFixed(2)));
-  if (columns.size < 2) return { data, layout: { ...layout, ...(width < NARROW_PX ? narrowMargin(layout) : {}) } };
+  const margin = width < NARROW_PX ? narrowMargin({ data, layout }, width) : {};
+  if (columns.size < 2) return { data, layout: taller(layout, margin) };
   panels.sort((one, other) => other.top - one.top || one.left - other.left);
   const inner = panels.length * PANEL_PX + (panels.length - 1) * GAP_PX;
-  const stacked = { ...layout, ...narrowMargin(layout) };
+  const stacked = { ...layout, ...margin };
   panels.forEach((panel, index) => {
     const low = Math.max(0, 1 - (index * (PANEL_PX + GAP_PX) + PANEL_PX) / inner);
     panel.now = [low, Math.min(1, low + PANEL_PX / inner)];
@@ -18,6 +19,10 @@ window.forNarrow = ({ data, layout }, width) => {
   stacked.height = inner + stacked.margin.t + stacked.margin.b;
   return { data: data.map((trace) => barBeside(trace, panels)), layout: stacked };
 };
+
+// What the margin takes is added to the height, so that the panels stay as high as they were.
+const taller = (layout, { margin }) =>
+  margin ? { ...layout, margin, height: layout.height + margin.t - (layout.margin?.t ?? 0) } : layout;
 
 // A colour bar stands beside its own panel.
 const barBeside = (trace, panels) => {
@@ -39,11 +44,21 @@ const panelsOf = (layout) =>
       return { y, x, xRef, yRef: y.replace("yaxis", "y"), left: across[0], right: across[1], top: up[1] };
     });
 
-// Its tools always stand on a screen that is touched: they get a row of their own.
-const TOOLS_PX = 44;
-const narrowMargin = (layout) => ({
-  margin: { ...layout.margin, t: Math.max(layout.margin?.t ?? 0, TOOLS_PX), l: Math.min(layout.margin?.l ?? 64, 120), r: Math.min(layout.margin?.r ?? 20, 110) },
-});
+// Its tools always stand on a screen that is touched: they get a row of their own, and so does each line of the legend.
+const TOOLS_PX = 44, LINE_PX = 20, SIGN_PX = 46, LETTER_PX = 7;
+const narrowMargin = ({ data, layout }, width) => {
+  const [left, right] = [Math.min(layout.margin?.l ?? 64, 120), Math.min(layout.margin?.r ?? 20, 110)];
+  const top = TOOLS_PX + LINE_PX * legendLines({ data, layout }, width - left - right);
+  return { margin: { ...layout.margin, t: Math.max(layout.margin?.t ?? 0, top), l: left, r: right } };
+};
+
+// How many lines the entries of a legend above the panels take: they stand in columns as wide as the longest.
+const legendLines = ({ data, layout }, width) => {
+  const names = data.filter((trace) => trace.showlegend).map((trace) => trace.name ?? "");
+  if (!names.length || (layout.legend?.y ?? 1) < 1) return 0;
+  const columns = Math.floor(width / (SIGN_PX + LETTER_PX * Math.max(...names.map((name) => name.length))));
+  return Math.ceil(names.length / Math.max(1, columns));
+};
 
 // A note on the paper goes where its panel went; one that is tied to axes goes with them by itself.
 const moved = (note, panels) => {

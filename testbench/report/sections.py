@@ -90,7 +90,7 @@ def errors_table(both: Overlay, channels: Mapping[str, Mapping[str, Any]]) -> Ta
         if name in LOGARITHM:
             rms, floor = float(np.std(both.residual(name))), both.noise_floor[name]
         unit = PANEL_UNITS[name]
-        rows.append((name, f"{plain(rms)} {unit}", f"{plain(floor, 2)} {unit}", f"{told['over_noise']:.1f} x"))
+        rows.append((name, f"{plain(rms)} {unit}", f"{plain(floor, 2)} {unit}", f"{told['over_noise']:.1f} times"))
     return Table(("Channel", "RMS error", "Noise floor", "Error over noise"), rows)
 
 

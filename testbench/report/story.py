@@ -162,5 +162,5 @@ def glance_facts(steps: Sequence[Step]) -> list[tuple[str, str]]:
         if len(steps) > 1 and steps[0].errors[channel] > 0:
             pairs.append(("against the first model", f"{100 * (error / steps[0].errors[channel] - 1):+.0f} %"))
         elif floor > 0:
-            pairs.append(("over its noise floor", f"{error / floor:.1f} x"))
+            pairs.append(("over its noise floor", f"{error / floor:.1f} times"))
     return pairs

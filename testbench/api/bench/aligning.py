@@ -48,10 +48,12 @@ class AlignmentResult:
     def words(self) -> tuple[str, ...]:
         """Delay, drift and agreement, a sentence each."""
         found = self.alignment
+        order = "before" if round(found.delay_s, 3) < 0 else "after"
+        pace = "slow" if round(found.drift_ppm) < 0 else "fast"
         return (
-            f"the plan began {round(found.delay_s, 3) + 0.0:.3f} s after the recording",
-            f"the plan's clock runs {found.drift_ppm:+.0f} ppm fast against the recorder's",
-            f"aligned, correlation {found.correlation:.5f}, difference {found.rms_mm * 1e3:.1f} um rms",
+            f"the plan began {abs(found.delay_s):.3f} s {order} the recording",
+            f"the plan's clock runs {abs(found.drift_ppm):.0f} ppm {pace} against the recorder's",
+            f"aligned, correlation {found.correlation:.5f}, difference {found.rms_mm * 1e3:.1f} µm RMS",
         )
 
     def __repr__(self) -> str:

@@ -13,7 +13,7 @@ from gcode.programs.make import Made
 from gcode.support.errors import UserError
 from gcode.support.files import write_text
 from gcode.support.html import card
-from testbench.api.arguments import AnyModel, catalogue_of, model_file_of, model_name
+from testbench.api.arguments import AnyModel, catalogue_of, model_file_of, model_name, whole
 from testbench.campaigns.campaign import matches, simulate_campaign, simulate_live
 from testbench.campaigns.clearing import vacant
 from testbench.campaigns.plan import Plan, programs_before
@@ -193,6 +193,10 @@ def program_file(program: Made | str | Path) -> Iterator[Path]:
 
     Of a program that was only generated, a file for the time of the block.
     """
+    if not isinstance(program, Made | str | Path):
+        raise UserError(
+            f"program: must be what gcode.generate made, or the path of one, got {type(program).__name__}"
+        )
     if not isinstance(program, Made):
         check_beside(Path(program))
         yield Path(program)
@@ -215,8 +219,7 @@ def planned(
     effects: Path | None = None,
 ) -> tuple[Plan, Motion]:
     """Everything that a simulated campaign depends on, and the motion of its program; parameters as in `run`."""
-    if seed < 0:
-        raise UserError(f"seed: must be a whole number, 0 or more, got {seed}")
+    seed = whole("seed:", seed, 0)
     motion, gauge = played(program, gauge_length_mm)
     past = programs_before(after, model, gauge, effects)
     return Plan(program, model, gauge, seed, sensor, instruments or Instruments(), past, rest_s, effects), motion

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from gcode.support.html import card
 from gcode.support.strict import read_json
+from testbench.api.arguments import whole
 from testbench.recordings.channels import FORCE, RESISTANCE
 from testbench.recordings.files import read_recording
 from testbench.recordings.recording import Recording
@@ -91,7 +92,7 @@ def hide(
     rate_hz: float = 40.0,
     noise: str = "any",
     protocol: str = "perlin",
-    channels: Sequence[str] = (FORCE, RESISTANCE),
+    channels: str | Sequence[str] = (FORCE, RESISTANCE),
 ) -> HiddenCase:
     """Record a sensor twice with an effect hidden in it, and write the recordings and, apart, the truth.
 
@@ -114,7 +115,7 @@ def hide(
         ``white``, ``ar1``, ``pink``, or ``any`` of them by seed.
     protocol : str
         Motion: ``perlin``, ``holds``, ``triangles``, ``return_to_zero`` or ``mix``.
-    channels : sequence of str
+    channels : str or sequence of str
         Which of ``force_N``, ``resistance_ohm`` are recorded.
 
     Returns
@@ -139,11 +140,11 @@ def hide(
         effect,
         float(strength),
         world,
-        secrets.randbelow(LARGEST_SEED) if seed is None else seed,
+        secrets.randbelow(LARGEST_SEED) if seed is None else whole("seed:", seed, 0),
         float(minutes),
         float(rate_hz),
         noise,
         protocol=protocol,
-        channels=tuple(channels),
+        channels=(channels,) if isinstance(channels, str) else tuple(channels),
     )
-    return HiddenCase(write_case(folder, case), minutes)
+    return HiddenCase(write_case(folder, case), float(minutes))

@@ -161,6 +161,8 @@ def import_file(path: str | Path, wish: Wish | None = None, *, gauge_length_mm: 
     >>> found.recording["displacement_mm"].tolist(), found.recording["force_N"].tolist()
     ([0.0, 5.0, 10.0], [0.0, 0.9, 1.8])
     """
+    if wish is not None and not isinstance(wish, Wish):
+        raise UserError(f"wish: must be a testbench.Wish, got {type(wish).__name__}; tb.Wish(gauge_length_mm=40)")
     given = wish or Wish()
     if gauge_length_mm is not None:
         given = replace(given, gauge_length_mm=gauge_length_mm)

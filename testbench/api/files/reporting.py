@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
+from gcode.support.errors import UserError
 from gcode.support.html import card
 from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of
 from testbench.api.missing.diagnosing import DiagnosisResult, diagnosis_data
@@ -143,8 +144,14 @@ def make_report(
 
 def _several(given: Any) -> list[Any]:
     """One thing, or several of it."""
-    one = isinstance(given, str | Path | Recording | DiagnosisResult)
-    return [given] if one else list(given)
+    if isinstance(given, str | Path | Recording | DiagnosisResult):
+        return [given]
+    if hasattr(given, "items") or not isinstance(given, Iterable):
+        raise UserError(
+            f"report: must be a Recording, a diagnosis, the file of one, or several, got {type(given).__name__}; "
+            "testbench.read makes a Recording of a data frame"
+        )
+    return list(given)
 
 
 def _read(source: Source, gauge_length_mm: float | None) -> Recording:

@@ -15,6 +15,7 @@ from gcode.support.figures import outline, panels, picture
 from gcode.support.html import card
 from testbench.api.arguments import Effects, Source, catalogue_of, recordings_for
 from testbench.api.missing.diagnosing import DiagnosisResult, diagnosis_data
+from testbench.api.models.overlay import residual_label
 from testbench.comparing import contribution as core
 from testbench.comparing.contribution import Contribution
 from testbench.comparing.judged import held_samples
@@ -22,9 +23,11 @@ from testbench.comparing.ladder import step_before
 from testbench.comparing.model_errors import channel_name
 from testbench.knit.catalogue import Catalogue, model_from_dict
 from testbench.knit.effect import Effect
-from testbench.measurements.responses import CONDUCTANCE_CHANNEL, UNIT_OF
+from testbench.measurements.responses import CONDUCTANCE_CHANNEL
 from testbench.report import style
+from testbench.report.words import spoken
 from testbench.results.model_file import ModelFile
+from testbench.results.result_files import checked_diagnosis
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -79,11 +82,11 @@ class ContributionResult:
         on = panels(axes, len(found.added))
         for axis, channel in zip(on, found.added, strict=True):
             for values, colour, label in (
-                (found.residual[channel], style.MEASURED, "left by the model"),
-                (found.added[channel], style.VERMILION, f"{self.effect.name} would add"),
+                (found.residual[channel], style.MEASURED, "what the model leaves"),
+                (found.added[channel], style.VERMILION, f"what {spoken(self.effect.name)} would add"),
             ):
                 axis.plot(*outline(found.time_s, values, 2000), color=colour, linewidth=1, label=label)
-            axis.set_ylabel(f"{channel_name(channel)} / {UNIT_OF[channel]}")
+            axis.set_ylabel(residual_label(channel))
             axis.margins(x=0)
         on[0].legend(frameon=False, ncols=2)
         on[-1].set_xlabel("time / s")
@@ -91,7 +94,9 @@ class ContributionResult:
 
     def _repr_html_(self) -> str:
         return card(
-            f"What {self.effect.name} would add", [self.effect.look], picture(self.plot, len(self.contribution.added))
+            f"What {spoken(self.effect.name)} would add",
+            [self.effect.look],
+            picture(self.plot, len(self.contribution.added)),
         )
 
 
@@ -136,7 +141,7 @@ def contribution(
     'stress_relaxation'
     """
     catalogue = catalogue_of(effects)
-    data = diagnosis if isinstance(diagnosis, Mapping) else diagnosis_data(diagnosis)
+    data = checked_diagnosis(diagnosis, "diagnosis") if isinstance(diagnosis, Mapping) else diagnosis_data(diagnosis)
     effect = _candidate(data, law, catalogue)
     before = step_before(data)
     without = model_from_dict(before["model"], catalogue, "diagnosis")

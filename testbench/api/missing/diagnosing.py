@@ -20,11 +20,14 @@ from testbench.api.arguments import (
     model_file_of,
     recording_of,
     recordings_for,
+    whole,
 )
 from testbench.api.models.model_result import ModelResult
 from testbench.api.progress import Tell, telling
+from testbench.comparing.words import percent
 from testbench.diagnosis.diagnosis import REST_S, Diagnosis
 from testbench.diagnosis.words import diagnosis_table, first_line
+from testbench.investigating.words import spoken
 from testbench.measurements.measurement import MAX_GRID_HZ, MIN_PART
 from testbench.recordings.doubts import check_distinct, check_grid
 from testbench.recordings.recording import Recording
@@ -124,7 +127,8 @@ class DiagnosisResult(ModelResult):
         found = self.effects
         colours = [style.VERMILION if name in found else style.SKY for name, _ in shown]
         axis.barh(range(len(shown)), [100 * chance for _, chance in shown], color=colours)
-        axis.set_yticks(range(len(shown)), [name.replace("_", " ") for name, _ in shown])
+        names = [f"{spoken(name)} ({percent(chance)})" for name, chance in shown]
+        axis.set_yticks(range(len(shown)), names)
         axis.invert_yaxis()
         axis.set_xlim(0, 100)
         axis.set_xlabel("probability that it is what is missing most / %")
@@ -191,8 +195,7 @@ def diagnose(
     >>> round(sum(d.probabilities.values()), 6)
     1.0
     """
-    if most < 1:
-        raise UserError(f"most: effects to find must be 1 or more, got {most}")
+    most = whole("most: effects to find", most, 1)
     catalogue = catalogue_of(effects)
     given = None if model is None else model_file_of(model, catalogue)
     sources = list(recording) if isinstance(recording, list | tuple) else [recording]

@@ -12,7 +12,7 @@ from gcode.support.figures import picture
 from gcode.support.files import check_place, write_text
 from gcode.support.html import card, frame_table
 from testbench import proposing as core
-from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, recordings_for
+from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, recordings_for, whole
 from testbench.api.models.model_result import ModelResult
 from testbench.api.models.overlay import plot_overlay
 from testbench.api.progress import Tell, telling
@@ -183,8 +183,7 @@ def propose(
     >>> found.verdict, found.code
     ('nothing_left', '')
     """
-    if most < 1:
-        raise UserError(f"most: laws to find must be 1 or more, got {most}")
+    most = whole("most: laws to find", most, 1)
     catalogue = catalogue_of(effects)
     check_name(name, f"{name}.py", catalogue.effects)
     file = None if model is None else model_file_of(model, catalogue)

@@ -12,23 +12,24 @@ from gcode.support.errors import UserError
 from gcode.support.figures import panels, picture
 from gcode.support.html import card, table
 from testbench.api.arguments import AnyModel, Effects, Source, catalogue_of, model_file_of, recordings_for
+from testbench.api.models.overlay import in_a_sentence, residual_label
 from testbench.comparing import compare as comparing
 from testbench.comparing.cell import Cell
 from testbench.comparing.compare import Comparison
 from testbench.comparing.judged import Judged, judged
 from testbench.comparing.model_errors import channel_name
-from testbench.comparing.residual_coordinates import LABELS
 from testbench.comparing.tables import comparison_table
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement, prepare
 from testbench.measurements.responses import UNIT_OF
 from testbench.report import style
+from testbench.report.figures.residual_figures import COORDINATE_TITLES, LOG_COORDINATES, centre
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
 
-WAYS = {1: ("stretching", style.BLUE), -1: ("releasing", style.VERMILION), 0: ("", style.INK)}
+WAYS = {1: ("stretching", style.BLUE, "^"), -1: ("releasing", style.VERMILION, "D"), 0: ("", style.INK, "o")}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -105,10 +106,10 @@ class ComparisonResult:
             name = coordinate or self._worst_coordinate(channel)
             if name not in maps:
                 raise UserError(f"plot: coordinate must be one of {', '.join(maps)}; got {name!r}")
-            _profile(axis, maps[name])
+            _profile(axis, maps[name], name)
             axis.axhline(0, color=style.FAINT, linewidth=0.8)
-            axis.set_xlabel(LABELS[name])
-            axis.set_ylabel(f"{channel_name(channel)} residual / {UNIT_OF[channel]}")
+            axis.set_xlabel(in_a_sentence(COORDINATE_TITLES[name]))
+            axis.set_ylabel(residual_label(channel))
         return np.array(on)
 
     def _worst_coordinate(self, channel: str) -> str:
@@ -124,13 +125,16 @@ class ComparisonResult:
         return card("Where the model fails", lines, *parts)
 
 
-def _profile(axis: Axes, cells: Sequence[Cell]) -> None:
-    for direction, (label, colour) in WAYS.items():
+def _profile(axis: Axes, cells: Sequence[Cell], coordinate: str) -> None:
+    for direction, (label, colour, marker) in WAYS.items():
         mine = [cell for cell in cells if cell.direction == direction]
         if mine:
-            x, y = [(cell.low + cell.high) / 2 for cell in mine], [cell.mean for cell in mine]
+            x, y = [centre(vars(cell), coordinate) for cell in mine], [cell.mean for cell in mine]
             error = [2 * cell.standard_error for cell in mine]
-            axis.errorbar(x, y, yerr=error, color=colour, marker="o", markersize=4, linewidth=1, label=label or None)
+            look: dict[str, Any] = {"color": colour, "marker": marker, "markersize": 4, "linewidth": 1}
+            axis.errorbar(x, y, yerr=error, label=label or None, **look)
+    if coordinate in LOG_COORDINATES:
+        axis.set_xscale("log")
     if axis.get_legend_handles_labels()[1]:
         axis.legend(frameon=False)
 

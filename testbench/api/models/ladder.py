@@ -16,6 +16,7 @@ from testbench.comparing.model_errors import channel_name
 from testbench.comparing.tables import ladder_table
 from testbench.measurements.responses import UNIT_OF
 from testbench.report import style
+from testbench.report.figures.ladder_figures import NAMED, step_names
 from testbench.results.model_file import ModelFile
 
 if TYPE_CHECKING:
@@ -82,8 +83,8 @@ class Ladder:
             axis.bar(range(len(held)), held, color=colours, width=0.6)
             floor = self.file.history[-1]["noise_floor"][channel]
             axis.axhline(floor, color=style.INK, linestyle="--", linewidth=1.2, label="noise floor")
-            axis.set_xticks(range(len(held)), [step.replace("_", " ") for step in self.steps])
-            axis.set_ylabel(f"held-out {channel_name(channel)} error / {UNIT_OF[channel]}")
+            axis.set_xticks(range(len(held)), step_names(self.steps, "\n", len(held) <= NAMED), fontsize=8)
+            axis.set_ylabel(f"held-out {channel_name(channel)}\nerror / {UNIT_OF[channel]}")
         on[0].legend(frameon=False)
         return np.array(on)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -13,9 +14,12 @@ from testbench.report import style
 from testbench.report.downsample import window
 from testbench.report.figures.comparison_figures import CHANNEL_TITLES, Overlay, model_colour
 from testbench.report.figures.recording_figures import line
-from testbench.report.words import PANEL_UNITS
+from testbench.report.words import PANEL_UNITS, spoken
 
 NAMED_STEPS = 3
+BESIDE, NAMED = 4, 9  # steps whose names have room where panels stand side by side, and one above the other
+HEADROOM = 1.3  # of the axis over the highest bar: for its number, and above it the name of the noise floor
+LINE = 14  # characters of a name on one line, where there is room
 
 
 @dataclass(frozen=True)
@@ -50,12 +54,23 @@ def ladder(steps: Sequence[Step], current: int | None = None) -> style.Figure:
     traces = [trace for column, channel in enumerate(channels) for trace in _rungs(steps, channel, column, current)]
     panels = [("", f"Held-out error / {PANEL_UNITS[channel]}") for channel in channels]
     axes = style.side_by_side_axes(panels, gap=0.12)
+    height = 320
+    if len(steps) > BESIDE:
+        height *= len(channels)
+        _stack(axes, len(channels))
     for column, channel in enumerate(channels):
-        _label_steps(axes, column, steps)
-        axes[style.axis_key("yaxis", column)]["range"] = [0, 1.15 * max(step.errors[channel] for step in steps)]
+        _label_steps(axes, column, steps, room=len(steps) <= NAMED)
+        axes[style.axis_key("yaxis", column)]["range"] = [0, HEADROOM * max(step.errors[channel] for step in steps)]
     floors, notes = _floors(channels, steps, range(len(channels)))
     margin = {"l": 64, "r": 20, "t": 26, "b": 60}
-    return style.figure(traces, height=320, margin=margin, shapes=floors, annotations=notes, **axes)
+    return style.figure(traces, height=height, margin=margin, shapes=floors, annotations=notes, **axes)
+
+
+def _stack(axes: dict[str, Any], count: int) -> None:
+    """Put panels one above the other: the names of many steps need the whole width."""
+    for index, domain in enumerate(style.rows(count, 0.2)):
+        axes[style.axis_key("xaxis", index)]["domain"] = [0, 1]
+        axes[style.axis_key("yaxis", index)]["domain"] = domain
 
 
 def _rungs(steps: Sequence[Step], channel: str, column: int, current: int) -> list[dict[str, Any]]:
@@ -78,19 +93,24 @@ def _label_steps(axes: dict[str, Any], column: int, steps: Sequence[Step], room:
     """Names under the bars; numbers where there is no `room` for names (the bar tells its name when pointed at)."""
     axes[style.axis_key("xaxis", column)] |= {
         "tickvals": list(range(len(steps))),
-        "ticktext": [_wrapped(step.label) for step in steps] if room else [str(n) for n in range(len(steps))],
+        "ticktext": step_names([step.label for step in steps], "<br>", room),
         "showgrid": False,
         "range": [-0.6, len(steps) - 0.4],
     }
 
 
-def _wrapped(label: str) -> str:
-    """Words instead of underscores; long names on two lines."""
-    words = label.replace("_", " ").split(" ")
-    if len(label) <= 14:
-        return " ".join(words)
-    half = max(1, round(len(words) / 2))
-    return " ".join(words[:half]) + "<br>" + " ".join(words[half:])
+def step_names(labels: Sequence[str], newline: str, room: bool = True) -> list[str]:
+    """Names of steps in spoken words, long ones on several lines; their numbers where names have no `room`."""
+    if not room:
+        return [str(number) for number in range(len(labels))]
+    width = LINE if len(labels) <= BESIDE else 1  # many: a line a word
+    return [newline.join(_lines(spoken(label), width)) for label in labels]
+
+
+def _lines(label: str, width: int) -> list[str]:
+    """A sign stays with its word."""
+    words = label.replace("+ ", "+\N{NO-BREAK SPACE}")
+    return textwrap.wrap(words, width, break_long_words=False)
 
 
 def _floors(
@@ -161,7 +181,7 @@ def _glance_axes(
             PANEL_UNITS[channel],
             domain=domain,
             anchor=style.x_ref(right),
-            range=[0, 1.2 * max(step.errors[channel] for step in steps)],
+            range=[0, HEADROOM * max(step.errors[channel] for step in steps)],
         ),
     }
     _label_steps(axes, right, steps, room=len(steps) <= NAMED_STEPS)

@@ -62,7 +62,7 @@ def _profile(cells: Sequence[Mapping[str, Any]], coordinate: str, index: int) ->
                 "type": "scatter",
                 "mode": "lines+markers",
                 "name": name,
-                "x": np.array([_centre(cell, coordinate) for cell in mine]),
+                "x": np.array([centre(cell, coordinate) for cell in mine]),
                 "y": np.array([cell["mean"] for cell in mine]),
                 "error_y": {"array": np.array([2 * cell["standard_error"] for cell in mine]), "color": colour},
                 "marker": {"size": 6, "symbol": symbol, "color": colour},
@@ -75,7 +75,8 @@ def _profile(cells: Sequence[Mapping[str, Any]], coordinate: str, index: int) ->
     return traces
 
 
-def _centre(cell: Mapping[str, Any], coordinate: str) -> float:
+def centre(cell: Mapping[str, Any], coordinate: str) -> float:
+    """Where a cell is drawn over its coordinate: strains in %, times since an event on a logarithmic axis."""
     low, high = float(cell["low"]), float(cell["high"])
     if coordinate in LOG_COORDINATES:
         return float(np.sqrt(max(low, high / 20, 1e-3) * max(high, 1e-3)))

@@ -5,11 +5,14 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+from gcode.support.errors import UserError
 from gcode.support.files import make_folder, write_text
 from testbench.report.document import Report
 from testbench.report.writing.markdown import to_markdown
 from testbench.report.writing.page import to_html
 from testbench.report.writing.static import write_figure
+
+ENDINGS = {"html": (".html", ".htm"), "md": (".md", ".markdown")}
 
 
 def write_report(
@@ -23,8 +26,14 @@ def write_report(
     -------
     list of str
         What was written, for the user to read.
+
+    Raises
+    ------
+    UserError
+        If the name of the file ends as that of another kind of file does.
     """
     output = Path(output)
+    _check_ending(output, form)
     if form == "md" and figures is None:
         figures = output.with_name(f"{output.stem}-figures")
     written = [] if figures is None else _write_figures(report, Path(figures))
@@ -35,6 +44,14 @@ def write_report(
         text = to_html(report)
     write_text(output, text)
     return [f"{output} ({output.stat().st_size / 1e6:.1f} MB)", *written]
+
+
+def _check_ending(output: Path, form: str) -> None:
+    """Refuse a name that promises another kind of file: ``report.pdf`` would hold HTML."""
+    if output.suffix and output.suffix.lower() not in ENDINGS[form]:
+        other = next((one for one, endings in ENDINGS.items() if output.suffix.lower() in endings), "")
+        remedy = f"write it as {other}, or give another name" if other else "give another name"
+        raise UserError(f"{output}: a report as {form} ends in {' or '.join(ENDINGS[form])}; {remedy}")
 
 
 def _write_figures(report: Report, folder: Path) -> list[str]:

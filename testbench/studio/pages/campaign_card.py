@@ -25,6 +25,8 @@ from testbench.studio.parts.widgets import aside, attempt
 from testbench.studio.studio import Studio
 from testbench.studio.workspace import Campaign
 
+MOST_SHOWN = 140  # characters of a trouble on a card; all of them are in its tooltip
+
 
 @dataclass(frozen=True)
 class Known:
@@ -57,11 +59,19 @@ def card_html(found: Found, known: Known) -> str:
     kind = {True: " good", False: " bad", None: ""}[known.good]
     verdict = f'<span class="tag{kind}" title="{escape(known.why)}">{escape(known.verdict)}</span>'
     note = f'<div class="text-sm note">{escape(found.note.text)}</div>' if found.note.text else ""
+    trouble = cut_short(known.why.replace(f"{found.campaign.folder}/", ""))
     return (
         f'<div class="top"><span class="name">{escape(found.campaign.name)}</span>{verdict if known.verdict else ""}'
         f'</div><div class="picture">{known.picture}</div><div class="words">{_tags(found, known)}</div>'
-        f'<div class="quiet text-sm">{escape(known.why[:140] or known.facts)}</div>{note}'
+        f'<div class="quiet text-sm">{escape(trouble or known.facts)}</div>{note}'
     )
+
+
+def cut_short(text: str) -> str:
+    """At most `MOST_SHOWN` characters, cut between two words, with dots where something is left out."""
+    if len(text) <= MOST_SHOWN:
+        return text
+    return f"{text[:MOST_SHOWN].rpartition(' ')[0] or text[:MOST_SHOWN]} …"
 
 
 def _tags(found: Found, known: Known) -> str:
@@ -82,6 +92,8 @@ class Card:
         Called with name and True or False: to be compared with another one.
     changed : callable
         Awaited when the notes have changed.
+    chosen : bool
+        Whether it is among those to be compared.
     """
 
     def __init__(
@@ -90,17 +102,18 @@ class Card:
         found: Found,
         choose: Callable[[str, bool], None],
         changed: Callable[[], Awaitable[None]],
+        chosen: bool = False,
     ) -> None:
         self.studio, self.found, self.changed = studio, found, changed
         self.known = Known(state=_state(studio, found.campaign))
         with ui.element("div").classes("campaign-card"):
             with ui.link(target=address("/recording", c=found.campaign.name)).classes("campaign"):
                 self.inside = ui.html(card_html(found, self.known), sanitize=False)
-            self._tools(found.campaign.name, choose)
+            self._tools(found.campaign.name, choose, chosen)
 
-    def _tools(self, name: str, choose: Callable[[str, bool], None]) -> None:
+    def _tools(self, name: str, choose: Callable[[str, bool], None], chosen: bool) -> None:
         with ui.element("div").classes("tools"):
-            choice = ui.checkbox(on_change=lambda event: choose(name, event.value)).props("dense")
+            choice = ui.checkbox(value=chosen, on_change=lambda event: choose(name, event.value)).props("dense")
             _named(choice, f"Compare {name} with another", "Choose two to see them side by side")
             for icon, title, label, action in (
                 ("sell", "Tags and note", f"Tags and note of {name}", self._edit),
@@ -175,6 +188,7 @@ def _sketch(studio: Studio, campaign: Campaign) -> tuple[str, str]:
     def draw() -> tuple[str, str]:
         recording = studio.workspace.recording(campaign.name)
         told = summary(recording)
-        return thumbnail(recording), " · ".join(value for _, value in told[:1] + told[3:4])
+        spans = [f"{name.lower()} {span}" for name, span in told[3:4]]  # of the strain, where there is one
+        return thumbnail(recording), " · ".join([told[0][1], *spans])
 
     return studio.sketches.recall(stamp(campaign.folder / "recording.csv"), draw)

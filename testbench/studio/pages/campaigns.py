@@ -123,7 +123,10 @@ class _List:
         self.more.set_visibility(len(fits) > self.shown)
         self.grid.clear()
         with self.grid:
-            cards = [Card(self.studio, found, self._choose, self._again) for found in fits[: self.shown]]
+            cards = [
+                Card(self.studio, found, self._choose, self._again, found.campaign.name in self.chosen)
+                for found in fits[: self.shown]
+            ]
         for card in cards:
             if turn != self.turn or self.grid.is_deleted:
                 return

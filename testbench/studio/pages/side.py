@@ -65,7 +65,7 @@ def _side(studio: Studio, name: str, kohm: bool) -> Side:
     told |= {"Origin": campaign.origin, "Specimen": campaign.specimen, "Tags": ", ".join(studio.notes.of(name).tags)}
     path = models.model_path(studio, name)
     if not path.is_file():
-        return Side(name, recording, told | {"Model": "not fitted"}, {})
+        return Side(name, recording, told | {"Model": "not fitted"} | _score(studio, name), {})
     file = about_model(path)
     told |= _model_facts(file) | _verdict(studio, name) | _score(studio, name)
     return Side(name, recording, told, file.get("fit", {}))
@@ -78,7 +78,7 @@ def _model_facts(file: Mapping[str, Any]) -> dict[str, str]:
     told = {"Model": " ".join(spoken(step["step"]) for step in steps)}
     for channel, error in steps[-1]["errors"]["held_out"].items():
         floor = steps[-1]["noise_floor"].get(channel, 0.0)
-        times = f" ({error / floor:.1f} x the noise)" if floor > 0 else ""
+        times = f" ({error / floor:.1f} times the noise)" if floor > 0 else ""
         told[f"Held-out error of the {channel}"] = f"{plain(error)} {PANEL_UNITS[channel]}{times}"
     return told
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
@@ -12,6 +13,7 @@ import pytest
 import gcode
 import testbench as tb
 from testbench.api.models.adding import laws_with
+from testbench.campaigns.alignment import Alignment
 from testbench.comparing.contribution import contribution
 from testbench.knit.catalogue import load_catalogue, model_from_dict
 from testbench.measurements.measurement import split
@@ -78,7 +80,7 @@ def test_a_comparison_says_where_in_words_and_draws_the_residual_there():
     cells = frame[(frame.channel == worst["channel"]) & (frame.coordinate == worst["coordinate"])]
     assert worst["cell"]["mean"] in set(cells["mean"])
     on = where.plot(axes(2), coordinate="strain")
-    assert [axis.get_xlabel() for axis in on] == ["strain", "strain"]
+    assert [axis.get_xlabel() for axis in on] == ["strain / %", "strain / %"]
     assert "noise floor" in where._repr_html_()
 
 
@@ -123,7 +125,7 @@ def test_mistakes_are_one_sentence():
         tb.read({"force_N": [1, 2]})
     with pytest.raises(tb.UserError, match="must be a KnitModel, a result of fit or diagnose"):
         tb.compare(relaxed(), 3)  # type: ignore[arg-type]
-    with pytest.raises(tb.UserError, match="must be 1 or more, got 0"):
+    with pytest.raises(tb.UserError, match="must be a whole number, 1 or more, got 0"):
         tb.diagnose(relaxed(), most=0)
     with pytest.raises(tb.UserError, match="bounds: allowed are v_max_mm_per_s"):
         tb.next_experiment([fitted(), fitted()], bounds={"speed": 3})
@@ -175,7 +177,7 @@ def test_a_diagnosis_has_probabilities_a_picture_and_a_ladder():
     assert frame.probability[0] == d.probabilities["stress_relaxation"]
     (axis,) = axes(1)
     assert d.plot(axis) is axis
-    assert axis.get_yticklabels()[0].get_text() == "stress relaxation"
+    assert axis.get_yticklabels()[0].get_text().startswith("stress relaxation (")
     assert d.ladder.steps[0] == "baseline"
     assert any(effect.name.startswith("stress_relaxation") for effect in d.model.effects.values())
     assert d.words in d._repr_html_().replace("&gt;", ">").replace("&lt;", "<")
@@ -230,6 +232,19 @@ def test_what_was_run_verified_and_gathered_is_shown_with_its_samples_and_proble
     assert "1 campaign, intact" in tb.verify(tmp_path / "knit")._repr_html_()
     (tmp_path / "knit" / "recording.csv").write_text("time_s,force_N")
     assert "recording.csv" in tb.verify(tmp_path / "knit")._repr_html_()
+
+
+def test_a_plan_that_began_first_is_said_to_have_begun_before_the_recording():
+    words = [
+        tb.AlignmentResult(Alignment(delay_s, drift_ppm, 0.0, 1.0, 0.004), relaxed(), Path("program.tap")).words
+        for delay_s, drift_ppm in ((-0.25, -5.2), (0.25, 5.2), (-0.0001, -0.1))
+    ]
+    assert [one[0] for one in words] == [
+        f"the plan began {told} the recording" for told in ("0.250 s before", "0.250 s after", "0.000 s after")
+    ]
+    assert [one[1].split(" against")[0] for one in words] == [
+        f"the plan's clock runs {told}" for told in ("5 ppm slow", "5 ppm fast", "0 ppm fast")
+    ]
 
 
 def test_a_hidden_case_shows_its_recordings_and_not_its_truth(tmp_path):

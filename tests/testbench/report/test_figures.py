@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import plotly.graph_objects
@@ -301,3 +303,34 @@ def test_a_base_that_misfits_is_said() -> None:
 def test_several_shapes_are_one_step_to_a_reader() -> None:
     assert overlays.step_label("+ elasticity_shape, drift_shape") == "+ base shapes"
     assert overlays.step_label("+ stress_relaxation") == "+ stress relaxation"
+
+
+def ladder_of(count: int) -> list[ladder_figures.Step]:
+    """So many steps; the last as bad as the first, so that its bar reaches as high."""
+    first, second = samples.steps()
+    names = ("+ viscous_rate_stiffening", "+ permanent_set_recovering", "+ load_cell_creep")
+    return [first, *(replace(second, label=(names * 4)[number], errors=first.errors) for number in range(count - 1))]
+
+
+@pytest.mark.parametrize("count", [2, 4, 5, 9])
+def test_neither_names_nor_numbers_of_a_ladder_lie_on_anything_else(count: int) -> None:
+    drawing = draw(ladder_figures.ladder(ladder_of(count)))
+    drawing.canvas.draw()
+    for axes in drawing.axes:
+        for texts in (axes.get_xticklabels(), axes.texts):
+            boxes = [text.get_window_extent() for text in texts]
+            assert len(boxes) >= count
+            assert not any(one.overlaps(other) for one, other in itertools.combinations(boxes, 2))
+
+
+def test_steps_without_room_for_their_names_are_numbered() -> None:
+    layout = ladder_figures.ladder(ladder_of(12))["layout"]
+    assert layout["xaxis"]["ticktext"] == [str(number) for number in range(12)]
+
+
+def test_a_bar_leaves_room_for_the_name_of_the_noise_floor_at_a_glance() -> None:
+    drawing = draw(ladder_figures.at_a_glance(samples.overlay(), ladder_of(1), (20.0, 60.0)))
+    drawing.canvas.draw()
+    for axes in drawing.axes[1::2]:
+        number, floor = (text.get_window_extent() for text in axes.texts)
+        assert not number.overlaps(floor)

@@ -205,7 +205,7 @@ def _errors(view: View, shown: Overlay) -> list[tuple[str, str]]:
         for label, rms in reversed(list(view.rms.items())):
             whose = f" ({label})" if len(view.rms) > 1 else ""
             pairs.append((f"RMS error of the {channel}{whose}", f"{plain(rms[channel])} {PANEL_UNITS[channel]}"))
-        pairs.append((f"times the noise floor of the {channel}", f"{source['over_noise']:.1f} x"))
+        pairs.append((f"the noise floor of the {channel}", f"{source['over_noise']:.1f} times"))
     return pairs
 
 

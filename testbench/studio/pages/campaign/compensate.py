@@ -78,7 +78,7 @@ def _form(studio: Studio, c: str, target: str) -> None:
             same, rest = companions(studio, c)
             others = [*same, *rest]
             judged = ui.select(others, value=same[:4], multiple=True, label="Judged on").props("outlined dense")
-            judged.style("min-width:280px").props("use-chips")
+            judged.style("min-width:min(280px, 84vw)").props("use-chips")
         if not others:
             alone = "No other campaign has this gauge length: the score will be that of the training itself."
             ui.label(alone).classes("quiet text-sm")

@@ -132,7 +132,7 @@ class _Ladder:
             for channel, error in chosen.errors.items()
         ]
         pairs += [
-            (f"times the noise floor ({channel})", f"{times:.1f} x")
+            (f"the noise floor of the {channel}", f"{times:.1f} times")
             for channel, times in zip(chosen.errors, self.over_noise[step], strict=True)
         ]
         if step:
@@ -145,8 +145,10 @@ class _Ladder:
         step = min(step, len(self.steps) - 1)
         self._tell(step)
         self.ladder.show(figures.ladder(self.steps, step))
-        self.glance.show(await aside(self._glance, step))
         self.where.note(step=str(step))
+        glance = await aside(self._glance, step)
+        if self.where.query["step"] == str(step):  # no other step has been chosen meanwhile
+            self.glance.show(glance)
 
     def _glance(self, step: int) -> dict:
         """The first model and that of `step` over the held-out samples."""

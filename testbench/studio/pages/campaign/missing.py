@@ -169,10 +169,10 @@ class _Candidates:
                 ui.label(f"{number}. {with_probability(self.diagnosis, entry['effect'])}").style("font-weight:600")
                 if entry["tied_for_first"]:
                     ui.label("tied").classes("tag bad")
-            ui.label(f"leaves {left} of the held-out error" if left else "not worth a refit").classes("quiet text-sm")
             if probability is not None:
                 with ui.element("div").classes("meter"):
                     ui.element("div").style(f"width:{100 * probability:.1f}%")
+            ui.label(f"leaves {left} of the held-out error" if left else "not worth a refit").classes("quiet text-sm")
 
     async def _look(self, entry: Mapping[str, Any]) -> None:
         for law, card in self.cards.items():
@@ -184,6 +184,8 @@ class _Candidates:
         self.detail.clear()
         with self.detail, working("Working out what it would add"):
             shown = await aside(self._predicted, entry)
+        if self.where.query["pick"] != entry["law"]:
+            return  # another one has been chosen meanwhile
         found = shown.contribution
         if self.where.query["show"] == RESISTANCE and shown.ln_S is not None:
             found = contribution_kohm(found, shown.ln_S)

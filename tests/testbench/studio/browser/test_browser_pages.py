@@ -301,3 +301,32 @@ def test_a_report_opens_without_a_network(finished: Path, page, tmp_path: Path) 
     page.evaluate("window.dispatchEvent(new Event('beforeprint'))")
     page.wait_for_function("() => document.querySelectorAll('.plot:not([data-drawn])').length === 0")
     shot(page, "report")
+
+
+LONG = "the_second_specimen-of-the-double-knit_polyester-and-lycra_with-a-name-that-goes-on_2023-11-27_run-42"
+
+
+def test_long_names_do_not_widen_a_phone(full: Served, browser) -> None:
+    shutil.copytree(full.root / "knit", full.root / LONG)
+    (full.root / "programs" / "short").rename(full.root / "programs" / LONG)
+    with screen(browser, **PHONE) as tab:
+        for path, label in (("/compensate?c=knit", "Judged on"), ("/record", "Program")):
+            tab.goto(full.address + path)
+            tab.get_by_role("combobox", name=label).wait_for()
+            tab.get_by_text(LONG).first.wait_for()
+            assert tab.evaluate("document.documentElement.scrollWidth") <= 390, path
+
+
+def test_no_legend_lies_under_the_tools_of_its_plot_on_a_phone(standing: Served, browser) -> None:
+    with screen(browser, **PHONE) as tab:
+        for path in ("/recording?c=knit", "/compare?c=knit", "/compensate?c=knit"):
+            tab.goto(standing.address + path)
+            tab.get_by_text(PAGES[path]).first.wait_for()
+            draw_all(tab)
+            gaps = tab.evaluate(
+                "[...document.querySelectorAll('.js-plotly-plot:has(.legend)')].map(e =>"
+                " e.querySelector('.legend').getBoundingClientRect().top"
+                " - e.querySelector('.modebar').getBoundingClientRect().bottom)"
+            )
+            assert gaps
+            assert min(gaps) >= 0, path

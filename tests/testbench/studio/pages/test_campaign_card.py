@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
 
 from testbench.studio.finding import Found
 from testbench.studio.notes import Note
-from testbench.studio.pages.campaign_card import Known, card_html
+from testbench.studio.pages.campaign_card import Known, card_html, looked_at
+from testbench.studio.studio import Studio
 from testbench.studio.workspace import Campaign
 
 EVIL = "<img src=x onerror=alert(1)>\"'"
@@ -52,3 +54,17 @@ def test_what_was_found_is_never_code(place: str) -> None:
     text = card_html(found(), Known(**{place: EVIL}))
     assert "<img" not in text
     assert EVIL not in text
+
+
+def test_a_span_says_of_what(studio: Studio) -> None:
+    facts = looked_at(studio, studio.workspace.campaign("sleeve")).facts
+    assert re.fullmatch(r"2\.5 min · strain 0\.0 to 10\.0 %", facts)
+
+
+def test_a_long_trouble_ends_at_a_word_and_names_files_within_the_campaign() -> None:
+    why = "knit/datapackage.json: not a campaign manifest: " + "surely " * 30
+    text = card_html(found(), Known("changed", False, why))
+    (shown,) = re.findall(r'"quiet text-sm">([^<]*)<', text)
+    assert shown.startswith("datapackage.json: not a campaign manifest: surely")
+    assert shown.endswith("surely …")
+    assert len(shown) <= 142

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import os
 import shutil
+from collections.abc import Callable
+from typing import Any
 
 import pytest
 from nicegui.testing import User
 
 import tests.testbench.report.samples as samples
 from testbench.studio import models
+from testbench.studio.pages.campaign import missing
 from testbench.studio.parts.picture import Picture
 from testbench.studio.studio import Studio
 from tests.testbench.studio.diagnoses import with_diagnosis
@@ -164,3 +168,35 @@ async def test_an_experiment_shows_its_program_and_how_decisive_it_is(user: User
     await user.should_see("Download the Mach4 program", retries=50)
     await user.should_see(Picture, retries=50)
     assert len(user.find(Picture).elements) == 1
+
+
+async def test_a_slow_answer_does_not_take_the_place_of_what_was_chosen_after_it(
+    user: User, fitted: Studio, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with_diagnosis(fitted)
+    gate, shown, show, look = asyncio.Event(), [], missing._Candidates._show, missing.aside
+    pages: list[missing._Candidates] = []
+
+    async def watched(candidates: missing._Candidates, entry: dict) -> None:
+        pages.append(candidates)
+        await show(candidates, entry)
+        shown.append(entry["law"])
+
+    async def slow(function: Callable, *arguments: Any) -> Any:
+        if arguments and arguments[0]["law"] == "stress_relaxation":
+            await gate.wait()
+        return await look(function, *arguments)
+
+    monkeypatch.setattr(missing._Candidates, "_show", watched)
+    monkeypatch.setattr(missing, "aside", slow)
+    await user.open("/missing?c=sleeve")
+    await user.should_see("Working out what it would add")
+    with user:
+        await pages[0]._look(pages[0].diagnosis["ranking"][1])
+    await user.should_see("Add load cell creep")
+    gate.set()
+    while len(shown) < 2:
+        await asyncio.sleep(0)
+    assert shown == ["load_cell_creep", "stress_relaxation"]
+    await user.should_see("Add load cell creep")
+    await user.should_not_see("Add stress relaxation")

@@ -8,6 +8,7 @@ import shutil
 from pathlib import Path
 
 import pytest
+from nicegui import ui
 from nicegui.testing import User
 
 import tests.testbench.report.samples as samples
@@ -159,3 +160,21 @@ async def test_zooms_along_time_are_understood_and_others_left() -> None:
     assert zoomed_span({"xaxis.range": [1, 2]}) == (1.0, 2.0)
     assert zoomed_span({"xaxis.autorange": True, "yaxis.autorange": True}) == (None, None)
     assert zoomed_span({"yaxis.range[0]": 1, "yaxis.range[1]": 2}) is None
+
+
+async def test_what_was_chosen_to_be_compared_stays_chosen_in_a_narrower_list(user: User, studio: Studio) -> None:
+    await user.open("/")
+    await user.should_see(kind=ui.checkbox)
+    user.find(kind=ui.checkbox).click()
+    user.find("Search").type("sleeve")
+    await user.should_see("1 campaign")
+    await user.should_see(kind=ui.checkbox)
+    (choice,) = user.find(kind=ui.checkbox).elements
+    assert choice.value is True
+
+
+async def test_a_compensator_is_compared_where_no_model_was_fitted(user: User, studio: Studio) -> None:
+    (studio.workspace.results("sleeve") / "force.score.json").write_text(json.dumps(samples.score()))
+    await user.open("/side?a=sleeve&b=sleeve")
+    await user.should_see("six half minutes", retries=50)
+    assert any("r² of the force, compensated" in html.content for html in user.find(kind=ui.html).elements)
