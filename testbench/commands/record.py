@@ -5,10 +5,18 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from testbench.commands._arguments import positive
+from testbench.commands._arguments import as_begun, positive
 
 SUMMARY = "record a campaign from the rig's serial port; --resume continues an interrupted one"
 EXAMPLE = "testbench record --port /dev/ttyUSB0 --program program.tap -o knit-7"
+# By the name in the public function.
+AS_BEGUN = {
+    "gauge_length_mm": "gauge_length_mm",
+    "specimen": "specimen",
+    "max_force_N": "max_force_n",
+    "max_strain": "max_strain",
+    "baud": "baud",
+}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -21,14 +29,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--gauge-length-mm", type=positive, metavar="L", help="default: from the program's header, else 25"
     )
-    parser.add_argument("--specimen", default="", metavar="NAME", help="what is in the clamps; kept in the manifest")
-    parser.add_argument(
-        "--max-force-n", type=positive, default=float("inf"), metavar="F", help="stop beyond this force"
-    )
-    parser.add_argument(
-        "--max-strain", type=positive, default=float("inf"), metavar="E", help="stop beyond this strain (0.3: 30 %%)"
-    )
-    parser.add_argument("--baud", type=int, default=115200, metavar="B", help="default 115200")
+    parser.add_argument("--specimen", metavar="NAME", help="what is in the clamps; kept in the manifest")
+    parser.add_argument("--max-force-n", type=positive, metavar="F", help="stop beyond this force")
+    parser.add_argument("--max-strain", type=positive, metavar="E", help="stop beyond this strain (0.3: 30 %%)")
+    parser.add_argument("--baud", type=int, metavar="B", help="default 115200")
     parser.add_argument(
         "--give-up-s",
         type=positive,
@@ -51,6 +55,8 @@ def run(args: argparse.Namespace) -> int:
     from testbench.api.bench.capturing import record, resume_recording
     from testbench.rig.status_words import json_lines, terminal
 
+    as_begun(args, ["program", *AS_BEGUN.values()], "a recording")
+    said = {key: getattr(args, name) for key, name in AS_BEGUN.items() if getattr(args, name) is not None}
     report = json_lines() if args.progress_json else terminal(f"record {Path(args.campaign).name}")
     if args.resume:
         done = resume_recording(
@@ -63,14 +69,10 @@ def run(args: argparse.Namespace) -> int:
             args.port,
             args.program,
             args.campaign,
-            gauge_length_mm=args.gauge_length_mm,
-            specimen=args.specimen,
-            max_force_N=args.max_force_n,
-            max_strain=args.max_strain,
-            baud=args.baud,
             give_up_s=args.give_up_s,
             compensator=args.compensator,
             report=report,
+            **said,
         )
     if not args.progress_json:
         print(done)

@@ -221,3 +221,9 @@ def test_consent_is_to_the_bytes_and_lives_with_the_user(tmp_path, monkeypatch):
     path.write_text("x = 2\n")
     assert not is_trusted(path)
     assert not is_trusted(folder / "missing.py")
+
+
+@pytest.mark.parametrize("said", [["--max-force-n", "5"], ["--max-strain", "0.2"], ["--baud", "9600"]])
+def test_a_limit_that_would_not_hold_is_not_taken_in_silence(recorded, capsys, said):
+    assert cli.main(["record", "--resume", "-o", str(recorded), *said]) == 2
+    assert f"{said[0]}: a recording goes on as it began; with --resume leave it out" in capsys.readouterr().err
