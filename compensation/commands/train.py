@@ -27,7 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-o", "--output", required=True, metavar="FILE", help="compensator to write (JSON)")
     parser.add_argument(
         "--method",
-        choices=("auto", "paper", "tuned"),
+        choices=("auto", "paper", "tuned"),  # of compensation.training.training, which is too heavy for --help
         help="auto (default): ridge, paper and several networks, weighted by cross-validation, or a line; paper: "
         "EMA + (4,2,2), best of 5 starts (the default where an option of its own is given); tuned: 8 networks",
     )
@@ -176,16 +176,12 @@ def _check(args: argparse.Namespace) -> None:
 
 def _from_data(args: argparse.Namespace, recordings: list[Recording], options: Options) -> TrainedCompensator:
     from compensation.series.preprocessing import series_of
-    from compensation.training import auto, tuning
-    from compensation.training.training import train
+    from compensation.training.training import METHODS, steps
     from gcode.support.console import Progress
 
-    if args.method == "auto":
-        series = [series_of(recording, args.target, options.resampling_hz) for recording in recordings]
-        return auto.train_automatically(series, args.target, options, Progress("training", auto.steps()).step)
-    tuned = args.method == "tuned"
-    progress = Progress("training", tuning.steps() if tuned else options.restarts)
-    return train(recordings, args.target, options, progress.step, tuned)
+    series = [series_of(recording, args.target, options.resampling_hz) for recording in recordings]
+    progress = Progress("training", steps(args.method, series, options))
+    return METHODS[args.method](series, args.target, options, progress.step)
 
 
 def _from_twin(args: argparse.Namespace, recordings: list[Recording], options: Options) -> TrainedCompensator:

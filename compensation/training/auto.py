@@ -31,7 +31,7 @@ from compensation.model.compensator import Scaling, TrainedCompensator
 from compensation.model.runtime import ready_for_use
 from compensation.series import score
 from compensation.series.preprocessing import Series
-from compensation.training.folds import FOLDS, folds_of, split, whole_recordings
+from compensation.training.folds import fold_count, folds_of, split, whole_recordings
 from compensation.training.intervals import of_another, of_one_recording
 from compensation.training.learners import PACES, Learner, Line, Networks, Paper, Ridge
 from compensation.training.options import Options
@@ -90,7 +90,7 @@ def train_automatically(
         "r2_interval": _interval(truth, predictions[chosen], series),
         "raw_r2": float(np.mean([score.r2_before(p.truth, p.conductance_S, compensator.sign) for p in series])),
         "line_r2": tried["line"]["r2"],
-        "folds": int(folds.max()) + 1,
+        "folds": fold_count(folds),
         "whole_recordings": whole,
         **({} if off is None else {"r2_elsewhere": elsewhere(residual, off, scale)}),
     }
@@ -99,9 +99,9 @@ def train_automatically(
     return replace(compensator, recipe=dict(compensator.recipe) | found, margins=margins)
 
 
-def steps() -> int:
-    """How often `train_automatically` reports progress, with one recording."""
-    return FOLDS * len(LEARNERS) + 1
+def steps(series: Sequence[Series]) -> int:
+    """How often `train_automatically` reports progress on these series."""
+    return fold_count(folds_of(series)) * len(LEARNERS) + 1
 
 
 def choose(predictions: Mapping[str, FloatArray], truth: FloatArray) -> str:
@@ -204,7 +204,7 @@ def cross_validated(
         In the target's unit.
     """
     found = {kind.name: np.empty((len(PACES), len(folds))) for kind in LEARNERS}
-    for number in range(int(folds.max()) + 1):
+    for number in range(fold_count(folds)):
         rest, parts = split(series, folds == number)
         for name, learner in learners_on(rest, target, options).items():
             found[name][:, folds == number] = learner.predict(learner.fit(), parts)

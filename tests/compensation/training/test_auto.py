@@ -44,7 +44,7 @@ def series(recordings):
 def trained(series):
     notes = []
     compensator = train_automatically(series[:1], "force", Options(), notes.append)
-    assert len(notes) == steps()
+    assert len(notes) == steps(series[:1])
     return compensator
 
 
