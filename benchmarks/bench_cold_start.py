@@ -12,7 +12,6 @@ from __future__ import annotations
 import argparse
 import tempfile
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -59,7 +58,7 @@ def _ratio(case: Case, target: str) -> Iterator[float]:
     if len(part) < AFTER + 2 * LOOKED_AT:
         return
     trained = train_automatically(learned, target, Options(seed=seed_of(case.name, target)))
-    yield cold_over_running(replace(trained, start="causal"), part)
+    yield cold_over_running(trained.in_use, part)
 
 
 def cold_over_running(compensator: TrainedCompensator, part: Series) -> float:
