@@ -65,7 +65,8 @@ def predicted(compensator: TrainedCompensator | Fitted, time_s: FloatArray, resi
     Raises
     ------
     UserError
-        If the compensator standardises each recording by itself: its target's mean and spread are not known here.
+        If the compensator standardises each recording by itself, whose target's mean and spread are not known here,
+        or the two are not of one length.
 
     Examples
     --------
@@ -85,9 +86,15 @@ def predicted(compensator: TrainedCompensator | Fitted, time_s: FloatArray, resi
             "a compensator trained with --per-recording needs the mean and spread of the target, which nobody knows "
             "without a reference; train without it"
         )
+    time_s, resistance_ohm = (np.asarray(values, dtype=np.float64) for values in (time_s, resistance_ohm))
+    if time_s.ndim != 1 or time_s.shape != resistance_ohm.shape:
+        raise UserError(
+            f"time_s and resistance_ohm must be one number a sample each, got shapes {time_s.shape} and "
+            f"{resistance_ohm.shape}; give the two columns of one recording"
+        )
     with np.errstate(divide="ignore", invalid="ignore"):
-        conductance_S = 1.0 / np.asarray(resistance_ohm, dtype=np.float64)
-    status = _faults(np.asarray(time_s, dtype=np.float64), conductance_S)
+        conductance_S = 1.0 / resistance_ohm
+    status = _faults(time_s, conductance_S)
     value = np.full(len(status), compensator.scaling_out.mean)
     good = np.flatnonzero(status == 0)
     breaks = np.flatnonzero(np.diff(time_s[good]) > LONGEST_STEP_S) + 1
