@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 SUMMARY = "train a compensator on one or more recordings, with what cross-validation promises of it"
 EXAMPLE = "compensation train campaigns/pes-T --target force -o pes.compensator.json"
 
-# What --method paper is told, and the other methods choose themselves.
 GIVEN_TWICE = "give each recording once, or cross-validation would predict it from itself"
+# What --method paper is told, and the other methods choose themselves.
 OWN_CHOICES = ("hidden", "factors", "factor", "count", "l2", "restarts", "engine")
 
 
@@ -42,6 +42,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="X",
         help="twin: largest strain to prepare for (default 0.3)",
     )
+    _add_own_choices(parser)
+    parser.add_argument("--seed", type=int, default=0, help="seed of the first start (default 0)")
+    parser.add_argument("--irregular", action="store_true", help="use the samples at their own times: no resampling")
+    parser.add_argument(
+        "--per-recording", action="store_true", help="standardise each recording by itself (needs all of it)"
+    )
+    parser.add_argument("--json", action="store_true", help="print the training score as JSON")
+    parser.add_argument("--plot", metavar="PNG", help="write a picture of the training score")
+
+
+def _add_own_choices(parser: argparse.ArgumentParser) -> None:
+    """The options of `OWN_CHOICES`."""
     parser.add_argument("--hidden", metavar="A,B,..", help="paper: hidden layers (default 4,2,2)")
     parser.add_argument("--factor", type=float, metavar="A", help="paper: factors A^-i (default 2.5)")
     parser.add_argument("--count", type=int, metavar="N", help="paper: number of filters (default 7)")
@@ -55,14 +67,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="K",
         help="paper: keep the best of K starts (default 5; the publication: 1)",
     )
-    parser.add_argument("--seed", type=int, default=0, help="seed of the first start (default 0)")
-    parser.add_argument("--irregular", action="store_true", help="use the samples at their own times: no resampling")
-    parser.add_argument(
-        "--per-recording", action="store_true", help="standardise each recording by itself (needs all of it)"
-    )
     parser.add_argument("--engine", help="paper: exact (default), fast, or sklearn (the reference)")
-    parser.add_argument("--json", action="store_true", help="print the training score as JSON")
-    parser.add_argument("--plot", metavar="PNG", help="write a picture of the training score")
 
 
 def run(args: argparse.Namespace) -> int:
