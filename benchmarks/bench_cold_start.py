@@ -10,13 +10,11 @@ over the same samples. The goal is a ratio of 1.5 at most.
 from __future__ import annotations
 
 import argparse
-import tempfile
 from collections.abc import Iterator
-from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
-from compensator_cases import Case, real, simulated
+from compensator_cases import Case, material, real, simulated
+from compensator_options import MEASURED, SIMULATED, add_campaigns, add_kinds, add_specimens
 from compensator_rivals import seed_of
 
 from compensation.model.compensator import TrainedCompensator
@@ -32,24 +30,22 @@ GOAL = 1.5
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--sets", default="901,902", help="numbers of the simulated specimens")
-    parser.add_argument("--kinds", default="pes,lycra,others,further", help="only these sensors")
-    parser.add_argument("--campaigns", type=Path, default=Path(tempfile.gettempdir()) / "knitbench-bench")
+    add_specimens(parser, "--sets", "901,902", "numbers of the simulated specimens")
+    add_kinds(parser, (*SIMULATED, "others", "further"), (*SIMULATED, *MEASURED))
+    add_campaigns(parser)
     args = parser.parse_args()
-    args.campaigns.mkdir(parents=True, exist_ok=True)
-    numbers, kinds = [int(number) for number in args.sets.split(",")], args.kinds.split(",")
-    cases = [case for case in simulated(args.campaigns, numbers) if case.kind in kinds] + real(args.kinds)
+    cases = [case for case in simulated(args.campaigns, args.sets) if case.kind in args.kinds] + real(args.kinds)
     print(f"{'':66} cold / running")
-    ratios = []
+    ratios: dict[str, list[float]] = {}
     for case in cases:
         for target in case.targets:
             for ratio in _ratio(case, target):
-                ratios.append(ratio)
+                ratios.setdefault("simulated" if case.kind in SIMULATED else material(case), []).append(ratio)
                 print(f"{case.name[:50] + ', ' + target:66} {ratio:.2f}", flush=True)
-    if ratios:
+    for name, found in ratios.items():
         print(
-            f"{len(ratios)} rows: median {np.median(ratios):.2f}, largest {max(ratios):.2f}, "
-            f"{sum(ratio > GOAL for ratio in ratios)} above {GOAL}"
+            f"{name}, {len(found)} rows: median {np.median(found):.2f}, largest {max(found):.2f}, "
+            f"{sum(ratio > GOAL for ratio in found)} above {GOAL}"
         )
 
 
@@ -59,7 +55,7 @@ def _ratio(case: Case, target: str) -> Iterator[float]:
     if len(part) < AFTER + 2 * LOOKED_AT:
         return
     trained = train_automatically(learned, target, Options(seed=seed_of(case.name, target)))
-    yield cold_over_running(replace(trained, start="causal"), part)
+    yield cold_over_running(trained.in_use, part)
 
 
 def cold_over_running(compensator: TrainedCompensator, part: Series) -> float:

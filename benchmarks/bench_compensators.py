@@ -12,13 +12,13 @@ from __future__ import annotations
 
 import argparse
 import json
-import tempfile
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
-from compensator_cases import Case, real, simulated
+from compensator_cases import Case, material, real, simulated
+from compensator_options import MEASURED, SIMULATED, add_campaigns, add_kinds, add_specimens, names
 from compensator_rivals import OURS, available, seed_of
 from joblib import Parallel, delayed
 
@@ -35,31 +35,28 @@ HEADINGS = {
 # Beside the paper's r2: scored as raw is, by each recording's own mean and spread; as it would be after the best gain
 # and level; and the ordinary one. The first two say how much of an error is level and gain.
 JUDGES = {"r2_as_raw": score.r2_before, "r2_best_affine": score.rho_squared, "r2_ordinary": score.r2_ordinary}
-ROWS = [(kind, target) for kind in ("pes", "lycra") for target in TARGETS]
+ROWS = [(kind, target) for kind in SIMULATED for target in TARGETS]
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    place = Path(tempfile.gettempdir()) / "knitbench-bench"
-    parser.add_argument("--sets", default="201,202,203,204,205,206", help="numbers of the specimens")
-    parser.add_argument("--methods", help="only these, by name (default: all)")
-    parser.add_argument("--kinds", default="pes,lycra,measured,others,further,unseen", help="only these sensors")
-    parser.add_argument("--campaigns", type=Path, default=place)
+    rivals, notes = available()
+    every = (*rivals, *OURS)
+    add_specimens(parser, "--sets", "201,202,203,204,205,206", "numbers of the specimens")
+    parser.add_argument(
+        "--methods", type=names(every), default=every, metavar="NAME,..", help=f"of {', '.join(every)}"
+    )
+    add_kinds(parser, (*SIMULATED, *MEASURED), (*SIMULATED, *MEASURED))
+    add_campaigns(parser)
     parser.add_argument("--results", type=Path, help="default: results.jsonl beside the campaigns")
     parser.add_argument("-j", "--jobs", type=int, default=1)
     args = parser.parse_args()
-    args.campaigns.mkdir(parents=True, exist_ok=True)
     results = args.results or args.campaigns / "results.jsonl"
-    methods, notes = available()
-    methods = {**methods, **OURS}
-    if args.methods:
-        methods = {name: methods[name] for name in args.methods.split(",")}
-    numbers = [int(number) for number in args.sets.split(",")]
-    made = [case for case in simulated(args.campaigns, numbers) if case.kind in args.kinds.split(",")]
+    made = [case for case in simulated(args.campaigns, args.sets) if case.kind in args.kinds]
     cases = [*made, *real(args.kinds)]
     known = read(results)
     jobs = (
-        delayed(judged)(case, target, [name for name in methods if (case.name, target, name) not in known])
+        delayed(judged)(case, target, [name for name in args.methods if (case.name, target, name) not in known])
         for case in cases
         for target in case.targets
     )
@@ -68,7 +65,7 @@ def main() -> None:
             for row in rows:
                 known[row["case"], row["target"], row["method"]] = row
                 print(json.dumps(row), file=file, flush=True)
-    print("\n".join([*tables(known, cases, list(methods)), *notes]))
+    print("\n".join([*tables(known, cases, args.methods), *notes]))
 
 
 def judged(case: Case, target: str, names: Sequence[str]) -> list[dict]:
@@ -117,7 +114,7 @@ def read(results: Path) -> dict[tuple[str, str, str], dict]:
 def tables(known: Mapping[tuple[str, str, str], dict], cases: Sequence[Case], methods: Sequence[str]) -> list[str]:
     """The two tables and what they come to."""
     lines: list[str] = []
-    if fresh := [case for case in cases if case.kind in ("pes", "lycra")]:
+    if fresh := [case for case in cases if case.kind in SIMULATED]:
         lines += _fresh(known, fresh, methods)
     for kind, heading in HEADINGS.items():
         if pairs := [case for case in cases if case.kind == kind]:
@@ -167,26 +164,35 @@ def _pairs(known, cases: Sequence[Case], methods: Sequence[str], heading: str) -
         {"as raw": "r2_as_raw", "affine": "r2_best_affine", "ordinary": "r2_ordinary"} if "auto" in methods else {}
     )
     head = "".join(f" {name[:13]:>13}" for name in ("raw", *methods, *(f"auto {name}" for name in extra)))
-    lines = [heading, f"{'pair':56}{head}"]
+    lines, groups = [heading, f"{'pair':56}{head}"], dict[str, list[list[float]]]()
     near, above, as_raw, count = 0, 0, 0, 0
     for case in cases:
         for target in case.targets:
             found = {name: known[case.name, target, name]["r2"] for name in methods}
             raw = known[case.name, target, methods[0]]["raw"]
             more = [known[case.name, target, "auto"][key] for key in extra.values()]
-            cells = "".join(f" {max(value, -9.999):13.3f}" for value in (raw, *found.values(), *more))
-            lines.append(f"{f'{case.name}, {target}':56}{cells}")
+            row = [raw, *found.values(), *more]
+            lines.append(f"{f'{case.name}, {target}':56}{_numbers(row)}")
+            groups.setdefault(f"{material(case)}, {target}", []).append(row)
             if "auto" in found:
                 near += found["auto"] >= max(raw, *found.values()) - 0.01
                 above += found["auto"] >= raw
                 as_raw += known[case.name, target, "auto"]["r2_as_raw"] >= raw
                 count += 1
+    groups["all"] = [row for rows in groups.values() for row in rows]
+    lines += [
+        f"{f'mean of {len(rows)}: {name}':56}{_numbers(np.mean(rows, axis=0))}" for name, rows in groups.items()
+    ]
     if count:
         lines.append(
             f"auto is within 0.01 of the best in {near} of {count}, not below raw in {above}, and not below raw in "
             f"{as_raw} where it is scored as raw is, by each recording's own mean and spread"
         )
     return lines
+
+
+def _numbers(values: Iterable[float]) -> str:
+    return "".join(f" {max(value, -9.999):13.3f}" for value in values)
 
 
 def _with_interval(values: Sequence[float]) -> str:

@@ -3,8 +3,8 @@
     python benchmarks/bench_intervals.py [--trained 411,412,413,414] [--tested 415,416,417,418] [--kinds pes,...]
 
 `auto` learns from campaign T of the trained specimens, of all of them together and of each alone, and predicts
-campaign A of the tested ones. Kinds measured, others, further, unseen: each
-pair of `compensator_cases`, learned from one recording.
+campaign A of the tested ones. Of the kinds measured, others, further and unseen it is each pair of
+`compensator_cases`, learned from one recording.
 
     python benchmarks/bench_intervals.py --halves 731,732,733,734,735,736,737,738 [--kinds pes,lycra]
 
@@ -15,13 +15,13 @@ half of the specimens and predicts that of the others, once for each way of halv
 from __future__ import annotations
 
 import argparse
-import tempfile
 from collections.abc import Iterator, Sequence
 from itertools import combinations
 from pathlib import Path
 
 import numpy as np
 from compensator_cases import real
+from compensator_options import MEASURED, SIMULATED, add_campaigns, add_kinds, add_specimens
 from compensator_rivals import seed_of
 
 from compensation.model.compensator import TrainedCompensator
@@ -33,24 +33,22 @@ from compensation.training.learners import Ridge
 from compensation.training.least_squares import Sums
 from compensation.training.options import Options
 
-RATE_HZ, SIMULATED = 20.0, ("pes", "lycra")
-RIDGE_L2 = 1e-2
+RATE_HZ, RIDGE_L2 = 20.0, 1e-2
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--trained", default="411,412,413,414", help="numbers of the specimens that are learned from")
-    parser.add_argument("--tested", default="415,416,417,418", help="numbers of those that are predicted")
-    parser.add_argument("--kinds", default="pes,lycra,measured,others,further,unseen", help="only these sensors")
-    parser.add_argument("--campaigns", type=Path, default=Path(tempfile.gettempdir()) / "knitbench-bench")
-    parser.add_argument("--halves", help="numbers of specimens: the ridge alone, every way of halving them")
+    add_specimens(parser, "--trained", "411,412,413,414", "numbers of the specimens that are learned from")
+    add_specimens(parser, "--tested", "415,416,417,418", "numbers of those that are predicted")
+    add_kinds(parser, (*SIMULATED, *MEASURED), (*SIMULATED, *MEASURED))
+    add_campaigns(parser)
+    add_specimens(parser, "--halves", None, "numbers of specimens: the ridge alone, every way of halving them")
     args = parser.parse_args()
-    args.campaigns.mkdir(parents=True, exist_ok=True)
     if args.halves:
         _report_halves(args)
         return
     print(f"{'':20} {'learned from':24} share of errors inside: mean (lowest to highest recording)")
-    for kind in args.kinds.split(","):
+    for kind in args.kinds:
         for target in TARGETS:
             rows = _simulated(args, kind, target) if kind in SIMULATED else _measured(kind, target)
             for name, shares in rows:
@@ -62,12 +60,10 @@ def _report_halves(args: argparse.Namespace) -> None:
     print(
         f"{'':20} share of errors inside: mean, standard deviation and range over halvings; of them in 0.85 to 0.95"
     )
-    for kind in (kind for kind in args.kinds.split(",") if kind in SIMULATED):
+    for kind in (kind for kind in args.kinds if kind in SIMULATED):
         for target in TARGETS:
-            numbers = [int(number) for number in args.halves.split(",")]
-            found = np.array(
-                list(_halves([_first(args.campaigns, kind, target, number) for number in numbers], target))
-            )
+            series = [_first(args.campaigns, kind, target, number) for number in args.halves]
+            found = np.array(list(_halves(series, target)))
             near = float(np.mean((found >= 0.85) & (found <= 0.95)))
             print(
                 f"{kind + ' ' + target:20} {found.mean():.3f}, {found.std():.3f}, "
@@ -100,8 +96,8 @@ def _halves(series: Sequence[Series], target: str) -> Iterator[float]:
 def _simulated(args: argparse.Namespace, kind: str, target: str) -> Iterator[tuple[str, list[float]]]:
     learned, tests = (
         [
-            series_of(campaigns(args.campaigns, kind, runs=runs, number=int(number))[runs[-1]], target, RATE_HZ)
-            for number in numbers.split(",")
+            series_of(campaigns(args.campaigns, kind, runs=runs, number=number)[runs[-1]], target, RATE_HZ)
+            for number in numbers
         ]
         for numbers, runs in ((args.trained, TAB[:1]), (args.tested, TAB[:2]))
     )
@@ -112,7 +108,7 @@ def _simulated(args: argparse.Namespace, kind: str, target: str) -> Iterator[tup
 
 def _measured(kind: str, target: str) -> Iterator[tuple[str, list[float]]]:
     shares: list[float] = []
-    for case in real(kind):
+    for case in real([kind]):
         if target not in case.targets:
             continue
         learned, tests = ([series_of(one, target, RATE_HZ) for one in part] for part in case.load())

@@ -16,14 +16,13 @@ reference: raw (given the mean and the spread of the target there, which nobody 
 from __future__ import annotations
 
 import argparse
-import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 from compensator_ageing import chain
 from compensator_cases import Case, real
+from compensator_options import MEASURED, SIMULATED, add_campaigns, add_specimens, names
 from compensator_rivals import seed_of
 
 from compensation.model.compensator import TrainedCompensator
@@ -45,22 +44,26 @@ JUDGES = (score.r2, score.r2_ordinary)
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--sets", default="301,302,303", help="numbers of the specimens")
-    parser.add_argument("--campaigns", type=Path, default=Path(tempfile.gettempdir()) / "knitbench-bench")
-    parser.add_argument("--pairs", help="measured pairs in place of specimens: others, further, unseen")
+    add_specimens(parser, "--sets", "301,302,303", "numbers of the specimens")
+    add_campaigns(parser)
+    parser.add_argument(
+        "--pairs",
+        type=names(MEASURED),
+        metavar="KIND,..",
+        help=f"measured pairs in place of specimens, of {', '.join(MEASURED)}",
+    )
     parser.add_argument("--seconds", type=float, default=30.0, help="of reference, for --pairs")
     args = parser.parse_args()
     if args.pairs:
         _report_pairs(real(args.pairs), args.seconds)
         return
-    args.campaigns.mkdir(parents=True, exist_ok=True)
-    numbers = [int(number) for number in args.sets.split(",")]
-    print(f"ordinary r2 after the first minute, mean (worst) over specimens {args.sets}")
+    shown = ",".join(map(str, args.sets))
+    print(f"ordinary r2 after the first minute, mean (worst) over specimens {shown}")
     print(f"{'':20} {'tested on':20}" + "".join(f" {way:>16}" for way in WAYS))
-    for sensor in ("pes", "lycra"):
-        runs = {number: chain(args.campaigns, sensor, number, (1, *LATER)) for number in numbers}
+    for sensor in SIMULATED:
+        runs = {number: chain(args.campaigns, sensor, number, (1, *LATER)) for number in args.sets}
         for target in TARGETS:
-            series = {n: {w: series_of(r, target, RATE_HZ) for w, r in runs[n].items()} for n in numbers}
+            series = {n: {w: series_of(r, target, RATE_HZ) for w, r in runs[n].items()} for n in args.sets}
             table: dict[str, list[list[float]]] = {}
             for name, values in _judged(series, target):
                 table.setdefault(name, []).append(values)

@@ -12,12 +12,12 @@ rounding (1 + 2^-52): if that curve leaves as early, the difference is the train
 from __future__ import annotations
 
 import argparse
-import tempfile
 import time
-from pathlib import Path
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from compensator_options import add_campaigns
 from joblib import Parallel, delayed
 
 from compensation.engines.engine import DEFAULT_L2, ENGINES
@@ -50,13 +50,12 @@ def main() -> None:
     parser.add_argument("--sample", type=int, default=40)
     parser.add_argument("--sensor", choices=("pes", "lycra"), default="pes")
     parser.add_argument("--target", choices=("force", "displacement"), default="force")
-    parser.add_argument("--campaigns", type=Path, default=Path(tempfile.gettempdir()) / "knitbench-bench")
+    add_campaigns(parser)
     parser.add_argument(
         "--without-sklearn", action="store_true", help="the exact engine stands in: seconds, not minutes"
     )
     parser.add_argument("-j", "--jobs", type=int, default=2)
     args = parser.parse_args()
-    args.campaigns.mkdir(parents=True, exist_ok=True)
     series = prepared(campaigns(args.campaigns, args.sensor, runs=TAB), args.target)
     everything = search_space.candidates()
     sample = search_space.spread(everything, args.sample)
@@ -69,8 +68,10 @@ def main() -> None:
     report(results, len(everything) / len(sample))
 
 
-def compared(series: dict[str, Series], target: str, candidate: search_space.Candidate) -> Result:
-    """Train one candidate by every engine."""
+def compared(
+    series: dict[str, Series], target: str, candidate: search_space.Candidate, engines: Sequence[str] = ORDER
+) -> Result:
+    """Train one candidate by these engines, of which the last is the reference."""
     for name in ("fast", "exact"):  # compile, or load what was compiled
         ENGINES[name](np.ones((10, 2)), np.ones(10), (2,), 0, DEFAULT_L2)
     blank = untrained([series["T"]], target, Options(alphas=candidate.bank.alphas))
@@ -78,12 +79,12 @@ def compared(series: dict[str, Series], target: str, candidate: search_space.Can
     parts = [series[name] for name in "AB"]
     tests = [(blank.features(p.time_s, p.conductance_S), blank.scaling_out.apply(p.truth)) for p in parts]
     fits, seconds = {}, {}
-    for name in ORDER:
+    for name in engines:
         begin = time.process_time()
         fits[name] = ENGINES[name](features, truth, candidate.sizes, 0, DEFAULT_L2)
         seconds[name] = time.process_time() - begin
     scores = {name: float(np.mean([r2(y, fit.network(x)) for x, y in tests])) for name, fit in fits.items()}
-    exact, reference = fits["exact"].loss_curve, fits[ORDER[-1]].loss_curve
+    exact, reference = fits["exact"].loss_curve, fits[engines[-1]].loss_curve
     left_at, difference = departure(exact, reference)
     by_rounding = None
     if left_at is not None:

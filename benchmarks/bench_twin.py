@@ -12,13 +12,13 @@ the whole of A and B.
 from __future__ import annotations
 
 import argparse
-import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from compensator_options import add_campaigns, add_specimens
 from joblib import Parallel, delayed
 
 from compensation.model.compensator import TrainedCompensator
@@ -88,21 +88,19 @@ def scores(trial: Trial, target: str) -> list[float]:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--sets", default="21,22,23,11,12", help="numbers of the simulated specimens")
+    add_specimens(parser, "--sets", "21,22,23,11,12", "numbers of the simulated specimens")
     parser.add_argument("--trials", type=int, default=5, choices=range(1, 6))
-    parser.add_argument("--campaigns", type=Path, default=Path(tempfile.gettempdir()) / "knitbench-bench")
+    add_campaigns(parser)
     parser.add_argument("-j", "--jobs", type=int, default=2)
     parser.add_argument("--sensor", choices=("pes", "lycra", "strip"), action="append", help="default: all three")
     args = parser.parse_args()
-    args.campaigns.mkdir(parents=True, exist_ok=True)
-    numbers = [int(number) for number in args.sets.split(",")]
     print(f"mean r2 over A and B after {SHORT_S:g} s; up to {args.trials} trials: mean (worst), then each")
     print(f"{'sensor':6} {'target':12}" + "".join(f" {name:>16}" for name in METHODS) + "  twin less tuned, each")
     for sensor in args.sensor or ("pes", "lycra", "strip"):
         if sensor == "strip" and not STRIP.is_dir():
             continue
         for target in TARGETS:
-            cases = trials(sensor, args.campaigns, numbers, args.trials)
+            cases = trials(sensor, args.campaigns, args.sets, args.trials)
             found = np.array(Parallel(n_jobs=args.jobs)(delayed(scores)(trial, target) for trial in cases))
             cells = [f"{column.mean():.3f} ({column.min():.3f})" for column in found.T]
             gains = " ".join(f"{gain:+.2f}" for gain in found[:, 2] - found[:, 1])

@@ -95,10 +95,15 @@ def simulated(folder: Path, numbers: Sequence[int]) -> Iterator[Case]:
             yield Case(sensor, f"{sensor}@{number}", lambda s=sensor, n=number: load(s, n))
 
 
-def real(kinds: str) -> list[Case]:
-    """The measured cases of these kinds, named with commas."""
+def real(kinds: Sequence[str]) -> list[Case]:
+    """The measured cases of these kinds."""
     every = (*measured(), *others(), *further(), *unseen())
-    return [case for case in every if case.kind in kinds.split(",")]
+    return [case for case in every if case.kind in kinds]
+
+
+def material(case: Case) -> str:
+    """First word of a measured case's name; the strip's pairs of `measured` have none."""
+    return "cb" if case.kind == "measured" else case.name.split()[0]
 
 
 def measured() -> Iterator[Case]:

@@ -13,7 +13,8 @@ from __future__ import annotations
 import argparse
 
 import numpy as np
-from compensator_cases import Case, real
+from compensator_cases import material, real
+from compensator_options import MEASURED, add_kinds
 
 from compensation.series import score
 from compensation.series.preprocessing import Series, series_of
@@ -24,7 +25,7 @@ COLUMNS = ("zero", "mean", "slope", "raw", "line", "+ zero", "+ gain", "+ both")
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--kinds", default="measured,others,further", help="kinds of compensator_cases")
+    add_kinds(parser, ("measured", "others", "further"), MEASURED)
     args = parser.parse_args()
     print(f"{'pair':62}" + "".join(f" {name:>7}" for name in COLUMNS))
     materials: dict[str, list[list[float]]] = {}
@@ -40,11 +41,6 @@ def main() -> None:
         apart = [*np.sqrt(np.mean(found[:, :2] ** 2, axis=0)), np.exp(np.sqrt(np.mean(np.log(found[:, 2]) ** 2)))]
         cells = "".join(f" {value:7.3f}" for value in (*apart, *found[:, 3:].mean(axis=0)))
         print(f"{f'{name}, {len(rows)} rows: root mean squares (slope: a factor), means':62}" + cells)
-
-
-def material(case: Case) -> str:
-    """First word of the case's name; the strip's pairs of `measured` have none."""
-    return "cb" if case.kind == "measured" else case.name.split()[0]
 
 
 def moved(first: Series, second: Series) -> list[float]:

@@ -33,8 +33,9 @@ def run(args: argparse.Namespace) -> int:
 
     from compensation.commands.common import check_long_enough, check_places
     from compensation.model.files import load
-    from compensation.model.prediction import predicted, read_samples
+    from compensation.model.prediction import predicted
     from compensation.series.preprocessing import TARGETS
+    from compensation.series.reading import read_samples
     from gcode.support.files import atomic_path
 
     check_places(args.output, None)

@@ -51,13 +51,12 @@ def run(args: argparse.Namespace) -> int:
 
 def _reference(args: argparse.Namespace, compensator: TrainedCompensator) -> Series:
     """The first seconds of the recording: its own reference, or zero throughout."""
-    from compensation.model.prediction import at_rest
     from compensation.series.preprocessing import reference_of
     from compensation.series.reading import check_tared, read_signals
-    from compensation.training.recalibration import reach
+    from compensation.training.recalibration import reach, reference_at_rest
 
     if args.rest:
-        return at_rest(compensator, args.recording, args.seconds)
+        return reference_at_rest(compensator, args.recording, args.seconds)
     recording = read_signals(args.recording, args.gauge_length_mm)
     begin_s = float(recording.time_s[0])
     recording = recording.between(begin_s, begin_s + args.seconds)

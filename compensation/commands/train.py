@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 SUMMARY = "train a compensator on one or more recordings, with what cross-validation promises of it"
 EXAMPLE = "compensation train campaigns/pes-T --target force -o pes.compensator.json"
 
-# What --method paper is told, and the other methods choose themselves.
 GIVEN_TWICE = "give each recording once, or cross-validation would predict it from itself"
+# What --method paper is told, and the other methods choose themselves.
 OWN_CHOICES = ("hidden", "factors", "factor", "count", "l2", "restarts", "engine")
 
 
@@ -27,7 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-o", "--output", required=True, metavar="FILE", help="compensator to write (JSON)")
     parser.add_argument(
         "--method",
-        choices=("auto", "paper", "tuned"),
+        choices=("auto", "paper", "tuned"),  # of compensation.training.training, which is too heavy for --help
         help="auto (default): ridge, paper and several networks, weighted by cross-validation, or a line; paper: "
         "EMA + (4,2,2), best of 5 starts (the default where an option of its own is given); tuned: 8 networks",
     )
@@ -42,6 +42,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="X",
         help="twin: largest strain to prepare for (default 0.3)",
     )
+    _add_own_choices(parser)
+    parser.add_argument("--seed", type=int, default=0, help="seed of the first start (default 0)")
+    parser.add_argument("--irregular", action="store_true", help="use the samples at their own times: no resampling")
+    parser.add_argument(
+        "--per-recording", action="store_true", help="standardise each recording by itself (needs all of it)"
+    )
+    parser.add_argument("--json", action="store_true", help="print the training score as JSON")
+    parser.add_argument("--plot", metavar="PNG", help="write a picture of the training score")
+
+
+def _add_own_choices(parser: argparse.ArgumentParser) -> None:
+    """The options of `OWN_CHOICES`."""
     parser.add_argument("--hidden", metavar="A,B,..", help="paper: hidden layers (default 4,2,2)")
     parser.add_argument("--factor", type=float, metavar="A", help="paper: factors A^-i (default 2.5)")
     parser.add_argument("--count", type=int, metavar="N", help="paper: number of filters (default 7)")
@@ -55,14 +67,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="K",
         help="paper: keep the best of K starts (default 5; the publication: 1)",
     )
-    parser.add_argument("--seed", type=int, default=0, help="seed of the first start (default 0)")
-    parser.add_argument("--irregular", action="store_true", help="use the samples at their own times: no resampling")
-    parser.add_argument(
-        "--per-recording", action="store_true", help="standardise each recording by itself (needs all of it)"
-    )
     parser.add_argument("--engine", help="paper: exact (default), fast, or sklearn (the reference)")
-    parser.add_argument("--json", action="store_true", help="print the training score as JSON")
-    parser.add_argument("--plot", metavar="PNG", help="write a picture of the training score")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -176,16 +181,12 @@ def _check(args: argparse.Namespace) -> None:
 
 def _from_data(args: argparse.Namespace, recordings: list[Recording], options: Options) -> TrainedCompensator:
     from compensation.series.preprocessing import series_of
-    from compensation.training import auto, tuning
-    from compensation.training.training import train
+    from compensation.training.training import METHODS, steps
     from gcode.support.console import Progress
 
-    if args.method == "auto":
-        series = [series_of(recording, args.target, options.resampling_hz) for recording in recordings]
-        return auto.train_automatically(series, args.target, options, Progress("training", auto.steps()).step)
-    tuned = args.method == "tuned"
-    progress = Progress("training", tuning.steps() if tuned else options.restarts)
-    return train(recordings, args.target, options, progress.step, tuned)
+    series = [series_of(recording, args.target, options.resampling_hz) for recording in recordings]
+    progress = Progress("training", steps(args.method, series, options))
+    return METHODS[args.method](series, args.target, options, progress.step)
 
 
 def _from_twin(args: argparse.Namespace, recordings: list[Recording], options: Options) -> TrainedCompensator:

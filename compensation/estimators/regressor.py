@@ -21,13 +21,13 @@ from compensation.model.files import LARGEST_RATE_HZ, SMALLEST_RATE_HZ, save
 from compensation.model.runtime import check_streams
 from compensation.model.streaming import CompensatorStream
 from compensation.series.preprocessing import TARGETS, Series
-from compensation.training.auto import train_automatically
 from compensation.training.options import HIGHEST_SEED, Options
-from compensation.training.training import train_on_series
-from compensation.training.tuning import tune
+from compensation.training.training import METHODS
 from gcode.support.arrays import FloatArray
+from gcode.support.errors import UserError
 
-METHODS = ("auto", "paper", "tuned", "ridge")
+RIDGE = "ridge"
+EVERY_METHOD = (*METHODS, RIDGE)
 # Below, the networks of auto have nothing to be validated on.
 FEWEST_S, FEWEST_ROWS = 20.0, 10
 RIDGE_L2 = 1e-2
@@ -56,7 +56,7 @@ class Compensator(RegressorMixin, BaseEstimator):
     Attributes
     ----------
     compensator_ : compensation.model.compensator.TrainedCompensator or None
-        What `stream`, `save` and the exports use; None where `ridge` was used.
+        What was learned, as it is (`trained` checks it for use); None where `ridge` was used.
     n_features_in_ : int
 
     Examples
@@ -108,7 +108,7 @@ class Compensator(RegressorMixin, BaseEstimator):
                     f"a recording needs at least 2 rows, group {label!r} has 1; give it more or leave it out"
                 )
         self._why_ridge = self._reason_for_ridge(X, y)
-        if self._why_ridge and self.method != "ridge":
+        if self._why_ridge and self.method != RIDGE:
             warnings.warn(f"learned by ridge, not by {self.method}: {self._why_ridge}", stacklevel=2)
         self.compensator_: TrainedCompensator | None = None
         self._ridge: _Ridge | None = None
@@ -137,26 +137,35 @@ class Compensator(RegressorMixin, BaseEstimator):
 
     def stream(self) -> CompensatorStream:
         """A fresh running state, to be fed sample by sample: ``update(conductance_S, dt_s)``, ``status``."""
-        return CompensatorStream(self._whole())
+        return CompensatorStream(self)
 
     def save(self, path: str | Path) -> None:
         """Write what ``compensation predict``, ``score`` and ``export`` read."""
-        save(path, self._whole())
+        save(path, self.trained())
 
-    def _whole(self) -> TrainedCompensator:
+    def trained(self) -> TrainedCompensator:
+        """What was learned, for whatever feeds it conductances in S: `stream`, `save`, `predicted` and the exports.
+
+        Raises
+        ------
+        NotFittedError
+            Before `fit`.
+        UserError
+            If `ridge` was used, or what was learned from is no conductance in S.
+        """
         check_is_fitted(self)
         if self.compensator_ is None:
-            raise ValueError(
-                f"fitted by ridge ({self._why_ridge}): it has no stream and no file; fit one column of "
+            raise UserError(
+                f"fitted by ridge ({self._why_ridge}): it has no stream, no file and no export; fit one column of "
                 f"{FEWEST_S:g} s or more with method auto, paper or tuned"
             )
         check_streams(self.compensator_)
         return self.compensator_
 
     def _check_parameters(self) -> None:
-        if self.method not in METHODS or self.target not in TARGETS:
+        if self.method not in EVERY_METHOD or self.target not in TARGETS:
             raise ValueError(
-                f"method must be one of {', '.join(METHODS)} and target one of {', '.join(TARGETS)}, "
+                f"method must be one of {', '.join(EVERY_METHOD)} and target one of {', '.join(TARGETS)}, "
                 f"got {self.method!r} and {self.target!r}"
             )
         if not (isinstance(self.rate_hz, Real) and SMALLEST_RATE_HZ <= self.rate_hz <= LARGEST_RATE_HZ):
@@ -168,7 +177,7 @@ class Compensator(RegressorMixin, BaseEstimator):
 
     def _reason_for_ridge(self, X: FloatArray, y: FloatArray) -> str:
         """Why ridge is what learns; empty where it is not."""
-        if self.method == "ridge":
+        if self.method == RIDGE:
             return "as asked for"
         if X.shape[1] > 1:
             return f"X has {X.shape[1]} columns, the others take one"
@@ -184,8 +193,7 @@ class Compensator(RegressorMixin, BaseEstimator):
 
     def _trained(self, series: list[Series]) -> TrainedCompensator:
         options = Options(seed=int(self.seed), rate_hz=float(self.rate_hz))
-        learn = {"auto": train_automatically, "paper": train_on_series, "tuned": tune}[self.method]
-        return learn(series, self.target, options)
+        return METHODS[self.method](series, self.target, options)
 
     def __sklearn_tags__(self) -> Any:
         tags = super().__sklearn_tags__()

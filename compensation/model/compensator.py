@@ -39,9 +39,10 @@ class Scaling:
 
 
 class Fitted(Protocol):
-    """An estimator that has learned a compensator, or None where it learned something else."""
+    """An estimator that says what compensator it has learned."""
 
-    compensator_: TrainedCompensator | None
+    def trained(self) -> TrainedCompensator:
+        """That compensator; an error where it has not been fitted, or has learned something else."""
 
 
 def trained(compensator: TrainedCompensator | Fitted) -> TrainedCompensator:
@@ -50,15 +51,16 @@ def trained(compensator: TrainedCompensator | Fitted) -> TrainedCompensator:
     Raises
     ------
     UserError
-        If it is neither.
+        If it is neither, or the estimator was fitted by ridge.
     """
-    found = getattr(compensator, "compensator_", compensator)
-    if not isinstance(found, TrainedCompensator):
+    if isinstance(compensator, TrainedCompensator):
+        return compensator
+    if not hasattr(compensator, "trained"):
         raise UserError(
             "compensator: must be what compensation.load gives, or a fitted compensation.Compensator, got "
             f"{compensator!r}"
         )
-    return found
+    return compensator.trained()
 
 
 @dataclass(frozen=True)

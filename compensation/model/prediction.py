@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,14 +19,8 @@ from compensation.model.runtime import (
     Status,
     ranges_of,
 )
-from compensation.series.preprocessing import Series
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
-from testbench.recordings.csv_columns import read_frame
-from testbench.recordings.files import check_beside, verified
-
-# Standard deviations of the training: a sensor that was just put down still relaxes, one in use moves by about 1.
-MOST_WANDER = 0.5
 
 
 @dataclass(frozen=True)
@@ -72,7 +65,8 @@ def predicted(compensator: TrainedCompensator | Fitted, time_s: FloatArray, resi
     Raises
     ------
     UserError
-        If the compensator standardises each recording by itself: its target's mean and spread are not known here.
+        If the compensator standardises each recording by itself, whose target's mean and spread are not known here,
+        or the two are not of one length.
 
     Examples
     --------
@@ -92,9 +86,15 @@ def predicted(compensator: TrainedCompensator | Fitted, time_s: FloatArray, resi
             "a compensator trained with --per-recording needs the mean and spread of the target, which nobody knows "
             "without a reference; train without it"
         )
+    time_s, resistance_ohm = (np.asarray(values, dtype=np.float64) for values in (time_s, resistance_ohm))
+    if time_s.ndim != 1 or time_s.shape != resistance_ohm.shape:
+        raise UserError(
+            f"time_s and resistance_ohm must be one number a sample each, got shapes {time_s.shape} and "
+            f"{resistance_ohm.shape}; give the two columns of one recording"
+        )
     with np.errstate(divide="ignore", invalid="ignore"):
-        conductance_S = 1.0 / np.asarray(resistance_ohm, dtype=np.float64)
-    status = _faults(np.asarray(time_s, dtype=np.float64), conductance_S)
+        conductance_S = 1.0 / resistance_ohm
+    status = _faults(time_s, conductance_S)
     value = np.full(len(status), compensator.scaling_out.mean)
     good = np.flatnonzero(status == 0)
     breaks = np.flatnonzero(np.diff(time_s[good]) > LONGEST_STEP_S) + 1
@@ -157,59 +157,3 @@ def _held(value: FloatArray, good: NDArray[np.intp]) -> FloatArray:
     latest[good] = good
     latest = np.maximum.accumulate(latest)
     return np.where(latest >= 0, value[np.maximum(latest, 0)], value)
-
-
-def read_samples(path: str | Path) -> tuple[FloatArray, FloatArray]:
-    """Time (s) and resistance (ohm) of a recording, faulty rows included.
-
-    Raises
-    ------
-    UserError
-        If the file is missing, malformed or not the one that its manifest describes, or lacks either column.
-    """
-    import pandas as pd
-
-    place, growing = Path(path), False
-    if place.is_dir():
-        place, campaign = verified(place)
-        growing = campaign.in_progress
-    else:
-        check_beside(place)
-    frame = read_frame(place, growing)
-    for name in ("time_s", "resistance_ohm"):
-        if name not in frame:
-            have = ", ".join(map(str, frame.columns[:8]))
-            raise UserError(f"{place}: no column {name} (found: {have}); name yours with `testbench import`")
-    if frame.empty:
-        raise UserError(f"{place}: no sample in it")
-    time_s, resistance_ohm = (
-        pd.to_numeric(frame[name], errors="coerce").to_numpy(dtype=np.float64)
-        for name in ("time_s", "resistance_ohm")
-    )
-    return time_s, resistance_ohm
-
-
-def at_rest(compensator: TrainedCompensator, path: str | Path, seconds: float) -> Series:
-    """The beginning of a recording of a sensor without load: its target is zero throughout.
-
-    Raises
-    ------
-    UserError
-        As `read_samples`; if less than two samples are good; or if the reading wanders as a moved sensor's does.
-    """
-    time_s, resistance_ohm = read_samples(path)
-    good = np.isfinite(time_s) & np.isfinite(resistance_ohm) & (resistance_ohm > 0)
-    good &= time_s <= np.nanmin(time_s, initial=np.inf) + seconds
-    if good.sum() < 2 or not (np.diff(time_s[good]) > 0).all():
-        raise UserError(f"{path}: fewer than two good samples in order of time within {seconds:g} s of its beginning")
-    time_s, resistance_ohm = time_s[good], resistance_ohm[good]
-    wander = float(np.std(1.0 / resistance_ohm)) / compensator.scaling_in.scale
-    if wander > MOST_WANDER:
-        raise UserError(
-            f"{path}: over its first {seconds:g} s the conductance spreads {wander:.2f} times as far as in the "
-            f"training, at rest it does {MOST_WANDER:g} times at most; give --seconds of rest, or leave --rest out"
-        )
-    if compensator.resampling_hz is not None:
-        grid = np.arange(time_s[0], time_s[-1], 1.0 / compensator.resampling_hz)
-        time_s, resistance_ohm = grid, np.interp(grid, time_s, resistance_ohm)
-    return Series(time_s, 1.0 / resistance_ohm, np.zeros(len(time_s)), str(path))

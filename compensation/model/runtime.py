@@ -109,10 +109,10 @@ def ready_for_use(compensator: TrainedCompensator, series: Sequence[Series]) -> 
     signals = [compensator.scaling_in.apply(part.conductance_S) for part in series]
     everything, x = np.concatenate(features), np.concatenate(signals)
     seen = Seen(float(x.min()), float(x.max()), everything.min(axis=0), everything.max(axis=0))
-    return replace(compensator, seen=seen, beginning=_expected(compensator, features, signals))
+    return replace(compensator, seen=seen, beginning=_expected_memories(compensator, features, signals))
 
 
-def _expected(
+def _expected_memories(
     compensator: TrainedCompensator, features: Sequence[FloatArray], signals: Sequence[FloatArray]
 ) -> Beginning:
     """Regression of every memory on the mean of the reading over as many samples as its start is taken from."""

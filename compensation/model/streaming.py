@@ -7,7 +7,7 @@ import numpy as np
 from compensation.engines.network import mean_output
 from compensation.memories.ema import log_retention, start_samples
 from compensation.memories.history import RunningHistory
-from compensation.model.compensator import TrainedCompensator
+from compensation.model.compensator import Fitted, TrainedCompensator, trained
 from compensation.model.runtime import Status, beginning_of, check_streams, fault_of, limits_of, ranges_of
 
 
@@ -17,6 +17,11 @@ class CompensatorStream:
     A filter's output is its response from a zero state plus a fading share of its initial value, so the mean of the
     first M samples can be put in when it is known, without keeping those samples. Before that, the mean of those
     seen so far stands in (``start="causal"``).
+
+    Parameters
+    ----------
+    compensator : TrainedCompensator or Compensator
+        As loaded, or fitted.
 
     Attributes
     ----------
@@ -38,13 +43,14 @@ class CompensatorStream:
     >>> from compensation import Compensator, CompensatorStream
     >>> recording = tb.example(duration_s=60).resampled(20.0)
     >>> model = Compensator(method="paper").fit(recording.conductance_S[:, None], recording["force_N"])
-    >>> running = CompensatorStream(model.compensator_)
+    >>> running = CompensatorStream(model)
     >>> force_N = [running.update(conductance) for conductance in recording.conductance_S]
     >>> running.update(float("nan")) == force_N[-1], running.status.name
     (True, 'BAD_READING')
     """
 
-    def __init__(self, compensator: TrainedCompensator) -> None:
+    def __init__(self, compensator: TrainedCompensator | Fitted) -> None:
+        compensator = trained(compensator)
         check_streams(compensator)
         self._compensator, self.margins = compensator, compensator.margins
         self._log_keep = log_retention(compensator.alphas)

@@ -1,4 +1,4 @@
-"""Reading recordings to learn from: resistance and one target are enough; a gauge length is seldom needed."""
+"""Reading recordings: to learn from, resistance and one target are enough; to be compensated, resistance alone."""
 
 from __future__ import annotations
 
@@ -6,10 +6,11 @@ from pathlib import Path
 
 import numpy as np
 
+from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
 from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE, TIME
-from testbench.recordings.csv_columns import read_columns
-from testbench.recordings.files import check_beside, read_recording
+from testbench.recordings.csv_columns import read_columns, read_frame
+from testbench.recordings.files import check_beside, read_recording, verified
 from testbench.recordings.recording import Recording
 
 UNKNOWN_LENGTH_MM = 1.0
@@ -51,6 +52,36 @@ def read_signals(path: str | Path, gauge_length_mm: float | None = None) -> Reco
         return read_recording(path, length_mm)
     time_s = columns.pop(TIME)
     return Recording(time_s, {DISPLACEMENT: np.zeros(len(time_s)), **columns}, length_mm, str(path))
+
+
+def read_samples(path: str | Path) -> tuple[FloatArray, FloatArray]:
+    """Time (s) and resistance (ohm) of a recording, faulty rows included.
+
+    Raises
+    ------
+    UserError
+        If the file is missing, malformed or not the one that its manifest describes, or lacks either column.
+    """
+    import pandas as pd
+
+    place, growing = Path(path), False
+    if place.is_dir():
+        place, campaign = verified(place)
+        growing = campaign.in_progress
+    else:
+        check_beside(place)
+    frame = read_frame(place, growing)
+    for name in ("time_s", "resistance_ohm"):
+        if name not in frame:
+            have = ", ".join(map(str, frame.columns[:8]))
+            raise UserError(f"{place}: no column {name} (found: {have}); name yours with `testbench import`")
+    if frame.empty:
+        raise UserError(f"{place}: no sample in it")
+    time_s, resistance_ohm = (
+        pd.to_numeric(frame[name], errors="coerce").to_numpy(dtype=np.float64)
+        for name in ("time_s", "resistance_ohm")
+    )
+    return time_s, resistance_ohm
 
 
 def check_tared(recording: Recording, target: str, reach_N: float | None = None) -> None:

@@ -31,17 +31,17 @@ from compensation.model.compensator import Scaling, TrainedCompensator
 from compensation.model.runtime import ready_for_use
 from compensation.series import score
 from compensation.series.preprocessing import Series
-from compensation.training.folds import FOLDS, folds_of, split, whole_recordings
+from compensation.training.folds import fold_count, folds_of, split, whole_recordings
 from compensation.training.intervals import of_another, of_one_recording
 from compensation.training.learners import PACES, Learner, Line, Networks, Paper, Ridge
 from compensation.training.options import Options
-from compensation.training.recalibration import wander
+from compensation.training.recalibration import one_sigma_changes
+from compensation.training.stacking import STACK, choose, stacked, weights_of
 from compensation.training.untrained import describe
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
 
 LEARNERS: tuple[type[Learner], ...] = (Line, Ridge, Paper, Networks)
-STACK, STACKED = "stack", ("ridge", "paper", "networks")
 
 
 def train_automatically(
@@ -80,96 +80,56 @@ def train_automatically(
     predictions = {name: values[0] for name, values in at_all_paces.items()}
     predictions[STACK] = stacked(at_all_paces, truth, folds)
     chosen = choose(predictions, truth)
-    weights = weights_of(at_all_paces, truth) if chosen == STACK else {"line": 1.0}
+    weights = weights_of(at_all_paces, truth) if chosen == STACK else {chosen: 1.0}
     compensator = _trained(weights, learners_on(series, target, options), series, options)
     progress(f"trained {chosen} on everything")
     tried = {name: figures(truth, values, scale) for name, values in predictions.items()}
     residual = (truth - predictions[chosen]) * scale
-    off = None if whole else wander(compensator, series)
+    changes = None if whole else one_sigma_changes(compensator, series)
     promise: dict[str, Any] = tried[chosen] | {
         "r2_interval": _interval(truth, predictions[chosen], series),
         "raw_r2": float(np.mean([score.r2_before(p.truth, p.conductance_S, compensator.sign) for p in series])),
-        "line_r2": tried["line"]["r2"],
-        "folds": int(folds.max()) + 1,
+        "line_r2": tried[Line.name]["r2"],
+        "folds": fold_count(folds),
         "whole_recordings": whole,
-        **({} if off is None else {"r2_elsewhere": elsewhere(residual, off, scale)}),
+        **({} if changes is None else {"r2_elsewhere": r2_elsewhere(residual, changes, scale)}),
     }
     found = {"chosen": chosen, "weights": weights, "tried": tried, "cross_validated": promise}
-    margins = margins_of(residual, folds, [len(part) for part in series], off)
+    margins = margins_of(residual, folds, [len(part) for part in series], changes)
     return replace(compensator, recipe=dict(compensator.recipe) | found, margins=margins)
 
 
-def steps() -> int:
-    """How often `train_automatically` reports progress, with one recording."""
-    return FOLDS * len(LEARNERS) + 1
-
-
-def choose(predictions: Mapping[str, FloatArray], truth: FloatArray) -> str:
-    """The stack where it predicts better than the line, by however little; else the line.
-
-    The stack has learned from copies at other levels and paces, the line from the recording as it is: where one
-    recording cannot tell the two apart, another one mostly can.
-    """
-    line, stack = (np.mean((truth - predictions[name]) ** 2) for name in ("line", STACK))
-    return STACK if stack < line else "line"
-
-
-def weights_of(predictions: Mapping[str, FloatArray], truth: FloatArray) -> dict[str, float]:
-    """The weights of the stack's parts that fit best, none negative, together 1; a part without weight is left out.
-
-    With weights that sum to 1 the error of the stack is the weighted sum of the parts' errors. The sum s of weights
-    that minimise ``|errors w|^2 + (1 - sum w)^2`` alone depends on the size of that error, not how they share it out:
-    at shares v the best s leaves ``q / (1 + q)``, which rises with ``q = |errors v|^2``.
-
-    Parameters
-    ----------
-    predictions : mapping of ndarray, each shape (paces, n)
-    truth : ndarray, shape (n,)
-    """
-    from scipy.optimize import nnls
-
-    errors = np.column_stack([(predictions[name] - truth).ravel() for name in STACKED])
-    ones = np.full(len(STACKED), max(float(np.linalg.norm(errors)), 1e-12))
-    found, _ = nnls(np.vstack([errors, ones]), np.append(np.zeros(len(errors)), ones[0]))
-    return {name: float(w) for name, w in zip(STACKED, found / found.sum(), strict=True) if w > 0}
-
-
-def stacked(predictions: Mapping[str, FloatArray], truth: FloatArray, folds: NDArray[np.int64]) -> FloatArray:
-    """What the stack predicts of each fold at the pace of the recording, with weights from the other folds."""
-    result = np.empty(len(truth))
-    for number in np.unique(folds):
-        here = folds == number
-        weights = weights_of({name: predictions[name][:, ~here] for name in STACKED}, truth[~here])
-        result[here] = sum(weight * predictions[name][0, here] for name, weight in weights.items())
-    return result
+def steps(series: Sequence[Series]) -> int:
+    """How often `train_automatically` reports progress on these series."""
+    return fold_count(folds_of(series)) * len(LEARNERS) + 1
 
 
 def margins_of(
-    residual: FloatArray, folds: NDArray[np.int64], lengths: Sequence[int], off: FloatArray | None
+    residual: FloatArray, folds: NDArray[np.int64], lengths: Sequence[int], changes: FloatArray | None
 ) -> tuple[float, float]:
     """Ends of the interval for an error to come, from whole recordings where there are enough, else from parts.
 
-    `off` is what `wander` says, where parts are what there is.
+    `changes` are those of `one_sigma_changes`, None where whole recordings were held out.
     """
-    if off is None:
+    if changes is None:
         return of_another(np.split(residual, np.cumsum(lengths)[:-1]))
     parts = [folds == number for number in np.unique(folds)]
-    return of_one_recording([residual[rows] for rows in parts], [off[:, rows] for rows in parts])
+    return of_one_recording([residual[rows] for rows in parts], [changes[:, rows] for rows in parts])
 
 
-def elsewhere(residual: FloatArray, off: FloatArray, scale: float) -> float:
+def r2_elsewhere(residual: FloatArray, changes: FloatArray, scale: float) -> float:
     """Ordinary r2 to be expected where gains and zeros are off as on another day or specimen.
 
     Parameters
     ----------
     residual : ndarray, shape (n,)
         Errors of cross-validation, in the target's unit.
-    off : ndarray, shape (k, n)
-        What `wander` says; the numbers behind it are independent, so their squares add up.
+    changes : ndarray, shape (k, n)
+        Of `one_sigma_changes`; the numbers behind them are independent, so their squares add up.
     scale : float
         Standard deviation of the target.
     """
-    return float(1.0 - (np.mean(residual**2) + np.mean(off**2, axis=1).sum()) / scale**2)
+    return float(1.0 - (np.mean(residual**2) + np.mean(changes**2, axis=1).sum()) / scale**2)
 
 
 def figures(truth: FloatArray, prediction: FloatArray, scale: float) -> dict[str, float]:
@@ -204,7 +164,7 @@ def cross_validated(
         In the target's unit.
     """
     found = {kind.name: np.empty((len(PACES), len(folds))) for kind in LEARNERS}
-    for number in range(int(folds.max()) + 1):
+    for number in range(fold_count(folds)):
         rest, parts = split(series, folds == number)
         for name, learner in learners_on(rest, target, options).items():
             found[name][:, folds == number] = learner.predict(learner.fit(), parts)

@@ -29,6 +29,11 @@ def folds_of(series: Sequence[Series]) -> NDArray[np.int64]:
     return contiguous(sum(len(part) for part in series), FOLDS)
 
 
+def fold_count(folds: NDArray[np.int64]) -> int:
+    """How many folds rows with these numbers are in."""
+    return int(folds.max()) + 1
+
+
 def contiguous(rows: int, count: int) -> NDArray[np.int64]:
     """Which of so many parts in a row each of so many rows is in."""
     return np.arange(rows) * count // rows

@@ -21,7 +21,7 @@ SHARES = ((1 - COVERAGE) / 2, (1 + COVERAGE) / 2)
 DRAWS = 30_000
 
 
-def of_one_recording(parts: Sequence[FloatArray], wander: Sequence[FloatArray]) -> tuple[float, float]:
+def of_one_recording(parts: Sequence[FloatArray], changes: Sequence[FloatArray]) -> tuple[float, float]:
     """Ends between which 90 % of the errors on another recording are expected, from the parts of a single one.
 
     Parts of one recording lie nearer to one another than the next one will: the widest of their own intervals is
@@ -31,14 +31,14 @@ def of_one_recording(parts: Sequence[FloatArray], wander: Sequence[FloatArray]) 
     ----------
     parts : sequence of ndarray, each shape (n,)
         Errors on each part, by a method that had learned from the others.
-    wander : sequence of ndarray, each shape (k, n)
+    changes : sequence of ndarray, each shape (k, n)
         By how much each of them changes where one of those k numbers is a standard deviation off
-        (`compensation.training.recalibration.wander`).
+        (`compensation.training.recalibration.one_sigma_changes`).
     """
     rng, ends = np.random.default_rng(0), []
-    for errors, changes in zip(parts, wander, strict=True):
+    for errors, own in zip(parts, changes, strict=True):
         rows = rng.integers(len(errors), size=DRAWS)
-        drawn = errors[rows] + np.sum(changes[:, rows] * rng.standard_normal((len(changes), DRAWS)), axis=0)
+        drawn = errors[rows] + np.sum(own[:, rows] * rng.standard_normal((len(own), DRAWS)), axis=0)
         ends.append(np.quantile(drawn, SHARES))
     return float(min(low for low, _ in ends)), float(max(high for _, high in ends))
 

@@ -111,7 +111,7 @@ def lessons(
     blank = untrained(series, target, options)
     copies = [list(series), list(series)]
     if starts:
-        blank = replace(ready_for_use(blank, series), start="causal")
+        blank = ready_for_use(blank, series).in_use
         copies = [pieces(series, PIECE_S, offset) for offset in (0.0, PIECE_S / 2)]
     features, truth = training_arrays(blank, series)
     centre, scale = np.zeros(blank.input_count), np.ones(blank.input_count)

@@ -9,11 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
 from compensation.model.compensator import Scaling, TrainedCompensator
 from compensation.series.preprocessing import Series
+from compensation.series.reading import read_samples
 from gcode.support.arrays import FloatArray
 from gcode.support.errors import UserError
 
@@ -24,6 +26,8 @@ from gcode.support.errors import UserError
 SPREADS = np.array([0.3, 0.5, 0.1, 0.2])
 APART_S, ERROR = 8.0, 0.5
 LEAST_S, WARM_S = 5.0, 2.0
+# Standard deviations of the training: a sensor that was just put down still relaxes, one in use moves by about 1.
+MOST_AT_REST = 0.5
 # Of the training's standard deviation: a reference that spreads less stands still, but for the noise of its cell.
 STILL = 0.1
 # Standard deviations from its mean that a training hardly ever leaves.
@@ -90,7 +94,7 @@ def correction(compensator: TrainedCompensator, part: Series) -> Correction:
     from scipy.optimize import least_squares
 
     running = compensator.in_use
-    late, reference = part.time_s >= part.time_s[0] + WARM_S, _expected(compensator, part.truth)
+    late, reference = part.time_s >= part.time_s[0] + WARM_S, _within_reach(compensator, part.truth)
     # Weights that make as many errors as there are count as independent ones.
     weight = np.sqrt(np.ptp(part.time_s) / APART_S / late.sum()) / (ERROR * compensator.scaling_out.scale)
 
@@ -101,13 +105,39 @@ def correction(compensator: TrainedCompensator, part: Series) -> Correction:
     return _moved(least_squares(residual, np.zeros(4), method="lm", diff_step=1e-3, max_nfev=60).x)
 
 
+def reference_at_rest(compensator: TrainedCompensator, path: str | Path, seconds: float) -> Series:
+    """The beginning of a recording of a sensor without load: its target is zero throughout.
+
+    Raises
+    ------
+    UserError
+        As `read_samples`; if less than two samples are good; or if the reading wanders as a moved sensor's does.
+    """
+    time_s, resistance_ohm = read_samples(path)
+    good = np.isfinite(time_s) & np.isfinite(resistance_ohm) & (resistance_ohm > 0)
+    good &= time_s <= np.nanmin(time_s, initial=np.inf) + seconds
+    if good.sum() < 2 or not (np.diff(time_s[good]) > 0).all():
+        raise UserError(f"{path}: fewer than two good samples in order of time within {seconds:g} s of its beginning")
+    time_s, resistance_ohm = time_s[good], resistance_ohm[good]
+    spread = float(np.std(1.0 / resistance_ohm)) / compensator.scaling_in.scale
+    if spread > MOST_AT_REST:
+        raise UserError(
+            f"{path}: over its first {seconds:g} s the conductance spreads {spread:.2f} times as far as in the "
+            f"training, at rest it does {MOST_AT_REST:g} times at most; give --seconds of rest, or leave --rest out"
+        )
+    if compensator.resampling_hz is not None:
+        grid = np.arange(time_s[0], time_s[-1], 1.0 / compensator.resampling_hz)
+        time_s, resistance_ohm = grid, np.interp(grid, time_s, resistance_ohm)
+    return Series(time_s, 1.0 / resistance_ohm, np.zeros(len(time_s)), str(path))
+
+
 def reach(compensator: TrainedCompensator) -> float:
     """How far from zero the target went in training, in its unit."""
     return abs(compensator.scaling_out.mean) + FARTHEST * compensator.scaling_out.scale
 
 
-def wander(compensator: TrainedCompensator, series: Sequence[Series]) -> FloatArray:
-    """By how much the prediction changes where each of the four numbers is one of its `SPREADS` off.
+def one_sigma_changes(compensator: TrainedCompensator, series: Sequence[Series]) -> FloatArray:
+    """By how much the prediction changes where each of the four numbers is a standard deviation of its prior off.
 
     Returns
     -------
@@ -122,8 +152,8 @@ def wander(compensator: TrainedCompensator, series: Sequence[Series]) -> FloatAr
     return np.stack([prediction(_moved(off).of(compensator)) - as_it_is for off in np.eye(len(SPREADS))])
 
 
-def _expected(compensator: TrainedCompensator, truth: FloatArray) -> FloatArray:
-    """What a compensator without error would predict for this reference.
+def _within_reach(compensator: TrainedCompensator, truth: FloatArray) -> FloatArray:
+    """What the compensator would predict of this reference if its gains and zeros were right.
 
     One that explains a share r2 of the variance falls short by 1 - r2 of the way from the mean. Where the reference
     stands still, at rest at the end of its range, that must not be taken for an error; where it moves, it evens out.

@@ -1,4 +1,4 @@
-"""Training a compensator on one or more recordings."""
+"""Training a compensator on one or more recordings, by one of the methods."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from compensation.model.compensator import TrainedCompensator
 from compensation.model.runtime import ready_for_use
 from compensation.series.preprocessing import Series, series_of
 from compensation.series.score import r2
+from compensation.training import auto, tuning
 from compensation.training.options import Options
-from compensation.training.tuning import tune
 from compensation.training.untrained import describe, training_arrays, untrained
 from testbench.recordings.recording import Recording
 
@@ -26,7 +26,7 @@ def train(
     target: str,
     options: Options | None = None,
     progress: Callable[[str], None] = lambda note: None,
-    tuned: bool = False,
+    method: str = "paper",
 ) -> TrainedCompensator:
     """Train a compensator; scalers and networks see these recordings only.
 
@@ -37,13 +37,13 @@ def train(
     target : {"force", "displacement"}
     options : Options, optional
     progress : callable
-        Told about each network that is done.
-    tuned : bool
-        Choose factors, penalty and size from the data, average several networks: see `compensation.training.tuning`.
+        Told about each step of the method.
+    method : {"auto", "paper", "tuned"}
+        One of `METHODS`.
     """
     options = options or Options()
     series = [series_of(recording, target, options.resampling_hz) for recording in recordings]
-    return (tune if tuned else train_on_series)(series, target, options, progress)
+    return METHODS[method](series, target, options, progress)
 
 
 def train_on_series(
@@ -52,7 +52,7 @@ def train_on_series(
     options: Options,
     progress: Callable[[str], None] = lambda note: None,
 ) -> TrainedCompensator:
-    """As `train`, on prepared series."""
+    """The paper's method: one bank and one network, the best of several starts by training score."""
     blank = untrained(series, target, options)
     features, truth = training_arrays(blank, series)
     networks: list[Network] = []
@@ -72,3 +72,12 @@ def train_on_series(
         "training_r2": scores[best],
     }
     return ready_for_use(replace(blank, networks=(networks[best],), recipe=recipe), series)
+
+
+# By the names that `compensation train --method` and `compensation.Compensator` know.
+METHODS = {"auto": auto.train_automatically, "paper": train_on_series, "tuned": tuning.tune}
+
+
+def steps(method: str, series: Sequence[Series], options: Options) -> int:
+    """How often a method reports progress on these series; the paper's more often where all starts are dead."""
+    return {"auto": auto.steps(series), "paper": options.restarts, "tuned": tuning.steps()}[method]

@@ -27,6 +27,7 @@ from compensation.model.compensator import TrainedCompensator
 from compensation.model.runtime import ready_for_use
 from compensation.series.preprocessing import Series
 from compensation.series.score import r2
+from compensation.training.folds import contiguous
 from compensation.training.lessons import Lessons, lessons
 from compensation.training.options import Options
 from compensation.training.untrained import describe, training_arrays, untrained
@@ -158,7 +159,7 @@ def cross_validated(series: Sequence[Series], target: str, options: Options) -> 
 
 
 def _predicted(learned: Lessons, options: Options, folds: int, networks: int) -> FloatArray:
-    fold = np.arange(len(learned.truth)) * folds // len(learned.truth)
+    fold = contiguous(len(learned.truth), folds)
     prediction = np.empty_like(learned.truth)
     for held_out in range(folds):
         kept = fold != held_out

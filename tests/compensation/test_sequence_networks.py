@@ -2,33 +2,19 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
-
-BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
-
-
-@pytest.fixture(scope="module")
-def networks():
-    sys.path.insert(0, str(BENCHMARKS))
-    try:
-        import sequence_networks
-    finally:
-        sys.path.remove(str(BENCHMARKS))
-    return sequence_networks
+import sequence_networks as networks
 
 
 @pytest.mark.parametrize("kind", ["Gru", "Tcn"])
-def test_gradients_are_those_of_differences(networks, kind):
+def test_gradients_are_those_of_differences(kind):
     network = networks.Gru(3) if kind == "Gru" else networks.Tcn(3, 5)
     assert networks.gradient_error(network) < 1e-6
 
 
 @pytest.mark.parametrize("kind", ["Gru", "Tcn"])
-def test_they_learn_a_delay_that_no_map_of_the_moment_knows(networks, kind):
+def test_they_learn_a_delay_that_no_map_of_the_moment_knows(kind):
     network = networks.Gru(4) if kind == "Gru" else networks.Tcn(4, 3)
     rng = np.random.default_rng(0)
     counts = np.ones((4, 50))

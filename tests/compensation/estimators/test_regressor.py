@@ -15,7 +15,7 @@ from sklearn.pipeline import Pipeline
 from sklearn.preprocessing import FunctionTransformer
 from sklearn.utils.estimator_checks import parametrize_with_checks
 
-from compensation import Compensator, c_header, write_onnx
+from compensation import Compensator, c_header, predicted, write_onnx
 from compensation.estimators.regressor import EXPECTED_FAILED_CHECKS
 from compensation.model import files as compensator_files
 from compensation.model.streaming import CompensatorStream
@@ -88,7 +88,7 @@ def test_what_is_too_short_is_so_in_seconds(rows, rate_hz, count):
         UserWarning, match=r"learned by ridge, not by paper: \d+ rows are .* s, the others need 20 s in 10"
     ):
         model.fit(X[:count], y[:count])
-    with pytest.raises(ValueError, match=r"rows are .* it has no stream and no file"):
+    with pytest.raises(ValueError, match=r"rows are .* it has no stream, no file and no export"):
         model.stream()
 
 
@@ -160,8 +160,10 @@ def test_a_logarithm_of_the_conductance_is_learned_but_does_not_stream(rows, tmp
     attempts = (
         model.stream,
         lambda: model.save(tmp_path / "c.json"),
-        lambda: c_header(model.compensator_),
-        lambda: write_onnx(model.compensator_, tmp_path / "c.onnx"),
+        lambda: CompensatorStream(model),
+        lambda: predicted(model, np.arange(len(X)) / 20, 1 / X[:, 0]),
+        lambda: c_header(model),
+        lambda: write_onnx(model, tmp_path / "c.onnx"),
     )
     for attempt in attempts:
         with pytest.raises(ValueError, match=r"trained on values from -\d.* conductances in S.* without a logarithm"):
@@ -193,10 +195,27 @@ def test_streams_and_saves(rows, tmp_path):
     model.save(tmp_path / "c.json")
     stream = CompensatorStream(compensator_files.load(tmp_path / "c.json"))
     assert stream.update(float(X[0, 0]), 0.05) == pytest.approx(model.stream().update(float(X[0, 0]), 0.05))
-    with pytest.raises(
-        ValueError, match=r"ridge \(as asked for\): it has no stream and no file; fit one column of 20 s"
+
+
+def test_what_uses_a_compensator_says_alike_why_an_estimator_has_none(rows, tmp_path):
+    X, y, _ = rows
+    ridge = Compensator(method="ridge").fit(X, y)
+    for model, match in (
+        (ridge, r"ridge \(as asked for\): it has no stream, no file and no export; fit one column of 20 s"),
+        (clone(ridge), "not fitted yet"),
     ):
-        Compensator(method="ridge").fit(X, y).stream()
+        for use in (
+            model.stream,
+            model.trained,
+            lambda model=model: model.save(tmp_path / "c.json"),
+            lambda model=model: CompensatorStream(model),
+            lambda model=model: predicted(model, np.arange(len(X)) / 20, 1 / X[:, 0]),
+            lambda model=model: c_header(model),
+            lambda model=model: write_onnx(model, tmp_path / "c.onnx"),
+        ):
+            with pytest.raises(ValueError, match=match):
+                use()
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_wrong_parameters_are_named(rows):

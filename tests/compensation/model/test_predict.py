@@ -64,6 +64,19 @@ def test_a_clock_that_jumps_for_one_sample_spoils_that_one_alone(compensator, re
     np.testing.assert_array_equal(found.value[without], expected.value)
 
 
+def test_it_takes_lists_and_columns_of_a_table_and_no_two_lengths(compensator, recordings):
+    part = recordings[1].between(0, 10)
+    expected = predicted(compensator, part.time_s, part["resistance_ohm"]).value
+    # The rows of a table that was cut keep their numbers, by which pandas would look up ours.
+    table = pd.DataFrame({"time_s": part.time_s, "ohm": part["resistance_ohm"]}, index=np.arange(len(part)) + 1000)
+    for time_s, ohm in ((part.time_s.tolist(), part["resistance_ohm"].tolist()), (table["time_s"], table["ohm"])):
+        np.testing.assert_array_equal(predicted(compensator, time_s, ohm).value, expected)
+    with pytest.raises(
+        UserError, match=r"one number a sample each, got shapes \(3,\) and \(2,\); give the two columns"
+    ):
+        predicted(compensator, [0.0, 0.1, 0.2], [1e5, 1e5])
+
+
 def test_command_writes_what_it_says(compensator, recordings, tmp_path, capsys):
     compensator_files.save(tmp_path / "c.json", compensator)
     part = recordings[1].between(0, 60)

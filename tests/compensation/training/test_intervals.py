@@ -7,10 +7,10 @@ import pytest
 
 from compensation.series import score
 from compensation.series.preprocessing import series_of
-from compensation.training.auto import elsewhere, margins_of
+from compensation.training.auto import margins_of, r2_elsewhere
 from compensation.training.intervals import of_another, of_one_recording
 from compensation.training.options import Options
-from compensation.training.recalibration import SPREADS, wander
+from compensation.training.recalibration import SPREADS, one_sigma_changes
 from compensation.training.training import train
 
 
@@ -72,14 +72,14 @@ def test_what_to_expect_elsewhere_is_what_draws_of_gain_and_zero_leave() -> None
         score.r2_ordinary(truth, truth - errors - zero * off[0] - gain * off[1])
         for zero, gain in rng.standard_normal((4000, 2))
     ]
-    assert elsewhere(errors, off, float(truth.std())) == pytest.approx(np.mean(drawn), abs=0.01)
+    assert r2_elsewhere(errors, off, float(truth.std())) == pytest.approx(np.mean(drawn), abs=0.01)
 
 
 def test_what_wanders_is_the_prior_of_recalibration(recordings) -> None:
     """A zero of the target that is a spread off moves every prediction by that spread."""
     part = series_of(recordings[0], "force", 20.0)
     compensator = train(recordings[:1], "force", Options(restarts=3, engine="fast"))
-    changes = wander(compensator, [part, part])
+    changes = one_sigma_changes(compensator, [part, part])
     assert changes.shape == (4, 2 * len(part))
     np.testing.assert_allclose(changes[3], SPREADS[3] * compensator.scaling_out.scale)
     assert all(np.ptp(row) > 0 for row in changes[:3])

@@ -18,7 +18,7 @@ from compensation.series import score
 from compensation.series.preprocessing import series_of
 from compensation.training.learners import linear
 from compensation.training.options import Options
-from compensation.training.training import train, train_on_series
+from compensation.training.training import METHODS, train, train_on_series
 from gcode.support.errors import UserError
 from testbench.recordings.files import read_recording, write_recording_csv
 
@@ -270,11 +270,32 @@ def test_settings_that_make_no_sense_are_refused(recordings, tmp_path, capsys, w
 def test_a_place_that_cannot_be_written_is_refused_before_the_work(recordings, tmp_path, capsys, monkeypatch):
     path = tmp_path / "r.csv"
     write_recording_csv(path, recordings[0].between(0, 30))
-    monkeypatch.setattr("compensation.training.training.train", lambda *_: pytest.fail("trained"))
-    start = ["train", str(path), "--gauge-length-mm", "25", "--target", "force", "-o"]
+    for method in METHODS:
+        monkeypatch.setitem(METHODS, method, lambda *_: pytest.fail("trained"))
+    start = ["train", str(path), "--gauge-length-mm", "25", "--target", "force"]
     for place, match in ((tmp_path / "no" / "c.json", "choose another place with -o"), (tmp_path, "is a folder")):
-        assert main([*start, str(place)]) == 2
-        assert match in capsys.readouterr().err
+        for method in METHODS:
+            assert main([*start, "--method", method, "-o", str(place)]) == 2
+            assert match in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("count", [1, 3])
+@pytest.mark.parametrize("method", ["auto", "paper"])
+def test_progress_counts_the_steps_that_come(recordings, tmp_path, capsys, monkeypatch, method, count):
+    monkeypatch.setenv("KNITBENCH_PROGRESS", "json")
+    paths = [tmp_path / f"{number}.csv" for number in range(count)]
+    for path, recording in zip(paths, recordings, strict=False):
+        write_recording_csv(path, recording.between(0, 45))
+    words = ["train", *map(str, paths), "--target", "force", "--method", method, "-o", str(tmp_path / "c.json")]
+    assert main([*words, "--factor", "2"] if method == "paper" else words) == 0
+    events = [json.loads(line) for line in capsys.readouterr().err.splitlines()]
+    assert [event["done"] for event in events] == list(range(1, events[0]["total"] + 1))
+
+
+def test_the_command_offers_every_method(capsys):
+    with pytest.raises(SystemExit):
+        main(["train", "--help"])
+    assert f"--method {{{','.join(METHODS)}}}" in capsys.readouterr().out
 
 
 def test_the_score_of_scaling_per_recording_says_what_it_knows(recordings, tmp_path, capsys):

@@ -19,7 +19,7 @@ QUICK = Options(engine="fast")
 @pytest.fixture(scope="module")
 def tuned(recordings):
     """Tuned on the first recording."""
-    return train(recordings[:1], "displacement", QUICK, tuned=True)
+    return train(recordings[:1], "displacement", QUICK, method="tuned")
 
 
 def test_it_beats_the_mean_of_the_papers_network(tuned, recordings):

@@ -1,0 +1,58 @@
+"""What the benchmarks of compensators print beside the figures themselves: engines, means over materials, options."""
+
+from __future__ import annotations
+
+import argparse
+
+import bench_compensators
+import bench_training
+import pytest
+from compensator_cases import Case
+from compensator_options import add_kinds, add_specimens, names
+
+from compensation.paper.reproduction import prepared
+from compensation.search import search_space
+
+SMALL = search_space.spread(search_space.candidates(), 2)[0]
+
+
+@pytest.mark.parametrize("engines", [("fast", "exact"), bench_training.ORDER])
+def test_a_candidate_is_trained_by_the_engines_that_are_asked_for(recordings, engines, capsys):
+    parts = dict(zip("TAB", (recording.between(0, 30) for recording in recordings), strict=True))
+    found = bench_training.compared(prepared(parts, "force"), "force", SMALL, engines)
+    assert tuple(found.seconds) == tuple(found.r2) == engines
+    assert found.left_at is None  # the exact engine beside itself, or beside scikit-learn
+    bench_training.report([found], 1.0)
+    printed = capsys.readouterr().out
+    assert f"fast beats {engines[-1]}" in printed
+    assert ("to the end in 1 of 1" in printed) is ("sklearn" in engines)
+
+
+def test_pairs_are_averaged_over_materials():
+    cases = [Case("others", name, lambda: ([], []), ("force",)) for name in ("silver a", "silver b", "cb c")]
+    known = {
+        (case.name, "force", "line"): {"r2": 0.1 * number, "raw": 0.5 + 0.1 * number}
+        for number, case in enumerate(cases, start=1)
+    }
+    lines = bench_compensators.tables(known, cases, ["line"])
+    means = {line.split(":")[1].split()[0]: line.split()[-2:] for line in lines if line.startswith("mean of")}
+    assert means == {"silver,": ["0.650", "0.150"], "cb,": ["0.800", "0.300"], "all": ["0.700", "0.200"]}
+    assert lines[-1].startswith("mean of 3")
+
+
+def test_words_of_an_option_that_nothing_knows_are_refused(capsys):
+    parser = argparse.ArgumentParser()
+    add_specimens(parser, "--sets", "1,2", "")
+    add_kinds(parser, ["pes"], ["pes", "lycra"])
+    parser.add_argument("--methods", type=names(["line", "auto"]))
+    told = parser.parse_args(["--kinds", "lycra,pes", "--methods", "auto"])
+    assert (told.sets, told.kinds, told.methods) == ((1, 2), ("lycra", "pes"), ("auto",))
+    assert parser.parse_args([]).kinds == ("pes",)
+    for words, match in (
+        (["--sets", "1,b"], "--sets: must be whole numbers with commas, such as 871,872; got '1,b'"),
+        (["--kinds", "lycra,silk"], "--kinds: must be of pes, lycra, with commas; got 'lycra,silk'"),
+        (["--methods", ""], "--methods: must be of line, auto, with commas; got ''"),
+    ):
+        with pytest.raises(SystemExit):
+            parser.parse_args(words)
+        assert match in capsys.readouterr().err
