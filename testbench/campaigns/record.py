@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
@@ -99,6 +99,36 @@ def job_of(folder: Path, port: str | None = None, give_up_s: float = 60.0) -> Jo
     if not program.is_file() or sha256_of(program) != recipe["program_sha256"]:
         raise UserError(f"{program}: missing or not the program that this recording was started with")
     return Job(port, recipe["baud"], program, campaign.gauge_length_mm, limits, recipe["sensor"], give_up_s)
+
+
+def check_as_begun(folder: Path, said: Mapping[str, Any], program: str | None = None) -> None:
+    """Refuse to go on with a recording where it would not do what is said now: it keeps what it began with.
+
+    Parameters
+    ----------
+    said : mapping
+        Of ``gauge_length_mm``, ``specimen``, ``max_force_N``, ``max_strain`` and ``baud``, those that are said.
+    program : str, optional
+
+    Raises
+    ------
+    UserError
+    """
+    campaign, _ = read_manifest(folder)
+    recipe = campaign.recipe
+    begun = {**recipe, "gauge_length_mm": campaign.gauge_length_mm, "specimen": recipe.get("sensor")}
+    if program is not None:
+        begun, said = (
+            {**begun, "program": recipe.get("program_sha256")},
+            {**said, "program": sha256_of(Path(program))},
+        )
+    for name, value in said.items():
+        if value != begun.get(name):
+            kept = "none" if begun.get(name) is None else begun[name]
+            raise UserError(
+                f"{name.replace('_', '-')}: this recording goes on as it began, with {kept}; "
+                f"got {value}: leave it out, or begin a new recording"
+            )
 
 
 def record(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from testbench.commands._arguments import as_begun, positive
+from testbench.commands._arguments import positive
 
 SUMMARY = "record a campaign from the rig's serial port; --resume continues an interrupted one"
 EXAMPLE = "testbench record --port /dev/ttyUSB0 --program program.tap -o knit-7"
@@ -53,12 +53,13 @@ def run(args: argparse.Namespace) -> int:
 
     from gcode.support.errors import UserError
     from testbench.api.bench.capturing import record, resume_recording
+    from testbench.campaigns.record import check_as_begun
     from testbench.rig.status_words import json_lines, terminal
 
-    as_begun(args, ["program", *AS_BEGUN.values()], "a recording")
     said = {key: getattr(args, name) for key, name in AS_BEGUN.items() if getattr(args, name) is not None}
     report = json_lines() if args.progress_json else terminal(f"record {Path(args.campaign).name}")
     if args.resume:
+        check_as_begun(Path(args.campaign), said, args.program)
         done = resume_recording(
             args.campaign, args.port, give_up_s=args.give_up_s, compensator=args.compensator, report=report
         )

@@ -6,14 +6,16 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from testbench.knit.effect import FloatArray, bounds_of
 from testbench.knit.model import KnitModel, parts_of
-from testbench.measurements.measurement import Measurement
 from testbench.measurements.responses import CONDUCTANCE_CHANNEL, FORCE_CHANNEL
+
+if TYPE_CHECKING:
+    from testbench.measurements.measurement import Measurement
 
 # Parameters that describe the data (their range, moments of events), not the sensor: set from them, never fitted.
 FRAME_PARAMETERS = frozenset({"span", "span_N", "low_N", "tension_N", "slip_times_s", "reach_per_s", "begins_s"})

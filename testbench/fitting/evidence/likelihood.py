@@ -296,7 +296,7 @@ def likelihood_of(
     """
     rows = _thinned(measurement)
     most = constants.IN_LAST_FIT * pieces / constants.INDEPENDENT
-    news = min(measurement.counts.sum() * independent_share(measurement), most)
+    news = min(int(measurement.counts.sum()) * independent_share(measurement), most)
     share = min(news / len(rows), 1.0)
     modelled = measurement.modelled(model)
     slope = _slopes(model, measurement, modelled)
@@ -316,7 +316,7 @@ def likelihood_of(
 def known_noise(measurement: Measurement, noise: Mapping[str, float]) -> Likelihood:
     """Every sample with the same noise, which is known."""
     rows = _thinned(measurement)
-    share = independent_share(measurement) * measurement.counts.sum() / len(rows)
+    share = independent_share(measurement) * int(measurement.counts.sum()) / len(rows)
     weight = {channel: np.ones(len(rows)) for channel in noise}
     return Likelihood(measurement, rows, weight, noise, min(share, 1.0))
 

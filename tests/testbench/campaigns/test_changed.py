@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from compensation.cli import main as compensation
-from compensation.model.prediction import read_samples
+from compensation.series.reading import read_samples
 from gcode.support.errors import UserError
 from testbench.campaigns.campaign import simulate_campaign
 from testbench.cli import main as run_testbench

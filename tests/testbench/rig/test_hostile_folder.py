@@ -12,7 +12,7 @@ from gcode.support.errors import UserError
 from testbench import cli
 from testbench.api.experiments.investigating import investigate
 from testbench.campaigns.campaign import simulate_campaign
-from testbench.campaigns.record import Job, begin, job_of
+from testbench.campaigns.record import Job, begin, check_as_begun, job_of
 from testbench.knit.catalogue import baseline
 from testbench.recordings.files import read_recording
 from testbench.recordings.manifest import problems, read_manifest, sealed
@@ -226,4 +226,11 @@ def test_consent_is_to_the_bytes_and_lives_with_the_user(tmp_path, monkeypatch):
 @pytest.mark.parametrize("said", [["--max-force-n", "5"], ["--max-strain", "0.2"], ["--baud", "9600"]])
 def test_a_limit_that_would_not_hold_is_not_taken_in_silence(recorded, capsys, said):
     assert cli.main(["record", "--resume", "-o", str(recorded), *said]) == 2
-    assert f"{said[0]}: a recording goes on as it began; with --resume leave it out" in capsys.readouterr().err
+    assert "this recording goes on as it began, with" in capsys.readouterr().err
+
+
+def test_what_is_said_once_more_as_it_was_is_no_contradiction(recorded):
+    check_as_begun(recorded, {"baud": 115200, "gauge_length_mm": 25.0}, str(recorded / "program.tap"))
+    (recorded / "other.tap").write_text("G90\n")
+    with pytest.raises(UserError, match="program: this recording goes on as it began"):
+        check_as_begun(recorded, {}, str(recorded / "other.tap"))
