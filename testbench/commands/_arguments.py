@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import re
-from collections.abc import Iterable
 
 
 def add_recording(parser: argparse.ArgumentParser) -> None:
@@ -56,15 +55,6 @@ def add_bounds(parser: argparse.ArgumentParser) -> None:
 def bounds_of(args: argparse.Namespace) -> dict[str, float]:
     """What `add_bounds` declared, as the public functions take it; what was not said is left out."""
     return {field: getattr(args, name) for name, field in BOUNDS.items() if getattr(args, name) is not None}
-
-
-def as_begun(args: argparse.Namespace, names: Iterable[str], what: str, but: str = "") -> None:
-    """Refuse options that would have no effect beside --resume: of these, all that were said."""
-    from gcode.support.errors import UserError
-
-    said = sorted(name for name in names if getattr(args, name) is not None)
-    if args.resume and said:
-        raise UserError(f"--{said[0].replace('_', '-')}: {what} goes on as it began; with --resume leave it out{but}")
 
 
 def positive(text: str) -> float:

@@ -5,17 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from testbench.commands._arguments import (
-    BOUNDS,
-    add_bounds,
-    add_effects,
-    as_begun,
-    bounds_of,
-    count,
-    natural,
-    positive,
-    rest,
-)
+from testbench.commands._arguments import BOUNDS, add_bounds, add_effects, bounds_of, count, natural, positive, rest
 
 SUMMARY = "run experiments until it is sure what is missing: plan, run, diagnose, design the next motion"
 EXAMPLE = (
@@ -81,7 +71,7 @@ def run(args: argparse.Namespace) -> int:
     from testbench.rig.stopping import stop_signals
 
     check_place(args.json, "--json")
-    as_begun(args, AS_BEGUN, "an investigation", " (--budget-minutes and --sure can be said anew)")
+    _check_resumed(args)
     to_stdout = args.json == "-"
     say = sys.stderr if to_stdout else sys.stdout
 
@@ -109,6 +99,18 @@ def run(args: argparse.Namespace) -> int:
     if not found.state.ended:
         raise KeyboardInterrupt
     return 0 if found.is_sure else 1
+
+
+def _check_resumed(args: argparse.Namespace) -> None:
+    """Refuse what would have no effect on an investigation that goes on."""
+    from gcode.support.errors import UserError
+
+    said = sorted(name for name in AS_BEGUN if getattr(args, name) is not None)
+    if args.resume and said:
+        raise UserError(
+            f"--{said[0].replace('_', '-')}: an investigation goes on as it began; with --resume leave it out "
+            "(--budget-minutes and --sure can be said anew)"
+        )
 
 
 def _asked(args: argparse.Namespace) -> dict[str, Any]:

@@ -9,14 +9,7 @@ from testbench.commands._arguments import positive
 
 SUMMARY = "record a campaign from the rig's serial port; --resume continues an interrupted one"
 EXAMPLE = "testbench record --port /dev/ttyUSB0 --program program.tap -o knit-7"
-# By the name in the public function.
-AS_BEGUN = {
-    "gauge_length_mm": "gauge_length_mm",
-    "specimen": "specimen",
-    "max_force_N": "max_force_n",
-    "max_strain": "max_strain",
-    "baud": "baud",
-}
+AS_BEGUN = ("gauge_length_mm", "specimen", "max_force_N", "max_strain", "baud")  # what --resume does not change
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -30,7 +23,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--gauge-length-mm", type=positive, metavar="L", help="default: from the program's header, else 25"
     )
     parser.add_argument("--specimen", metavar="NAME", help="what is in the clamps; kept in the manifest")
-    parser.add_argument("--max-force-n", type=positive, metavar="F", help="stop beyond this force")
+    parser.add_argument(
+        "--max-force-n", dest="max_force_N", type=positive, metavar="F", help="stop beyond this force"
+    )
     parser.add_argument("--max-strain", type=positive, metavar="E", help="stop beyond this strain (0.3: 30 %%)")
     parser.add_argument("--baud", type=int, metavar="B", help="default 115200")
     parser.add_argument(
@@ -56,7 +51,7 @@ def run(args: argparse.Namespace) -> int:
     from testbench.campaigns.record import check_as_begun
     from testbench.rig.status_words import json_lines, terminal
 
-    said = {key: getattr(args, name) for key, name in AS_BEGUN.items() if getattr(args, name) is not None}
+    said = {name: getattr(args, name) for name in AS_BEGUN if getattr(args, name) is not None}
     report = json_lines() if args.progress_json else terminal(f"record {Path(args.campaign).name}")
     if args.resume:
         check_as_begun(Path(args.campaign), said, args.program)

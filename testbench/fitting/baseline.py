@@ -96,8 +96,8 @@ def laws_that_may_act(model: KnitModel, measurement: Measurement, catalogue: Cat
         return []
     signals = {"strain": measurement.signals["strain"], "force_N": measurement.measured[FORCE_CHANNEL]}
     stages = {effect.stage for effect in model.effects.values()}
-    laws = [law() for law in (catalogue or load_catalogue()).effects.values() if law.in_base]
-    missing = [law for law in laws if law.stage not in stages and set(law.writes) <= signals.keys()]
+    laws = (law for law in (catalogue or load_catalogue()).effects.values() if law.in_base)
+    missing = [law() for law in laws if law.stage not in stages and set(law.writes) <= signals.keys()]
     return [law.near(**start) for law in missing for start in law.starts(signals, {})]
 
 

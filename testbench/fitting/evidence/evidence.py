@@ -175,8 +175,11 @@ def _solved(
     if failed:
         matrix[np.diag_indices_from(matrix)] *= 1 + 1e-9
         chol, failed = lapack.dpotrf(matrix, lower=1)
-    step = lapack.dpotrs(chol, pull[on], lower=1)[0] if not len(still) else _beside(matrix, pull, mean, on, still)
-    inverse = lapack.dtrtri(chol, lower=1)[0]  # above the diagonal, zeros as in `chol`
+    if not len(on):  # which LAPACK refuses
+        step, inverse = pull[on], chol
+    else:
+        step = _beside(matrix, pull, mean, on, still) if len(still) else lapack.dpotrs(chol, pull[on], lower=1)[0]
+        inverse = lapack.dtrtri(chol, lower=1)[0]  # above the diagonal, zeros as in `chol`
     cross = inner[on][:, off]
     taken = blas.dtrmm(1.0, inverse, cross, lower=1) if len(off) else cross
     alone = np.maximum(np.diag(inner)[off] - np.einsum("ki,ki->i", taken, taken), 0.0) + precision[off]

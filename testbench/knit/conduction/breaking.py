@@ -11,6 +11,11 @@ from testbench.knit.filters import lagging_rate, lowpass
 HEALING_S = (0.3, 1.0, 3.0, 10.0, 30.0, 100.0)
 
 
+def shaken(speed: FloatArray, tau_s: float, dt_s: float) -> FloatArray:
+    """What is left of the way travelled where it heals within `tau_s`: y' = speed - y / tau, shape (n,)."""
+    return tau_s * lowpass(speed, tau_s, dt_s)
+
+
 class ElectricalOvershootMagnitude(OvershootLaw):
     """Any motion, in either direction, shakes the contacts: the conductance shifts and comes back at rest.
 
@@ -28,9 +33,11 @@ class ElectricalOvershootMagnitude(OvershootLaw):
     tau_s: float = parameter(3.0, unit="s", low=0.1, high=300, scale="log", doc="time in which it heals")
 
     def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        speed = np.abs(lagging_rate(signals["strain"], dt_s))
-        shaken = self.tau_s * lowpass(speed, self.tau_s, dt_s)
-        return self.gain * shaken
+        return self.gain * shaken(self.speed(lagging_rate(signals["strain"], dt_s)), self.tau_s, dt_s)
+
+    def speed(self, rate: FloatArray) -> FloatArray:
+        """How fast the contacts are shaken at these strain rates, shape (n,)."""
+        return np.abs(rate)
 
 
 class ElectricalOvershootTwoWays(ElectricalOvershootMagnitude):
@@ -48,10 +55,8 @@ class ElectricalOvershootTwoWays(ElectricalOvershootMagnitude):
 
     back: float = parameter(1.5, unit="1", low=-5, high=5, doc="share of it on the way back")
 
-    def log_change(self, signals: Signals, dt_s: float) -> FloatArray:
-        rate = lagging_rate(signals["strain"], dt_s)
-        shaken = self.tau_s * lowpass(np.where(rate > 0, rate, -self.back * rate), self.tau_s, dt_s)
-        return self.gain * shaken
+    def speed(self, rate: FloatArray) -> FloatArray:
+        return np.where(rate > 0, rate, -self.back * rate)
 
 
 class ElectricalOvershootTwoWaysProny(OvershootLaw):
@@ -85,4 +90,4 @@ class ElectricalOvershootTwoWaysProny(OvershootLaw):
         """Way out and way back that each time remembers, over `span`, shape (2 k, n)."""
         rate = lagging_rate(signals["strain"], dt_s) / self.span
         ways = np.maximum(rate, 0.0), np.maximum(-rate, 0.0)
-        return np.stack([tau_s * lowpass(way, tau_s, dt_s) for way in ways for tau_s in HEALING_S])
+        return np.stack([shaken(way, tau_s, dt_s) for way in ways for tau_s in HEALING_S])

@@ -6,7 +6,13 @@ import numpy as np
 
 from testbench.comparing.remounting import held_errors, remounted
 from testbench.fitting.fit import fit
-from testbench.knit.conduction.heat import TemperatureDrift, TemperatureDriftTrend, ThermalSoftening
+from testbench.knit.conduction.heat import (
+    WANDER_STEPS,
+    TemperatureDrift,
+    TemperatureDriftTrend,
+    TemperatureDriftWander,
+    ThermalSoftening,
+)
 from testbench.knit.readout.interference import PeriodicInterference
 from testbench.measurements.measurement import prepare
 from tests.testbench.builders import NOISE_LN, record, truth
@@ -48,3 +54,9 @@ def test_a_room_that_warmed_once_need_not_warm_again():
     warming, held = (truth().plus(TemperatureDriftTrend(coefficient_per_h=pace)) for pace in (1.0, -1.5))
     fitted = fit(warming, prepare(record(warming, 300, seed=1)))
     assert held_errors(fitted.model, prepare(record(held, 300, seed=2)))["conductance"] < 1.2 * NOISE_LN
+
+
+def test_a_recording_that_shows_nothing_of_the_room_leaves_the_model_as_it_is():
+    wandering = truth().plus(TemperatureDriftWander(weights=(0.01,) * WANDER_STEPS))
+    held = prepare(record(truth(), 60, channels=("force_N",)))
+    assert remounted(wandering, held)["elasticity"] == wandering["elasticity"]
