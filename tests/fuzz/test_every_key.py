@@ -20,7 +20,7 @@ from tests.fuzz.kinds import KINDS, SLOWLY_MADE_BY, good_files, make
 from tests.fuzz.targets import no_hang
 
 QUICK = 8  # mutants of a document in the quick suite
-FIRST, LATER = 120, 12  # in the slow one, of those that load: how many meet the first command, and each later one
+FIRST, LATER = 60, 6  # in the slow one, of those that load: how many meet the first command, and each later one
 
 
 @pytest.fixture(scope="module")
