@@ -39,7 +39,7 @@ def misfit_after_refit(option, truth_model, rival_model, seed: int) -> float:
     """Squared misfit over the noise that `testbench fit` itself leaves to the wrong model."""
     measurement = planned(option.made.trajectory, BOUNDS.gauge_length_mm, tuple(FLOORS))
     clean = measurement.modelled(truth_model)
-    fitted = measurement.modelled(fit(rival_model, read(measurement, truth_model, seed)).model)
+    fitted = measurement.modelled(fit(rival_model, read(measurement, truth_model, FLOORS, seed)).model)
     left = {c: (clean[c] - fitted[c])[measurement.counts] for c in FLOORS}
     return sum(float(np.var(left[c] / FLOORS[c])) for c in FLOORS)
 
