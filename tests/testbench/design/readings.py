@@ -2,24 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement, prepare
-from testbench.recordings.channels import DISPLACEMENT, FORCE, RESISTANCE
-from testbench.recordings.recording import Recording
+from tests.testbench.builders import record
 
 
-def read(planned: Measurement, model: KnitModel, noise: Mapping[str, float], seed: int) -> Measurement:
+def read(planned: Measurement, model: KnitModel, seed: int) -> Measurement:
     """The motion as a recording of force and resistance, with white noise."""
-    clean, rng = planned.modelled(model), np.random.default_rng(seed)
-    noisy = {c: clean[c] + sd * rng.standard_normal(len(clean[c])) for c, sd in noise.items()}
-    gauge_length_mm = planned.recording.gauge_length_mm
-    channels = {
-        DISPLACEMENT: planned.signals["strain"] * gauge_length_mm,
-        FORCE: noisy["force"],
-        RESISTANCE: np.exp(-noisy["conductance"]),
-    }
-    return prepare(Recording(planned.signals["time_s"], channels, gauge_length_mm))
+    time_s, strain = planned.signals["time_s"], planned.signals["strain"]
+    duration_s = time_s[-1] + planned.dt_s
+    return prepare(record(model, duration_s, 1 / planned.dt_s, seed, strain=lambda t: np.interp(t, time_s, strain)))

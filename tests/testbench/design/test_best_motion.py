@@ -67,7 +67,7 @@ def history(model, seed: int = 3):
     """Two minutes of random motion that a model went through, with noise."""
     made = make(menu(BOUNDS)[NOISE], seed, BOUNDS.gauge_length_mm)
     measurement = planned(made.trajectory, BOUNDS.gauge_length_mm, tuple(READING.noise))
-    return read(measurement, model, READING.noise, seed)
+    return read(measurement, model, seed)
 
 
 def rivals(measured):
