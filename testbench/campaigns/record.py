@@ -116,8 +116,12 @@ def check_as_begun(folder: Path, said: Mapping[str, Any], program: str | None = 
     """
     campaign, _ = read_manifest(folder)
     recipe = campaign.recipe
-    begun = {**recipe, "gauge_length_mm": campaign.gauge_length_mm, "specimen": recipe.get("sensor")}
-    begun["program"] = recipe.get("program_sha256")
+    begun = {
+        **recipe,
+        "gauge_length_mm": campaign.gauge_length_mm,
+        "specimen": recipe.get("sensor"),
+        "program": recipe.get("program_sha256"),
+    }
     if program is not None:
         said = {**said, "program": sha256_of(Path(program))}
     for name, value in said.items():

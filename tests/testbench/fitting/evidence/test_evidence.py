@@ -149,18 +149,15 @@ def test_a_group_that_is_switched_off_costs_next_to_nothing_and_stays_at_its_pri
 @pytest.mark.parametrize("weights", [0, WEIGHTS])
 def test_with_nothing_switched_on_the_evidence_is_that_of_the_residual(weights):
     """A recording in which the data see nothing of what is free there."""
-    residuals, designs, _ = linear(5)
-    columns = {c: np.vstack([residuals[c], designs[c][:weights]]) for c in SIGMA}
-    normal = NormalEquations(
-        {c: rows @ rows.T for c, rows in columns.items()},
-        float(COUNT),
-        1.0,
-        dict.fromkeys(SIGMA, 0.0),
-        np.zeros(weights),
-        np.ones(weights),
-        np.zeros(weights, int),
+    residuals, _, normal = linear(5)
+    seen = replace(
+        normal,
+        products={c: gram[: 1 + weights, : 1 + weights] for c, gram in normal.products.items()},
+        mean=np.zeros(weights),
+        precision=np.ones(weights),
+        group=np.zeros(weights, int),
     )
-    found = maximised(normal, SIGMA, iterations=1, scale=np.array([LARGEST]) if weights else np.ones(0))
+    found = maximised(seen, SIGMA, iterations=1, scale=np.array([LARGEST]) if weights else np.ones(0))
     misfit = sum(np.sum(residuals[c] ** 2) / SIGMA[c] ** 2 + 2 * COUNT * np.log(SIGMA[c]) for c in SIGMA)
     assert found.value == pytest.approx(-0.5 * misfit, abs=0.05)
     np.testing.assert_array_equal(found.coefficients, np.zeros(weights))
