@@ -8,6 +8,10 @@ DEMO   ?= demo-output
 UV     := $(BIN)/uv --no-progress -q
 PYTEST := $(BIN)/python -m pytest
 
+# A machine may forbid Python to keep compiled modules: then every process that a test or a diagnosis starts would compile
+# NumPy, SciPy and pandas anew (4 s of 7 s here).
+unexport PYTHONDONTWRITEBYTECODE
+
 .PHONY: help setup setup-dev demo test test-slow lint docs bench lock clean check-host
 
 help: ## what can be made

@@ -48,7 +48,7 @@ class Status:
     sync_failures : int
         How often the disk said that it could not keep what it had taken.
     rate_hz : float
-        Mean over the last seconds.
+        Mean over the last seconds; at the end over all that this recorder heard.
     force_N, resistance_ohm : float or None
     displacement_mm, strain : float
         The last accepted sample.
@@ -124,6 +124,7 @@ class Recorder:
         self._is_over, self._report, self._disk_patience_s = is_over, report, disk_patience_s
         self._last: Row | None = None
         self._follow = follow
+        self._first: tuple[int, int] | None = None
         self._window: tuple[int, int] | None = None
         self._reported_s = float("-inf")
         self._full_since_s: float | None = None
@@ -165,6 +166,7 @@ class Recorder:
                     return
                 yield item
         elif isinstance(part, Accepted):
+            self._first = self._first or (part.first.time_us, 1)
             self._last = part.last
             yield from self.intake.accept(part.first, part.last, part.samples)
             yield Lines(part.text)
@@ -176,6 +178,7 @@ class Recorder:
 
     def _ending(self, row: Row) -> list[Item]:
         """What to write last if this row ends the recording; empty if it goes on."""
+        self._first = self._first or (row.time_us, self.intake.accepted)
         self._last = row
         if self._follow is not None:
             self.status.compensated, self.status.compensated_unit = self._follow(row)
@@ -244,7 +247,9 @@ class Recorder:
     def _rate_hz(self) -> float:
         now = (self.intake.time_us, self.intake.accepted)
         before = self._window or now
-        if self._window is None or now[0] - before[0] > RATE_WINDOW_US:
+        if self.status.state != "recording":
+            before = self._first or now
+        elif self._window is None or now[0] - before[0] > RATE_WINDOW_US:
             self._window = now
         elapsed_us = now[0] - before[0]
         return (now[1] - before[1]) / elapsed_us * 1e6 if elapsed_us else self.status.rate_hz

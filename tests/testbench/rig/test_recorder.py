@@ -148,7 +148,9 @@ def test_progress_tells_rate_losses_force_and_strain(job, tmp_path):
     assert 30 < middle["rate_hz"] < 45
     assert middle["strain"] > 0
     assert middle["duration_s"] == pytest.approx(4.0, abs=0.5)
-    assert seen[-1]["state"] == "complete"
+    end = seen[-1]
+    assert end["state"] == "complete"
+    assert end["rate_hz"] == pytest.approx((end["samples"] - 1) / end["time_s"], rel=1e-12)  # of all of it
 
 
 def test_a_reader_of_a_growing_file_never_sees_half_a_line(job, tmp_path):
