@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from testbench.diagnosis.candidates import Candidate, candidate_mechanisms, expand, is_vector, two_signed
+from testbench.fitting.evidence.directions import Directions
 from testbench.fitting.evidence.evidence import LogEvidence, NormalEquations, is_on, maximised, opened
 from testbench.fitting.evidence.hypothesis import Hypothesis
 from testbench.fitting.evidence.likelihood import Likelihood
@@ -100,11 +101,18 @@ def laws_of(hypothesis: Hypothesis, likelihood: Likelihood, catalogue: Catalogue
 
 
 class Screen:
-    """First-order evidence of laws beside a fitted model, all of whose parameters may move to make room."""
+    """First-order evidence of laws beside a fitted model, all of whose parameters may move to make room.
+
+    Of weights that share a prior, those combinations that the data see.
+    """
 
     def __init__(self, hypothesis: Hypothesis, likelihood: Likelihood) -> None:
-        self.hypothesis, self.base = hypothesis, hypothesis.weighted
-        self.plain = maximised(hypothesis.normal, scale=hypothesis.evidence.scale, sigma=hypothesis.evidence.sigma)
+        scale, sigma, weighted = hypothesis.evidence.scale, hypothesis.evidence.sigma, hypothesis.weighted
+        information = {c: hypothesis.normal.share / sigma[c] ** 2 for c in weighted}
+        self.directions = Directions.seen(weighted, information, hypothesis.priors, opened(scale))
+        self.base = {c: self.directions.rows(rows) for c, rows in weighted.items()}
+        self.normal, self.robust = self.directions.normal(hypothesis.normal), hypothesis.robust
+        self.plain = maximised(self.normal, scale=scale, sigma=sigma)
         self.scales = shape_scales(likelihood.measurement)
 
     def proposals(self, laws: Sequence[Law]) -> list[Proposal]:
@@ -112,7 +120,7 @@ class Screen:
         return sorted((self.best_point(law) for law in laws), key=lambda p: -p.gain)
 
     def best_point(self, law: Law) -> Proposal:
-        rows = {c: values * self.hypothesis.robust[c] for c, values in law.traces.items()}
+        rows = {c: values * self.robust[c] for c, values in law.traces.items()}
         first = law.candidates[0]
         if is_vector(type(first.effect), first.effect.strength):
             return self._vector(law, rows)
@@ -122,7 +130,7 @@ class Screen:
 
     def _first_order(self, tried: Sequence[Candidate], rows: Rows) -> tuple[FloatArray, FloatArray]:
         """Gains at the scales of the model as it is, and coefficients of the traces, both of shape (m,)."""
-        evidence, normal = self.plain, self.hypothesis.normal
+        evidence, normal = self.plain, self.normal
         share = {c: normal.share / evidence.sigma[c] ** 2 for c in rows}
         with_base = np.sum([(rows[c] @ self.base[c].T) * share[c] for c in rows], axis=0)
         size = sum(np.einsum("ij,ij->i", rows[c], rows[c]) * share[c] for c in rows)
@@ -144,7 +152,7 @@ class Screen:
 
     def _beside(self, law: Law, rows: Rows, index: int, gain: float, amount: float) -> Proposal:
         """One point of a law, with the scales of all groups found anew."""
-        candidate, step = law.candidates[index], np.zeros(len(self.hypothesis.normal.mean))
+        candidate, step = law.candidates[index], np.zeros(len(self.normal.mean))
         if gain > 0.5:
             mean, declared = amplitude_prior(candidate, self.scales)
             typically, off, has_tails = np.asarray(declared), np.asarray(amount), mean == 0
@@ -159,7 +167,7 @@ class Screen:
             amount = 1.0
         # The best of many points looks good by chance alone.
         gain = float(gain) - np.log(len(law.candidates))
-        return Proposal(law.mechanism, candidate.law, candidate.at(amount), gain, step)
+        return Proposal(law.mechanism, candidate.law, candidate.at(amount), gain, self.directions.full(step))
 
     def _vector(self, law: Law, rows: Rows) -> Proposal:
         """A law with a vector of weights: all its columns at once, their scale found by evidence."""
@@ -170,7 +178,7 @@ class Screen:
         weights = tuple(float(a) * first.strength for a in found.coefficients[-count:])
         effect = first.effect.near(**{first.effect.strength: weights})
         gain = found.value - self.plain.value
-        return Proposal(law.mechanism, first.law, effect, gain, found.coefficients[:-count])
+        return Proposal(law.mechanism, first.law, effect, gain, self.directions.full(found.coefficients[:-count]))
 
     def evidence(
         self, rows: Rows, mean: float, precision: float, group: int, iterations: int = 6, typical: bool = False
@@ -188,7 +196,7 @@ class Screen:
         start = self.plain
         number = -1 if group < 0 else len(start.scale)
         priors = [mean] * count, [precision] * count, [number] * count
-        bigger = extended(self.hypothesis.normal, self.base, rows, *priors)
+        bigger = extended(self.normal, self.base, rows, *priors)
         if typical:
             bigger = replace(bigger, typical=bigger.typical | {number})
         scale = start.scale if group < 0 else np.r_[opened(start.scale), 1.0]

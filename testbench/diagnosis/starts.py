@@ -10,7 +10,6 @@ from testbench.fitting.downhill import huber
 from testbench.fitting.evidence.hypothesis import Hypothesis
 from testbench.fitting.evidence.laplace import PARTS
 from testbench.fitting.evidence.likelihood import Likelihood
-from testbench.fitting.parameters import with_values
 from testbench.knit.effect import Effect
 from testbench.knit.model import KnitModel
 
@@ -27,11 +26,10 @@ def best_start(h: Hypothesis, p: Proposal, likelihood: Likelihood) -> KnitModel:
     h : Hypothesis
         The model beside which the law was proposed.
     """
-    low, high = h.priors.low, h.priors.high
     tried = [h.model.plus(p.first), h.model.plus(p.effect)]
     for part in (*PARTS, 0.0):
         step = np.where(h.priors.group >= 0, p.step, part * p.step)
-        tried.append(with_values(h.model, h.priors.parameters, np.clip(h.vector + step, low, high)).plus(p.effect))
+        tried.append(h.priors.model_at(h.model, h.vector + step).plus(p.effect))
     return min(tried, key=lambda one: _misfit(one, h, likelihood))
 
 

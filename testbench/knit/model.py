@@ -140,12 +140,15 @@ class KnitModel:
         changed = self.with_places(places.items()).effects
         return KnitModel({**changed, **{name: changed[name].replaced() for name, _, _ in places}})
 
-    def with_places(self, values: Iterable[tuple[tuple[str, str, int], Any]]) -> KnitModel:
-        """A model with parameters changed, by their places (see `parts_of`), to values that are allowed."""
+    def with_places(self, values: Iterable[tuple[tuple[str, str, int | slice], Any]]) -> KnitModel:
+        """A model with parameters changed, by their places (see `parts_of`), to values that are allowed.
+
+        A slice of a vector is a place, too.
+        """
         changes: dict[str, dict[str, Any]] = {}
         for (effect, key, index), value in values:
             change = changes.setdefault(effect, {})
-            if index < 0:
+            if isinstance(index, int) and index < 0:
                 change[key] = value
                 continue
             if key not in change:

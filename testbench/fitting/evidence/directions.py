@@ -7,11 +7,12 @@ of their normal equations a rich shape changes nothing that is above the noise: 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
+from testbench.fitting.evidence.evidence import NormalEquations
 from testbench.fitting.evidence.priors import Priors
 from testbench.knit.effect import FloatArray
 
@@ -91,6 +92,14 @@ class Directions:
     def priors(self, mean: FloatArray, precision: FloatArray) -> tuple[FloatArray, FloatArray, np.ndarray]:
         """Prior mean, precision and group of each direction, all of shape (q,), from those of all parameters."""
         return self.along(mean), precision[self.own], self.group
+
+    def normal(self, every: NormalEquations) -> NormalEquations:
+        """The normal equations along the directions, from those of all parameters."""
+        basis = np.zeros((1 + len(self.member), 1 + len(self.group)))
+        basis[0, 0], basis[1:, 1:] = 1.0, self.basis
+        products = {c: basis.T @ gram @ basis for c, gram in every.products.items()}
+        mean, precision, group = self.priors(every.mean, every.precision)
+        return replace(every, products=products, mean=mean, precision=precision, group=group)
 
     def full(self, coordinates: FloatArray) -> FloatArray:
         """All parameters from coordinates, shape (p,)."""

@@ -16,7 +16,7 @@ from testbench.fitting.downhill import huber
 from testbench.fitting.evidence.evidence import LogEvidence, NormalEquations, maximised
 from testbench.fitting.evidence.likelihood import Likelihood
 from testbench.fitting.evidence.priors import Priors
-from testbench.fitting.parameters import HELD, values_of
+from testbench.fitting.parameters import HELD
 from testbench.fitting.sensitivity import sensitivities
 from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import FloatArray
@@ -119,7 +119,7 @@ class Hypothesis:
     @property
     def vector(self) -> FloatArray:
         """The point in the fit's coordinates, shape (p,)."""
-        return values_of(self.model, self.priors.parameters)
+        return self.priors.point_of(self.model)
 
     @property
     def model_in_use(self) -> KnitModel:

@@ -15,7 +15,7 @@ from testbench.fitting.evidence.evidence import NormalEquations, maximised, open
 from testbench.fitting.evidence.hypothesis import Hypothesis, laws_still, pinned, rms, tail
 from testbench.fitting.evidence.likelihood import Likelihood
 from testbench.fitting.evidence.priors import priors_of
-from testbench.fitting.parameters import HELD, values_of, with_values
+from testbench.fitting.parameters import HELD
 from testbench.fitting.sensitivity import derivatives
 from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import FloatArray
@@ -80,7 +80,7 @@ class _PosteriorFit:
         known = {**(like.priors.believed if like else {}), **believed}
         self.priors = priors_of(model, likelihood.measurement, reference, known, free)
         self.base = frozenset(reference)
-        self.model, self.x = model, values_of(model, self.priors.parameters)
+        self.model, self.x = model, self.priors.point_of(model)
         scales = like.scales if like else {}
         self.scale = opened(np.array([scales.get(name, 1.0) for name in self.priors.groups]))
         self.columns = {c: np.zeros((len(self.x) + 1, len(likelihood.rows))) for c in likelihood.measurement.channels}
@@ -201,11 +201,11 @@ class _PosteriorFit:
             step, cost = longer, then
 
     def go(self, x: FloatArray) -> None:
-        self.model = with_values(self.model, self.priors.parameters, x)
-        self.x = values_of(self.model, self.priors.parameters)
+        self.model = self.priors.model_at(self.model, x)
+        self.x = self.priors.point_of(self.model)
 
     def cost_at(self, x: FloatArray) -> float:
-        return self.cost(self.residual(with_values(self.model, self.priors.parameters, x)), x)
+        return self.cost(self.residual(self.priors.model_at(self.model, x)), x)
 
     def cost_here(self) -> float:
         return self.cost({c: rows[0] for c, rows in self.columns.items()}, self.x)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import groupby
 
 import numpy as np
 
@@ -45,6 +47,33 @@ class Priors:
     group: np.ndarray
     groups: tuple[str, ...]
     typical: frozenset[int]
+
+    @cached_property
+    def vectors(self) -> list[tuple[slice, tuple[str, str, slice]]]:
+        """Weights that stand in a row in a vector: which of the parameters, and where they go in a model."""
+        found = []
+        weights = (i for i, p in enumerate(self.parameters) if p.place[2] >= 0)
+        for _, row in groupby(weights, lambda i: (self.parameters[i].place[:2], i - self.parameters[i].place[2])):
+            which = list(row)
+            effect, key, first = self.parameters[which[0]].place
+            found.append((slice(which[0], which[-1] + 1), (effect, key, slice(first, first + len(which)))))
+        return found
+
+    def model_at(self, model: KnitModel, x: FloatArray) -> KnitModel:
+        """The model at a point of the fit's coordinates, shape (p,), within the bounds."""
+        within = np.clip(x, self.low, self.high)
+        single = [(p.place, p.to_physical(float(x[i]))) for i, p in enumerate(self.parameters) if p.place[2] < 0]
+        return model.with_places([*single, *((place, within[which].tolist()) for which, place in self.vectors)])
+
+    def point_of(self, model: KnitModel) -> FloatArray:
+        """Where a model is in the fit's coordinates, shape (p,)."""
+        x = np.empty(len(self.parameters))
+        for i, p in enumerate(self.parameters):
+            if p.place[2] < 0:
+                x[i] = p.to_fit(value_of(model, p))
+        for which, (effect, key, row) in self.vectors:
+            x[which] = getattr(model[effect], key)[row]
+        return x
 
     @property
     def believed(self) -> dict[str, tuple[float, float]]:

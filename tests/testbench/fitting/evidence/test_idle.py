@@ -53,3 +53,17 @@ def test_what_is_switched_off_makes_no_law_look_better(bent):
     scalars = [law for law in bare if not is_vector(CATALOGUE[law], CATALOGUE[law].strength)]
     assert len(scalars) > 60
     assert max(abs(with_idle[law] - bare[law]) for law in scalars) < 1.0
+
+
+def test_combinations_of_weights_that_the_data_do_not_see_make_no_law_look_better(bent, monkeypatch):
+    """Laws are worth the same whether such combinations are left out or not."""
+    h, measurement = bent
+    likelihood = likelihood_of(h.model, measurement, noise_of(measurement)).in_pieces
+    laws = laws_of(h, likelihood, load_catalogue())
+    some = Screen(h, likelihood)
+    monkeypatch.setattr("testbench.fitting.evidence.directions.UNSEEN", -1.0)
+    every = Screen(h, likelihood)
+    assert len(some.normal.mean) < 0.7 * len(every.normal.mean) == 0.7 * len(h.priors.parameters)
+    gains = [{p.law: float(p.gain) for p in screen.proposals(laws)} for screen in (some, every)]
+    assert len(gains[1]) > 60
+    assert max(abs(gains[0][law] - gain) for law, gain in gains[1].items()) < 0.5
