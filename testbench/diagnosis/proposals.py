@@ -152,7 +152,7 @@ class Screen:
 
     def _beside(self, law: Law, rows: Rows, index: int, gain: float, amount: float) -> Proposal:
         """One point of a law, with the scales of all groups found anew."""
-        candidate, step = law.candidates[index], np.zeros(len(self.normal.mean))
+        candidate, step = law.candidates[index], np.zeros(len(self.directions.member))
         if gain > 0.5:
             mean, declared = amplitude_prior(candidate, self.scales)
             typically, off, has_tails = np.asarray(declared), np.asarray(amount), mean == 0
@@ -160,14 +160,14 @@ class Screen:
             found = self.evidence({c: values[index : index + 1] for c, values in rows.items()}, mean, precision, -1)
             amount, gain = float(found.coefficients[-1]), found.value - self.plain.value
             gain += float(tail_evidence(typically, off)) if has_tails else 0.0
-            step = found.coefficients[:-1]
+            step = self.room_made(found, 1)
             if amount <= 0 and not two_signed(type(candidate.effect)):
                 gain = -1.0
         else:
             amount = 1.0
         # The best of many points looks good by chance alone.
         gain = float(gain) - np.log(len(law.candidates))
-        return Proposal(law.mechanism, candidate.law, candidate.at(amount), gain, self.directions.full(step))
+        return Proposal(law.mechanism, candidate.law, candidate.at(amount), gain, step)
 
     def _vector(self, law: Law, rows: Rows) -> Proposal:
         """A law with a vector of weights: all its columns at once, their scale found by evidence."""
@@ -178,7 +178,7 @@ class Screen:
         weights = tuple(float(a) * first.strength for a in found.coefficients[-count:])
         effect = first.effect.near(**{first.effect.strength: weights})
         gain = found.value - self.plain.value
-        return Proposal(law.mechanism, first.law, effect, gain, self.directions.full(found.coefficients[:-count]))
+        return Proposal(law.mechanism, first.law, effect, gain, self.room_made(found, count))
 
     def evidence(
         self, rows: Rows, mean: float, precision: float, group: int, iterations: int = 6, typical: bool = False
@@ -191,6 +191,11 @@ class Screen:
             0: the scale of the new columns is found by evidence; -1: it is as declared.
         typical : bool
             `precision` is that of their typical size, and the scale has Cauchy's prior around it.
+
+        Returns
+        -------
+        LogEvidence
+            Its coefficients are along `directions`, the new columns last; see `room_made`.
         """
         count = len(next(iter(rows.values())))
         start = self.plain
@@ -201,6 +206,10 @@ class Screen:
             bigger = replace(bigger, typical=bigger.typical | {number})
         scale = start.scale if group < 0 else np.r_[opened(start.scale), 1.0]
         return maximised(bigger, scale=scale, iterations=iterations, sigma=start.sigma)
+
+    def room_made(self, found: LogEvidence, count: int) -> FloatArray:
+        """By which the model's own parameters move where so many columns were added, shape (p,)."""
+        return self.directions.full(found.coefficients[:-count])
 
 
 def extended(normal: NormalEquations, base: Rows, rows: Rows, mean, precision, group) -> NormalEquations:

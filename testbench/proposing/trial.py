@@ -89,7 +89,7 @@ class LawFitter:
         found = screen.evidence(rows, 0.0, (strength / prior_sd) ** 2, -1)
         there = effect.near(**{effect.strength: float(found.coefficients[-1]) * strength})
         gain = found.value - screen.plain.value
-        return best_start(current, Proposal(name, name, there, gain, found.coefficients[:-1]), self.likelihood)
+        return best_start(current, Proposal(name, name, there, gain, screen.room_made(found, 1)), self.likelihood)
 
     def settled(self, trial: Trial) -> Trial:
         """A trial whose refit is continued until it has converged."""
