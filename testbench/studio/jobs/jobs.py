@@ -13,7 +13,7 @@ from pathlib import Path
 
 from gcode.support.errors import UserError
 from testbench.studio.jobs.job import Commands, Job, State
-from testbench.studio.jobs.outliving import Outliving, job_environment
+from testbench.studio.jobs.outliving import HEEDS_CTRL_C, Outliving, job_environment
 from testbench.studio.jobs.pace import Paces
 
 PATIENCE_S = 5.0  # how long a cancelled job may take to end well before it is killed
@@ -142,13 +142,9 @@ class JobBoard:
 
 
 def interpreter_argv(argv: Sequence[str]) -> list[str]:
-    """The command with this very interpreter, wherever the console scripts are.
-
-    It can be interrupted even where the studio was started with ``&``, which makes all that it starts ignore that.
-    """
+    """The command with this very interpreter, wherever the console scripts are."""
     program, *arguments = argv
-    heeds = "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler)"
-    return [sys.executable, "-c", f"{heeds}; from {program}.cli import main; sys.exit(main())", *arguments]
+    return [sys.executable, "-c", f"{HEEDS_CTRL_C}; from {program}.cli import main; sys.exit(main())", *arguments]
 
 
 async def _run(job: Job) -> None:

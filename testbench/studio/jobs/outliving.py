@@ -30,9 +30,10 @@ POLLED_S = 0.1
 LEFT: list[subprocess.Popen] = []  # running children that this process may forget, but not disown with a warning
 CAUGHT_UP_BYTES = 1 << 16  # of what a job has said before it was found again
 ABOUT, ALIVE, SAID, ERRORS, CODE = "job.json", "alive", "said.jsonl", "errors.txt", "code"
+# A job can be interrupted even where the studio was started with ``&``, which makes all that it starts ignore that.
+HEEDS_CTRL_C = "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler)"
 # The exit code is left in a file: whoever finds the job later is not its parent.
-WRAPPED = """
-import sys
+WRAPPED = f"""{HEEDS_CTRL_C}
 from importlib import import_module
 program, code_file = sys.argv.pop(1), sys.argv.pop(1)
 try:

@@ -42,10 +42,17 @@ async def ended(job: Job) -> Job:
 
 
 @pytest.mark.asyncio
-async def test_a_later_board_finds_the_job_and_ends_it(tmp_path: Path, program: Path) -> None:
+@pytest.mark.parametrize(
+    "ctrl_c", [signal.default_int_handler, signal.SIG_IGN]
+)  # a shell ignores it in what follows "&"
+async def test_a_later_board_finds_the_job_and_ends_it(tmp_path: Path, program: Path, ctrl_c) -> None:
     first = JobBoard({RIG: tmp_path / "running"})
-    job = first.start(RIG, "Rig", rig(program, tmp_path / "port"))
-    await until_heard(job)
+    before = signal.signal(signal.SIGINT, ctrl_c)
+    try:
+        job = first.start(RIG, "Rig", rig(program, tmp_path / "port"))
+        await until_heard(job)
+    finally:
+        signal.signal(signal.SIGINT, before)
     assert await first.close() == [job], "it is left running"
     second = JobBoard({RIG: tmp_path / "running"})
     found = second.find(RIG)
