@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from testbench.fitting.evidence.laplace import fitted
 from testbench.fitting.evidence.likelihood import independent_share, known_noise
@@ -84,8 +83,7 @@ def imitate(truth: Rival, imitator: Rival, measurement: Measurement, noise: Nois
     likelihood = known_noise(clean, noise)
     model, before = imitator.model, np.inf
     for _ in range(SEARCHES):
-        with threadpool_limits(1, "blas"):
-            model = fitted(model, likelihood, model).model
+        model = fitted(model, likelihood, model).model
         left = {c: _counted(values, clean) / noise[c] for c, values in clean.residual(model).items()}
         found = Imitation(truth.name, imitator.name, left, independent_share(clean))
         if found.log_odds > ENOUGH * before:

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from gcode.support.errors import UserError
 from testbench.fitting import constants
@@ -128,5 +127,4 @@ def fit(
         raise UserError(f"the model ({', '.join(model)}) gives NaN on {measurement.recording.source}")
     base = KnitModel({name: effect for name, effect in model.effects.items() if effect.in_base})
     likelihood = likelihood_of(model, telling(measurement), noise_of(measurement))
-    with threadpool_limits(1, "blas"):  # matrices are small: threads wait for each other longer than they work
-        return Fit.of(fitted(model, likelihood, base, iterations=iterations, progress=progress, free=free))
+    return Fit.of(fitted(model, likelihood, base, iterations=iterations, progress=progress, free=free))

@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from testbench.fitting import constants
 from testbench.fitting.downhill import UP, downhill, huber, huber_weight, within
@@ -59,8 +60,9 @@ def fitted(
     progress : callable, optional
         Called with a short text after each iteration.
     """
-    problem = _PosteriorFit(model, likelihood, reference, like, quick, believed or {}, free)
-    return problem.run(iterations, progress or (lambda _text: None))
+    with threadpool_limits(1, "blas"):  # matrices are small: threads wait for each other longer than they work
+        problem = _PosteriorFit(model, likelihood, reference, like, quick, believed or {}, free)
+        return problem.run(iterations, progress or (lambda _text: None))
 
 
 class _PosteriorFit:

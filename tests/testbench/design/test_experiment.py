@@ -20,11 +20,8 @@ from tests.testbench.design.readings import read
 
 FLOORS = {"force": NOISE_N, "conductance": NOISE_LN}
 BOUNDS = Bounds(duration_s=300)
-DRAWS = {
-    "load_cell_creep": 2,
-    "permanent_set": 2,
-    "self_heating": 12,
-}  # of the noise: more where it tells little
+# Draws of the noise: where little is to be told, one draw says nothing.
+DRAWS = {"load_cell_creep": 2, "permanent_set": 2, "self_heating": 12}
 PAIRS = {
     "load_cell_creep": ({"fraction": 0.03}, "stress_relaxation", {"fraction": 0.03}),
     "permanent_set": ({}, "clamp_slip", {}),

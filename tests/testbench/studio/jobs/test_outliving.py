@@ -42,10 +42,9 @@ async def ended(job: Job) -> Job:
 
 
 @pytest.mark.asyncio
-@pytest.mark.parametrize(
-    "ctrl_c", [signal.default_int_handler, signal.SIG_IGN]
-)  # a shell ignores it in what follows "&"
+@pytest.mark.parametrize("ctrl_c", [signal.default_int_handler, signal.SIG_IGN])
 async def test_a_later_board_finds_the_job_and_ends_it(tmp_path: Path, program: Path, ctrl_c) -> None:
+    """Also where the studio was started with ``&``, which makes all that it starts ignore Ctrl-C."""
     first = JobBoard({RIG: tmp_path / "running"})
     before = signal.signal(signal.SIGINT, ctrl_c)
     try:
