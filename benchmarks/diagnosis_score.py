@@ -12,6 +12,7 @@ from sklearn.calibration import calibration_curve
 Row = dict[str, Any]
 SURE = 0.9  # a wrong name given with more than this is the worst of errors
 BINS = 10  # of the reliability diagram
+AS_ASKED = 2 / 3  # of the strength that was asked for: some effects cannot be that strong, in some sensors
 
 
 def score(truth: Mapping[str, Any], said: Mapping[str, Any], expected: str, mechanisms: Mapping[str, str]) -> Row:
@@ -75,6 +76,11 @@ def _distinct(names: Iterable[str]) -> list[str]:
 def is_single(row: Row) -> bool:
     """One effect of the catalogue hidden."""
     return row["expected"] == "missing" and len(row["hidden"]) == 1
+
+
+def is_as_strong(row: Row) -> bool:
+    """The hidden effect is about as strong as was asked for; what shows less is harder to find."""
+    return min(row["reached"]) >= AS_ASKED * row["strength"]
 
 
 def first(row: Row) -> bool:
@@ -150,6 +156,7 @@ def goals(rows: Sequence[Row]) -> dict[str, str]:
     brier, error = brier_score(rows), calibration_error(rows)
     return {
         "right first and named": share(single, first),
+        "the same, of those as strong as asked": share([row for row in single if is_as_strong(row)], first),
         "in the top three": share(single, top3),
         "nothing hidden, and nothing said": share(none, said("nothing_missing")),
         "of no catalogue, and unknown said": share(unknown, said("unknown")),

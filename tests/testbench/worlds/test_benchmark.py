@@ -46,6 +46,17 @@ def test_right_first_and_in_the_top_three(bench):
     assert not first(unsaid)
 
 
+def test_effects_that_cannot_be_as_strong_as_asked_are_counted_beside_those_that_are(bench):
+    from diagnosis_score import goals
+
+    found = _row(bench, "channel_lag", Fake("missing", "channel_lag"))
+    missed = found | {"named": [], "reached": [0.6 * found["strength"]]}
+    told = goals([found, missed])
+    assert found["reached"] == [pytest.approx(found["strength"], rel=0.1)]
+    assert told["right first and named"] == "50 % of 2"
+    assert told["the same, of those as strong as asked"] == "100 % of 1"
+
+
 def test_an_effect_left_out_of_the_catalogue_is_gone_in_all_its_forms(bench):
     seen = {}
 
