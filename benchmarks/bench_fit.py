@@ -26,7 +26,7 @@ from testbench.fitting.baseline import starting_baseline
 from testbench.fitting.evidence.evidence import maximised
 from testbench.fitting.evidence.laplace import _PosteriorFit
 from testbench.fitting.fit import fit
-from testbench.fitting.parameters import free_parameters, shape_scales, values_of, with_values
+from testbench.fitting.parameters import free_parameters, shape_scales
 from testbench.fitting.sensitivity import sensitivities
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement, split
@@ -57,14 +57,13 @@ def with_scipy(model: KnitModel, measurement: Measurement) -> KnitModel:
     scale = {c: 3 * noise_floor(v[measurement.counts]) for c, v in measurement.measured.items()}
 
     def residual(x: np.ndarray) -> np.ndarray:
-        left = measurement.residual(with_values(model, parameters, x))
+        left = measurement.residual(parameters.model_at(model, x))
         return np.concatenate([left[c][measurement.counts] / scale[c] for c in left])
 
-    low = np.array([p.to_fit(p.low) for p in parameters])
-    high = np.array([p.to_fit(p.high) for p in parameters])
-    start = np.clip(values_of(model, parameters), low + 1e-9, high - 1e-9)
+    low, high = parameters.low, parameters.high
+    start = np.clip(parameters.point_of(model), low + 1e-9, high - 1e-9)
     found = least_squares(residual, start, bounds=(low, high), x_scale="jac", loss="huber", max_nfev=25)
-    return with_values(model, parameters, found.x)
+    return parameters.model_at(model, found.x)
 
 
 def spread(model: KnitModel, measurement: Measurement) -> str:

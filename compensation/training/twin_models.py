@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 
 from testbench.fitting.fit import Fit, fit
-from testbench.fitting.parameters import with_values
 from testbench.knit.catalogue import load_catalogue
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement, coarser, prepare
@@ -70,7 +69,7 @@ def draws(best: Fit, count: int, seed: int) -> list[KnitModel]:
     values, vectors = np.linalg.eigh(best.covariance)
     root = vectors * np.sqrt(np.maximum(values, 0.0))
     moved = (best.vector + root @ rng.standard_normal(len(best.vector)) for _ in range(count))
-    return [with_values(best.model, best.parameters, vector) for vector in moved]
+    return [best.parameters.model_at(best.model, vector) for vector in moved]
 
 
 def _misfit(model: KnitModel, measurement: Measurement, best: Fit) -> float:

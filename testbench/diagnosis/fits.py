@@ -114,17 +114,16 @@ class Fits:
         return fitted(model, self.compared, self.reference, like, 6, quick=True, believed=believed)
 
     def at_rest(self, h: Hypothesis) -> Hypothesis:
-        """Refitted until nothing is gained, at first with shapes as free as they are without data.
+        """A model fitted in full, refitted until nothing is gained; at first with shapes as free as without data.
 
         Shapes that were fitted beside another law hold what is in the way of this one.
         """
-        best = max(fitted(h.model, self.compared, self.reference, h.opened), h, key=evidence_of)
+        best, better = h, max(fitted(h.model, self.compared, self.reference, h.opened), h, key=evidence_of)
         for _ in range(constants.REFITS):
-            better = self.compare(best.model, best)
             if better.log_z < best.log_z + constants.EVIDENCE_ERROR:
-                return better
-            best = better
-        return best
+                break
+            best, better = better, self.compare(better.model, better)
+        return better
 
     def without(self, h: Hypothesis, name: str) -> Hypothesis:
         """A model without one of its effects, refitted."""

@@ -172,7 +172,7 @@ class Refits:
         if e.is_settled:
             return e
         h = e.hypothesis
-        found = [self.fits.at_rest(h)]
+        found = [self.fits.at_rest(self.fits.compare(h.model, h))]
         if acts_on_force(h.model[e.name]):
             found += [self.fits.compare(model, h) for model in _begun_elsewhere(h.model)]
         return e.refitted(max(found, key=evidence_of), is_settled=True)

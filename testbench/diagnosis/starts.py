@@ -29,7 +29,7 @@ def best_start(h: Hypothesis, p: Proposal, likelihood: Likelihood) -> KnitModel:
     tried = [h.model.plus(p.first), h.model.plus(p.effect)]
     for part in (*PARTS, 0.0):
         step = np.where(h.priors.group >= 0, p.step, part * p.step)
-        tried.append(h.priors.model_at(h.model, h.vector + step).plus(p.effect))
+        tried.append(h.priors.parameters.model_at(h.model, h.vector + step).plus(p.effect))
     return min(tried, key=lambda one: _misfit(one, h, likelihood))
 
 

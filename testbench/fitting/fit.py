@@ -13,7 +13,7 @@ from testbench.fitting import constants
 from testbench.fitting.evidence.hypothesis import Hypothesis
 from testbench.fitting.evidence.laplace import fitted
 from testbench.fitting.evidence.likelihood import likelihood_of, noise_of, telling
-from testbench.fitting.parameters import FreeParameter
+from testbench.fitting.parameters import FreeParameters
 from testbench.knit.effect import FloatArray
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement
@@ -26,7 +26,7 @@ class Fit:
     Attributes
     ----------
     model : KnitModel
-    parameters : tuple of FreeParameter
+    parameters : FreeParameters
     vector : ndarray, shape (p,)
         Fitted coordinates.
     covariance : ndarray, shape (p, p)
@@ -38,7 +38,7 @@ class Fit:
     """
 
     model: KnitModel
-    parameters: tuple[FreeParameter, ...]
+    parameters: FreeParameters
     vector: FloatArray
     covariance: FloatArray
     believed: FloatArray
@@ -49,7 +49,7 @@ class Fit:
         """The fit of a hypothesis; of those of its effects that `model` has, if given."""
         model = model or h.model
         kept = np.array([i for i, p in enumerate(h.priors.parameters) if p.place[0] in model], int)
-        parameters = tuple(h.priors.parameters[i] for i in kept)
+        parameters = FreeParameters(h.priors.parameters[i] for i in kept)
         believed = h.priors.scaled(h.evidence.scale)[kept] ** -0.5
         return cls(
             model, parameters, h.vector[kept], h.covariance[np.ix_(kept, kept)], believed, dict(h.evidence.sigma)
@@ -62,11 +62,9 @@ class Fit:
 
     def at_bound(self) -> list[str]:
         """Addresses of parameters that ended on a bound."""
-        return [
-            p.address
-            for p, x in zip(self.parameters, self.vector, strict=True)
-            if np.isclose(x, p.to_fit(p.low), atol=1e-6) or np.isclose(x, p.to_fit(p.high), atol=1e-6)
-        ]
+        bounds = self.parameters.low, self.parameters.high
+        at_bound = np.any([np.isclose(self.vector, bound, atol=1e-6) for bound in bounds], axis=0)
+        return [p.address for p, on_it in zip(self.parameters, at_bound, strict=True) if on_it]
 
     def unidentified(self) -> list[str]:
         """Addresses of parameters about which this recording says nearly nothing beyond the prior."""

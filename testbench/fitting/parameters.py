@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -64,6 +65,55 @@ class FreeParameter:
         return self.high if value > self.high else value
 
 
+class FreeParameters(tuple[FreeParameter, ...]):
+    """Free parameters as one vector: the coordinates of a fit, p of them."""
+
+    @cached_property
+    def low(self) -> FloatArray:
+        """Lower bounds in the fit's coordinates, shape (p,)."""
+        return np.array([p.to_fit(p.low) for p in self])
+
+    @cached_property
+    def high(self) -> FloatArray:
+        """Upper bounds in the fit's coordinates, shape (p,)."""
+        return np.array([p.to_fit(p.high) for p in self])
+
+    @cached_property
+    def _single(self) -> list[int]:
+        """Which of them are no weights of a vector."""
+        return [i for i, p in enumerate(self) if p.place[2] < 0]
+
+    @cached_property
+    def _vectors(self) -> list[tuple[slice, tuple[str, str, slice]]]:
+        """Weights that stand in a row in a vector: which of the parameters, and where they go in a model."""
+        found = []
+        weights = (i for i, p in enumerate(self) if p.place[2] >= 0)
+        for _, row in groupby(weights, lambda i: (self[i].place[:2], i - self[i].place[2])):
+            which = list(row)
+            effect, key, first = self[which[0]].place
+            found.append((slice(which[0], which[-1] + 1), (effect, key, slice(first, first + len(which)))))
+        return found
+
+    def within(self, x: FloatArray) -> FloatArray:
+        """The point within the bounds that is nearest to this one, shape (p,)."""
+        return np.clip(x, self.low, self.high)
+
+    def model_at(self, model: KnitModel, x: FloatArray) -> KnitModel:
+        """The model at a point of the fit's coordinates, shape (p,), within the bounds."""
+        within = self.within(x)
+        single = [(self[i].place, self[i].to_physical(float(x[i]))) for i in self._single]
+        return model.with_places([*single, *((place, within[which].tolist()) for which, place in self._vectors)])
+
+    def point_of(self, model: KnitModel) -> FloatArray:
+        """Where a model is in the fit's coordinates, shape (p,)."""
+        x = np.empty(len(self))
+        for i in self._single:
+            x[i] = self[i].to_fit(value_of(model, self[i]))
+        for which, (effect, key, row) in self._vectors:
+            x[which] = getattr(model[effect], key)[row]
+        return x
+
+
 def shape_scales(measurement: Measurement) -> dict[str, float]:
     """Typical size of a correction, by unit: a tenth of the force's range, 0.3 in ln G."""
     scales = {"1": 0.3, "1/ks": 0.1, "N": 1.0}
@@ -74,7 +124,7 @@ def shape_scales(measurement: Measurement) -> dict[str, float]:
     return scales
 
 
-def free_parameters(model: KnitModel, scales: Mapping[str, float]) -> list[FreeParameter]:
+def free_parameters(model: KnitModel, scales: Mapping[str, float]) -> FreeParameters:
     """List what a fit may move, in the order of the signal chain.
 
     Parameters
@@ -89,7 +139,7 @@ def free_parameters(model: KnitModel, scales: Mapping[str, float]) -> list[FreeP
             if key in FRAME_PARAMETERS:
                 continue
             found += _entries(f"{name}.{key}", getattr(effect, key), bounds_of(field), scales)
-    return found
+    return FreeParameters(found)
 
 
 def _entries(address: str, value: Any, extra: Mapping[str, Any], scales: Mapping[str, float]) -> list[FreeParameter]:
@@ -106,19 +156,8 @@ def _entries(address: str, value: Any, extra: Mapping[str, Any], scales: Mapping
     return [FreeParameter(address, low, high, float(value), width, False, unit)]
 
 
-def values_of(model: KnitModel, parameters: Iterable[FreeParameter]) -> FloatArray:
-    """Current values in the fit's coordinates, shape (p,)."""
-    return np.array([p.to_fit(value_of(model, p)) for p in parameters])
-
-
 def value_of(model: KnitModel, parameter: FreeParameter) -> float:
     """Current value, in its own unit."""
     effect, key, index = parameter.place
     value = getattr(model[effect], key)
     return value if index < 0 else value[index]
-
-
-def with_values(model: KnitModel, parameters: Iterable[FreeParameter], vector: FloatArray) -> KnitModel:
-    """The model at a point of the fit's coordinates, within the bounds."""
-    coordinates = zip(parameters, vector.tolist(), strict=True)
-    return model.with_places((p.place, p.to_physical(coordinate)) for p, coordinate in coordinates)

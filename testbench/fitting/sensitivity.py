@@ -7,7 +7,7 @@ from itertools import groupby
 
 import numpy as np
 
-from testbench.fitting.parameters import FreeParameter, values_of, with_values
+from testbench.fitting.parameters import FreeParameter, value_of
 from testbench.fitting.passed_on import Chain, change_of
 from testbench.knit.cache import SimulationCache
 from testbench.knit.effect import FloatArray
@@ -68,9 +68,10 @@ def _change(
 ) -> dict[str, FloatArray]:
     """Change of the signals behind one law over that of a parameter in the fit's coordinate, each shape (1, n)."""
     model, here = chain.head(until), chain.behind[until]
-    at = values_of(model, [parameter])
-    step = _step(parameter, float(at[0]))
-    there = with_values(model, [parameter], at + step).simulate(measurement.signals, measurement.dt_s, cache)
+    at = parameter.to_fit(value_of(model, parameter))
+    step = _step(parameter, at)
+    moved = model.with_places([(parameter.place, parameter.to_physical(at + step))])
+    there = moved.simulate(measurement.signals, measurement.dt_s, cache)
     changed = (signal for signal, values in there.items() if values is not here[signal])
     return {signal: change_of(signal, there, here)[None] / step for signal in changed}
 

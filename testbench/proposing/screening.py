@@ -180,7 +180,7 @@ class Projector:
 
 def at_bounds(h: Hypothesis) -> np.ndarray:
     """Parameters that lie at a bound, shape (p,): the base cannot give way there, whatever its tangents promise."""
-    return (h.vector <= h.priors.low) | (h.vector >= h.priors.high)
+    return (h.vector <= h.priors.parameters.low) | (h.vector >= h.priors.parameters.high)
 
 
 def _squares(rows: FloatArray, channels: int) -> FloatArray:

@@ -119,7 +119,7 @@ class Hypothesis:
     @property
     def vector(self) -> FloatArray:
         """The point in the fit's coordinates, shape (p,)."""
-        return self.priors.point_of(self.model)
+        return self.priors.parameters.point_of(self.model)
 
     @property
     def model_in_use(self) -> KnitModel:

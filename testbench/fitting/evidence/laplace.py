@@ -81,14 +81,14 @@ class _PosteriorFit:
         self.likelihood, self.cache = likelihood, SimulationCache()
         known = {**(like.priors.believed if like else {}), **believed}
         self.priors = priors_of(model, likelihood.measurement, reference, known, free)
-        self.base = frozenset(reference)
-        self.model, self.x = model, self.priors.point_of(model)
+        self.parameters, self.base = self.priors.parameters, frozenset(reference)
+        self.model, self.x = model, self.parameters.point_of(model)
         scales = like.scales if like else {}
         self.scale = opened(np.array([scales.get(name, 1.0) for name in self.priors.groups]))
         self.columns = {c: np.zeros((len(self.x) + 1, len(likelihood.rows))) for c in likelihood.measurement.channels}
         place = {p.address: i + 1 for i, p in enumerate(like.priors.parameters)} if like else {}
         new = []
-        for index, p in enumerate(self.priors.parameters):
+        for index, p in enumerate(self.parameters):
             if like is not None and self.priors.group[index] >= 0 and p.address in place:
                 for c, rows in self.columns.items():
                     rows[index + 1] = like.columns[c][place[p.address]] * (likelihood.weight[c] / like.weight[c])
@@ -108,7 +108,7 @@ class _PosteriorFit:
     def run(self, iterations: int, tell: Callable[[str], None]) -> Hypothesis:
         self.search(iterations, tell)
         at_bound, own = self.held, self.priors.group < 0
-        of_base = own & np.array([p.place[0] in self.base for p in self.priors.parameters])
+        of_base = own & np.array([p.place[0] in self.base for p in self.parameters])
         self.held = at_bound | of_base
         for _ in range(FINAL_WEIGHTS):
             if not self.settle():
@@ -176,7 +176,7 @@ class _PosteriorFit:
         step = np.where(self.held, 0.0, self.directions.full(evidence.coefficients))
         now = self.cost_here()
         for part in PARTS:
-            x = np.clip(self.x + part * step, self.priors.low, self.priors.high)
+            x = self.parameters.within(self.x + part * step)
             if self.cost_at(x) < now:
                 self.go(x)
                 self.linearise(np.flatnonzero(~self.held & (self.priors.group < 0)))
@@ -196,18 +196,18 @@ class _PosteriorFit:
     def as_far_as_it_falls(self, step: FloatArray, cost: float) -> tuple[FloatArray, float]:
         """A step doubled while the cost falls: a simulation is cheap beside new sensitivities."""
         while True:
-            longer = np.clip(self.x + 2 * step, self.priors.low, self.priors.high) - self.x
+            longer = self.parameters.within(self.x + 2 * step) - self.x
             then = self.cost_at(self.x + longer)
             if not then < cost:
                 return step, cost
             step, cost = longer, then
 
     def go(self, x: FloatArray) -> None:
-        self.model = self.priors.model_at(self.model, x)
-        self.x = self.priors.point_of(self.model)
+        self.model = self.parameters.model_at(self.model, x)
+        self.x = self.parameters.point_of(self.model)
 
     def cost_at(self, x: FloatArray) -> float:
-        return self.cost(self.residual(self.priors.model_at(self.model, x)), x)
+        return self.cost(self.residual(self.parameters.model_at(self.model, x)), x)
 
     def cost_here(self) -> float:
         return self.cost({c: rows[0] for c, rows in self.columns.items()}, self.x)
@@ -221,7 +221,7 @@ class _PosteriorFit:
         measurement, which = self.likelihood.measurement, list(which)
         for c, values in self.residual(self.model).items():
             self.columns[c][0] = values
-        for indices, rows in derivatives(self.model, self.priors.parameters, which, measurement, self.cache):
+        for indices, rows in derivatives(self.model, self.parameters, which, measurement, self.cache):
             for c, values in rows.items():
                 self.columns[c][np.array(indices) + 1] = self.likelihood.picked(values, c)
         self.refresh(which)
@@ -277,21 +277,21 @@ class _PosteriorFit:
         total = normal.over_noise(self.sigma)
         precision = scaled(normal.precision, normal.group, self.scale)
         matrix, gradient = total[1:, 1:] + np.diag(precision), total[1:, 0] + precision * normal.mean
-        push = self.directions.full(gradient)
-        self.held = ((self.x <= self.priors.low) & (push < 0)) | ((self.x >= self.priors.high) & (push > 0))
+        push, low, high = self.directions.full(gradient), self.parameters.low, self.parameters.high
+        self.held = ((self.x <= low) & (push < 0)) | ((self.x >= high) & (push > 0))
         # Damping is by the priors, not by the data, so that laws which resemble each other may trade much in a step.
         # The model is linear in its weights, which need none.
         own = normal.group < 0
         matrix += np.diag(np.where(own, damping * (precision + 1e-5 * np.diag(matrix)), 0.0))
         step = self.directions.full(within(matrix, gradient, *self.room()))
-        return np.clip(self.x + step, self.priors.low, self.priors.high) - self.x
+        return self.parameters.within(self.x + step) - self.x
 
     def room(self) -> tuple[FloatArray, FloatArray]:
         """How far a step may go along each direction: for a parameter to its bounds, for weights anywhere."""
         own = self.directions.group < 0
         which = self.directions.own
-        low = np.where(own, (self.priors.low - self.x)[which], -np.inf)
-        high = np.where(own, (self.priors.high - self.x)[which], np.inf)
+        low = np.where(own, (self.parameters.low - self.x)[which], -np.inf)
+        high = np.where(own, (self.parameters.high - self.x)[which], np.inf)
         return np.minimum(low, 0.0), np.maximum(high, 0.0)
 
     def cost(self, residual: Mapping[str, FloatArray], x: FloatArray) -> float:

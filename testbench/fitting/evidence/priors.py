@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cached_property
-from itertools import groupby
 
 import numpy as np
 
 from testbench.fitting.evidence.evidence import scaled
-from testbench.fitting.parameters import FreeParameter, free_parameters, shape_scales, value_of
+from testbench.fitting.parameters import FreeParameters, free_parameters, shape_scales, value_of
 from testbench.knit.effect import Effect, FloatArray, bounds_of
 from testbench.knit.model import KnitModel
 from testbench.measurements.measurement import Measurement
@@ -26,8 +24,8 @@ class Priors:
 
     Attributes
     ----------
-    parameters : tuple of FreeParameter
-    mean, precision, low, high : ndarray, shape (p,)
+    parameters : FreeParameters
+    mean, precision : ndarray, shape (p,)
     tails : ndarray of bool, shape (p,)
         Which of them are strengths of effects.
     group : ndarray of int, shape (p,)
@@ -38,42 +36,13 @@ class Priors:
         Groups of which an effect says how large they usually are.
     """
 
-    parameters: tuple[FreeParameter, ...]
+    parameters: FreeParameters
     mean: FloatArray
     precision: FloatArray
     tails: np.ndarray
-    low: FloatArray
-    high: FloatArray
     group: np.ndarray
     groups: tuple[str, ...]
     typical: frozenset[int]
-
-    @cached_property
-    def vectors(self) -> list[tuple[slice, tuple[str, str, slice]]]:
-        """Weights that stand in a row in a vector: which of the parameters, and where they go in a model."""
-        found = []
-        weights = (i for i, p in enumerate(self.parameters) if p.place[2] >= 0)
-        for _, row in groupby(weights, lambda i: (self.parameters[i].place[:2], i - self.parameters[i].place[2])):
-            which = list(row)
-            effect, key, first = self.parameters[which[0]].place
-            found.append((slice(which[0], which[-1] + 1), (effect, key, slice(first, first + len(which)))))
-        return found
-
-    def model_at(self, model: KnitModel, x: FloatArray) -> KnitModel:
-        """The model at a point of the fit's coordinates, shape (p,), within the bounds."""
-        within = np.clip(x, self.low, self.high)
-        single = [(p.place, p.to_physical(float(x[i]))) for i, p in enumerate(self.parameters) if p.place[2] < 0]
-        return model.with_places([*single, *((place, within[which].tolist()) for which, place in self.vectors)])
-
-    def point_of(self, model: KnitModel) -> FloatArray:
-        """Where a model is in the fit's coordinates, shape (p,)."""
-        x = np.empty(len(self.parameters))
-        for i, p in enumerate(self.parameters):
-            if p.place[2] < 0:
-                x[i] = p.to_fit(value_of(model, p))
-        for which, (effect, key, row) in self.vectors:
-            x[which] = getattr(model[effect], key)[row]
-        return x
 
     @property
     def believed(self) -> dict[str, tuple[float, float]]:
@@ -117,7 +86,7 @@ def priors_of(
         Whether to fit the parameter of this address.
     """
     scales = shape_scales(measurement)
-    parameters = [p for p in free_parameters(model, scales) if free(p.address)]
+    parameters = FreeParameters(p for p in free_parameters(model, scales) if free(p.address))
     groups: list[str] = []
     believed, group, tails = [], [], []
     for p in parameters:
@@ -139,10 +108,9 @@ def priors_of(
         is_strength = key == model[name].strength and name not in reference
         tails.append(is_strength and believed[-1][0] == 0)
     mean, width = np.array(believed).reshape(-1, 2).T
-    low, high = (np.array([p.to_fit(getattr(p, side)) for p in parameters]) for side in ("low", "high"))
     said = frozenset(g for g, vector in enumerate(groups) if _size_of_vector(model, vector))
     strengths, number = np.array(tails, bool), np.array(group, int)
-    return Priors(tuple(parameters), mean, width**-2.0, strengths, low, high, number, tuple(groups), said)
+    return Priors(parameters, mean, width**-2.0, strengths, number, tuple(groups), said)
 
 
 def declared_size(effect: type[Effect], key: str) -> float:

@@ -11,7 +11,7 @@ from testbench.fitting.downhill import huber
 from testbench.fitting.evidence.laplace import fitted
 from testbench.fitting.evidence.likelihood import independent_share, likelihood_of, noise_of
 from testbench.fitting.fit import fit
-from testbench.fitting.parameters import free_parameters, shape_scales, values_of, with_values
+from testbench.fitting.parameters import FreeParameters, free_parameters, shape_scales
 from testbench.fitting.sensitivity import sensitivities
 from testbench.knit.cache import SimulationCache
 from testbench.measurements.measurement import prepare
@@ -27,7 +27,7 @@ def test_known_parameters_come_back_within_their_standard_errors(seed):
     result = fit(starting_baseline(measurement), measurement)
     at = {p.address: index for index, p in enumerate(result.parameters)}
     rows = [at[address] for address in KNOWN]
-    wanted = values_of(truth(), [result.parameters[row] for row in rows])
+    wanted = FreeParameters(result.parameters[row] for row in rows).point_of(truth())
     distance = (result.vector[rows] - wanted) / result.standard_errors[rows]
     assert np.all(np.abs(distance) < 3), dict(zip(KNOWN, distance, strict=True))
     # The errors are wide for the allowance, but not so wide that they say nothing.
@@ -55,14 +55,14 @@ def test_nothing_near_is_more_probable():
     parameters, sigma = h.priors.parameters, h.evidence.sigma
 
     def cost(x):
-        residual = measurement.residual(with_values(h.model, parameters, x))
+        residual = measurement.residual(parameters.model_at(h.model, x))
         misfit = sum(np.sum(huber(np.abs(likelihood.picked(v, c)) / sigma[c])) for c, v in residual.items())
         return float(misfit * likelihood.share + np.sum(h.priors.cost(x, h.evidence.scale)))
 
-    bounds = list(zip(h.priors.low, h.priors.high, strict=True))
+    bounds = list(zip(parameters.low, parameters.high, strict=True))
     found = minimize(cost, h.vector, method="L-BFGS-B", bounds=bounds)
     assert cost(h.vector) < found.fun + 0.1
-    far = values_of(starting_baseline(measurement), parameters)
+    far = parameters.point_of(starting_baseline(measurement))
     assert cost(h.vector) < cost(far) - 10
 
 
@@ -116,14 +116,13 @@ def test_sensitivities_agree_with_central_differences():
     model = with_shapes(truth(), measurement)
     parameters = free_parameters(model, shape_scales(measurement))
     _, jacobian = sensitivities(model, parameters, measurement, SimulationCache())
-    start = values_of(model, parameters)
+    start = parameters.point_of(model)
     for index, parameter in enumerate(parameters):
         step = 1e-5 * (1.0 if parameter.log else max(abs(start[index]), 0.1 * parameter.width))
         if not parameter.low < parameter.to_physical(start[index] - step):
             continue  # at its lower bound
-        sides = [
-            measurement.modelled(with_values(model, [parameter], start[index : index + 1] + s)) for s in (-step, step)
-        ]
+        one = FreeParameters([parameter])
+        sides = [measurement.modelled(one.model_at(model, start[index : index + 1] + s)) for s in (-step, step)]
         for channel, rows in jacobian.items():
             central = (sides[1][channel] - sides[0][channel]) / (2 * step)
             scale = np.sqrt(np.mean(central**2)) + 1e-9

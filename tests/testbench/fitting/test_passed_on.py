@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from testbench.fitting.baseline import framed, with_shapes
-from testbench.fitting.parameters import free_parameters, shape_scales, values_of, with_values
+from testbench.fitting.parameters import FreeParameters, free_parameters, shape_scales
 from testbench.fitting.passed_on import Chain
 from testbench.fitting.sensitivity import sensitivities
 from testbench.knit.cache import SimulationCache
@@ -30,8 +30,8 @@ CORNERS = {
 def model_with(name):
     """The base with shapes that bend a little, and one effect of the catalogue at its default strength."""
     rng = np.random.default_rng(7)
-    shapes = [p for p in free_parameters(BENT, shape_scales(MEASUREMENT)) if "_shape." in p.address]
-    bent = with_values(BENT, shapes, 0.02 * rng.standard_normal(len(shapes)))
+    shapes = FreeParameters(p for p in free_parameters(BENT, shape_scales(MEASUREMENT)) if "_shape." in p.address)
+    bent = shapes.model_at(BENT, 0.02 * rng.standard_normal(len(shapes)))
     return bent if name in bent else bent.plus(framed(EFFECTS[name](), bent, MEASUREMENT))
 
 
@@ -39,14 +39,14 @@ def model_with(name):
 def test_sensitivities_are_those_of_the_whole_model(name):
     model = model_with(name)
     every = free_parameters(model, shape_scales(MEASUREMENT))
-    parameters = [p for p in every if p.place[2] < 2 and (p.address not in CORNERS)]
+    parameters = FreeParameters(p for p in every if p.place[2] < 2 and p.address not in CORNERS)
     _, jacobian = sensitivities(model, parameters, MEASUREMENT, SimulationCache())
-    start, plain = values_of(model, parameters), MEASUREMENT.modelled(model)
+    start, plain = parameters.point_of(model), MEASUREMENT.modelled(model)
     for index, parameter in enumerate(parameters):
         step = 1e-4 * (1.0 if parameter.log else max(abs(start[index]), 0.1 * parameter.width))
         if parameter.to_physical(start[index] + step) >= parameter.high:
             continue
-        there = MEASUREMENT.modelled(with_values(model, [parameter], start[index : index + 1] + step))
+        there = MEASUREMENT.modelled(FreeParameters([parameter]).model_at(model, start[index : index + 1] + step))
         for channel, rows in jacobian.items():
             whole = (there[channel] - plain[channel]) / step
             size = np.sqrt(np.mean(whole**2))

@@ -8,7 +8,7 @@ from scipy import stats
 
 from testbench.fitting.baseline import with_shapes
 from testbench.fitting.evidence.priors import declared, priors_of, tail_evidence, typical, with_tails
-from testbench.fitting.parameters import values_of, with_values
+from testbench.fitting.parameters import value_of
 from testbench.knit.effect import bounds_of
 from testbench.measurements.measurement import prepare
 from tests.testbench.builders import CATALOGUE, record, truth
@@ -53,12 +53,12 @@ def test_every_strength_has_a_typical_size_within_its_bounds(name):
 def test_a_point_is_a_model_and_back(free):
     measurement = prepare(record(truth(), 60.0, seed=1))
     model = with_shapes(truth(), measurement, CATALOGUE)
-    priors = priors_of(model, measurement, truth(), {}, free)
-    x = priors.point_of(model) + 0.01 * np.random.default_rng(1).standard_normal(len(priors.parameters))
-    there = priors.model_at(model, x)
-    np.testing.assert_allclose(priors.point_of(there), np.clip(x, priors.low, priors.high), rtol=1e-12)
-    assert there == with_values(model, priors.parameters, x)
-    np.testing.assert_array_equal(priors.point_of(there), values_of(there, priors.parameters))
+    parameters = priors_of(model, measurement, truth(), {}, free).parameters
+    x = parameters.point_of(model) + 0.01 * np.random.default_rng(1).standard_normal(len(parameters))
+    there = parameters.model_at(model, x)
+    np.testing.assert_allclose(parameters.point_of(there), parameters.within(x), rtol=1e-12)
+    assert there == model.with_parameters({p.address: p.to_physical(at) for p, at in zip(parameters, x, strict=True)})
+    np.testing.assert_array_equal(parameters.point_of(there), [p.to_fit(value_of(there, p)) for p in parameters])
 
 
 def test_a_strength_of_many_times_its_typical_size_costs_a_logarithm():
