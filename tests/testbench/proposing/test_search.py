@@ -138,8 +138,8 @@ def test_of_one_structure_the_numbers_that_fit_best_are_kept():
 
 
 def test_what_lies_at_a_bound_cannot_give_way():
-    priors = SimpleNamespace(low=np.array([-1.0, 0.0, 0.0]), high=np.array([1.0, 2.0, 0.015]))
-    h = SimpleNamespace(vector=np.array([0.3, 0.0, 0.015]), priors=priors)
+    parameters = SimpleNamespace(low=np.array([-1.0, 0.0, 0.0]), high=np.array([1.0, 2.0, 0.015]))
+    h = SimpleNamespace(vector=np.array([0.3, 0.0, 0.015]), priors=SimpleNamespace(parameters=parameters))
     assert at_bounds(h).tolist() == [False, True, True]
 
 
