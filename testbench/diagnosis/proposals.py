@@ -108,7 +108,7 @@ class Screen:
 
     def __init__(self, hypothesis: Hypothesis, likelihood: Likelihood) -> None:
         scale, sigma, weighted = hypothesis.evidence.scale, hypothesis.evidence.sigma, hypothesis.weighted
-        information = {c: hypothesis.normal.share / sigma[c] ** 2 for c in weighted}
+        information = hypothesis.normal.information(sigma)
         self.directions = Directions.seen(weighted, information, hypothesis.priors, opened(scale))
         self.base = {c: self.directions.rows(rows) for c, rows in weighted.items()}
         self.normal, self.robust = self.directions.normal(hypothesis.normal), hypothesis.robust
@@ -131,9 +131,9 @@ class Screen:
     def _first_order(self, tried: Sequence[Candidate], rows: Rows) -> tuple[FloatArray, FloatArray]:
         """Gains at the scales of the model as it is, and coefficients of the traces, both of shape (m,)."""
         evidence, normal = self.plain, self.normal
-        share = {c: normal.share / evidence.sigma[c] ** 2 for c in rows}
-        with_base = np.sum([(rows[c] @ self.base[c].T) * share[c] for c in rows], axis=0)
-        size = sum(np.einsum("ij,ij->i", rows[c], rows[c]) * share[c] for c in rows)
+        information = normal.information(evidence.sigma)
+        with_base = np.sum([(rows[c] @ self.base[c].T) * information[c] for c in rows], axis=0)
+        size = sum(np.einsum("ij,ij->i", rows[c], rows[c]) * information[c] for c in rows)
         inner = with_base[:, 1:]
         goal = with_base[:, 0] - inner @ evidence.coefficients
         on = np.flatnonzero(is_on(normal.group, evidence.scale))

@@ -54,11 +54,15 @@ class NormalEquations:
     typical: frozenset[int] = frozenset()
     still: np.ndarray = field(default_factory=lambda: np.zeros(0, int))
 
+    def information(self, sigma: Mapping[str, float]) -> dict[str, float]:
+        """Independent samples that each sample stands for, over the variance of the noise, per channel."""
+        return {c: self.share / sigma[c] ** 2 for c in self.products}
+
     def over_noise(self, sigma: Mapping[str, float]) -> FloatArray:
         """Inner products over the variance of the noise, of all channels together, shape (q, q)."""
         total = np.zeros((len(self.mean) + 1, len(self.mean) + 1))
-        for c, gram in self.products.items():
-            total += gram * (self.share / sigma[c] ** 2)
+        for c, information in self.information(sigma).items():
+            total += self.products[c] * information
         return total
 
 

@@ -240,8 +240,9 @@ class _PosteriorFit:
     def normal(self) -> NormalEquations:
         """Along the directions that the data see, weighted robustly."""
         if self.stale:
-            share = {c: self.likelihood.share / self.sigma[c] ** 2 for c in self.columns}
-            self.directions = Directions.seen(self.columns, share, self.priors, np.minimum(self.scale, NARROWEST))
+            information = {c: self.likelihood.share / self.sigma[c] ** 2 for c in self.columns}
+            narrow = np.minimum(self.scale, NARROWEST)
+            self.directions = Directions.seen(self.columns, information, self.priors, narrow)
             self.rows = {c: self.directions.rows(rows) for c, rows in self.columns.items()}
             own = 1 + int(np.sum(self.directions.group < 0))
             self.products = {c: _ProductsOfShapes(rows[own:]) for c, rows in self.rows.items()}
