@@ -115,6 +115,9 @@ class Diagnosis:
         The mechanisms that share 90 % of the probability; empty where one stands alone.
     base_misfits, other_laws : tuple of str
         Shapes that the base laws need, and laws that only bend them; laws that took the place of others.
+    bends_like : str
+        Where nothing is missing, the mechanism that would bend a law of the base as this sensor's is bent; empty if
+        none would.
     depends_on : tuple of (channel, coordinate, share)
         What the final model's residual depends on, and the share of it that a free-form map explains.
     left : float
@@ -134,6 +137,7 @@ class Diagnosis:
     tied: tuple[str, ...]
     base_misfits: tuple[str, ...]
     other_laws: tuple[str, ...]
+    bends_like: str
     depends_on: tuple[tuple[str, str, float], ...]
     left: float
     before: ModelFile
@@ -152,6 +156,7 @@ class Diagnosis:
             "tied": list(self.tied),
             "base_misfits": list(self.base_misfits),
             "other_laws": list(self.other_laws),
+            "bends_like": self.bends_like,
             "depends_on": [
                 {"channel": channel, "coordinate": coordinate, "gain": gain}
                 for channel, coordinate, gain in self.depends_on
@@ -286,6 +291,7 @@ def concluded(
         _tied(meant, verdict),
         tuple(name for name in after.model if name not in known),
         tuple(other_laws.values()),
+        first.bend.mechanism if first.bend and verdict == "nothing_missing" else "",
         tuple(sorted(((c, where, share) for (c, where), share in explained.items()), key=lambda one: -one[2])),
         left,
         before,

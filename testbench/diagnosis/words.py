@@ -37,14 +37,36 @@ def first_line(diagnosis: Diagnosis) -> str:
     """All that was found, how sure that is, and what is left."""
     chances = diagnosis.probabilities
     if diagnosis.verdict == "nothing_missing":
-        return f"nothing is missing ({percent(chances[NOTHING])}){_elsewhere(diagnosis)}"
+        return f"nothing is missing ({percent(chances[NOTHING])}){_bent(diagnosis)}{_elsewhere(diagnosis)}"
     if diagnosis.verdict == "missing":
         return f"missing: {_found(diagnosis)}; {_left(diagnosis.left)}{_elsewhere(diagnosis)}"
+    first = diagnosis.ranking[0]
+    if first.probability > chances[UNKNOWN]:
+        return f"unknown: {_too_little(first)}{_depends(diagnosis)}"
     said = f"unknown ({percent(chances[UNKNOWN])}): structure remains that no effect of the catalogue explains"
-    if diagnosis.depends_on:
-        channel, coordinate, _ = diagnosis.depends_on[0]
-        said += f", depends most on: {channel}: {coordinate}"
-    return said + _nearest(diagnosis.ranking[0])
+    return said + _depends(diagnosis) + _nearest(first)
+
+
+def _bent(diagnosis: Diagnosis) -> str:
+    """As which effect a law of the base is bent, if it is; that is no news, but it is what the base lacks."""
+    mechanism = diagnosis.bends_like
+    if not mechanism:
+        return ""
+    chance = percent(diagnosis.probabilities[mechanism])
+    return f", but a law of the base is bent as {mechanism.replace('_', ' ')} ({chance}) would bend it"
+
+
+def _too_little(first: Ranked) -> str:
+    """What is said of a law that is probable, but explains less than half."""
+    probable = f"{first.effect.replace('_', ' ')} ({percent(first.probability)}) is probable"
+    return f"{probable}, but leaves {100 * first.left:.0f} % of the error above the noise"
+
+
+def _depends(diagnosis: Diagnosis) -> str:
+    if not diagnosis.depends_on:
+        return ""
+    channel, coordinate, _ = diagnosis.depends_on[0]
+    return f", depends most on: {channel}: {coordinate}"
 
 
 def _nearest(first: Ranked) -> str:

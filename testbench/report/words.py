@@ -19,11 +19,22 @@ def verdict_in_words(diagnosis: Mapping[str, Any]) -> str:
     if verdict == "missing" and ranking:
         return _missing(diagnosis)
     if verdict == "unknown":
-        probability = probability_of(diagnosis, "unknown")
-        known = f"Something is missing that no effect of the catalogue explains{_bracketed(probability)}."
-        return known + _depends(diagnosis)
+        return _unknown(diagnosis) + _depends(diagnosis)
     probability = probability_of(diagnosis, "nothing")
-    return f"Nothing is missing that these recordings could show{_bracketed(probability)}."
+    said = f"Nothing is missing that these recordings could show{_bracketed(probability)}."
+    if bend := diagnosis.get("bends_like"):
+        said += f" But a law of the base is bent as {with_probability(diagnosis, bend)} would bend it."
+    return said
+
+
+def _unknown(diagnosis: Mapping[str, Any]) -> str:
+    """That no effect explains enough; of one that is more probable than that there is none, what it leaves."""
+    probability, first = probability_of(diagnosis, "unknown"), next(iter(diagnosis["ranking"]), None)
+    if first is None or (first.get("probability") or 0.0) <= (probability or 0.0):
+        return f"Something is missing that no effect of the catalogue explains{_bracketed(probability)}."
+    probable = with_probability(diagnosis, first["effect"])
+    left = f"{100 * first['error_share_left']:.0f} % of the error above the noise"
+    return f"No effect of the catalogue explains most of what is missing: {probable} is probable, but leaves {left}."
 
 
 def _bracketed(probability: float | None) -> str:

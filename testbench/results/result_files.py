@@ -70,6 +70,7 @@ class StoredDiagnosis(OpenModel):
     tied: Annotated[list[Label], Field(max_length=MOST_EFFECTS)] = Field(default_factory=list)
     base_misfits: Annotated[list[Label], Field(max_length=MOST_EFFECTS)] = Field(default_factory=list)
     other_laws: Annotated[list[Label], Field(max_length=MOST_EFFECTS)] = Field(default_factory=list)
+    bends_like: Label | Literal[""] = ""
     depends_on: Annotated[list[_Dependence], Field(max_length=MOST_EFFECTS)] = Field(default_factory=list)
     left_unexplained: Finite = 1.0
     error_before: dict[Label, Size]

@@ -89,6 +89,7 @@ def test_the_json_comes_back_as_it_was_and_its_model_can_be_built():
         "tied",
         "base_misfits",
         "other_laws",
+        "bends_like",
         "depends_on",
     } <= set(said)
     assert {"left_unexplained", "error_before", "error_after", "noise_floor", "parameters_after"} <= set(said)

@@ -10,16 +10,23 @@ from testbench.diagnosis.diagnosis import Found
 from testbench.diagnosis.words import first_line
 
 
-def line(verdict: str, held_out: float) -> str:
+def line(verdict: str, held_out: float = 0.01, bends_like: str = "", first: float = 0.1, left: float = 0.7) -> str:
     """Of a diagnosis whose final model leaves 0.01 N on its own recording."""
     found = (Found("cyclic_fatigue", "cyclic_fatigue_log", 0.78, 60.0),) if verdict == "missing" else ()
     errors = {"calibration": {"force": 0.01}, "held_out": {"force": held_out}}
     return first_line(
         SimpleNamespace(  # type: ignore[arg-type]
             verdict=verdict,
-            probabilities={"nothing": 0.8, "unknown": 0.1},
+            probabilities={"nothing": 0.8, "unknown": 0.3, "yarn_elongation": 0.11},
             found=found,
+            ranking=[
+                SimpleNamespace(
+                    effect="permanent_set", law="ratchet", probability=first, left=left, held_out_gain=(1, 1, 1)
+                )
+            ],
             tied=(),
+            bends_like=bends_like,
+            depends_on=[("force", "elapsed time", 0.5)],
             left=0.0,
             after=SimpleNamespace(history=[{"errors": errors}]),
         )
@@ -42,4 +49,25 @@ def test_a_law_that_does_not_carry_over_is_told():
 def test_where_nothing_is_missing_the_other_recording_shows_more():
     assert "held out the error of the force is 15 times as large: that recording shows" in line(
         "nothing_missing", 0.15
+    )
+
+
+def test_a_law_of_the_base_that_is_bent_is_told_where_nothing_is_missing():
+    assert line("nothing_missing") == "nothing is missing (80 %)"
+    said = line("nothing_missing", bends_like="yarn_elongation")
+    assert said == "nothing is missing (80 %), but a law of the base is bent as yarn elongation (11 %) would bend it"
+
+
+def test_unknown_names_what_is_nearest():
+    assert line("unknown") == (
+        "unknown (30 %): structure remains that no effect of the catalogue explains, depends most on: force: elapsed "
+        "time. The nearest is permanent set (ratchet), which would leave 70 % of the error above the noise"
+    )
+    assert "nearest" not in line("unknown", left=0.9)
+
+
+def test_what_is_probable_but_explains_too_little_is_not_called_unlikely():
+    assert line("unknown", first=0.8) == (
+        "unknown: permanent set (80 %) is probable, but leaves 70 % of the error above the noise, depends most on: "
+        "force: elapsed time"
     )

@@ -229,6 +229,18 @@ def test_a_verdict_is_a_sentence(verdict: str, sentence: str) -> None:
     assert words.verdict_in_words(samples.diagnosis(verdict)) == sentence
 
 
+def test_a_verdict_says_what_is_near_the_truth() -> None:
+    bent = samples.diagnosis("nothing_missing") | {"bends_like": "slack"}
+    assert words.verdict_in_words(bent).endswith("But a law of the base is bent as slack (1 %) would bend it.")
+    probable = samples.diagnosis("unknown")
+    probable["probabilities"] |= {"unknown": 0.05, "stress_relaxation": 0.8}
+    probable["ranking"][0]["probability"] = 0.8
+    assert words.verdict_in_words(probable).startswith(
+        "No effect of the catalogue explains most of what is missing: stress relaxation (80 %) is probable, but "
+        "leaves 60 % of the error above the noise."
+    )
+
+
 @pytest.mark.parametrize(
     ("log_odds", "grade", "said"),
     [
