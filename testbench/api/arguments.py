@@ -40,7 +40,7 @@ class WithModel(Protocol):
 
 Source = str | Path | Recording
 AnyModel = KnitModel | ModelFile | WithModel | str | Path
-Effects = Catalogue | Iterable[type[Effect]] | str | Path | None
+Effects = Catalogue | type[Effect] | Iterable[type[Effect]] | str | Path | None
 
 
 def read(source: str | Path | pd.DataFrame | Mapping[str, Any], gauge_length_mm: float | None = None) -> Recording:
