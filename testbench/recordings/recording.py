@@ -28,6 +28,21 @@ GAP_S, GAP_STEPS = 1.0, 10.0
 MOST_RESAMPLED, MOST_MADE_UP = 20_000_000, 1_000_000
 
 
+def gaps_in(time_s: FloatArray) -> tuple[tuple[float, float], ...]:
+    """Where there is no sample: (last time before, first time after), in seconds, in order.
+
+    A step is a gap if it is longer than a second and than ten usual ones.
+
+    Parameters
+    ----------
+    time_s : ndarray, shape (n,)
+        Increasing.
+    """
+    steps_s = np.diff(time_s)
+    rows = np.flatnonzero(steps_s > max(GAP_S, GAP_STEPS * float(np.median(steps_s))))
+    return tuple((float(time_s[row]), float(time_s[row + 1])) for row in rows)
+
+
 @dataclass(frozen=True, repr=False)
 class Recording:
     """Time and named channels of one run.
@@ -78,14 +93,14 @@ class Recording:
         from testbench.recordings.showing import as_html, titled
 
         lines = [f"{self._size}, {self.mean_rate_hz:.3g} Hz on average", *self._notes()]
-        return as_html(self.source, lines, self.time_s, titled(self.channels, self.gauge_length_mm))
+        return as_html(self.source, lines, self.time_s, titled(self.channels, self.gauge_length_mm), self.gaps)
 
     def _notes(self) -> list[str]:
         gauge = [f"gauge length {self.gauge_length_mm:g} mm"] if np.isfinite(self.gauge_length_mm) else []
         return gauge + [f"nothing was recorded from {start:.4g} to {end:.4g} s" for start, end in self.gaps]
 
     def plot(self, axes: Axes | Sequence[Axes] | None = None) -> Any:
-        """Draw every channel over time, one panel a channel.
+        """Draw every channel over time, one panel a channel; where nothing was recorded, there is no line.
 
         Parameters
         ----------
@@ -98,7 +113,7 @@ class Recording:
         """
         from testbench.recordings.showing import plot, titled
 
-        return plot(self.time_s, titled(self.channels, self.gauge_length_mm), axes)
+        return plot(self.time_s, titled(self.channels, self.gauge_length_mm), axes, self.gaps)
 
     def to_frame(self) -> pd.DataFrame:
         """Samples as a table: a row a sample, ``time_s`` and every channel a column."""
@@ -184,13 +199,8 @@ class Recording:
 
     @cached_property
     def gaps(self) -> tuple[tuple[float, float], ...]:
-        """Where nothing was recorded: (last time before, first time after), in seconds, in order.
-
-        A step is a gap if it is longer than a second and than ten usual ones.
-        """
-        steps_s = np.diff(self.time_s)
-        rows = np.flatnonzero(steps_s > max(GAP_S, GAP_STEPS * float(np.median(steps_s))))
-        return tuple((float(self.time_s[row]), float(self.time_s[row + 1])) for row in rows)
+        """Where nothing was recorded, see `gaps_in`."""
+        return gaps_in(self.time_s)
 
     def segments(self) -> list[Recording]:
         """The parts between gaps, of two samples or more each; time is kept as it was."""
