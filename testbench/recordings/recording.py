@@ -43,7 +43,7 @@ def gaps_in(time_s: FloatArray) -> tuple[tuple[float, float], ...]:
     return tuple((float(time_s[row]), float(time_s[row + 1])) for row in rows)
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Recording:
     """Time and named channels of one run.
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,6 +12,7 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 
+import compensation
 import gcode
 import testbench as tb
 from testbench.api.models.adding import laws_with
@@ -41,6 +44,28 @@ def test_a_recording_tells_and_draws_itself():
     again = json.loads(json.dumps(recording.to_dict()))
     assert again["columns"]["force_N"] == recording["force_N"].tolist()
     assert again["gauge_length_mm"] == 25.0
+
+
+def program() -> gcode.Program:
+    """As read from its file."""
+    from gcode.mach4.reader import read_program
+
+    return read_program(gcode.generate("paper-1", seed=3, duration_s=20).program)
+
+
+def compensator():
+    """Fitted as quickly as one can be."""
+    recording = relaxed().resampled(20.0)
+    fitted_one = compensation.Compensator(method="paper")
+    return fitted_one.fit(recording.conductance_S[:, None], recording["force_N"]).trained()
+
+
+@pytest.mark.parametrize("make", [relaxed, program, compensator])
+def test_what_holds_arrays_can_be_compared_looked_up_and_shown_in_a_line(make):
+    one = make()
+    assert one != copy.deepcopy(one)
+    assert one in {one}
+    assert re.fullmatch(r"<[A-Z].{,150}>", repr(one))
 
 
 def test_a_recording_can_be_read_from_a_frame_that_it_gave():
