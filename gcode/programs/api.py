@@ -140,7 +140,7 @@ def check(program: str | Path | Program | Made, limits: Limits | None = None, **
         from gcode.mach4.check import check_program
 
         return check_program(program, allowed, **options)
-    return check_file(_text_of(program)[0], allowed, **options)[0]
+    return check_file(text_of(program)[0], allowed, **options)[0]
 
 
 def play(program: str | Path | Program | Made, rate_hz: float = 20.0, machine: Machine | None = None) -> Trajectory:
@@ -171,10 +171,10 @@ def play(program: str | Path | Program | Made, rate_hz: float = 20.0, machine: M
     >>> gcode.play(gcode.generate("paper-1", seed=3, duration_s=60)).position_mm[0].item()
     0.0
     """
-    return played(program if isinstance(program, Program) else read_program(*_text_of(program)), rate_hz, machine)
+    return played(program if isinstance(program, Program) else read_program(*text_of(program)), rate_hz, machine)
 
 
-def _text_of(program: str | Path | Made) -> tuple[str, str]:
+def text_of(program: str | Path | Made) -> tuple[str, str]:
     """The text of a program, and what messages call it; a string without a line end is the path of its file."""
     if isinstance(program, Made):
         return program.program, "program"
