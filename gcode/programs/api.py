@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from gcode.mach4.check import CheckResult
 from gcode.mach4.controller import Machine
@@ -72,6 +72,8 @@ def generate(
     >>> round(gcode.generate(triangles, seed=0).statistics.x_max_mm, 1)
     5.0
     """
+    if feed_mode not in get_args(FeedMode):
+        raise UserError(f"feed_mode must be {' or '.join(get_args(FeedMode))}, got {feed_mode!r}")
     wanted = changed(_spec(spec), limits, duration_s, machine_acceleration_mm_per_s2)
     return make(wanted, seed, gauge_length_mm, feed_mode)
 

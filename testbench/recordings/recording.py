@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
+from numbers import Integral, Real
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -134,7 +135,7 @@ class Recording:
     def __getitem__(self, name: str) -> FloatArray:
         try:
             return self.channels[name]
-        except KeyError:
+        except (KeyError, TypeError):  # TypeError: a slice is no key
             have = ", ".join(self.channels)
             raise UserError(f"{self.source}: no channel {name}; it has {have}") from None
 
@@ -187,7 +188,15 @@ class Recording:
         return self._rows((self.time_s >= start_s) & (self.time_s < end_s))
 
     def thinned(self, every: int) -> Recording:
-        """Every n-th sample, where n is `every`, the first one included."""
+        """Every n-th sample, where n is `every`, the first one included.
+
+        Raises
+        ------
+        UserError
+            If `every` is no whole number of 1 or more, or too few samples are left.
+        """
+        if not isinstance(every, Integral) or every < 1:
+            raise UserError(f"{self.source}: thinned needs a whole number, 1 or more, got {every!r}")
         return self if every == 1 else self._rows(slice(None, None, every))
 
     def _rows(self, rows: np.ndarray | slice) -> Recording:
@@ -221,9 +230,11 @@ class Recording:
         Raises
         ------
         UserError
-            If most of that grid would be made up: more than a million points in gaps. A gap of a day is a gap; see
-            `segments`. So, too, if it would have more than 20 million points.
+            If the rate is no number above 0; if most of that grid would be made up: more than a million points in
+            gaps. A gap of a day is a gap; see `segments`. So, too, if it would have more than 20 million points.
         """
+        if not isinstance(rate_hz, Real) or not rate_hz > 0:
+            raise UserError(f"{self.source}: the rate must be a number of Hz above 0, got {rate_hz!r}")
         count = int(np.floor(min(self.duration_s * rate_hz, 1e18) * (1 + 1e-12))) + 1
         made_up = rate_hz * sum(end_s - start_s for start_s, end_s in self.gaps)
         if count > MOST_RESAMPLED or made_up > max(MOST_MADE_UP, len(self)):
