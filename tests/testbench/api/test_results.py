@@ -193,6 +193,15 @@ def test_an_effect_of_ones_own_takes_part(tmp_path):
         tb.fit(relaxed(), effects=[tb.effects.StressRelaxation])
 
 
+def test_the_picture_of_a_diagnosis_and_its_table_have_one_order():
+    """Most mechanisms have the probability of no evidence, all the same: the table ranks them by their evidence."""
+    d = diagnosed()
+    told = [name for name in d.probabilities if name not in ("nothing", "unknown")]
+    ranked = d.to_frame()
+    assert ranked.probability.duplicated().any()
+    assert told == ranked.sort_values("probability", ascending=False, kind="stable").effect.tolist()
+
+
 def test_a_diagnosis_has_probabilities_a_picture_and_a_ladder():
     d = diagnosed()
     assert d.effect == "stress_relaxation"
